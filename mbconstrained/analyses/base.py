@@ -1,4 +1,4 @@
-"""What an analysis declares, and what every answer can do: be printed, written as page, CSV, npz and pictures, and become plain data."""
+"""Declaration of an analysis, and the common answer: printed, written as page, CSV, npz and pictures, or returned as plain data."""
 
 from __future__ import annotations
 
@@ -35,15 +35,15 @@ class Answer(Displayed):
 
     Attributes:
         kind: name of the analysis, part of the names of files.
-        name: of the model, the first part of the names of files.
-        title, source: of the model.
+        name: name of the model, the first part of the names of files.
+        title, source: title and source of the model.
         facts: pairs of a label and a text.
         tables: for terminal and page, in the units shown.
-        notices: what is worth knowing, and what makes the values doubtful.
+        notices: notices on the answer, and doubts about it.
         data: everything as plain data, numbers in SI.
         plots: a function, since only pages and pictures need them.
-        columns: likewise the columns of each CSV file by their heads, the files by what stands before their ending, such as ".peaks".
-        arrays: likewise the arrays of the npz file, in SI.
+        columns: columns of each CSV file by their heads, the files by the text before their ending, such as ".peaks".
+        arrays: arrays of the npz file, in SI.
         heading: for the terminal; by default the title.
     """
 
@@ -91,7 +91,7 @@ class Answer(Displayed):
         Args:
             folder: is created if it does not exist.
             formats: some of "page", "csv", "npz", "pictures" (each plot as SVG and PNG).
-            viewer: where the script of the 3-D viewer is, see ``mbconstrained.page.html``.
+            viewer: location of the script of the 3-D viewer, see ``mbconstrained.page.html``.
 
         Returns:
             The paths.
@@ -128,7 +128,7 @@ class Analysis:
     """A question: a name, a sentence of help, settings, and a function from a scene to an answer.
 
     Attributes:
-        name: of the command and of the table in a scene.
+        name: name of the command and of the table in a scene.
         help: a sentence for the list of commands.
         settings: a table of the scene, whose entries are the options of the command.
         options: names of options that differ from their entries, by entry; None for entries without an option.

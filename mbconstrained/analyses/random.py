@@ -100,7 +100,7 @@ def random_response(scene: Scene, table: RandomTable | None = None) -> RandomRes
 
 
 def random_arguments(scene: Scene, table: RandomTable | None) -> tuple[tuple, dict]:
-    """Those of ``MechanicalSystem.random_response``."""
+    """Arguments of ``MechanicalSystem.random_response``."""
     equations = scene.equations
     if table is None:
         raise InputError(
@@ -152,7 +152,7 @@ class _Outputs:
 
     @cached_property
     def spectra(self) -> np.ndarray:
-        """One-sided spectra of the outputs in the units shown, shape (p, F)."""
+        """One-sided power spectral densities of the outputs in the displayed units, shape (p, F)."""
         return self.response.psd(self.frequencies) * np.array([[factor**2] for _, factor in self.shown])
 
     @cached_property
@@ -171,7 +171,7 @@ class _Outputs:
         return {**own, "covariance": self.response.covariance, "outputs": np.array(self.response.outputs)}
 
     def plots(self) -> Iterator[Plot]:
-        """For each unit the spectra, RMS values of octaves and up to each frequency, and a path of the first output."""
+        """Spectral densities, RMS values of octaves and up to each frequency by unit, and a sample path of the first output."""
         for unit in dict.fromkeys(unit for unit, _ in self.shown):
             chosen = [i for i, (own, _) in enumerate(self.shown) if own == unit]
             if self.spectra[chosen].max() > 0:
@@ -204,7 +204,7 @@ class _Outputs:
         return Plot(title, unit, f, curves, across_unit="Hz", quantity=quantity, variable="frequency", scales=("log", scale))
 
     def _path(self, unit: str, chosen: list[int]) -> Iterator[Plot]:
-        """A random path of the first of these outputs that has one, over some cycles of its mean frequency, with its band of one sigma."""
+        """A sample path of the first output that has one, over some cycles of its mean frequency, with its band of one sigma."""
         first = next((i for i in chosen if np.isfinite(self.response.rms[i]) and self.response.rms[i] > 0), None)
         if first is None:
             return

@@ -91,7 +91,7 @@ class Shock(Analysis):
 
     @classmethod
     def of_record(cls, path: Path, table: ShockTable, **reading) -> Answer:
-        """The shock response spectrum of the acceleration in a file; column, step, unit ... as of ``record_in_si``."""
+        """The shock response spectrum of the acceleration in a file; column, step, unit ... as in ``record_in_si``."""
         record = record_in_si(path, expected="m/s^2", **reading)
         with at(path.name, "shock"):
             part = _Spectrum(table, OutputUnits(()), record.name or path.stem, "m", record.signal)
@@ -151,7 +151,7 @@ class _Spectrum:
 
     @cached_property
     def spectrum(self) -> ShockResponseSpectrum:
-        """The spectrum that was asked for."""
+        """The requested spectrum."""
         return self.of(self.settings.quantity)
 
     def _shown(self, spectrum: ShockResponseSpectrum) -> tuple[str, float]:
@@ -276,7 +276,7 @@ def _range(signal: ImpulsiveSmooth) -> tuple[float, float]:
 
 
 def _times(signal: ImpulsiveSmooth) -> np.ndarray:
-    """Times of a plot of the signal: even ones and its knots, of a long record some of these."""
+    """Times of a plot of the signal: even ones and its knots, or some of the knots of a long record."""
     knots = np.asarray(signal.knots, dtype=float)
     some = knots[:: len(knots) // (4 * TIMES) + 1]
     return np.union1d(np.linspace(0.0, LONGER * float(knots[-1]), TIMES), some)

@@ -26,7 +26,7 @@ def main() -> None:
 
 @cache
 def application() -> typer.Typer:
-    """All commands, in the order of the help."""
+    """The application with all commands, in the order of the help."""
     from . import campbell, compare, frequency, new, sensitivity, studies, variation
     from .commands import app
 

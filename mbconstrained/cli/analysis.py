@@ -32,7 +32,7 @@ class Commands(TyperGroup):
     """The commands of the application and those of the analyses, each made when it is called: a command loads its analysis only."""
 
     def list_commands(self, ctx) -> list[str]:
-        """All names, the analyses after the frequency response."""
+        """Names of all commands, with the analyses after the frequency response."""
         names = super().list_commands(ctx)
         place = names.index("frequency") + 1
         return [*names[:place], *ANALYSES, *names[place:]]
@@ -97,7 +97,7 @@ def command(analysis: type[Analysis]):
 
 
 def _entries(analysis: type[Analysis]):
-    """By entry of the settings the option, what stands for its value, and the help; entries that are tables or lists have none."""
+    """Option, metavariable and help of each setting, except tables and lists."""
     for name, field in analysis.settings.model_fields.items() if analysis.settings else ():
         key, kinds = field.alias or name, typing.get_args(field.annotation) or (field.annotation,)
         if any(typing.get_origin(kind) in (list, dict) or kind is Any for kind in (*kinds, field.annotation)):

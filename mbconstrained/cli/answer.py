@@ -1,4 +1,4 @@
-"""What all commands share: their options, the reading of the scene, the exit codes."""
+"""Common parts of all commands: options, reading of the scene, exit codes."""
 
 from __future__ import annotations
 
@@ -16,14 +16,12 @@ ScenePath = Annotated[str, typer.Argument(metavar="SCENE", help="The scene file,
 Json = Annotated[bool, typer.Option("--json", help="Print plain data (JSON) instead of text.")]
 Settings = Annotated[
     list[str] | None,
-    typer.Option(
-        "--set", metavar="NAME=VALUE", help="Take this value of a parameter, or of what stands at a place; repeat it for others."
-    ),
+    typer.Option("--set", metavar="NAME=VALUE", help="Override a parameter or a key of the scene; may be repeated."),
 ]
 SharedViewer = Annotated[
     bool, typer.Option("--shared-viewer", help="Write the 3-D viewer once next to the pages of a folder, not into each.")
 ]
-Compress = Annotated[bool, typer.Option("--compress", help="Compress the scripts in the page, to a third; for new browsers.")]
+Compress = Annotated[bool, typer.Option("--compress", help="Compress the scripts in the page; needs a recent browser.")]
 Out = Annotated[str, typer.Option("--out", metavar="DIR", help="Folder to write into; results/NAME_OF_SCENE by default.")]
 
 _NUMBER = re.compile(r"[-+]?\.?\d")
@@ -35,7 +33,7 @@ def answer(path: str, json: bool, work: Callable[[Scene], int | None], settings:
     """Read the scene, do the work, and leave with the exit code of the outcome.
 
     Args:
-        path: of the scene.
+        path: path of the scene.
         json: whether an error is printed as plain data.
         work: returns the exit code, or None for 0.
         settings: NAME=VALUE of each --set.
@@ -96,7 +94,7 @@ def leave(name: str, json: bool, work: Callable[[], int | None]) -> None:
     """Do the work, and leave with the exit code of the outcome.
 
     Args:
-        name: of the object of the work, for messages.
+        name: name of the object of the work, for messages.
         json: whether an error is printed as plain data.
         work: returns the exit code, or None for 0.
     """
@@ -125,7 +123,7 @@ def read(path: str, settings: Mapping[str, Any]) -> Scene:
     """The scene; errors of the system while it is read are about the scene, not about the results.
 
     Args:
-        path: of the scene file.
+        path: path of the scene file.
         settings: values by the name of a parameter or place.
 
     Returns:
@@ -144,7 +142,7 @@ def read(path: str, settings: Mapping[str, Any]) -> Scene:
 
 
 def viewer_of(shared: bool, compressed: bool) -> str:
-    """Where the viewer's script shall be, or an empty string for that in the scene.
+    """Location of the viewer's script, or an empty string for that in the scene.
 
     Args:
         shared: whether in a file that pages share.

@@ -24,10 +24,10 @@ def _campbell(
     scene: ScenePath,
     lowest: Annotated[str, typer.Option("--from", metavar="SPEED", help='The lowest speed, such as "500 rpm"; 0 by default.')] = "",
     highest: Annotated[str, typer.Option("--to", metavar="SPEED", help="The highest; by default beyond all critical speeds.")] = "",
-    points: Annotated[int, typer.Option("--points", metavar="N", help="How many speeds; 101 by default.", show_default=False)] = 0,
+    points: Annotated[int, typer.Option("--points", metavar="N", help="Number of speeds; 101 by default.", show_default=False)] = 0,
     order: Annotated[
         list[str] | None,
-        typer.Option("--order", metavar="N", help="Of an excitation, a multiple of the speed; repeat it. 1 by default."),
+        typer.Option("--order", metavar="N", help="Order of an excitation, a multiple of the speed; repeat it. 1 by default."),
     ] = None,
     out: Out = "",
     settings: Settings = None,
@@ -83,7 +83,7 @@ def _locus(
 
 def _path(
     scene: ScenePath,
-    points: Annotated[int, typer.Option("--points", metavar="N", help="How many places; 21 by default.", show_default=False)] = 0,
+    points: Annotated[int, typer.Option("--points", metavar="N", help="Number of points; 21 by default.", show_default=False)] = 0,
     out: Out = "",
     settings: Settings = None,
     json: Json = False,

@@ -155,7 +155,7 @@ def _modes(
     answer(scene, json, work, settings)
 
 
-@app.command("plan", short_help="List the stages of a run, taken or left out, and why.")
+@app.command("plan", short_help="List the stages of a run, needed or omitted, with the reasons.")
 def _plan(
     scene: ScenePath,
     run: Annotated[
@@ -233,7 +233,7 @@ def _moment(still: str) -> float | None:
 
 
 class As(StrEnum):
-    """How a formula is written."""
+    """Format of a formula."""
 
     TEXT, LATEX, PYTHON, C, JSON = "text", "latex", "python", "c", "json"
 
@@ -241,14 +241,14 @@ class As(StrEnum):
 @app.command("formula", short_help="The formula of each coordinate, with parameters as symbols.")
 def _formula(
     scene: ScenePath,
-    kind: Annotated[As, typer.Option("--as", help="As what it is written.")] = As.TEXT,
+    kind: Annotated[As, typer.Option("--as", help="Output format.")] = As.TEXT,
     numbers: Annotated[
         bool, typer.Option("--numbers", help="Insert the default values of the parameters, write decimals.")
     ] = False,
-    digits: Annotated[int | None, typer.Option("--digits", min=2, max=30, help="Of the decimals with --numbers; 6.")] = None,
+    digits: Annotated[int | None, typer.Option("--digits", min=2, max=30, help="Digits of decimals with --numbers; 6.")] = None,
     coordinates: Annotated[str, typer.Option("--coordinates", metavar="A,B", help="Only these coordinates.")] = "",
     out: Annotated[str, typer.Option("--out", metavar="FILE", help="Write into a file instead of printing.")] = "",
-    seconds: Annotated[float, typer.Option("--seconds", min=1.0, max=LONGEST_WORK, help="Break off after so long.")] = 120.0,
+    seconds: Annotated[float, typer.Option("--seconds", min=1.0, max=LONGEST_WORK, help="Time limit in s.")] = 120.0,
     settings: Settings = None,
     json: Json = False,
 ) -> None:

@@ -38,10 +38,10 @@ def _frequency(
     settings: Settings = None,
     json: Json = False,
 ) -> None:
-    """How large is the response at each frequency: peaks, antiresonances, values, Bode plots.
+    """Compute the frequency response: peaks, antiresonances, values, Bode plots.
 
-    The answer to loads Re(f e^(i w t)) after all free motion has decayed. What is not given here is that of the table [frequency] of
-    the scene, or chosen: all prescribed motions or loaded coordinates, and frequencies placed by the poles, so that no peak is missed.
+    The steady-state response to loads Re(f e^(i w t)). Omitted options are those of the table [frequency] of the scene, or chosen:
+    all prescribed motions or loaded coordinates, and frequencies placed by the poles, so that no peak is missed.
     Writes NAME.frequency.html, .csv and .npz."""
     from ..scene.quantities.settings import value_of
     from .printing import show

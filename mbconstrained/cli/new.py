@@ -54,7 +54,7 @@ def _new(
 
 def _schema(
     out: Annotated[str, typer.Option("--out", metavar="FILE", help="Write into a file instead of printing.")] = "",
-    robot: Annotated[bool, typer.Option("--robot", help="That of a robot.toml instead of that of a scene.")] = False,
+    robot: Annotated[bool, typer.Option("--robot", help="The schema of a robot.toml instead of that of a scene.")] = False,
 ) -> None:
     """Print the JSON Schema of scenes, or of a robot.toml: every key with description and unit, for completion and checks."""
     from ..scene.schema.editors import EDITORS, schema_text
@@ -101,7 +101,7 @@ def template_text(name: str) -> str:
 
 
 def template_table() -> str:
-    """All templates with a sentence each, which is the first line of each."""
+    """Table of all templates with a sentence each, the first line of each."""
     rows = tuple((name, template_text(name).splitlines()[0].removeprefix("# ")) for name in template_names())
     note = "Write one: mbconstrained new FILE --template NAME, or name the file after it."
     return table_text(TextTable("Templates", ("name", "what it shows"), rows, note))
@@ -111,7 +111,7 @@ def write_template(path: Path, template: str = "") -> str:
     """Write a template, and the files that belong to it, under a name, and name the next commands.
 
     Args:
-        path: of the scene.
+        path: path of the scene.
         template: left out: the one that the file is named after, or the one to begin with.
 
     Returns:

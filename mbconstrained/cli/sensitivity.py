@@ -25,9 +25,9 @@ def _sensitivity(
     settings: Settings = None,
     json: Json = False,
 ) -> None:
-    """What each per cent of a parameter or an element changes of natural frequencies and damping, sorted by influence.
+    """Compute changes of natural frequencies and damping per 1 % of each parameter or element, sorted by influence.
 
-    Derivatives in closed form: of eigenvalues and shapes, of defective ones exponents and coefficients of their splitting."""
+    Derivatives of eigenvalues and shapes in closed form; for defective ones exponents and coefficients of their splitting."""
 
     def work(loaded: Scene) -> None:
         from ..scene.run.modes.scene_sensitivities import SceneSensitivities

@@ -92,7 +92,7 @@ def published(study: Callable[[Progress], StudyReport], name: str, kind: str, ou
 
     Args:
         study: makes the report, and calls its argument as it proceeds.
-        name, kind: of the files, NAME.KIND.html, ....
+        name, kind: name and kind of the files, NAME.KIND.html, ....
         out: the folder, or an empty text.
         json: whether plain data is printed.
 
@@ -112,8 +112,8 @@ def printed(report: StudyReport, files: Sequence[Path], json: bool, data: Callab
     """Print a report and the names of its files.
 
     Args:
-        report: of a study.
-        files: that were written.
+        report: report of a study.
+        files: written files.
         json: whether plain data is printed.
         data: makes it.
 

@@ -33,7 +33,7 @@ def _sweep(
     keep: Annotated[
         list[str] | None,
         typer.Option(
-            "--keep", metavar="WHAT", help='What is kept of each sample, such as "frequencies", "largest x", "x at 2 s"; repeat it.'
+            "--keep", metavar="WHAT", help='Kept quantity of a sample, such as "frequencies", "largest x", "x at 2 s"; repeat it.'
         ),
     ] = None,
     limit: Annotated[
@@ -44,10 +44,10 @@ def _sweep(
         str,
         typer.Option("--method", metavar="NAME", help="random, latin hypercube, sobol, saltelli (Sobol indices) or one at a time."),
     ] = "",
-    samples: Annotated[int, typer.Option("--samples", metavar="N", help="Of the distributions; 1000 by default.")] = 0,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", help="Of the random numbers; 0 by default.")] = -1,
+    samples: Annotated[int, typer.Option("--samples", metavar="N", help="Number of samples; 1000 by default.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", help="Seed of the random numbers; 0 by default.")] = -1,
     correlation: Annotated[
-        list[str] | None, typer.Option("--correlation", metavar="A,B=R", help="Of the normal scores of two parameters; repeat it.")
+        list[str] | None, typer.Option("--correlation", metavar="A,B=R", help="Correlation of normal scores; repeat it.")
     ] = None,
     store: Annotated[
         str, typer.Option("--store", metavar="PATH", help="Keep the samples in this Zarr store, and go on from there.")
@@ -111,8 +111,8 @@ def _optimise(
     minimise: Annotated[
         str, typer.Option("--minimise", metavar="WHAT", help='The figure, such as "response peak", "random RMS x", "largest x".')
     ] = "",
-    maximise: Annotated[str, typer.Option("--maximise", metavar="WHAT", help="Instead: the figure that is made largest.")] = "",
-    seed: Annotated[int, typer.Option("--seed", metavar="N", help="Of the random numbers; 0 by default.")] = -1,
+    maximise: Annotated[str, typer.Option("--maximise", metavar="WHAT", help="Quantity to maximise, instead of --minimise.")] = "",
+    seed: Annotated[int, typer.Option("--seed", metavar="N", help="Seed of the random numbers; 0 by default.")] = -1,
     out: Out = "",
     settings: Settings = None,
     json: Json = False,
@@ -141,7 +141,7 @@ INTERRUPTED = 130
 
 
 def _printed(report: StudyReport, files: Sequence[Path], json: bool) -> int:
-    """As ``printed``, with the names of the files in the data."""
+    """Print a report and its files, with the names of the files in the data; return the exit code."""
     return printed(report, files, json, lambda: {**report.as_json(), "files": [str(path) for path in files]})
 
 

@@ -54,7 +54,7 @@ def _has(system, *names: str) -> bool:
 
 
 def _refuse_discrete(system) -> None:
-    """python-control writes 0 for continuous time and None for either, scipy.signal None; all else is a sampling time."""
+    """Refuse discrete-time systems: python-control has dt = 0 for continuous time and None for either, scipy.signal None."""
     step = getattr(system, "dt", None)
     if step is None or (not isinstance(step, bool) and step == 0):
         return
@@ -65,7 +65,7 @@ def _refuse_discrete(system) -> None:
 
 
 def _names(system, *which: str) -> dict[str, list[str]]:
-    """Names that it has, where they are distinct also between states and outputs."""
+    """Names of the system, where they are distinct also between states and outputs."""
     labels = {key: list(getattr(system, label)) for key, label in _LABELS.items() if hasattr(system, label)}
     labels = {key: names for key, names in labels.items() if names and (not which or key in which)}
     together = [name for names in labels.values() for name in names]
@@ -130,7 +130,7 @@ class OrdinaryForm(NamedTuple):
 
 
 def ordinary_form(system: StateEquations) -> OrdinaryForm:
-    """The same transfer functions without E.
+    """The ordinary form with the same transfer functions without E.
 
     Where E is regular the states stay, A becomes E^-1 A. Where it is singular, (s E - A)^-1 = C_F (s I - J)^-1 B_F + H_0 + s H_1
     + ... (Moysis et al., Theorem 2.8) gives A = J, B = B_F B, C = C C_F, D + C H_0 B; the states are those of the finite

@@ -56,7 +56,7 @@ class Transfer(Displayed):
 
 
 def roots_of(zeros: Sequence[FiniteZero]) -> np.ndarray:
-    """Every root as often as its multiplicity, with conjugates, shape (k,).
+    """All roots with their conjugates, repeated by multiplicity, shape (k,).
 
     >>> roots_of([FiniteZero(1j, 1), FiniteZero(-2 + 0j, 2)]).tolist()
     [1j, -1j, (-2+0j), (-2+0j)]
@@ -97,14 +97,14 @@ def _place(key, names: Sequence[str], what: str) -> int:
 
 @dataclass(frozen=True)
 class _Channel:
-    """One input and one output of a state space."""
+    """The channel from one input to one output of a state space."""
 
     system: StateEquations
     output: int
     input: int
 
     def __call__(self, s: complex) -> tuple[complex, float]:
-        """G(s), and the size of its terms, with those of x = (s E - A)^-1 b, whose rounding errors x has (Skeel 1979)."""
+        """G(s), and the size of its terms, with those of x = (s E - A)^-1 b that cause its rounding errors (Skeel 1979)."""
         system = self.system
         pencil, c, d = s * system.E - system.A, system.C[self.output], system.D[self.output, self.input]
         states = np.linalg.solve(pencil, system.B[:, self.input])
@@ -118,7 +118,7 @@ class _Channel:
         return PolynomialMatrix([constant, np.pad(system.E, (0, 1))])
 
     def hidden(self) -> IllConditioned:
-        """The error for zeros that rounding hides."""
+        """The error for zeros hidden by rounding errors."""
         return IllConditioned(
             f"from {self.system.inputs[self.input]} to {self.system.outputs[self.output]}: rounding of A, B, C and D hides the "
             "zeros of G(s), which is not zero; choose states in which fewer digits cancel, or give the transfer function"
@@ -126,7 +126,7 @@ class _Channel:
 
 
 def rational_transfer(fraction: RationalFunction) -> Transfer:
-    """Of b(s)/a(s) without its common factor, with exact coefficients.
+    """Poles, zeros and gain of b(s)/a(s) without its common factor, with exact coefficients.
 
     >>> from mbconstrained.control.transfer.rational import rational_function
     >>> transfer = rational_transfer(rational_function([2.0, 4.0], [1.0, 4.0, 3.0]))
@@ -143,14 +143,14 @@ def rational_transfer(fraction: RationalFunction) -> Transfer:
 
 
 def _samples(channel: _Channel, poles: np.ndarray) -> list[tuple[complex, complex, float]]:
-    """s, G(s) and the size of its terms at some s near the poles in size, away from both axes."""
+    """Sample points s, G(s) and the size of its terms, for some s near the poles in size, away from both axes."""
     sizes = np.abs(poles)[np.abs(poles) > 0]
     places = np.quantile(sizes if sizes.size else np.ones(1), [0.0, 0.25, 0.5, 0.75, 1.0]) * DIRECTION
     return [(s, *channel(s)) for s in map(complex, places) if not np.isin(s, poles)]
 
 
 def _gain(samples, zeros: np.ndarray, poles: np.ndarray) -> tuple[float, float]:
-    """The gain from G at the s where its terms cancel least, and its largest relative difference at other s."""
+    """The gain from G at the s of least cancellation, and its largest relative difference at other s."""
     gains = []
     for s, G, size in samples:
         if abs(G) > noise_of(size, len(poles)) / GAIN_AGREEMENT and not np.isin(s, zeros):

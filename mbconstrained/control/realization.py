@@ -21,7 +21,7 @@ Matrices = tuple[np.ndarray | None, np.ndarray, np.ndarray, np.ndarray, np.ndarr
 
 
 def rational_realization(numerator, denominator) -> Matrices:
-    """Of b(s)/a(s), or of a matrix of them, numerator[output][input] and denominator[output][input].
+    """Realization of b(s)/a(s), or of a matrix of them, numerator[output][input] and denominator[output][input].
 
     Every entry of a matrix is realized separately, so that common poles occur more than once.
 
@@ -55,7 +55,7 @@ def _single(b: np.ndarray, a: np.ndarray) -> Matrices:
 
 
 def _canonical(b, a) -> Matrices:
-    """Ascending powers, m <= n."""
+    """Canonical realization; ascending powers, m <= n."""
     n = len(a) - 1
     b = np.pad(b, (0, n + 1 - len(b))) / a[-1]
     a = a / a[-1]
@@ -65,7 +65,7 @@ def _canonical(b, a) -> Matrices:
 
 
 def _descriptor(b, a, highest: int) -> Matrices:
-    """Ascending powers, of any degrees up to the highest one."""
+    """Descriptor realization; ascending powers, of any degree of the numerator."""
     size = highest + 1
     E, A = np.eye(size), np.diag(np.ones(highest), 1)
     E[-1, -1] = 0.0
@@ -109,7 +109,7 @@ def _block_realization(table: list[list[Matrices]]) -> Matrices:
 
 
 def factored_realization(zeros, poles, gain) -> Matrices:
-    """Of gain prod(s - zeros)/prod(s - poles): a series of sections of at most second order, without multiplying them out."""
+    """Realization of gain prod(s - zeros)/prod(s - poles) as a series of sections of at most second order, not multiplied out."""
     above, below = _quadratics(zeros, "zeros"), _quadratics(poles, "poles")
     gain = real_number(gain, "gain")
     if len(above) > len(below) or not below or sum(map(len, above)) - len(above) > sum(map(len, below)) - len(below):
@@ -127,7 +127,7 @@ def _product(factors) -> np.ndarray:
 
 
 def _quadratics(roots, what: str) -> list[np.ndarray]:
-    """Real factors of second order, and one of first order at the end where their number is odd."""
+    """Real factors of second order, and one of first order at the end where the degree is odd."""
     roots = _complex_numbers(roots, what)
     upper, lower = (sorted(roots[sign * roots.imag > 0], key=lambda z: (z.real, abs(z.imag))) for sign in (1, -1))
     if len(upper) != len(lower) or not np.allclose(upper, np.conj(lower), rtol=CONJUGATE_ROOTS, atol=0):
@@ -150,7 +150,7 @@ def _complex_numbers(roots, what: str) -> np.ndarray:
 
 
 def _series(first: Matrices, second: Matrices) -> Matrices:
-    """The output of the first is the input of the second; both without descriptor."""
+    """Series connection: the output of the first is the input of the second; both without descriptor."""
     _, A1, B1, C1, D1 = first
     _, A2, B2, C2, D2 = second
     A = np.block([[A1, np.zeros((len(A1), len(A2)))], [B2 @ C1, A2]])

@@ -28,7 +28,7 @@ class StateSpace(StateEquations):
         B, C, D: shapes (n, p), (q, n), (q, p); no inputs, no outputs and zero by default.
         descriptor: E, shape (n, n); the identity by default.
         states, inputs, outputs: names; x1, ..., u1, ..., y1, ... by default.
-        units: of states, inputs and outputs by name; "1" by default.
+        units: units of states, inputs and outputs by name; "1" by default.
 
     Raises:
         InputError: shapes that do not match, entries that are not finite real numbers, names used twice.
@@ -42,7 +42,7 @@ class StateSpace(StateEquations):
     """
 
     def solve(self, initial=None, input: ImpulsiveSmooth | None = None, rank_tolerance: float | None = None) -> StateSpaceResponse:
-        """x and y on t >= 0 in closed form, from any x(0-), also where E is singular and x(0-) is inconsistent.
+        """Solve for x and y on t >= 0 in closed form, from any x(0-), also where E is singular and x(0-) is inconsistent.
 
         Args:
             initial: x(0-), shape (n,), or a mapping from names of states to numbers, zero for the others; None for zeros.
@@ -61,7 +61,7 @@ class StateSpace(StateEquations):
         return StateSpaceResponse(response.problem, response.solution, self, u)
 
     def frequency_response(self, frequencies_hz="auto", inputs=None, outputs=None) -> FrequencyResponse:
-        """G(i w) = C (i w E - A)^-1 B + D with error estimates, poles, residues and polynomial part.
+        """Return the frequency response G(i w) = C (i w E - A)^-1 B + D with error estimates, poles, residues and polynomial part.
 
         Args:
             frequencies_hz: in Hz, shape (F,), or "auto", placed by the poles.
@@ -111,10 +111,10 @@ class StateSpace(StateEquations):
 
     @classmethod
     def from_transfer_function(cls, numerator, denominator, **names) -> StateSpace:
-        """A realization of b(s)/a(s), coefficients with the highest power first as in scipy.signal (``control.realization``).
+        """Return a realization of b(s)/a(s), highest powers first as in scipy.signal (``control.realization``).
 
         Args:
-            numerator, denominator: of one input and output; or of each, as lists of lists: numerator[output][input].
+            numerator, denominator: coefficients of one input and output; or of each, as lists of lists: numerator[output][input].
             names: states, inputs, outputs, units, as for the class.
 
         Returns:
@@ -129,7 +129,7 @@ class StateSpace(StateEquations):
 
     @classmethod
     def from_zeros_poles_gain(cls, zeros, poles, gain: float, **names) -> StateSpace:
-        """A realization of gain prod(s - zeros)/prod(s - poles) as a chain of sections of second order.
+        """Return a realization of gain prod(s - zeros)/prod(s - poles) as a series of sections of second order.
 
         Args:
             zeros, poles: complex numbers with their conjugates.
@@ -147,7 +147,7 @@ class StateSpace(StateEquations):
 
     @classmethod
     def from_scipy(cls, system) -> StateSpace:
-        """From a scipy.signal ``StateSpace``, ``TransferFunction`` or ``ZerosPolesGain``, continuous in time.
+        """Return the state space of a continuous-time scipy.signal ``StateSpace``, ``TransferFunction`` or ``ZerosPolesGain``.
 
         Raises:
             InputError: a discrete-time system, or another object.
@@ -160,7 +160,7 @@ class StateSpace(StateEquations):
 
     @classmethod
     def from_control(cls, system) -> StateSpace:
-        """From a python-control ``StateSpace`` or ``TransferFunction``, with its names; as ``from_scipy``."""
+        """Return the state space of a python-control ``StateSpace`` or ``TransferFunction`` with its names, as ``from_scipy``."""
         return cls(**realization_of(system))
 
 

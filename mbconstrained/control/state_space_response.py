@@ -49,7 +49,7 @@ class StateSpaceResponse(Response):
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
-        """Jumps, impulses, growth, doubtful decisions, of states and outputs."""
+        """Notices on jumps, impulses, growth and doubtful decisions, for states and outputs."""
         return self.together.notices if self.system.outputs else super().notices
 
     def output(self, times) -> np.ndarray:
@@ -69,7 +69,7 @@ class StateSpaceResponse(Response):
         return self.output_of(self.together)
 
     def output_of(self, together: Response) -> BohlFunction:
-        """The outputs among the rows of a response of x and y."""
+        """Return the outputs among the rows of a response of x and y."""
         return together.function.mapped(np.eye(together.function.size)[len(self.system.states) :])
 
     @property
@@ -101,12 +101,12 @@ class StateSpaceResponse(Response):
         return whole.with_rows(range(len(self.system.states), whole.size))
 
     def enclose_output(self, times, digits: int = 15, *, order: int = 0) -> Enclosure:
-        """Intervals that are guaranteed to contain y, or a derivative of it, as ``enclose`` does for x.
+        """Return intervals that are guaranteed to contain y, or a derivative of it, as ``enclose`` does for x.
 
         Args:
             times: a time or shape (T,), in s.
             digits: correct digits, at least.
-            order: of the derivative.
+            order: order of the derivative.
 
         Returns:
             Lower and upper bounds, shape (q,) or (q, T).
@@ -117,7 +117,7 @@ class StateSpaceResponse(Response):
         return enclosure.with_notices(structure_notices(self.together.solution.finite_count, self.exact_output))
 
     def output_error_estimate(self, times) -> float:
-        """Estimate of max |error| / max |y| over the times."""
+        """Return an estimate of max |error| / max |y| over the times."""
         return error_estimate(self.together, times, self.output_of)
 
 

@@ -1,4 +1,4 @@
-"""Exact answers: over the rationals, over rational functions of symbols, and in intervals that are sure to contain a response.
+"""Exact answers: over the rationals, over rational functions of symbols, and as guaranteed intervals of a response.
 
 May import ``polynomial``, ``signals`` and the rooms below them. Nothing heavy is loaded before a function is called.
 Read ``core`` first (root polynomials, chains, blocks and structure over any field), then its two fields, ``rational`` (floats are the

@@ -1,4 +1,4 @@
-"""How a multiple eigenvalue splits under a change of a parameter: exponents and coefficients of its Puiseux series.
+"""Splitting of a multiple eigenvalue under a change of a parameter: exponents and coefficients of its Puiseux series.
 
 Near a root s of multiplicity m, det A(s + d; p + e) = sum over i, j of a_ij d^i e^j with a_i0 = 0 for i < m. The lower edges of the
 Newton polygon of the points (j, i) are the exponents of the branches d = c e^r, and the roots of the polynomials on the edges their
@@ -21,11 +21,11 @@ STEPS = 12
 
 @dataclass(frozen=True)
 class Branch:
-    """One of the eigenvalues into which s splits: s + c e^r for a small positive change e of the parameter.
+    """Branch of the eigenvalues into which s splits: s + c e^r for a small positive change e of the parameter.
 
     Attributes:
-        exponent: r; 1 of a derivative, less where the eigenvalue is defective.
-        coefficient: c, in 1/s per unit of the parameter to the power r; 0 of a branch that does not move.
+        exponent: r; 1 for a derivative, less where the eigenvalue is defective.
+        coefficient: c, in 1/s per unit of the parameter to the power r; 0 for a constant branch.
     """
 
     exponent: Fraction
@@ -34,11 +34,11 @@ class Branch:
 
 @dataclass(frozen=True)
 class Splitting:
-    """All branches of a multiple eigenvalue.
+    """Branches of a multiple eigenvalue.
 
     Attributes:
         eigenvalue: s, refined.
-        branches: one for each of its multiplicity.
+        branches: as many branches as the multiplicity.
         is_exact: whether the given numbers, taken as exact, have this multiple eigenvalue; False where rounding errors of them
             separate its parts.
     """
@@ -119,7 +119,7 @@ class _Determinant:
         self.roots = [(acb(2 * k) / count).exp_pi_i() for k in range(count)]
 
     def _coefficients(self, values: list) -> list:
-        """Of the powers, from the values at radius times the roots of unity."""
+        """Coefficients of the powers, from the values at radius times the roots of unity."""
         n = self.count
         return [sum((values[k] * self.roots[-i * k % n] for k in range(1, n)), values[0]) / (n * self.radius**i) for i in range(n)]
 
@@ -131,11 +131,11 @@ class _Determinant:
         return total.det()
 
     def in_rate(self, center) -> list:
-        """a_i0."""
+        """Coefficients a_i0."""
         return self._coefficients([self._at(center + self.radius * root, None) for root in self.roots])
 
     def in_both(self, center) -> list[list]:
-        """a_ij as rows i."""
+        """Coefficients a_ij, rows i."""
         columns = [
             self._coefficients([self._at(center + self.radius * root, self.radius * other) for root in self.roots])
             for other in self.roots

@@ -1,4 +1,4 @@
-"""What responses give to other programs: labelled tables of xarray and pandas, trajectories with units, files."""
+"""Exports of responses to other programs: labelled tables of xarray and pandas, trajectories with units, files."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ RATES = DERIVATIVES[:3]
 
 
 class ExportedSystem:
-    """Conversions of a mechanical system: functions of ``control.descriptor_form``, above, which ``mbconstrained/__init__.py`` sets."""
+    """Conversions of a mechanical system: functions of ``control.descriptor_form``, set by ``mbconstrained/__init__.py``."""
 
     to_state_space: ClassVar[Callable[..., Any]]
     to_dict: ClassVar[Callable[..., dict]]
@@ -94,7 +94,7 @@ class Exported:
             curves.append(Curves(kind, names, titles, rates, whole.derivative(order)(times) if order else whole(times)))
         return tuple(curves)
 
-    #: What ``trajectories`` and ``write`` accept.
+    #: Kinds that ``trajectories`` and ``write`` accept.
     kinds: ClassVar[tuple[str, ...]] = RATES
 
     def start_arrays(self) -> dict[str, np.ndarray]:
@@ -114,12 +114,12 @@ class Exported:
         """Write values at times (T,) in the format that the ending of the path names; jumps and impulses are added where it has them.
 
         Args:
-            path: of the file: .csv, .npz, .mat (MATLAB), .nc (netCDF 3), .zarr, or .uff, .unv (universal file).
+            path: path of the file: .csv, .npz, .mat (MATLAB), .nc (netCDF 3), .zarr, or .uff, .unv (universal file).
             times: in s, a list of numbers.
-            kinds: as of ``trajectories``.
-            excel: of .csv, semicolons and decimal commas.
-            geometry: of universal files, an ``mbconstrained.Geometry``: nodes, directions and points of the coordinates.
-            binary: of universal files, binary functions, which keep every bit; False for text.
+            kinds: as in ``trajectories``.
+            excel: semicolons and decimal commas in .csv files.
+            geometry: geometry of universal files, an ``mbconstrained.Geometry``: nodes, directions and points of the coordinates.
+            binary: whether functions of universal files are binary, which keeps every bit; False for text.
 
         Returns:
             The path.

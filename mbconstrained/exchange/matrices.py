@@ -1,4 +1,4 @@
-"""Matrices in files, read as data and never as code; what is sparse in the file stays sparse.
+"""Matrices in files, read as data and never as code; sparse matrices in files stay sparse.
 
 NumPy .npy and .npz, scipy.sparse .npz, Matrix Market .mtx, MATLAB .mat, Nastran OUTPUT4 .op4, and text with columns of numbers.
 """
@@ -27,7 +27,7 @@ TEXT = (".csv", ".txt", ".dat")
 
 
 def read_matrix(path: str | Path, array: str | None = None) -> np.ndarray | scipy.sparse.csc_array:
-    """One matrix of finite real numbers from a file.
+    """Read one matrix of finite real numbers from a file.
 
     Args:
         path: a file that ends in .npy, .npz, .mtx, .mat, .op4, .csv, .txt or .dat.
@@ -75,7 +75,7 @@ def full_matrix(matrix, name: str) -> np.ndarray:
 
 
 def _sparse(path: Path, matrix) -> scipy.sparse.csc_array:
-    """Of a file: indices are checked, which SciPy leaves to the caller, before anything computes with them."""
+    """A sparse matrix of a file, with checked indices, which SciPy leaves to the caller."""
     if any(side > LARGEST_SPARSE_SIDE for side in matrix.shape):
         raise InputError(
             f"{path.name}: the matrix is {_by(matrix.shape)}; at most {LARGEST_SPARSE_SIDE:,} rows and columns are read"
@@ -145,7 +145,7 @@ _NUMBERS = ("double", "single", "sparse", "logical", *(f"{sign}int{bits}" for si
 
 
 def _save_matrix(path: str, suffix: str, array: str | None, kinds: list[str], most_bytes: int, largest_side: int) -> None:
-    """Write shapes and types of all arrays of a file, then the one that is chosen: the work of a process of its own."""
+    """Write shapes and types of all arrays of a file, then the selected one: executed in a separate process."""
     import json
 
     import numpy as np

@@ -66,7 +66,7 @@ class NumberTable:
         return without_unit(self.heads[0][place]) if self.heads else ""
 
     def unit(self, place: int) -> str:
-        """What stands in parentheses or brackets at the end of the name of a column, e.g. "kN"; an empty text without."""
+        """The text in parentheses or brackets at the end of the name of a column, e.g. "kN"; empty without any."""
         matches = (_UNIT.search(head[place]) for head in self.heads)
         return next((match[1].strip() for match in matches if match), "")
 
@@ -157,7 +157,7 @@ def text_of(path: Path) -> str:
 
 
 def _separator(line: str) -> str | None:
-    """What separates the numbers of a line; an empty text where there is no line of numbers."""
+    """The separator of the numbers of a line; an empty text where it is no line of numbers."""
     for separator in SEPARATORS:
         if (separator is None or separator in line) and _numbers(line, separator, set()):
             return separator

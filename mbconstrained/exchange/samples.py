@@ -28,7 +28,7 @@ class Samples:
         file: its name, for messages.
         times: shape (T,), ascending; two samples at one time are a jump.
         values: shape (T,).
-        name: of the column or channel; an empty text where there is none.
+        name: name of the column or channel; an empty text where there is none.
         time_unit, unit: as the file writes them; empty texts where it does not.
         is_scaled: whether the format itself fixes times in s and values in an SI unit, 1 for shares of full scale.
         lines: the line of each sample in the file; None where it has no lines.
@@ -44,7 +44,7 @@ class Samples:
     lines: np.ndarray | None = field(default=None, repr=False)
 
     def place(self, row: int) -> str:
-        """Where a sample is in the file, for messages."""
+        """Location of a sample in the file, for messages."""
         return f"row {row + 1}" if self.lines is None else f"line {self.lines[row]}"
 
 
@@ -184,7 +184,7 @@ class GroundMotion(NamedTuple):
         step: between samples, in s.
         values: shape (T,), in the unit.
         unit: "m", "m/s" or "m/s^2".
-        name: of the record.
+        name: name of the record.
     """
 
     step: float
@@ -288,7 +288,7 @@ def _positive(file: str, line: int, text: str) -> float:
 
 
 def _values(file: str, lines: list[str], first: int, count: int | None = None) -> np.ndarray:
-    """All numbers from a line on, in the order of reading."""
+    """All numbers from a line onwards, in the order of reading."""
     values: list[float] = []
     for number, line in enumerate(lines[first:], first + 1):
         try:

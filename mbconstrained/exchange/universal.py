@@ -95,7 +95,7 @@ def _function(path: Path, name: str, dataset: Mapping, units: Mapping) -> Functi
 
 
 def _save_datasets(path: str, function_type: int) -> None:
-    """Write the functions of one type and the units of a universal file: the work of a process of its own."""
+    """Write the functions of one type and the units of a universal file: executed in a separate process."""
     import json
 
     import numpy as np
@@ -141,11 +141,11 @@ def _datasets(path: Path) -> list[dict]:
 
 @dataclass(frozen=True)
 class Geometry:
-    """Where the coordinates of a model are in a universal file.
+    """Geometry of a model in a universal file: nodes and directions of its coordinates.
 
     Args:
-        places: a node number and a direction ("X", "-Y", "Z", "RX", ...) for each coordinate by name. By default each coordinate is a
-            node of its own, numbered from 1, in the direction X, or RX of an angle.
+        places: a node number and a direction ("X", "-Y", "Z", "RX", ...) for each coordinate by name. By default each coordinate is
+            a separate node, numbered from 1, in the direction X, or RX of an angle.
         points: x, y, z in m by node number; written as data set 15.
         lines: sequences of node numbers; written as data set 82.
 
@@ -178,9 +178,9 @@ class Geometry:
         """Node number and code of the direction of a coordinate.
 
         Args:
-            name: of the coordinate.
+            name: name of the coordinate.
             index: from 0.
-            unit: of its displacement.
+            unit: unit of its displacement.
 
         Returns:
             The node and 1 to 6, negative for a negative direction.
@@ -312,7 +312,7 @@ def _headers(title: str) -> list[dict]:
 
 
 def _write(path: Path, datasets: list[dict]) -> None:
-    """One after another by way of a file of its own, as pyuff reads the whole file again after each data set."""
+    """Write data sets one after another to a temporary file, as pyuff reads the whole file again after each."""
     pyuff = optional_package("pyuff", "writing universal files")
     part = path.with_name(f"{path.name}.part")
     try:

@@ -1,4 +1,4 @@
-"""Peaks and antiresonances of each entry of a frequency response, and frequencies that miss none of them.
+"""Peaks and antiresonances of each entry of a frequency response, and frequencies that resolve all of them.
 
 Maxima of |H| are zeros of Re(i H'(i w) / H(i w)), which is computed from poles and residues: between frequencies that are placed by
 the poles each change of its sign is refined to rounding error. Zeros of an entry are eigenvalues.
@@ -40,7 +40,7 @@ class Peak:
         frequency_hz: in Hz.
         amplitude: |H|; infinite at a pole on the axis.
         bandwidth_hz: between the two frequencies with |H| = amplitude / sqrt(2); None where |H| does not fall so far on both sides.
-        phase: of H, in rad; at a pole on the axis just below it.
+        phase: phase of H, in rad; at a pole on the axis just below it.
     """
 
     output: str
@@ -66,7 +66,7 @@ class Antiresonance:
 
     @property
     def frequency_hz(self) -> float:
-        """Its imaginary part / (2 pi): where |H| vanishes for a zero on the axis, and is least nearby for one close to it."""
+        """Frequency in Hz, Im zero / (2 pi): |H| vanishes there for a zero on the axis, and has a minimum near a close one."""
         return self.zero.imag / (2 * np.pi)
 
     @property
@@ -135,14 +135,14 @@ def _maxima(entry: _ResponseEntry, grid, output: str, input: str) -> Iterator[Pe
 
 
 def _root(function, low: float, high: float) -> float:
-    """Where a function changes its sign, to rounding error."""
+    """The sign change of a function between two points, to rounding error."""
     from scipy.optimize import brentq
 
     return float(brentq(function, low, high, rtol=4 * EPS, xtol=EPS * high))
 
 
 class _ResponseEntry:
-    """One entry of H by its poles and residues, and by solutions."""
+    """An entry of H by its poles and residues, and by solutions."""
 
     def __init__(self, harmonic: Harmonic, poles: tuple[Pole, ...], i: int, j: int):
         self.harmonic, self.place = harmonic, (i, j)
@@ -180,7 +180,7 @@ class _ResponseEntry:
         return any(low <= value.imag <= high and abs(value.real) <= AUTO_DISTANCE * EPS**0.5 * high for value, _, _ in self.terms)
 
     def half_power(self, peak: float, end: float, amplitude: float) -> float | None:
-        """Where |H|^2 is half of that at a peak, between it and the end of its slope."""
+        """The frequency between a peak and the end of its slope where |H|^2 is half of its maximum."""
 
         def excess(w: float) -> float:
             return abs(self.sums(np.array([w]))[0][0]) ** 2 / amplitude**2 - 0.5
@@ -200,7 +200,7 @@ def antiresonances_of(harmonic: Harmonic) -> Iterator[Antiresonance]:
 
 
 def _zeros(harmonic: Harmonic, i: int, j: int) -> list[complex]:
-    """Those of det [[A(s), -b], [c, 0]], a complex A(s) in its real form."""
+    """Zeros of det [[A(s), -b], [c, 0]], with a complex A(s) in its real form."""
     A, inputs, outputs = harmonic.real
     b, c, r = inputs[:, [j]], outputs[[i]], A.size
     if np.iscomplexobj(c):
@@ -218,7 +218,7 @@ def _zeros(harmonic: Harmonic, i: int, j: int) -> list[complex]:
 
 
 def _vanishes(entry: _ResponseEntry, zero: complex) -> bool:
-    """Whether the entry itself is zero there: an eigenvalue that it does not contain is a zero of the determinant as well."""
+    """Whether the entry itself vanishes: an eigenvalue that it does not contain is a zero of the determinant as well."""
     s = complex(zero)
     distances = s - entry.values[:, 0] if len(entry.terms) else np.zeros(0)
     if (np.abs(distances) <= ZERO_AGREEMENT * abs(s)).any():

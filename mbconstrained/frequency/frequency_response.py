@@ -26,10 +26,10 @@ from .pole_residue_form import PoleOnLine
 if TYPE_CHECKING:
     from ..exact.enclosure.intervals import Enclosure
 
-#: From so many lines on, the poles and residues of a full A(s) take less time than solutions at all lines.
+#: Number of lines from which poles and residues of a full A(s) take less time than solutions at all lines.
 SUM_LINES = 320
 
-#: From so many coordinates on a sum over modes in graded coordinates takes less time than the Jordan pairs.
+#: Number of coordinates from which a sum over modes in graded coordinates takes less time than the Jordan pairs.
 MODAL_SIZE = 40
 
 #: Lines at which the sum of the terms is compared with solutions.
@@ -38,7 +38,7 @@ COMPARED = 16
 
 @dataclass(frozen=True, repr=False, eq=False)
 class FrequencyResponse(Displayed):
-    """H(i w) at given frequencies: a load Re(f e^{+i w t}) has the steady answer Re(H(i w) f e^{+i w t}).
+    """Frequency response H(i w): a load Re(f e^{+i w t}) has the steady-state response Re(H(i w) f e^{+i w t}).
 
     H(s) = C (s I - J)^-1 B + sum of D_k s^k, from the finite and the infinite Jordan pair of the equations (Moysis et al., Theorem
     2.8); values come from solutions of A(i w) X = B, or from that sum where it is as accurate.
@@ -82,7 +82,7 @@ class FrequencyResponse(Displayed):
 
     @property
     def quantity(self) -> str:
-        """The name of what is given."""
+        """Name of the quantity, such as receptance."""
         return self.harmonic.quantity
 
     @property
@@ -102,7 +102,7 @@ class FrequencyResponse(Displayed):
 
     @property
     def residues(self) -> tuple[np.ndarray, ...]:
-        """For each pole R_0, R_1, ..., shape (order, outputs, inputs): the terms R_j / (s - pole)^(j + 1)."""
+        """Residues of each pole, R_0, R_1, ..., shape (order, outputs, inputs): the terms R_j / (s - pole)^(j + 1)."""
         return tuple(pole.residues for pole in self.harmonic.form.poles)
 
     @property
@@ -118,11 +118,11 @@ class FrequencyResponse(Displayed):
         return at_zero[0].residues[1].real if at_zero else np.zeros(shape)
 
     def __call__(self, frequencies_hz) -> FrequencyResponse:
-        """The same response at other frequencies."""
+        """Return the response at other frequencies."""
         return evaluated(self.harmonic, frequencies_hz)
 
     def deflection_shape(self, frequency_hz: float, input: str | None = None) -> dict[str, complex]:
-        """The operating deflection shape: complex amplitudes of all coordinates, not of the outputs alone, by a unit of an input.
+        """Return the operating deflection shape: complex amplitudes of all coordinates per unit of an input.
 
         Args:
             frequency_hz: in Hz.
@@ -164,7 +164,7 @@ class FrequencyResponse(Displayed):
 
     @property
     def _highest_hz(self) -> float:
-        """Where a reduced model ends."""
+        """The highest frequency at which a reduced model is valid."""
         return np.inf if self.harmonic.left_out is None else self.harmonic.left_out.highest_hz
 
     def _of_whole_model(self, what: str) -> None:
@@ -173,7 +173,7 @@ class FrequencyResponse(Displayed):
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
-        """Poles on lines, inputs that reach nothing, values that are not accurate."""
+        """Notices on poles at lines, inputs without effect, and inaccurate values."""
         result = [*self.harmonic.notices, *(_pole_notice(one, self) for one in self.poles_on_lines)]
         for name, column in zip(self.inputs, np.moveaxis(self.values, 1, 0)):
             if len(self.frequencies_hz) and not column.any() and not self.poles_on_lines:
@@ -190,11 +190,11 @@ class FrequencyResponse(Displayed):
         return tuple(result)
 
     def enclose(self, frequency_hz: float, digits: int = 12) -> Enclosure:
-        """H at one frequency between proved bounds, real parts first: the data taken exactly, w = 2 pi f with all its digits.
+        """Return proved bounds of H at one frequency, real parts first: exact data, w = 2 pi f with all its digits.
 
         Args:
             frequency_hz: in Hz.
-            digits: of each value, relative to itself.
+            digits: significant digits of each value.
 
         Returns:
             An ``Enclosure`` of shape (2, outputs x inputs): the real and the imaginary parts of the entries, output by output.
@@ -266,7 +266,7 @@ class FrequencyResponse(Displayed):
         """Write the values to a file: CSV (real and imaginary parts with units), NumPy's npz, or a universal file (.uff, data set 58).
 
         Args:
-            path: of the file, which is replaced when the new one is complete.
+            path: path of the file, which is replaced when the new one is complete.
             geometry: of a universal file: nodes and directions of the inputs and outputs.
 
         Returns:
@@ -349,7 +349,7 @@ ENCLOSING = 12_500_000
 
 
 def _enclose_doubtful(harmonic: Harmonic, frequencies: np.ndarray, H: np.ndarray, errors: np.ndarray) -> None:
-    """Values of the exact engine on the lines where solutions have few digits, next to sharp peaks; as many as its time allows, the worst first."""
+    """Replace inaccurate values, next to sharp peaks, by those of the exact engine, the worst first, as far as its time allows."""
     worst = errors.max(axis=(0, 1), initial=0.0)
     doubtful = np.flatnonzero(~(worst <= 2 * LINE_ACCURACY))
     if not len(doubtful) or harmonic.left_out:
@@ -380,7 +380,7 @@ NOISE = 64 * EPS
 
 
 def _values(harmonic: Harmonic, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """C A^-1 B and the relative errors: by the sum of all terms where that is cheaper and accurate, else by solutions."""
+    """C A^-1 B and relative errors: by the sum of all terms where that is cheaper and accurate, else by solutions."""
     solver = harmonic.solver
     if len(omega) < SUM_LINES or solver.is_sparse(omega):
         lines = solver.solve(omega)
@@ -410,7 +410,7 @@ def _values(harmonic: Harmonic, omega: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def frequency_response(A: PolynomialMatrix, frequencies_hz, inputs=None, outputs=None) -> FrequencyResponse:
-    """H(i w) = C A(i w)^-1 B of A(d/dt) x = B u, y = C x.
+    """Return the frequency response H(i w) = C A(i w)^-1 B of A(d/dt) x = B u, y = C x.
 
     Args:
         A: A(s), size r.
@@ -439,7 +439,7 @@ def frequency_response(A: PolynomialMatrix, frequencies_hz, inputs=None, outputs
 
 
 def _selected(chosen, names: Sequence[str], what: str, size: int) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Rows of a matrix that is given, or of the identity, with names."""
+    """Rows of a given matrix, or of the identity, with names."""
     if chosen is None:
         return np.eye(size), tuple(names)
     if isinstance(chosen, str) or (isinstance(chosen, (list, tuple)) and all(isinstance(one, str) for one in chosen)):

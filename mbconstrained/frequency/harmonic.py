@@ -16,11 +16,11 @@ from .structured_solve import StructuredSolver
 
 
 class LeftOut:
-    """What a reduced model leaves out."""
+    """Part of the response that a reduced model omits."""
 
     @property
     def highest_hz(self) -> float:
-        """Up to where its errors are bounded."""
+        """The highest frequency up to which the errors are bounded."""
         raise NotImplementedError
 
     def bound(self, omega: np.ndarray) -> np.ndarray:
@@ -30,7 +30,7 @@ class LeftOut:
 
 @dataclass(frozen=True, eq=False)
 class Harmonic:
-    """s^p C A(s)^-1 B, what a frequency response is of; A(s) may have an imaginary part without s, of structural damping.
+    """s^p C A(s)^-1 B, the matrices of a frequency response; A(s) may have a constant imaginary part, of structural damping.
 
     Attributes:
         A: the real polynomial matrix.
@@ -38,12 +38,12 @@ class Harmonic:
         outputs: C, shape (p, r).
         power: p.
         imaginary: the imaginary part of A_0, shape (r, r); None for none. It holds for w > 0 and changes its sign with w.
-        sizes: of the terms that coefficients are sums of, shape (q + 1, r, r); None for those of the coefficients.
+        sizes: sizes of the terms that coefficients are sums of, shape (q + 1, r, r); None for those of the coefficients.
         input_names, output_names: texts.
-        units: of the entries of H, shape (p, m), "" where unknown.
+        units: units of the entries of H, shape (p, m), "" where unknown.
         quantity: its name.
-        left_out: of a model of which these matrices are a reduction; None where they are the model itself.
-        notices: on the model.
+        left_out: bound of the omitted part of a model that these matrices reduce; None for the model itself.
+        notices: notices on the model.
     """
 
     A: PolynomialMatrix
@@ -72,7 +72,7 @@ class Harmonic:
         return StructuredSolver(self.coefficients, self.inputs, self.outputs, self.sizes)
 
     def check(self, frequencies: np.ndarray) -> None:
-        """Raise an InputError where a frequency is beyond what can be computed.
+        """Raise an InputError for frequencies beyond the range of the computation.
 
         Args:
             frequencies: in Hz, shape (F,).

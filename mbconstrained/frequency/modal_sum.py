@@ -29,7 +29,7 @@ class ModalSum:
 
     @classmethod
     def of(cls, coefficients, inputs, outputs) -> ModalSum | None:
-        """The sum, or None where the matrices are not of this kind.
+        """The modal sum, or None where the matrices do not have that form.
 
         Args:
             coefficients: K, C, M, shape (3, r, r), K real or complex.
@@ -62,7 +62,7 @@ class ModalSum:
         return cls(poles, np.hstack([outputs @ modes / w, np.zeros(outputs.shape)])[:, place] @ right, back)
 
     def values(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The sum, and the sizes in which its errors are measured, both of shape (p, m, S).
+        """The sum, and the scales of its errors, both of shape (p, m, S).
 
         Args:
             s: shape (S,).
@@ -80,7 +80,7 @@ class ModalSum:
 
 
 def largest_nearby(values: np.ndarray, places: np.ndarray, rank: np.ndarray) -> np.ndarray:
-    """At each rank the largest of the values at the four places around it; infinite values do not count.
+    """The largest of the values at the four nearest places around each rank; infinite values do not count.
 
     >>> largest_nearby(np.array([1.0, 2.0, 5.0, 1.0]), np.array([0, 10, 20, 30]), np.array([1, 15]))
     array([5., 5.])

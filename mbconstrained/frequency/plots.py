@@ -15,7 +15,7 @@ from .pole_residue_form import PoleOnLine
 
 KINDS = ("bode", "nyquist", "parts")
 
-#: Of frequencies in Hz, by the unit of the axis.
+#: Values of 1 Hz by the unit of the axis.
 AXIS_FACTORS = {"Hz": 1.0, "rad/s": 2 * np.pi, "rpm": 60.0}
 
 #: Most peaks of one response that are marked: more labels cover each other.
@@ -27,7 +27,7 @@ FEW_DECADES = 12.0
 
 @dataclass(frozen=True)
 class PlotStyle:
-    """How a response is drawn; attributes as the arguments of ``FrequencyResponse.plot``."""
+    """Style of the plot of a response; the attributes are the arguments of ``FrequencyResponse.plot``."""
 
     amplitude: str = "log"
     unwrapped: bool = True
@@ -41,7 +41,7 @@ class PlotStyle:
             raise InputError(f"axis: found {self.axis!r}; expected one of {', '.join(AXIS_FACTORS)}")
 
     def shown(self, size):
-        """Amplitudes as they are drawn."""
+        """Amplitudes as plotted."""
         return 20 * np.log10(size) if self.amplitude == "dB" else size
 
 
@@ -82,7 +82,7 @@ def draw(response: PlottedResponse, kind: str, figure=None, style: PlotStyle = P
 
 
 def _mark_peaks(axes, response: PlottedResponse, entry: tuple[str, str], ends: tuple[float, float], style: PlotStyle) -> None:
-    """The highest peaks of a response that are in the picture, each with its frequency."""
+    """Mark the highest peaks within the plot with their frequencies."""
     known = [
         p for p in response.peaks if (p.output, p.input) == entry and ends[0] <= p.frequency_hz <= ends[1] and p.frequency_hz > 0
     ]

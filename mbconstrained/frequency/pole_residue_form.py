@@ -61,7 +61,7 @@ class PoleResidueForm:
     """Poles, residues and polynomial part of s^p C A(s)^-1 B.
 
     Attributes:
-        pairs: of A(s).
+        pairs: pairs of A(s).
         inputs: B, shape (r, m).
         outputs: C, shape (p, r), real or complex.
         power: p.
@@ -130,7 +130,7 @@ class PoleResidueForm:
         return one, conjugate
 
     def subspace(self, zero: FiniteZero, value: complex) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """The states of the blocks that have a zero, and in them its right vectors, its matrix and its left vectors.
+        """The states of the blocks that contain an eigenvalue, with its right vectors, matrix and left vectors.
 
         Args:
             zero: of A(s).
@@ -150,7 +150,7 @@ class PoleResidueForm:
 
     @cached_property
     def _eigenvalues(self) -> tuple[np.ndarray, np.ndarray]:
-        """All eigenvalues, and the numbers of the blocks that have them."""
+        """All eigenvalues, and the indices of their blocks."""
         blocks = self.pairs.finite.blocks
         values = np.concatenate([np.linalg.eigvals(block) for block in blocks] or [np.zeros(0)])
         return values, np.repeat(np.arange(len(blocks)), [len(block) for block in blocks])
@@ -162,7 +162,7 @@ class PoleResidueForm:
     # Values as sums.
 
     def values(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """s^p times the sum of all terms, and the sizes in which its errors are measured, both of shape (p, m, S).
+        """s^p times the sum of all terms, and the scales of its errors, both of shape (p, m, S).
 
         The size of a term is what its residue is made of, next to the pole times its relative distance.
 
@@ -215,7 +215,7 @@ class PoleResidueForm:
         return np.sum(terms, axis=0), np.abs(terms).sum(axis=0)
 
     def pole_at(self, s: complex) -> Pole | None:
-        """The pole that s is to rounding errors, if any.
+        """The pole that equals s to rounding errors; None without one.
 
         Args:
             s: in 1/s.
@@ -259,7 +259,7 @@ def invariant_vectors(J: np.ndarray, value: complex, count: int) -> tuple[np.nda
 
 
 def _parts(outputs: np.ndarray) -> list[np.ndarray]:
-    """A real matrix alone; of a complex one the real and the imaginary part."""
+    """A real matrix, or the real and the imaginary part of a complex one."""
     return [outputs.real, outputs.imag] if np.iscomplexobj(outputs) else [outputs]
 
 
@@ -268,18 +268,18 @@ def _joined(parts: list[np.ndarray]) -> np.ndarray:
 
 
 def _cleaned(terms: np.ndarray, limits: np.ndarray) -> np.ndarray:
-    """Without rounding errors, and without the last terms that are zero."""
+    """Terms with rounding errors set to zero, without the last ones that vanish."""
     terms = np.where(np.abs(terms) > limits, terms, 0)
     return terms[: max((k + 1 for k, term in enumerate(terms) if term.any()), default=0)]
 
 
 def poles_on_axis(poles: tuple[Pole, ...]) -> Iterator[Pole]:
-    """Those with no real part to rounding errors, zero and above."""
+    """Poles on the imaginary axis to rounding errors, at zero and above."""
     for pole in poles:
         if pole.value.imag >= 0 and is_on_axis(pole):
             yield pole
 
 
 def is_on_axis(pole: Pole) -> bool:
-    """Whether its real part is zero to rounding errors."""
+    """Whether the real part of a pole is zero to rounding errors."""
     return abs(pole.value.real) <= _radius(pole)

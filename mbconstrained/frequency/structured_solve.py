@@ -24,7 +24,7 @@ from scipy.sparse.linalg import splu
 from ..ground.tolerances import EPS, LINE_ACCURACY, LINE_ROUNDING, TRUST_LIMIT
 from ..linalg.scaling import joint_scaling
 
-#: So many complex numbers of factors and vectors are computed at once; so many lines at least.
+#: Number of complex entries of factors and vectors computed at once; and the least number of lines.
 CHUNK, LEAST = 1 << 21, 64
 
 #: A threshold pivot is at least this part of the largest of its column.
@@ -140,7 +140,7 @@ class StructuredSolver:
         return (errors[..., lines] > accuracy * np.abs(values[..., lines])).any(axis=(0, 1))
 
     def _pass(self, values, errors, solutions, lines, nu, factors, accuracy) -> None:
-        """These lines, in parts; only better values replace those that are there. Without an order lines are pivoted and refined."""
+        """Solve some lines in parts and keep improved values; without an order of elimination lines are pivoted and refined."""
         entries = self.size**2 if factors is None else len(factors.rows) + 4 * self.size * self.inputs.shape[1]
         count = max(LEAST, CHUNK // max(entries, 1))
         for part in np.array_split(lines, -(-len(lines) // count)) if len(lines) else ():
@@ -211,7 +211,7 @@ class StructuredSolver:
     # The order of elimination.
 
     def _factors(self, nu: float) -> _Pattern | None:
-        """Where SuperLU eliminates at one line; None where full matrices are faster, or that line is singular."""
+        """The filled pattern of SuperLU's elimination at one line; None where full matrices are faster, or that line is singular."""
         if nu not in self._orders:
             self._orders[nu] = self._ordered(nu)
         return self._orders[nu]
@@ -258,7 +258,7 @@ def _modulus(x) -> np.ndarray:
 
 
 def _contracted(outputs, X) -> np.ndarray:
-    """C X, each row from the columns that it has."""
+    """C X, each row from its nonzero columns only."""
     result = np.zeros((len(outputs), *X.shape[1:]), dtype=X.dtype)
     for row, line in zip(result, outputs):
         for place in np.flatnonzero(line):
@@ -294,7 +294,7 @@ class _Pattern:
         rows, columns: the permutations, shape (r,).
         own: places of the entries of A in the factors, with their rows and columns there.
         lower, upper: for each pivot the rows below it and the columns right of it.
-        place: of each entry of the factors.
+        place: place of each entry of the factors.
         operations: of the elimination.
     """
 
@@ -331,7 +331,7 @@ class _Pattern:
 
     @cached_property
     def steps(self):
-        """By pivots: the places of its column, of its row, and of what they change."""
+        """For each pivot: the positions of its column, of its row, and of the entries that they change."""
         place, result = self.place, []
         for k, (below, right) in enumerate(zip(self.lower, self.upper)):
             column, row = [place[i, k] for i in below], [place[k, j] for j in right]
@@ -363,7 +363,7 @@ class _Eliminated:
         self.W = W
 
     def at(self, lines: np.ndarray) -> _Eliminated:
-        """The same at some of the lines."""
+        """The factors at some of the lines."""
         part = copy(self)
         part.W, part.inverse = self.W[:, lines], self.inverse[:, lines]
         return part
@@ -411,7 +411,7 @@ class _Eliminated:
 
 
 class _Full:
-    """The same by LAPACK with partial pivoting, line by line."""
+    """Factors by LAPACK with partial pivoting, line by line."""
 
     def __init__(self, solver: StructuredSolver, nu):
         self.solver = solver
@@ -423,7 +423,7 @@ class _Full:
         self.factors = [_lu(matrix) for matrix in self.matrices]
 
     def at(self, lines: np.ndarray) -> _Full:
-        """The same at some of the lines."""
+        """The factors at some of the lines."""
         part = copy(self)
         part.factors = [self.factors[line] for line in np.flatnonzero(lines)]
         return part
@@ -453,7 +453,7 @@ def _lu(matrix):
 
 
 def _spread(right, count: int) -> np.ndarray:
-    """One right side for all lines, or one for each, as an array of its own."""
+    """One right side for all lines, or one for each, as a new array."""
     if right.ndim == 3:
         return right.astype(complex)
     return np.repeat(right[:, :, None].astype(complex), count, axis=2)

@@ -16,7 +16,7 @@ from .errors import InputError, MissingPackage
 EXTRA = ".[exchange]"
 
 
-#: What to do with a function of time where an input is expected.
+#: Remedy where a function of time is passed in place of an input.
 OF_FUNCTION = "; an input is made of a function of time by mb.approximated(function, end)"
 
 
@@ -197,7 +197,7 @@ def _sample(array: np.ndarray) -> str:
 
 
 def is_table(value) -> bool:
-    """Whether it has a leading axis for several motions."""
+    """Whether values have a leading axis for several motions."""
     try:
         return np.ndim(value) == 2
     except ValueError:  # rows of different lengths, which is an error later
@@ -205,7 +205,7 @@ def is_table(value) -> bool:
 
 
 class ReadOnly(Mapping):
-    """A mapping that does not change and, unlike ``types.MappingProxyType``, can be pickled.
+    """An immutable mapping that, unlike ``types.MappingProxyType``, can be pickled.
 
     >>> ReadOnly({"a": 1})["a"], len(ReadOnly({}))
     (1, 0)

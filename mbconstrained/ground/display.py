@@ -1,4 +1,4 @@
-"""Tables of texts, and how public objects show themselves: one line at the prompt, tables in a notebook."""
+"""Tables of texts, and the display of public objects: one line at the prompt, tables in a notebook."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Displayed:
         return ""
 
     def _tables(self) -> Sequence[TextTable]:
-        """What a notebook shows below the summary."""
+        """Tables that a notebook shows below the summary."""
         return ()
 
     def __repr__(self) -> str:
@@ -74,7 +74,7 @@ class Displayed:
 
 
 class Presented(Displayed):
-    """A public object that has a static page of its own.
+    """A public object with a static page.
 
     Pages are made by rooms that import this one: the package's own first file sets ``presentation``, which imports them when
     a page is asked for.
@@ -86,7 +86,7 @@ class Presented(Displayed):
         """Write the static HTML page with animation, plots and tables.
 
         Args:
-            path: of the page.
+            path: path of the page.
             options: ``title``, and ``drawing``, entries of the table [drawing] of a scene file such as {"view": "top", "scale": 10,
                 "full_meshes": True}; of a motion also ``end``, the last time in s (by default some periods of the slowest oscillation),
                 ``points``, the number of times, and ``plots``, kinds of curves: "displacement", "velocity", "acceleration",
@@ -104,8 +104,8 @@ class Presented(Displayed):
         """The page in a frame, for notebooks.
 
         Args:
-            height: of the frame, in pixels.
-            options: as of ``write_page``.
+            height: height of the frame, in pixels.
+            options: as in ``write_page``.
 
         Returns:
             An object that a notebook shows as the page.
@@ -114,7 +114,7 @@ class Presented(Displayed):
 
 
 class Studied(Displayed):
-    """A public object of which studies are made, by a room that imports this one: the package's own first file sets ``studies``."""
+    """A public object of studies; the package's ``__init__`` sets ``studies``."""
 
     studies: ClassVar[Callable[[str], Any]]
 
@@ -141,7 +141,7 @@ class Studied(Displayed):
         return type(self).studies("sweep").sweep(self, parameters, **options)
 
     def optimise(self, parameters=None, **options):
-        """The values of parameters between bounds that make a figure least or largest.
+        """Minimise or maximise a scalar quantity over parameters between bounds.
 
         Args:
             parameters: ranges by name or place, such as {"zeta": "0.05..0.3"}; in addition to those of [vary].
@@ -176,7 +176,7 @@ def number_text(value: float) -> str:
 
 
 def finite_or_none(value: float) -> float | None:
-    """For data that know no infinity, such as JSON: the number, None where it is infinite or NaN.
+    """The number, or None where it is infinite or NaN, for formats without infinity such as JSON.
 
     >>> finite_or_none(2.5), finite_or_none(float("nan"))
     (2.5, None)

@@ -17,7 +17,7 @@ class InputError(MbconstrainedError, ValueError):
 
 
 class SceneError(InputError):
-    """A scene file cannot be used; the text names the file, the place in it and the nearest known name."""
+    """Unusable scene file; the text names the file, the location in it and the nearest known name."""
 
 
 class SingularPolynomialMatrix(MbconstrainedError, ValueError):
@@ -39,17 +39,17 @@ class ContradictoryConstraints(InputError):
 
 
 class NotUnique(MbconstrainedError, ValueError):
-    """The acceleration is not determined: rank [M; A] < n (Udwadia and Phohomsiri's test)."""
+    """Acceleration not determined: rank [M; A] < n (Udwadia and Phohomsiri's test)."""
 
 
 class NoNormalForm(MbconstrainedError, ValueError):
-    """No transformation of the states makes the system mechanical; the text names the condition that fails, and its margin.
+    """No transformation of the states makes the system mechanical; the text names the violated condition and its margin.
 
     Attributes:
         condition: "rank [B, A B]", "rank [A - lambda I, B]" or "descriptor", the one that fails.
         rank, needed: the actual rank, and the necessary one.
         eigenvalue: lambda in 1/s, where the second condition fails.
-        margin: how far the data is from a system that fails clearly, relative to A; a margin near rounding error counts as failure.
+        margin: distance of the data to a system that clearly fails, relative to A; a margin near rounding error counts as failure.
         doubtful: True where rounding errors of the data may decide.
     """
 
@@ -73,14 +73,14 @@ class Overflow(MbconstrainedError, OverflowError):
 
 
 class IllConditioned(MbconstrainedError, ArithmeticError):
-    """The data spans so many orders of magnitude that float64 arithmetic cannot give an answer."""
+    """Data over too many orders of magnitude for float64 arithmetic."""
 
 
 class MissingPackage(MbconstrainedError, ImportError):
-    """An optional package is not installed; the text names it with the command that installs it."""
+    """Missing optional package; the text names it with the command that installs it."""
 
 
-#: What to do about data whose products are not numbers of float64 any more.
+#: Remedy for data whose products exceed the range of float64.
 OUT_OF_RANGE = (
     "products of the data leave the range of float64, or their inverses do; choose other units, in which they are nearer to 1"
 )

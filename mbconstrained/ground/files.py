@@ -72,7 +72,7 @@ class Replacements:
         """The temporary path of a file that replaces the target at the end.
 
         Args:
-            path: of the target.
+            path: path of the target.
             mark: the name of a file by which a folder is recognized as one that may be replaced, of formats that are folders.
 
         Returns:

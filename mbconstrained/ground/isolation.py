@@ -1,4 +1,4 @@
-"""Readers of other packages that may crash, never end or need all memory on damaged files: in a Python process of their own, with limits."""
+"""Readers that may crash, never end or exhaust memory on damaged files, run in a separate Python process with limits."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ except Exception as problem:  # packages raise errors of any class for damaged f
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a process left.
+    """Result of a process.
 
     Attributes:
-        folder: in which it ran, with the files that it wrote.
+        folder: working folder, with the files that it wrote.
         problem: the text of its exception; an empty text where there was none.
-        code: of its end, negative for a signal; None where it took too long.
+        code: exit code, negative for a signal; None where it took too long.
     """
 
     folder: Path
@@ -54,7 +54,7 @@ class Outcome:
 
 @contextmanager
 def isolated(function: Callable[..., None], seconds: float, memory: int, **arguments) -> Iterator[Outcome]:
-    """Call a function in a process of its own, in an empty folder; what it prints is dropped.
+    """Call a function in a separate process, in an empty folder; its output is discarded.
 
     >>> from mbconstrained.ground.checks import nearest
     >>> with isolated(nearest, 60, 8 << 30, word="a", known=[]) as outcome:  # imports nothing itself
@@ -79,7 +79,7 @@ def isolated(function: Callable[..., None], seconds: float, memory: int, **argum
 
 @contextmanager
 def read_isolated(function: Callable[..., None], path: Path, failure: str, **arguments) -> Iterator[Path]:
-    """Read a file by a function in a process of its own, which is given the path."""
+    """Read a file by a function of its path in a separate process."""
     with isolated(function, LONGEST_READING, READING_MEMORY, path=str(path.resolve()), **arguments) as outcome:
         if outcome.code is None:
             raise InputError(f"{path.name}: {failure} (it cannot be read within {LONGEST_READING} s: it is damaged)")

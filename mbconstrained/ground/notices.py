@@ -14,7 +14,7 @@ class NoticeKind(StrEnum):
     """The subject of a notice, printed in brackets before its text.
 
     Attributes:
-        meaning: what a notice of this kind reports.
+        meaning: subject of a notice of this kind.
 
     >>> NoticeKind.RANK == "rank", NoticeKind("rank").meaning
     (True, 'a numerical rank decision and what it decided')
@@ -50,7 +50,7 @@ class NoticeKind(StrEnum):
 
 @dataclass(frozen=True)
 class Notice:
-    """One sentence about a result.
+    """Notice: a sentence about a result.
 
     Attributes:
         kind: its subject.
@@ -81,7 +81,7 @@ def distinct(*sources: Iterable[Notice]) -> tuple[Notice, ...]:
 
 
 def doubts_of(what: str, estimate: float) -> tuple[Notice, ...]:
-    """The notice of an answer that cannot be trusted; none of one that can.
+    """The notice of an unreliable answer; none for a reliable one.
 
     >>> doubts_of("the displacement", 1e-9)
     ()
@@ -98,7 +98,7 @@ def doubts_of(what: str, estimate: float) -> tuple[Notice, ...]:
 
 @dataclass(frozen=True)
 class Evidence:
-    """One measured number with its meaning.
+    """A measured number with its meaning.
 
     Attributes:
         name: a short name.

@@ -1,4 +1,4 @@
-"""The tolerances: every constant that decides something numerical, by subject, each with its reason.
+"""Tolerances: the numerical constants by subject, each with its reason.
 
 A computed number counts as zero when it is no larger than its rounding noise. The noise is computed with the data
 (``linalg.rank``, ``linalg.staircase``) from half a unit in the last place of every entry of the input, so that no decision
@@ -99,7 +99,7 @@ BALANCE_RATIO = 1.5
 #: Modes this many times larger than the states that they add up to are taken in clusters: as many digits would cancel.
 MODE_AMPLIFICATION = 1e4
 
-#: The same for models of few states, for which the general method costs little: two digits.
+#: The bound for models of few states, for which the general method costs little: two digits.
 REDUCED_AMPLIFICATION = 100.0
 
 #: Couplings below this part of the rates of both states are weak, of the faster one where the rates differ by more: such groups are

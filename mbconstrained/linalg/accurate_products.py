@@ -1,4 +1,4 @@
-"""Sums, products and quotients of float64 matrices with twice the digits: differences of nearly equal terms keep theirs.
+"""Sums, products and quotients of float64 matrices in double the precision, for differences of nearly equal terms.
 
 A product of matrices is a sum of products of slices of its factors, each exact in float64 (Ozaki, Ogita, Oishi and Rump 2012), and
 their sum has an error term of its own (Knuth). A quotient is refined once by its residual (Wilkinson): what cancels in it to a
@@ -29,7 +29,7 @@ HALVES = 2.0**27 + 1
 
 
 def accurate_product(left: np.ndarray, right: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """left @ right as its rounded value and what that is rounded by.
+    """left @ right as its rounded value and the rounding error.
 
     >>> high, low = accurate_product(np.array([[1.0, 2.0**-60]]), np.array([[1.0], [1.0]]))
     >>> high, low * 2.0**60
@@ -39,7 +39,7 @@ def accurate_product(left: np.ndarray, right: np.ndarray) -> tuple[np.ndarray, n
 
 
 def accurately_solved(matrix: Matrix, right: Matrix) -> Matrix:
-    """matrix^-1 @ right, in which entries that cancel have digits, too; those that cancel to twice the digits are zero.
+    """matrix^-1 @ right, accurate also in entries that cancel; those that cancel to double precision of float64 are zero.
 
     Without refinement they would be rounding errors, which couple what nothing couples, or would have to count as zero, whatever
     they are (Skeel 1979).
@@ -69,7 +69,7 @@ def _accurately_solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 
 def congruence(shapes: np.ndarray, matrix: np.ndarray) -> np.ndarray:
-    """X^T A X with twice the digits, rounded once.
+    """X^T A X in double the precision, rounded once.
 
     >>> x = np.array([[1.0], [1.0]])
     >>> congruence(x, np.array([[1.0, -1.0], [-1.0, 1.0 + 2.0**-52]])) * 2.0**52
@@ -82,7 +82,7 @@ def congruence(shapes: np.ndarray, matrix: np.ndarray) -> np.ndarray:
 
 
 def _slices(matrix: np.ndarray, axis: int) -> list[np.ndarray]:
-    """Parts that add up to the matrix, of so few bits relative to the largest entry along an axis that their products are exact."""
+    """Slices that add up to the matrix, of so few bits relative to the largest entry along an axis that their products are exact."""
     bits, result, rest = math.ceil((53 + math.log2(max(matrix.shape[axis], 2))) / 2), [], matrix
     for _ in range(SLICES - 1):
         size = np.abs(rest).max(axis=axis, keepdims=True, initial=0.0)
@@ -93,7 +93,7 @@ def _slices(matrix: np.ndarray, axis: int) -> list[np.ndarray]:
 
 
 def _product(left: list[np.ndarray], right: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """The sum of the products of slices, as a matrix and what it is rounded by."""
+    """The sum of the products of slices, as a matrix and its rounding error."""
     pairs = sorted(product(range(SLICES), repeat=2), key=sum)  # the largest terms first
 
     def add(sums, pair):
@@ -137,7 +137,7 @@ def exact_row_sums(matrix: Matrix) -> np.ndarray:
 
 
 def _scaled(values: np.ndarray) -> tuple[np.ndarray, int]:
-    """With the largest near 1, and its power of two."""
+    """The values scaled by a power of two to a largest one near 1, and the exponent."""
     power = math.frexp(np.abs(values).max())[1]
     return np.ldexp(values, -power), power
 

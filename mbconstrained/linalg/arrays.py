@@ -1,4 +1,4 @@
-"""Matrices that are sparse where they are large and full where they are small: one formula serves both kinds.
+"""Matrices that are sparse where they are large and full where they are small, with common operations.
 
 A sparse operation takes ten to a hundred times as long as one of NumPy on a few entries; products, sums, rows and columns are
 written alike for both. The rest is here.
@@ -19,12 +19,12 @@ LARGE = 150
 
 
 def kept(matrix: np.ndarray) -> Matrix:
-    """The matrix as the kind that suits its size."""
+    """The matrix, sparse or full according to its size."""
     return compressed(matrix) if len(matrix) >= LARGE else matrix
 
 
 def compressed(matrix: np.ndarray) -> csr_array:
-    """The matrix without its zeros, which are looked for in one pass.
+    """The matrix without stored zeros.
 
     >>> compressed(np.array([[0.0, 2.0], [3.0, 0.0]])).indices.tolist()
     [1, 0]
@@ -43,7 +43,7 @@ def of_like_kind(matrix, other: Matrix) -> Matrix:
 
 
 def full(matrix: Matrix) -> np.ndarray:
-    """All entries.
+    """All entries as an array.
 
     >>> full(csr_array([[0.0, 2.0]])).tolist()
     [[0.0, 2.0]]
@@ -71,7 +71,7 @@ def zeros_of_kind(shape: tuple[int, int], like: Matrix) -> Matrix:
 
 
 def shifted_unit(rows: int, columns: int, shift: int, like: Matrix) -> Matrix:
-    """Ones where column = row + shift, of the kind of another matrix.
+    """Ones where column = row + shift, sparse or full like another matrix.
 
     >>> shifted_unit(1, 3, 1, np.zeros((1, 1))).tolist()
     [[0.0, 1.0, 0.0]]
@@ -82,7 +82,7 @@ def shifted_unit(rows: int, columns: int, shift: int, like: Matrix) -> Matrix:
 
 
 def entries(matrix: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows, columns and values of the entries that are there.
+    """Rows, columns and values of the stored entries.
 
     >>> [part.tolist() for part in entries(np.array([[0.0, 2.0]]))]
     [[0], [1], [2.0]]
@@ -95,7 +95,7 @@ def entries(matrix: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def others(size: int, places: np.ndarray) -> np.ndarray:
-    """All numbers below a size that are not among these.
+    """All indices below a size other than the given ones.
 
     >>> others(4, np.array([2, 0])).tolist()
     [1, 3]
@@ -106,7 +106,7 @@ def others(size: int, places: np.ndarray) -> np.ndarray:
 
 
 def entry_count(matrix: Matrix) -> int:
-    """How many entries are there."""
+    """Number of stored or nonzero entries."""
     return np.count_nonzero(matrix) if isinstance(matrix, np.ndarray) else matrix.nnz
 
 

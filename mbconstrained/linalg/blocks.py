@@ -34,7 +34,7 @@ class BlockDiagonal:
         basis, inverse: shape (n, n).
         blocks: real quasi-triangular diagonal blocks.
         coupling: the largest norm of a decoupling transformation used.
-        exact_blocks: so many of the last blocks are exact to rounding errors of their own entries, however slow.
+        exact_blocks: number of last blocks that are exact to rounding errors of their own entries, however slow.
     """
 
     basis: np.ndarray
@@ -54,7 +54,7 @@ class BlockDiagonal:
 
 
 def block_diagonalize(triangle: np.ndarray, limit: float = DECOUPLING_LIMIT) -> BlockDiagonal:
-    """Block-diagonalize a real quasi-triangular matrix (a real Schur form); what nothing couples is never put together."""
+    """Block-diagonalize a real quasi-triangular matrix (a real Schur form); uncoupled parts stay separate."""
     groups = coupled_rows(triangle)
     return assembled(groups, [_block_diagonalize(triangle[np.ix_(at, at)], limit) for at in groups])
 
@@ -76,7 +76,7 @@ def assembled(groups: Sequence[np.ndarray], parts: Sequence[BlockDiagonal]) -> B
 
 
 def block_slices(blocks: Sequence[np.ndarray]) -> list[slice]:
-    """Which rows of diag(blocks) belong to each of the blocks.
+    """The rows of each block of diag(blocks), as slices.
 
     >>> block_slices([np.eye(2), np.eye(1)])
     [slice(0, 2, None), slice(2, 3, None)]
@@ -110,7 +110,7 @@ def coupled_rows(matrix: np.ndarray) -> list[np.ndarray]:
 
 
 def _reached(pattern: np.ndarray) -> np.ndarray:
-    """Which rows of a symmetric matrix of bools hang together with the first."""
+    """Which rows of a symmetric matrix of bools are connected with the first."""
     reached, before = pattern[0] | (np.arange(len(pattern)) == 0), 0
     while (count := np.count_nonzero(reached)) > before:
         reached, before = reached | pattern[reached].any(axis=0), count

@@ -22,7 +22,7 @@ from .arrays import Matrix, entries, full, kept, of_like_kind
 from .blocks import BlockDiagonal, assembled, block_diagonalize
 from .scaling import balancing_units
 
-#: So many vectors are looked at at once.
+#: Number of vectors processed at once.
 COLUMNS = 32
 
 
@@ -53,7 +53,7 @@ def _by_clusters(matrix: Matrix) -> BlockDiagonal:
 
 
 def _by_eigenvectors(matrix: Matrix) -> BlockDiagonal | None:
-    """LAPACK's real and imaginary parts of the vectors side by side are the basis: no complex matrix is formed."""
+    """Decoupled form with LAPACK's real and imaginary parts of the vectors side by side as basis, without a complex matrix."""
     n = matrix.shape[0]
     room = int(lapack.dgeev_lwork(n, compute_vl=0)[0])
     with one_thread(n):
@@ -95,7 +95,7 @@ def _worst_condition(basis, inverse, single, upper) -> float:
 
 
 def _sums(columns, rows) -> np.ndarray:
-    """The products of columns and rows of the same number."""
+    """Inner products of columns and rows with the same index."""
     return (columns * rows.T).sum(axis=0)
 
 
@@ -105,7 +105,7 @@ def _largest_mode(basis, inverse) -> float:
 
 
 def _some(columns: np.ndarray) -> list[np.ndarray]:
-    """Some columns at a time: their products stay small relative to the matrix."""
+    """Chunks of columns, whose products stay small relative to the matrix."""
     return [columns[begin : begin + COLUMNS] for begin in range(0, len(columns), COLUMNS)]
 
 
@@ -117,7 +117,7 @@ def _some(columns: np.ndarray) -> list[np.ndarray]:
 
 
 def _by_groups(matrix: Matrix) -> BlockDiagonal | None:
-    """None where there is one group, or the couplings of several are not weak relative to the distances of their rates."""
+    """Decoupled form by weakly coupled groups; None for one group, or couplings not weak relative to differences of rates."""
     groups = weakly_coupled_groups(matrix)
     if len(groups) == 1:
         return None
@@ -181,7 +181,7 @@ def _complex_modes(blocks: tuple[np.ndarray, ...]) -> tuple[np.ndarray, np.ndarr
 
 
 def _separation(E: np.ndarray, rates: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray] | None:
-    """X and F for so many groups, None where the couplings are too strong."""
+    """X and F for these groups, None where the couplings are too strong."""
     gaps, sizes = rates - rates[:, None], np.maximum(np.abs(rates), np.abs(rates)[:, None])
     close = np.abs(gaps) * DECOUPLING_LIMIT <= sizes
     gaps[close] = 1.0
@@ -202,7 +202,7 @@ def _separation(E: np.ndarray, rates: np.ndarray, count: int) -> tuple[np.ndarra
 
 
 def _inverse_of_sum(X: np.ndarray) -> np.ndarray | None:
-    """(I + X)^-1, its small entries as well known as its large ones."""
+    """(I + X)^-1, with accurate small entries."""
     result, size = np.eye(len(X)), np.abs(X)
     for _ in range(SEPARATION_STEPS):
         following = np.eye(len(X)) - X @ result
@@ -213,7 +213,7 @@ def _inverse_of_sum(X: np.ndarray) -> np.ndarray | None:
 
 
 def _paired(block: np.ndarray) -> np.ndarray:
-    """A cluster of pairs [[a, b], [-b, a]], coupled alike to rounding error, without that error; any other as it is."""
+    """A cluster of pairs [[a, b], [-b, a]] whose couplings agree to rounding errors, without these errors; any other unchanged."""
     pairs = block[0::2, 0::2], block[0::2, 1::2], -block[1::2, 0::2], block[1::2, 1::2]
     if len(block) % 2 or not (np.diag(pairs[0]) == np.diag(pairs[3])).all() or not np.diag(pairs[1]).all():
         return block

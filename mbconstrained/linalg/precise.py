@@ -1,4 +1,4 @@
-"""Arrays of real numbers with 96 digits, for data that span so many orders of magnitude that the 16 of float64 are too few.
+"""Arrays of real numbers with 96 digits, for data over more orders of magnitude than the 16 digits of float64 resolve.
 
 At the end the multiplicity of the zero at s = 0 of a pencil of floats, in the integers modulo a prime: exact but for a chance of 1e-16.
 Floats are fractions with powers of two as denominators, so they have images modulo an odd prime, and what is zero stays zero there.
@@ -32,7 +32,7 @@ SHIFTS = (0x5A827999_6ED9EBA1, 0x3243F6A8_885A308D, 0x2B7E1516_28AED2A6)
 
 
 def precise_arithmetic(digits: int = PRECISE_DIGITS) -> AbstractContextManager:
-    """Within it operations on precise arrays keep so many digits; such arrays can be pickled from then on."""
+    """A context in which operations on precise arrays keep their digits; such arrays can be pickled from then on."""
     from flint import arb, ctx
 
     copyreg.pickle(arb, _pickled)
@@ -40,7 +40,7 @@ def precise_arithmetic(digits: int = PRECISE_DIGITS) -> AbstractContextManager:
 
 
 def _pickled(number) -> tuple:
-    """How pickle writes a number of a precise array: by its midpoint."""
+    """Pickle data of a number of a precise array: its midpoint."""
     mantissa, exponent = map(int, number.mid().man_exp())
     return _unpickled, (mantissa, exponent)
 
@@ -52,8 +52,7 @@ def _unpickled(mantissa: int, exponent: int):
 
 
 def is_worthwhile(loss: float, states: int) -> bool:
-    """Whether errors ``loss`` times larger than a rounding error are worth the time that precise arithmetic takes for so many
-    states.
+    """Whether errors ``loss`` times larger than a rounding error justify the time of precise arithmetic for this number of states.
 
     >>> is_worthwhile(1e6, 60), is_worthwhile(1e6, 100), is_worthwhile(10.0, 2)
     (True, False, False)
@@ -67,7 +66,7 @@ def is_precise(array: np.ndarray) -> bool:
 
 
 def precise(array: np.ndarray) -> np.ndarray:
-    """The same numbers with 96 digits: floats exactly, Fractions rounded.
+    """An array with 96 digits: floats exactly, Fractions rounded.
 
     >>> with precise_arithmetic():
     ...     print((precise(np.array([0.5, 3.0])) / 3)[0].str(30, radius=False))
@@ -264,7 +263,7 @@ def relative_degrees(coefficients: np.ndarray, inputs: np.ndarray, outputs: np.n
 
 
 def zero_transfers(coefficients: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> np.ndarray | None:
-    """Which entries of C A(s)^-1 B are zero for every s: those that are at a point modulo the prime, wrong with a chance of 1e-16.
+    """Which entries of C A(s)^-1 B vanish for every s: those zero at a point modulo the prime, wrong with a chance of 1e-16.
 
     >>> links = np.array([[2.0, 1e-200, 0.0], [1e-200, 2.0, 0.0], [0.0, 0.0, 1.0]])
     >>> zero_transfers(links[None], np.eye(3), np.eye(3))[0].tolist()

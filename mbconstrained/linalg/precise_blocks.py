@@ -83,7 +83,7 @@ class PreciseSpectrum:
 
     Attributes:
         matrix: A.
-        values: of complex pairs the one above the real axis.
+        values: values of complex pairs the one above the real axis.
         columns: which columns of the vectors belong to each of them.
         vectors, rows: precise, rows @ vectors = I.
     """
@@ -96,11 +96,12 @@ class PreciseSpectrum:
 
     @staticmethod
     def of(matrix: np.ndarray, digits: int) -> PreciseSpectrum:
-        """By flint's QR algorithm.
+        """Eigenvalues with their vectors by flint's QR algorithm.
 
         Args:
             matrix: precise, shape (n, n).
-            digits: of the computation; the matrix is perturbed relative to its largest entry, ``PRECISE_GUARD_DIGITS`` above them.
+            digits: digits of the computation; the matrix is perturbed relative to its largest entry, ``PRECISE_GUARD_DIGITS`` above
+                them.
 
         Returns:
             Eigenvalues with their vectors.
@@ -134,7 +135,7 @@ class PreciseSpectrum:
         return PreciseSpectrum(matrix, np.array(chosen), columns, vectors, inverse(vectors))
 
     def is_resolved(self, digits: int) -> bool:
-        """Whether the perturbation is negligible relative to the slowest eigenvalue, too; none of them is zero."""
+        """Whether the perturbation is negligible relative to the slowest eigenvalue, which is not zero."""
         moduli = np.abs(self.values)
         return (
             float(np.log10(moduli.max()) - np.log10(moduli.min())) <= digits - 2 * PRECISE_GUARD_DIGITS if moduli.min() else False
@@ -189,7 +190,7 @@ def _clusters(spectrum: PreciseSpectrum) -> list[list[int]]:
 
 
 def _distance(one: np.ndarray, other: np.ndarray) -> float:
-    """Between the nearest eigenvalues or conjugates of two clusters."""
+    """Distance between the nearest eigenvalues or conjugates of two clusters."""
     return min(np.abs(np.subtract.outer(one, other)).min(), np.abs(np.subtract.outer(one, other.conj())).min())
 
 
@@ -207,9 +208,9 @@ def _float64_schur(block: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _triangle(block: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """One multiple real eigenvalue: equal diagonal entries, exact zeros below, and the orthogonal basis in which it is that.
+    """Triangular form of one multiple real eigenvalue: equal diagonal entries, exact zeros below, and its orthogonal basis.
 
-    A float64 Schur form would move the eigenvalues apart by the root of eps of that order. None where they are apart.
+    A float64 Schur form would separate the eigenvalues by the root of eps of that order. None where they are separate.
     """
     n = len(block)
     identity, value = precise(np.eye(n)), sum(block[i, i] for i in range(n)) / n
@@ -237,7 +238,7 @@ def _norm(column: np.ndarray):
 
 
 def _rotation(block: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """A complex pair as [[a, w], [-w, a]], a and w to their own last digits, and the basis in which it is that.
+    """A complex pair as [[a, w], [-w, a]], with a and w accurate to the last digit, and its basis.
 
     The block is the same however its two states are rotated. None where the eigenvalues are no pair, or nearly a double one.
     """

@@ -1,4 +1,4 @@
-"""Rank decisions against carried rounding noise, with their evidence.
+"""Rank decisions against accumulated rounding noise, with their evidence.
 
 A matrix is reduced by Gauss's elimination with complete pivoting while the noise of every entry is
 carried along. What is left when all remaining entries are no larger than their noise is zero, and the pivots
@@ -28,15 +28,15 @@ SMALL = 24
 
 @dataclass(frozen=True)
 class RankDecision:
-    """What a rank decision was based on.
+    """Evidence of a rank decision.
 
     Attributes:
         rank: the rank decided.
         smallest_kept: the least ratio (pivot / bound below which it counts as zero); inf when none was kept.
         largest_dropped: the largest such ratio of the entries dropped; zero when none was dropped.
-        singular_values: where the decision is not clear, those of the equilibrated matrix, descending.
-        is_structural: the rank is the largest that the pattern of the entries allows, those dropped among them: had they been
-            kept, it would be the same.
+        singular_values: singular values of the equilibrated matrix where the decision is not clear, descending.
+        is_structural: whether the rank is the largest that the pattern of all entries, dropped ones included, allows: keeping them
+            would not change it.
     """
 
     rank: int
@@ -112,7 +112,7 @@ def compress_rows(
 
 
 def _null_rows(matrix: Noisy, empty, components, count: int) -> Noisy:
-    """So many combinations of all rows that vanish: empty rows and those of the components, in the order of their first rows."""
+    """This many vanishing combinations of all rows: empty rows and those of the components, in the order of their first rows."""
     null, first, end = _zeros_like(matrix, (count, len(matrix.data))), [*empty], len(empty)
     null.data[range(end), empty] = of_kind(np.ones(end), matrix.data)
     for i, _, combinations, _ in components:
@@ -123,7 +123,7 @@ def _null_rows(matrix: Noisy, empty, components, count: int) -> Noisy:
 
 
 def null_columns(matrix: Noisy, preferred: np.ndarray | None = None, decided: RankDecision | None = None) -> RowCompression:
-    """The same for the columns of S: S[:, pivots] are independent, and S @ null.T = 0; preferred ones become pivots if they can."""
+    """Column compression: S[:, pivots] are independent, and S @ null.T = 0; preferred columns become pivots if possible."""
     size = matrix.size.max(axis=1, initial=0.0)
     return compress_rows(matrix.T, 1 / (size + (size == 0)), preferred, decided)
 
@@ -133,7 +133,7 @@ def _zeros_like(matrix: Noisy, shape) -> Noisy:
 
 
 def _lone(matrix: Noisy, pattern) -> tuple[np.ndarray, float]:
-    """Rows whose one entry is the only one of its column and clearly above the noise, and how far the least of them is."""
+    """Rows whose single entry is the only one of its column and clearly above the noise, and the smallest ratio of them."""
     i, j = (pattern & (pattern.sum(axis=1) == 1)[:, None] & (pattern.sum(axis=0) == 1)).nonzero()
     if not i.size:
         return i, np.inf
@@ -171,9 +171,7 @@ def _eliminated(matrix: Noisy, weights, favour, decided=None) -> tuple[np.ndarra
 
 
 def _pivot(rest: Noisy, weights, at_any_rate: bool):
-    """Row and column of the largest entry (the others were cleaned); or if there must be one, and none is above its noise, of
-    the one nearest to it.
-    """
+    """Row and column of the largest entry; if a pivot is required and none is above its noise, of the entry nearest to it."""
     size = rest.size * weights
     if at_any_rate:
         certain = rest.size > NOISE_SAFETY * rest.noise
@@ -183,7 +181,7 @@ def _pivot(rest: Noisy, weights, at_any_rate: bool):
 
 
 def _with_evidence(decision: RankDecision, matrix: Noisy) -> RankDecision:
-    """Of a decision near its bound, whether entries could have changed it, and the singular values."""
+    """A decision near its bound, with the sensitivity of the rank to the entries and the singular values."""
     if decision.clear:
         return decision
     decision = replace(decision, is_structural=decision.rank == structural_rank(csr_array(matrix.size != 0)))
@@ -195,9 +193,9 @@ def _with_evidence(decision: RankDecision, matrix: Noisy) -> RankDecision:
 
 
 def _regular_by_far(matrix: Noisy) -> float | None:
-    """How far the smallest singular value is above the noise, for a large square matrix that is regular beyond doubt.
+    """Ratio of the smallest singular value to the noise, for a large square matrix that is regular beyond doubt.
 
-    A factorization by LAPACK settles what the elimination with noise, much slower, would find as well.
+    A factorization by LAPACK gives the result of the much slower elimination with noise.
     """
     size = len(matrix.data)
     if size < SMALL or matrix.data.shape != (size, size):

@@ -1,4 +1,4 @@
-"""Arrays with an estimate of the noise by rounding errors in each entry, carried through sums and products.
+"""Arrays with an estimate of the rounding noise of each entry, propagated through sums and products.
 
 Noise adds in quadrature, as independent errors do: bounds by absolute values would grow with every step of a
 staircase by more than the errors themselves, and call regular matrices singular.
@@ -34,7 +34,7 @@ class Noisy:
 
     @staticmethod
     def exact(data: np.ndarray) -> Noisy:
-        """Numbers that are what they are meant to be."""
+        """Numbers without errors."""
         return Noisy(data, np.zeros(data.shape))
 
     @staticmethod
@@ -85,12 +85,12 @@ class Noisy:
         return self.data * ~small
 
     def settled(self) -> Noisy:
-        """The same with entries within their noise as exact zeros: what multiplies them then loses nothing of what is next to it."""
+        """The array with entries within their noise as exact zeros, so that products with them do not add noise."""
         data = self.cleaned()
         return Noisy(data, np.where(data != 0, self.noise, 0.0))
 
     def rounded_to_float(self) -> Noisy:
-        """In float64, with the noise of that rounding."""
+        """The array in float64, with the noise of that rounding."""
         if not is_precise(self.data):
             return self
         return Noisy(floats(self.data), np.hypot(self.noise, EPS * self.size))

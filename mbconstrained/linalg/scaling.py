@@ -1,4 +1,4 @@
-"""Units taken out of the data: powers of two for time, rows and columns, chosen jointly from the entries.
+"""Scaling of time, rows and columns by powers of two, chosen jointly from the entries.
 
 For A(s) = sum A_k s^k the scaled coefficients are D_l A_k D_r sigma^k. Changing the units of time, length or
 force changes the data by exactly such factors, so they are chosen by a rule that follows such a change: the
@@ -36,7 +36,7 @@ NEWTON_STEPS, LONGEST_STEP, SHORTEST_STEP = 40, 3.0, 0.25
 #: Beyond so many states what couples them is found by their graph, not by powers of their matrix.
 FEW_STATES = 40
 
-#: From so many rows on the exponents of a sparse A(s) come from sparse equations.
+#: Number of rows from which the exponents of a sparse A(s) come from sparse equations.
 MANY_ROWS = 150
 
 #: What makes a Laplace equation regular; a matrix with a tenth of its entries is solved as a full one.
@@ -91,7 +91,7 @@ def equilibration(size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def column_units(size: np.ndarray) -> np.ndarray:
-    """Those of the columns alone."""
+    """Scale factors of the columns alone."""
     return _alternately_scaled(size)[1]
 
 
@@ -128,7 +128,7 @@ def balancing_units(generator: Matrix) -> np.ndarray:
 
 
 def _balanced_exponents(row: np.ndarray, column: np.ndarray, size: np.ndarray, exponents: np.ndarray) -> np.ndarray:
-    """The same, rows and columns of like size."""
+    """Exponents that balance the sizes of rows and columns."""
     n = len(exponents)
     for _ in range(BALANCING_ROUNDS):
         now = size * np.exp2(exponents[column] - exponents[row])
@@ -156,7 +156,7 @@ def _least_sum(row: np.ndarray, column: np.ndarray, size: np.ndarray, exponents:
 
 
 def balanced_norm(generator: Matrix) -> float:
-    """The smaller one of the 1-norm and the maximum norm, states in balancing units, those that only drive in ever smaller ones.
+    """The smaller of the 1-norm and the maximum norm in balancing units, decreasing for states that only excite others.
 
     >>> balanced_norm(csr_array([[0.0, 1.0, 1e9], [-(4.0**20), 0.0, 0.0], [0.0, 0.0, 1.0]])) == 2.0**20
     True
@@ -175,7 +175,7 @@ def balanced_norm(generator: Matrix) -> float:
 
 
 def _balancing(size: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """The same of a small full matrix of magnitudes: the better ones of those of all entries, and of those above rounding."""
+    """Balancing units of a small full matrix of magnitudes: the better of those of all entries, and of those above rounding."""
     result = _balanced(size, first)
     now = size * result / result[:, None]
     least = NOISE_SAFETY * EPS * np.minimum(now.max(axis=1, initial=0.0)[:, None], now.max(axis=0, initial=0.0))
@@ -215,12 +215,12 @@ def _about_their_mean(result, right, total, count) -> np.ndarray:
 
 
 def _powers_of_two(exponents: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """Rounded relative to the first state of each part: exponents half way are rounded alike in all units."""
+    """Powers of two relative to the first state of each part, so that exponents half way are rounded alike in all units."""
     return np.exp2(np.floor(exponents - exponents[first] + 0.5 + SLIGHT))
 
 
 def _mutual_sizes(generator: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Magnitudes of the entries that couple states both ways, if only by way of others, and the first state of each one's part."""
+    """Magnitudes of the entries that couple states in both directions, also indirectly, and the first state of each one's part."""
     if len(generator) > FEW_STATES:
         part = connected_components(csr_array(generator), connection="strong")[1]
         return np.abs(generator) * (part[:, None] == part), _first_of_parts(part)
@@ -232,7 +232,7 @@ def _mutual_sizes(generator: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _first_of_parts(part: np.ndarray) -> np.ndarray:
-    """The first state of the part of each."""
+    """The first state of the part of each state."""
     return np.unique(part, return_index=True)[1][part]
 
 
@@ -256,7 +256,7 @@ def _laplace_solution(row, column, weights, right: np.ndarray, n: int) -> np.nda
 
 
 def _mutual(generator: csr_array) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Rows, columns and sizes of the entries that couple states both ways, if only by way of others, and the first of each part."""
+    """Rows, columns and sizes of the entries that couple states in both directions, also indirectly, and the first of each part."""
     entries, part = generator.tocoo(), connected_components(generator, connection="strong")[1]
     both = (part[entries.row] == part[entries.col]) & (entries.data != 0)
     return entries.row[both], entries.col[both], np.abs(entries.data[both]), _first_of_parts(part)

@@ -58,7 +58,7 @@ class SplitPencil:
         return tuple(sorted(degrees))
 
     def rounded_to_float(self) -> SplitPencil:
-        """All parts in float64."""
+        """The split pencil in float64."""
         if not is_precise(self.left.data):
             return self
         parts = {field.name: getattr(self, field.name) for field in fields(self)}

@@ -72,7 +72,7 @@ def triangular_form(E: Noisy, F: Noisy, decided: Iterator[RankDecision] | None =
 
 
 def _by_scales(E: np.ndarray, F: np.ndarray) -> TriangularForm:
-    """The same for a precise pencil where no zero is 0, T block diagonal."""
+    """Triangular form of a precise pencil without zeros at 0, T block diagonal."""
     if not len(E):
         return TriangularForm(E, E, E, 0)
     result = block_diagonal(solved(E, F))
@@ -81,7 +81,7 @@ def _by_scales(E: np.ndarray, F: np.ndarray) -> TriangularForm:
 
 
 def _measured(form: TriangularForm) -> TriangularForm:
-    """States of each block in the unit that gives its rows of ``left`` and its columns of ``right`` the same size."""
+    """Units of the states of each block that give its rows of ``left`` and its columns of ``right`` the same size."""
     n = form.nonzero_count
     units = np.zeros(len(form.T))
     for at in coupled_rows(form.T[:n, :n]):
@@ -91,7 +91,7 @@ def _measured(form: TriangularForm) -> TriangularForm:
 
 
 def _zeros_decoupled(form: TriangularForm) -> TriangularForm:
-    """Take the coupling of the zeros at 0 with the others out, but for motions so slow that they belong together.
+    """Remove the coupling of the zeros at 0 with the others, except for motions too slow to be separated.
 
     X solves T X - X N = -G; N is nilpotent, so the fixed point is reached in as many steps as N has rows.
     """
@@ -118,7 +118,7 @@ def _zeros_decoupled(form: TriangularForm) -> TriangularForm:
 
 
 def _schur(E: np.ndarray, F: np.ndarray) -> TriangularForm:
-    """The same where no zero is 0."""
+    """Triangular form in float64 without zeros at 0."""
     n = len(E)
     if not n:
         empty = np.zeros((0, 0))
@@ -148,11 +148,11 @@ def _qz(F: np.ndarray, E: np.ndarray):
 
 
 def _never(*_) -> None:
-    """Which zeros to sort to the top."""
+    """Selection of no zeros for the top."""
 
 
 def _standardize(T, S, left, right) -> None:
-    """Clear what the division left below the diagonal and give the 2 x 2 blocks equal diagonals, in place."""
+    """Remove rounding errors of the division below the diagonal and give the 2 x 2 blocks equal diagonals, in place."""
     at = 0
     while at < len(T):
         if at + 1 < len(T) and S[at + 1, at] != 0:

@@ -12,17 +12,17 @@ from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
 from .equations import ElementForce, EquationsOfMotion, Side
 
-#: So many names are listed in a message.
+#: Number of names listed in a message.
 LISTED = 8
 
 
 class Channel(NamedTuple):
-    """A combination of coordinates, on which a force works along and which moves; or a constraint row.
+    """A linear combination of coordinates, as input or output; or a constraint row.
 
     Attributes:
         name: its name.
         direction: the combination a of a x, shape (n,); of a constraint row its coefficients.
-        unit: of a x, "m", "rad" or "1".
+        unit: unit of a x, "m", "rad" or "1".
         row: the place of the constraint row; None of other channels.
         element: the spring or damper whose force is meant; None of other channels.
     """
@@ -34,7 +34,7 @@ class Channel(NamedTuple):
     element: ElementForce | None = None
 
     def unknowns(self, system: EquationsOfMotion) -> np.ndarray:
-        """Its place among the coordinates and the multipliers of all rows, shape (n + k,)."""
+        """Position among the coordinates and the multipliers of all rows, as a unit vector or direction, shape (n + k,)."""
         if self.row is None:
             return np.concatenate([self.direction, np.zeros(len(system.rows))])
         return np.eye(1, system.size + len(system.rows), system.size + self.row)[0]
@@ -44,13 +44,13 @@ Known = TypeVar("Known")
 
 
 def reference(system: EquationsOfMotion, name: str) -> Channel:
-    """The motion that others are relative to."""
+    """The motion relative to which others are given."""
     known = {GROUND: Channel(GROUND, np.zeros(system.size), "m")} | channels(system, "outputs")
     return chosen_by_name("relative_to", name, known, ())[0]
 
 
 def channels(system: EquationsOfMotion, side: Side) -> dict[str, Channel | None]:
-    """All channels by name: coordinates, constraint rows, and the inputs or outputs that a robot has by names of its own."""
+    """All channels by name: coordinates, constraint rows, and the named inputs or outputs of the system."""
     own = system.named_directions(side)
     known: dict[str, Channel | None] = {channel.name: channel for channel in coordinate_channels(system)}
     known |= {name: Channel(name, direction, unit) for name, (direction, unit) in own.items()}
@@ -60,17 +60,17 @@ def channels(system: EquationsOfMotion, side: Side) -> dict[str, Channel | None]
 
 
 def coordinate_channels(system: EquationsOfMotion) -> list[Channel]:
-    """One for each coordinate, in order."""
+    """The channels of the coordinates, in order."""
     return [Channel(name, row, unit) for (name, unit), row in zip(system.units.items(), np.eye(system.size))]
 
 
 def row_channels(system: EquationsOfMotion) -> list[Channel]:
-    """One for each constraint row, in order."""
+    """The channels of the constraint rows, in order."""
     return [Channel(row.name, row.coefficients, row.unit, place) for place, row in enumerate(system.rows)]
 
 
 def chosen_by_name(what: str, chosen, known: Mapping[str, Known | None], default: Sequence[Known]) -> list[Known]:
-    """What a user chose by names."""
+    """Entries that a user selects by name."""
     if chosen is None:
         return list(default)
     names = [chosen] if isinstance(chosen, str) else list(chosen) if isinstance(chosen, (Sequence, np.ndarray)) else None

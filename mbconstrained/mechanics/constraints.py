@@ -28,7 +28,7 @@ Level = Literal["position", "velocity", "acceleration"]
 #: The accepted forms of constraints, for messages.
 EXPECTED = "mb.Constraint(rows, ...), a sparse matrix of rows that are zero, or a list of these"
 
-#: So many coordinates are listed in a message.
+#: Number of coordinates listed in a message.
 MOST_NAMES = 12
 
 #: The levels, strongest first; the place of a level is the order of its derivative.
@@ -129,10 +129,10 @@ class ConstraintRow:
     signal: ImpulsiveSmooth | None = field(default=None, repr=False)
 
     def right_side(self, order: int) -> BohlFunction:
-        """What the row prescribes for a x^(order), t > 0: the derivative of b of order ``order`` minus its own order.
+        """Right-hand side of the row for a x^(order), t > 0: the derivative of b of order ``order`` minus the order of the row.
 
         Args:
-            order: of the derivative of x, at least that of the row.
+            order: order of the derivative of x, at least that of the row.
 
         Returns:
             A function with one row, in the unit of the row per s^order.
@@ -141,7 +141,7 @@ class ConstraintRow:
         return constant if self.signal is None else constant + self.signal.derivative(order - self.order)
 
     def constraint(self) -> Constraint:
-        """The row as a constraint of its own."""
+        """The row as a separate constraint."""
         doubt = np.atleast_2d(self.uncertainty + np.zeros(len(self.coefficients)))
         value = self.value if self.signal is None else self.signal
         return Constraint(np.atleast_2d(self.coefficients), self.level, value, self.name, self.unit, doubt)
@@ -194,7 +194,7 @@ def row_names(constraints: Sequence[Constraint]) -> tuple[str, ...]:
 
 
 def constraint_rows(constraints: Sequence[Constraint], units: dict[str, str]) -> tuple[ConstraintRow, ...]:
-    """All rows of the constraints of a system with coordinates of these units."""
+    """All rows of the constraints of a system whose coordinates have these units."""
     rows: list[ConstraintRow] = []
     names, each = row_names(constraints), tuple(units.values())
     for constraint in constraints:
@@ -287,9 +287,9 @@ def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRow
 
 
 def _reduced(rows, matrix: Noisy) -> tuple[list[int], list[int], Noisy]:
-    """Which rows are kept, their pivot columns, and all rows after elimination.
+    """The indices of the independent rows, their pivot columns, and all rows after elimination.
 
-    Columns that are reduced with them: the value of each row in the column of its level, and an exact unit vector.
+    Columns appended to the rows: the value of each row in the column of its level, and an exact unit vector.
     """
     attached = Noisy.exact(np.zeros((len(rows), len(LEVELS) + len(rows))))
     for place, row in enumerate(rows):
@@ -347,7 +347,7 @@ def _redundant(rows, place, rest) -> Notice:
 
 
 def _difference(rows, place: int, factors: np.ndarray) -> str | None:
-    """Where the signal of a dependent row is another than that of the same combination of the other rows; None where it is the same.
+    """The first time at which the signal of a dependent row differs from that combination of the other signals; None without one.
 
     A Bohl function of s states is zero if its first s derivatives vanish at its start, and at each of its knots.
     """

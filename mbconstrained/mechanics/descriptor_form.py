@@ -12,7 +12,7 @@ from ..ground.coordinate_units import force_unit, rate_unit
 from .channels import Channel, channels, chosen_by_name, coordinate_channels, row_channels
 from .equations import EquationsOfMotion
 
-#: What is said of a coordinate, in the names of states and outputs: x, x', x''.
+#: Suffixes of states and outputs of a coordinate: x, x', x''.
 RATES = ("", " velocity", " acceleration")
 
 
@@ -31,7 +31,7 @@ def to_state_space(
     the deviations that the inputs cause.
 
     Args:
-        system: of arrays.
+        system: system of arrays.
         inputs: "force on NAME" of a coordinate or "value of ROW" of a constraint row (a support that moves); NAME or ROW alone where
             only one of them has it. By default the forces on all coordinates.
         outputs: "NAME" (displacement), "NAME velocity", "NAME acceleration" of a coordinate, or "ROW reaction", the multiplier of a
@@ -91,10 +91,10 @@ def to_state_space(
 
 
 def system_to_dict(system: EquationsOfMotion) -> dict:
-    """The matrices of M x'' + C x' + K x = f + A^T lambda, A x^(level) = b by name, as other programs need them.
+    """The matrices of M x'' + C x' + K x = f + A^T lambda, A x^(level) = b by name, for use by other programs.
 
     Args:
-        system: of arrays or of sparse matrices, which stay sparse.
+        system: system of arrays or of sparse matrices, which stay sparse.
 
     Returns:
         M, C, K, A, static_force and b, with lists: levels of the rows of A, names and units of the coordinates. ``b`` is the constant
@@ -119,7 +119,7 @@ def system_to_dict(system: EquationsOfMotion) -> dict:
 
 
 class _Port(NamedTuple):
-    """A channel as an input or output: which quantity of it."""
+    """A channel as an input or output, with its quantity."""
 
     name: str
     kind: str
@@ -127,7 +127,7 @@ class _Port(NamedTuple):
 
     @property
     def unit(self) -> str:
-        """In SI."""
+        """Unit of the quantity in SI."""
         unit = self.channel.unit
         return force_unit(unit) if self.kind in ("force", "reaction") else rate_unit(unit, int(self.kind))
 

@@ -41,7 +41,7 @@ class ElementMatrix:
 
     @property
     def size(self) -> int:
-        """The number n of coordinates."""
+        """Number n of coordinates."""
         return self.directions.shape[1]
 
     @cached_property
@@ -61,7 +61,7 @@ class ElementMatrix:
 
     @cached_property
     def spread(self) -> float:
-        """The largest of the constants over the smallest, those that are zero left out; at most the largest float64."""
+        """Ratio of the largest to the smallest nonzero constant; at most the largest float64."""
         size = np.abs(self.constants[self.constants != 0])
         if not len(size):
             return 1.0
@@ -69,7 +69,7 @@ class ElementMatrix:
             return float(min(size.max() / size.min(), np.finfo(float).max))
 
     def __add__(self, other: ElementMatrix) -> ElementMatrix:
-        """The elements of both."""
+        """The elements of both matrices."""
         return ElementMatrix(np.vstack([self.directions, other.directions]), np.append(self.constants, other.constants))
 
     def __rmul__(self, factor: float) -> ElementMatrix:
@@ -137,10 +137,10 @@ def mass_normalized(mass: np.ndarray, shapes: np.ndarray, frequencies: np.ndarra
 
 @dataclass(frozen=True, eq=False)
 class SpeedTable:
-    """Coefficients of a bearing that change with the speed: what is added to K and C, linear between the speeds.
+    """Speed-dependent coefficients of a bearing: additions to K and C, piecewise linear in the speed.
 
     Attributes:
-        name: of the bearing.
+        name: name of the bearing.
         speeds: W in rad/s, ascending, shape (S,).
         stiffness, damping: shape (S, n, n).
     """
@@ -154,12 +154,12 @@ class SpeedTable:
         return int(np.clip(np.searchsorted(self.speeds, speed, side="right") - 1, 0, len(self.speeds) - 2))
 
     def slope(self, speed: float) -> np.ndarray:
-        """The derivatives of K and C, at a speed of the table those above it, shape (2, n, n)."""
+        """The derivatives of K and C; at a speed of the table those above it, shape (2, n, n)."""
         i = self._interval(speed)
         step = self.speeds[i + 1] - self.speeds[i]
         return np.array([self.stiffness[i + 1] - self.stiffness[i], self.damping[i + 1] - self.damping[i]]) / step
 
     def at(self, speed: float) -> np.ndarray:
-        """What is added to K and C, shape (2, n, n); beyond the table its last piece is continued."""
+        """Additions to K and C, shape (2, n, n), extrapolated by the last piece beyond the table."""
         i = self._interval(speed)
         return np.array([self.stiffness[i], self.damping[i]]) + (speed - self.speeds[i]) * self.slope(speed)

@@ -91,8 +91,8 @@ class EnergyShares:
     """Shares of the energies of one shape by part; each of the two sums to 1.
 
     Attributes:
-        kinetic: of the kinetic energy; None where the shape has none.
-        strain: of the strain energy; None where the shape has none (a rigid body) or only rounding errors.
+        kinetic: shares of the kinetic energy; None where the shape has none.
+        strain: shares of the strain energy; None where the shape has none (a rigid body) or only rounding errors.
     """
 
     kinetic: Mapping[str, float] | None
@@ -101,7 +101,7 @@ class EnergyShares:
 
 @dataclass(frozen=True, repr=False)
 class EnergyParts(Displayed):
-    """M and K as sums of named parts, and with them the energy of a shape as a sum of shares.
+    """Energies by part: M and K as sums of named parts, and the energy of a shape as a sum of shares.
 
     The share of the part P in the shape u is Re(u^H P u) over the sum of the same over all parts. For a real shape that is its
     share of 1/2 u^T M u or of 1/2 u^T K u; for a complex one, Re(u e^(i w t)), of the average over a cycle, the decay
@@ -141,16 +141,16 @@ class EnergyParts(Displayed):
 
     @property
     def size(self) -> int | None:
-        """The number n of coordinates; None where there is no part at all."""
+        """Number n of coordinates; None without parts."""
         return next(map(_size, self._all), None)
 
     @property
     def is_by_coordinate(self) -> bool:
-        """Whether any part is that of a coordinate, with shares that may be negative."""
+        """Whether a part is that of a coordinate, with shares that may be negative."""
         return any(isinstance(part, CoordinatePart) for part in self._all)
 
     def shares(self, shape, eigenvalue: complex | None = None) -> EnergyShares:
-        """The shares of one shape, whatever its length and phase.
+        """Return the energy shares of one shape, independent of its length and phase.
 
         Args:
             shape: u, shape (n,), real or complex.
@@ -166,17 +166,17 @@ class EnergyParts(Displayed):
         return self.shares_of(np.asarray(shape)[..., None], None if eigenvalue is None else [eigenvalue])[0]
 
     def shares_of(self, shapes, eigenvalues: Sequence[complex] | None = None) -> tuple[EnergyShares, ...]:
-        """The shares of several shapes, computed together.
+        """Return the energy shares of several shapes.
 
         Args:
             shapes: one a column, shape (n, g), real or complex.
-            eigenvalues: of their modes (1/s), shape (g,), as of ``shares``.
+            eigenvalues: eigenvalues of their modes (1/s), shape (g,), as in ``shares``.
 
         Returns:
             The shares of each shape.
 
         Raises:
-            InputError: as of ``shares``.
+            InputError: as in ``shares``.
 
         >>> parts = EnergyParts({"a": np.diag([1.0, 0.0]), "b": np.diag([0.0, 3.0])}, {})
         >>> [shares.kinetic for shares in parts.shares_of(np.array([[1.0, 1.0], [1.0, 0.0]]))]
@@ -209,7 +209,7 @@ class EnergyParts(Displayed):
 
 
 def coordinate_parts(names: Sequence[str], mass: Matrix, stiffness: Matrix) -> EnergyParts:
-    """One part for each coordinate, x_i (M x)_i and x_i (K x)_i, where masses and springs are not known.
+    """Energy parts of single coordinates, x_i (M x)_i and x_i (K x)_i, where masses and springs are not known.
 
     Such shares may be negative: they are the work along a coordinate, part of which a neighbour may return.
 
@@ -294,7 +294,7 @@ def _size(part: EnergyPart) -> int:
 
 
 def _unit_shapes(shapes, size: int | None) -> np.ndarray:
-    """Each shape divided by its largest entry."""
+    """Shapes scaled to a largest entry of 1."""
     shapes = np.asarray(shapes)
     real, imaginary = (real_array(part, "shape", shape=(size, None)) for part in (shapes.real, shapes.imag))
     largest = np.maximum(np.abs(real).max(axis=0, initial=0.0), np.abs(imaginary).max(axis=0, initial=0.0))

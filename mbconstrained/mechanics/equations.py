@@ -41,7 +41,7 @@ class ElementForce(NamedTuple):
         elongation: a of e = a x + rest, shape (n,).
         rest: the elongation at x = 0.
         stiffness, damping: in SI.
-        unit: of the elongation, "m" or "rad".
+        unit: unit of the elongation, "m" or "rad".
     """
 
     elongation: np.ndarray
@@ -130,15 +130,15 @@ class EquationsOfMotion(ExportedSystem, Displayed):
 
     @property
     def turns(self) -> bool:
-        """Whether something of it depends on a speed of rotation."""
+        """Whether the system is a rotor: it has gyroscopic terms or speed-dependent bearings."""
         return bool(self.speed_tables) or any(one is not None for one in (self.gyroscopic, self.circulatory, self.unbalance))
 
     def named_directions(self, side: Side) -> Mapping[str, tuple[np.ndarray, str]]:
-        """Directions over the coordinates, shape (n,), with units, by names of their own."""
+        """Directions over the coordinates, shape (n,), with their units, by name."""
         return self.load_patterns if side == "inputs" else {}
 
     def with_constraints(self, *constraints: Constraint) -> Self:
-        """The same system with further constraint rows.
+        """Return the system with further constraint rows.
 
         Args:
             constraints: rows for its n coordinates.
@@ -204,7 +204,7 @@ class EquationsOfMotion(ExportedSystem, Displayed):
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """An unsymmetric mass matrix, and each constraint row that others imply, or that is kept by a narrow margin."""
+        """Notices on an unsymmetric mass matrix, and on redundant constraint rows or rows independent by a narrow margin."""
         rows = self.pencil.notices if self.is_sparse else self._independent.notices
         return rows if self.is_sparse else (*self.unsymmetric("mass"), *rows)  # sparse matrices are symmetric
 
@@ -216,11 +216,11 @@ class EquationsOfMotion(ExportedSystem, Displayed):
             i, j = np.unravel_index(int(skew.argmax()), skew.shape)
             entries = f"entry [{i + 1}][{j + 1}] is {matrix[i, j]:g}, entry [{j + 1}][{i + 1}] is {matrix[j, i]:g}"
             yield Notice(
-                NoticeKind.UNSYMMETRIC, f"the {name} matrix is not symmetric: {entries}; no elastic or inertial force is so"
+                NoticeKind.UNSYMMETRIC, f"the {name} matrix is not symmetric: {entries}; those of a passive structure are symmetric"
             )
 
     def damping_notices(self, moving: bool | None = None) -> tuple[Notice, ...]:
-        """Which velocity mass-proportional damping acts on, where supports move; by default those with a prescribed motion."""
+        """Notices on the velocities on which mass-proportional damping acts where supports move, by default prescribed ones."""
         moving = not self.is_sparse and any(row.signal is not None for row in self.rows) if moving is None else moving
         if self.mass_damping is None or not moving:
             return ()
@@ -231,11 +231,11 @@ class EquationsOfMotion(ExportedSystem, Displayed):
         return (Notice(NoticeKind.DAMPING, f"the mass-proportional part of the Rayleigh damping acts on {text}"),)
 
     def range_notices(self, motion: Any) -> tuple[Notice, ...]:
-        """A notice on a motion beyond the range in which linear equations represent the model; none of a linear model."""
+        """Notice on a motion beyond the range in which linear equations represent the model; none for a linear model."""
         return ()
 
     def constrained_form(self) -> ConstrainedForm:
-        """[V^T (M s^2 + C s + K); A s^level] with every row at its level.
+        """Return the constrained form [V^T (M s^2 + C s + K); A s^level] with every row at its level.
 
         Raises:
             InputError: the matrices are sparse.
@@ -244,11 +244,11 @@ class EquationsOfMotion(ExportedSystem, Displayed):
         return self._form(*(row.order for row in self.rows))
 
     def position_form(self) -> ConstrainedForm:
-        """[V^T (M s^2 + C s + K); A], every row at position level: the same motions without the drift."""
+        """Return the form [V^T (M s^2 + C s + K); A], every row at position level: the same motions without drift."""
         return self._form(*(0 for _ in self.rows))
 
     def _form(self, *orders: int) -> ConstrainedForm:
-        """With rows of these derivatives, computed once."""
+        """The constrained form with rows of these derivatives, computed once."""
         if orders not in self._forms:
             with short_work(2 * self.size):
                 self._forms[orders] = constrained_form(self.given, self.uncertainty, self._independent, self.names, orders)
@@ -296,7 +296,7 @@ class EquationsOfMotion(ExportedSystem, Displayed):
         return tuple(entry_parameters(self) if self.parameter_source is None else self.parameter_source())
 
     def _refuse_loss_factors(self) -> None:
-        """Structural damping has no motion in time: its force would answer before the load."""
+        """Raise an InputError for structural damping, whose response in time would precede the load."""
         if self.loss_factors:
             name = next(iter(self.loss_factors))
             raise InputError(
@@ -305,7 +305,7 @@ class EquationsOfMotion(ExportedSystem, Displayed):
             )
 
     def with_rayleigh_damping(self, mass: float = 0.0, stiffness: float = 0.0, relative: bool = False) -> Self:
-        """The same system with C + a M + b K for C, proportional (Rayleigh) damping: each mode has zeta = a / (2 w) + b w / 2.
+        """Return the system with proportional (Rayleigh) damping C + a M + b K: each mode has zeta = a / (2 w) + b w / 2.
 
         The part a M acts on absolute velocities, as dampers between every mass and the ground at rest would: where a support
         moves it resists the motion of the whole system with it. With ``relative`` it acts on the velocities relative to the static
@@ -313,12 +313,12 @@ class EquationsOfMotion(ExportedSystem, Displayed):
 
             C + a (I - R A)^T M (I - R A) + b K,  K R + A^T L = 0,  A R = I
 
-        which is the same where no support moves. Source: Clough and Penzien, Dynamics of Structures (2003), section 26.
+        which agrees with the former where no support moves. Source: Clough and Penzien, Dynamics of Structures (2003), section 26.
 
         Args:
             mass: a, at least 0, in 1/s.
             stiffness: b, at least 0, in s.
-            relative: whether the part a M acts on velocities relative to moving supports; not of sparse matrices.
+            relative: whether the part a M acts on velocities relative to moving supports; not available for sparse matrices.
 
         Returns:
             A new system.
@@ -342,18 +342,18 @@ class EquationsOfMotion(ExportedSystem, Displayed):
         return system
 
     def with_modal_damping(self, ratios) -> Self:
-        """The same system with the damping ratios zeta of its undamped modes, in addition to C.
+        """Return the system with the damping ratios zeta of its undamped modes added to C.
 
             C + sum of 2 zeta_i w_i (M u_i)(M u_i)^T,  u_i^T M u_j = delta_ij
 
         Args:
-            ratios: one number of all oscillating modes, or those of the lowest ones, ascending by frequency; higher ones stay as they are.
+            ratios: one number for all oscillating modes, or one for each of the lowest, ascending by frequency; higher modes keep their damping.
 
         Returns:
             A new system.
 
         Raises:
-            InputError: sparse matrices, unsymmetric M or K, negative ratios, or more of them than oscillating modes.
+            InputError: sparse matrices, unsymmetric M or K, negative ratios, or more ratios than oscillating modes.
 
         >>> import mbconstrained as mb
         >>> mb.MechanicalSystem(np.eye(2), stiffness=np.diag([4.0, 9.0])).with_modal_damping([0.02, 0.05]).modes().damping_ratios.round(12)
@@ -370,7 +370,7 @@ class EquationsOfMotion(ExportedSystem, Displayed):
         return system
 
     def _with_damping(self, parts: Sequence, factors: tuple[float, float] = (0.0, 0.0)) -> Self:
-        """The same system with further damping, whose entries have the errors of K and M times factors."""
+        """The system with further damping matrices, whose entries have the errors of K and M times factors."""
         stiffness, own, mass = self.given
         elements = all(isinstance(part, ElementMatrix) for part in (own, *parts))
         matrices = [part if elements or not isinstance(part, ElementMatrix) else part.matrix for part in (own, *parts)]
@@ -464,7 +464,7 @@ class EquationsOfMotion(ExportedSystem, Displayed):
         return vector
 
     def _uncertainty(self, given: Mapping) -> tuple[np.ndarray, ...]:
-        """Of K, C and M."""
+        """Uncertainties of K, C and M."""
         known, shape = ("stiffness", "damping", "mass"), (self.size, self.size)
         for name in given:
             if name not in known:

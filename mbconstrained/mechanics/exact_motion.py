@@ -23,7 +23,7 @@ from .equations import EquationsOfMotion
 
 
 def exact_motion(system: EquationsOfMotion, initial: np.ndarray, applied: ImpulsiveSmooth) -> ExactResponse:
-    """x of the motion, n rows; its k multipliers are the rows below them."""
+    """The exact motion x, n rows, followed by the rows of its k multipliers."""
     n, k = system.size, len(system.rows)
     start = np.hstack([initial, np.zeros((len(initial), k))])
     force = applied.mapped(np.eye(n + k)[:, :n])
@@ -37,7 +37,7 @@ def exact_motion(system: EquationsOfMotion, initial: np.ndarray, applied: Impuls
 
 
 def rounding_of_form(system: EquationsOfMotion, applied: ImpulsiveSmooth) -> Rounding | None:
-    """What the constrained form of the motion lost of the masses, springs, dampers and rows, and of the forces.
+    """Rounding errors of the constrained form of a motion, with respect to its masses, springs, dampers, rows and forces.
 
     V^T K was rounded, and so was V: where A V is not zero, constraint forces enter, lambda = G (K x + ... - f) with G A^T = I.
     """

@@ -118,7 +118,7 @@ def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], li
 
 
 def _is_regular_and_symmetric(reduction: Reduction) -> bool:
-    """Whether its equations are those of masses and springs with symmetric M, C and K, M and K regular."""
+    """Whether the equations are those of masses and springs with symmetric M, C and K, M and K regular."""
     second_order = len(reduction.second) and not len(reduction.first) and reduction.conserved is None
     return bool(second_order and reduction.is_finite and reduction.is_reciprocal)
 
@@ -196,7 +196,7 @@ def _grouped(values: np.ndarray, shapes: np.ndarray) -> Iterator[Moving]:
 
 
 def _equal(values: np.ndarray) -> tuple[np.ndarray, list[int]]:
-    """An order of eigenvalues, ascending by modulus, of one modulus by the real part; where those end that differ by rounding only."""
+    """An order of eigenvalues, ascending by modulus, then real part, and the ends of groups equal to rounding errors."""
     moduli = np.abs(values)
     order = moduli.argsort(kind="stable")
     moduli = moduli[order]
@@ -216,7 +216,7 @@ def _equal(values: np.ndarray) -> tuple[np.ndarray, list[int]]:
 
 
 def _by_pairs(A: PolynomialMatrix) -> tuple[list[Moving], list[Mode]]:
-    """The same from the finite Jordan pair: the shapes of s are C v with the eigenvectors v of the blocks of J that belong to s.
+    """Moving modes and modes of eigenvalue 0 from the finite Jordan pair: shapes C v with the eigenvectors v of J.
 
     A(s) C (s I - J)^-1 B = I, so that A(s) C v = 0 where J v = s v. A(s) itself is never formed: next to stiff parts it has
     lost the digits of soft ones.
@@ -287,7 +287,7 @@ def _null_space(matrix: Noisy) -> Noisy:
 
 
 def _normalized(shapes: np.ndarray) -> np.ndarray:
-    """Each column divided by its largest entry."""
+    """Columns divided by their largest entries."""
     largest = np.abs(shapes).argmax(axis=0)
     return shapes / shapes[largest, range(shapes.shape[1])]
 
@@ -320,7 +320,7 @@ class Conservation:
 
 
 def conservation_of(system: EquationsOfMotion, definite: bool = False) -> Conservation:
-    """Read both off the matrices; constraint rows that do not move change neither."""
+    """Conservation of energy and momentum from the matrices; constraint rows at rest change neither."""
     M, C, K = system.mass, system.damping, system.stiffness
     damped = C.any()
     conservative = definite or (is_symmetric(M) and is_symmetric(K) and _positive(M))

@@ -38,7 +38,7 @@ class Mode:
     Attributes:
         kind: "oscillation", "decay", "growth", "rigid body", "drift" or "offset".
         eigenvalue: s in 1/s.
-        multiplicity: of s as a root of det A(s).
+        multiplicity: multiplicity of s as a root of det A(s).
         shapes: the independent shapes, one a column, shape (n, g), the largest entry of each 1; none for drift.
         system: to which it belongs, for its energies; None where these are unknown.
     """
@@ -71,7 +71,7 @@ class Mode:
 
     @cached_property
     def shares(self) -> tuple[EnergyShares, ...]:
-        """For each shape the shares of its kinetic and strain energy by part of the machine (``EnergyParts``).
+        """Shares of the kinetic and strain energy of each shape by part of the machine (``EnergyParts``).
 
         An offset has no kinetic energy, a rigid-body motion no strain energy: these shares are None.
 
@@ -102,13 +102,13 @@ class Mode:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Modes(Presented, Sequence):
-    """The modes of a mechanical system: a sequence of ``Mode``, ascending by |s|, with the tables that vibration people read.
+    """The modes of a mechanical system: a sequence of ``Mode``, ascending by |s|, with tables.
 
     Attributes:
         modes: one ``Mode`` for each finite eigenvalue; an eigenvalue 0 is split into rigid body, offset and drift.
-        names: of the coordinates, in the order of the rows of the shapes.
+        names: names of the coordinates, in the order of the rows of the shapes.
         polynomial_matrix: A(s) with A(s) u = 0 for each eigenvalue s and shape u; None where it is not known.
-        system: of arrays, that has these modes; None where it is not known.
+        system: system of arrays, that has these modes; None where it is not known.
     """
 
     modes: tuple[Mode, ...]
@@ -135,17 +135,17 @@ class Modes(Presented, Sequence):
 
     @property
     def oscillating(self) -> tuple[Mode, ...]:
-        """The modes with a complex eigenvalue, ascending by natural frequency, growing ones too."""
+        """The oscillating modes, with complex eigenvalues, ascending by natural frequency; growing ones included."""
         return tuple(mode for mode in self.modes if mode.eigenvalue.imag)
 
     @property
     def eigenvalues(self) -> np.ndarray:
-        """All finite eigenvalues in 1/s, of complex pairs those above the real axis, each as often as its multiplicity."""
+        """Finite eigenvalues in 1/s, one of each complex pair (above the real axis), repeated by multiplicity."""
         return np.array([mode.eigenvalue for mode in self.modes for _ in range(mode.multiplicity)], dtype=complex)
 
     @property
     def natural_frequencies(self) -> np.ndarray:
-        """|s| of the oscillating modes in rad/s, ascending, each as often as its multiplicity."""
+        """|s| of the oscillating modes in rad/s, ascending, repeated by multiplicity."""
         return np.array([mode.natural_frequency for mode in self.oscillating for _ in range(mode.multiplicity)])
 
     @property
@@ -166,7 +166,7 @@ class Modes(Presented, Sequence):
 
     @cached_property
     def shares(self) -> tuple[tuple[EnergyShares, ...], ...]:
-        """``Mode.shares`` of each mode, computed together."""
+        """Energy shares of each mode (``Mode.shares``)."""
         return _shares(self.modes)
 
     @cached_property
@@ -184,7 +184,7 @@ class Modes(Presented, Sequence):
         return np.array([own.max(initial=0.0) for own in np.split(relative, np.cumsum(counts)[:-1])])
 
     def lowest(self, count: int) -> Modes:
-        """The first modes, as many as make ``count`` with their multiplicities; a complex pair counts once.
+        """Return the first modes, whose multiplicities add up to ``count``; a complex pair counts once.
 
         Raises:
             InputError: a count below one.
@@ -194,7 +194,7 @@ class Modes(Presented, Sequence):
 
     @property
     def drift(self) -> int:
-        """The number of zero eigenvalues that rows at velocity (1 each) and acceleration level (2 each) add."""
+        """Number of zero eigenvalues caused by rows at velocity (1 each) and acceleration level (2 each)."""
         return sum(mode.multiplicity for mode in self.modes if mode.kind == "drift")
 
     def table(self) -> list[dict[str, str]]:
@@ -214,8 +214,8 @@ class Modes(Presented, Sequence):
         its digits in the fourth line of identification.
 
         Args:
-            path: of the file.
-            units: of the coordinates by name, "m" or "rad", as ``system.units``; "m" by default.
+            path: path of the file.
+            units: units of the coordinates by name, "m" or "rad", as ``system.units``; "m" by default.
             geometry: nodes, directions and points of the coordinates in a universal file.
 
         Returns:
@@ -241,7 +241,7 @@ class Modes(Presented, Sequence):
 
 
 def _shares(modes: Sequence[Mode]) -> tuple[tuple[EnergyShares, ...], ...]:
-    """For each mode of one system the energy shares of its shapes."""
+    """Energy shares of the shapes of each mode of one system."""
     parts, counts = (modes[0].energy_parts if modes else None), [mode.shapes.shape[1] for mode in modes]
     if parts is None or not sum(counts):
         return ((),) * len(modes)

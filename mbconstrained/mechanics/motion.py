@@ -41,7 +41,7 @@ Quantity = Literal["displacement", "velocity", "acceleration", "reaction"]
 
 
 class SystemMotion:
-    """The quantities that one motion and several motions of a system have in common; t = 0 means 0+."""
+    """Quantities common to one motion and several motions of a system; t = 0 means 0+."""
 
     system: EquationsOfMotion
 
@@ -51,7 +51,7 @@ class SystemMotion:
         return self.system.names
 
     def displacement(self, times, relative_to: str | None = None) -> np.ndarray:
-        """x(t), as the motion itself when called.
+        """x(t), equal to a call of the motion.
 
         Args:
             times: in s, a number or shape (T,), t >= 0; t = 0 means 0+.
@@ -113,7 +113,7 @@ class SystemMotion:
         return self._rate(0, times), self._rate(1, times)
 
     def _rate(self, order: int, times) -> np.ndarray:
-        """The derivative of this order."""
+        """The derivative of a given order."""
         return self.derivative(order)(times) if order else self(times)  # type: ignore[attr-defined]
 
 
@@ -137,7 +137,7 @@ class Motion(SystemMotion, Response):
 
     @classmethod
     def started(cls, system: EquationsOfMotion, start: np.ndarray, applied: ImpulsiveSmooth, rank_tolerance, request: Request):
-        """The motion from values at 0-.
+        """Return the motion from values at 0-.
 
         Args:
             system: with n coordinates.
@@ -152,7 +152,7 @@ class Motion(SystemMotion, Response):
     kinds = (*RATES, "reaction")
 
     def trajectories(self, times, kinds: Sequence[str] = RATES[:1]) -> tuple[Curves, ...]:
-        """As of ``Response``, with the kind "reaction": the multipliers of the constraint rows.
+        """Curves of the motion at given times, reactions (multipliers of the constraint rows) included.
 
         Args:
             times: in s, a list of numbers.
@@ -204,7 +204,7 @@ class Motion(SystemMotion, Response):
         return self.reaction_of(self)
 
     def reaction_of(self, response: Response) -> BohlFunction:
-        """The same for another response of the system to the same forces."""
+        """Return the reaction function of another response of the system to the same forces."""
         function = reaction_function(self.system, response, self.applied)
         if response is not self or not self.is_decided_exactly:
             return function
@@ -226,7 +226,7 @@ class Motion(SystemMotion, Response):
 
     @property
     def later_constraint_impulses(self) -> tuple[ImpulsiveLoad, ...]:
-        """The same after t = 0: for each time at which lambda has impulses an ``ImpulsiveLoad``, whose arrays have k rows."""
+        """Return the impulses of constraint forces after t = 0: an ``ImpulsiveLoad`` with k rows for each time with impulses."""
         return tuple(load for load in self._constraint_loads if load.time)
 
     @cached_property
@@ -248,7 +248,7 @@ class Motion(SystemMotion, Response):
 
     @cached_property
     def exact(self) -> ExactResponse:
-        """The exact motion of the system as it was given, n rows, in multiplier form, without a rounded null space."""
+        """The exact motion of the given system, n rows, in multiplier form, without a rounded null space."""
         from .exact_motion import exact_motion
 
         return exact_motion(self.system, self.initial, self.applied)
@@ -260,13 +260,13 @@ class Motion(SystemMotion, Response):
         return self.exact.with_rows(range(n, n + len(self.system.rows)))
 
     def enclose(self, times, digits: int = 15, *, of: Quantity = "displacement", order: int = 0) -> Enclosure:
-        """Intervals that are guaranteed to contain a quantity of the motion, as ``Response.enclose``.
+        """Return intervals that are guaranteed to contain a quantity of the motion, as ``Response.enclose``.
 
         Args:
             times: in s, a number or shape (T,).
-            digits: of each value, relative to itself.
+            digits: significant digits of each value.
             of: displacement, velocity, acceleration or reaction.
-            order: of a derivative of it, if any.
+            order: order of a derivative of it, if any.
 
         Returns:
             Lower and upper ends as decimal strings, shape (n,) or (n, T), of reactions (k,) or (k, T), in SI units.
@@ -286,7 +286,7 @@ class Motion(SystemMotion, Response):
             end: in s.
             of: "displacement", "velocity", "acceleration", "reaction", or "elongation" or "force" of springs and dampers by name.
             combinations: a matrix (p, r) of what is combined, such as the elongation of a spring.
-            names: of the combinations.
+            names: names of the combinations.
 
         Returns:
             ``Peaks``: ``maximum``, ``minimum``, ``largest``, and a table with the times.
@@ -300,12 +300,12 @@ class Motion(SystemMotion, Response):
         return peaks(self, end, of, combinations, names)
 
     def error_estimate(self, times, of: Quantity = "displacement", *, order: int = 0) -> float:
-        """Estimate of max |error| / max |value| over the times, of displacement, velocity, acceleration or reaction.
+        """Return an estimate of max |error| / max |value| over the times, for displacement, velocity, acceleration or reaction.
 
         Args:
             times: in s, a number or shape (T,).
             of: the quantity.
-            order: of a derivative of it, if any.
+            order: order of a derivative of it, if any.
 
         Returns:
             A number without unit; infinite where the error may be as large as the answer.
@@ -332,7 +332,7 @@ class Motion(SystemMotion, Response):
     @cached_property
     @within_float64()
     def equation_notices(self) -> tuple[Notice, ...]:
-        """Those of the equations, without those of the range in which they represent the model."""
+        """Notices on the equations, except on the range in which they represent the model."""
         at_start = (Event(0.0, self.jump, self.impulses), ImpulsiveLoad(0.0, self.constraint_impulses))
         return (
             *self._notices_of_system,
@@ -349,9 +349,9 @@ class Motion(SystemMotion, Response):
 
     @property
     def _notices_of_system(self) -> tuple[Notice, ...]:
-        """Those of its rows and of its constrained form: rows that the exact engine confirms to be independent are no doubt.
+        """Notices on the rows and the constrained form, without doubts about ranks that the exact engine confirms.
 
-        A row that was left out is one, and so are entries of the data that cancel to their own rounding errors.
+        Rows that were left out and entries that cancel to their rounding errors remain.
         """
         own, of_form = self.system.notices, self.system.constrained_form().notices
         ranks = [notice for notice in own if notice.doubtful and notice.kind == NoticeKind.RANK]
@@ -361,7 +361,7 @@ class Motion(SystemMotion, Response):
 
 
 def _order_of(quantity) -> int | None:
-    """The order of the derivative of x that a quantity is; None of the reaction."""
+    """The order of the derivative of x that a quantity is; None for a reaction."""
     orders: dict[str, int | None] = {"displacement": 0, "velocity": 1, "acceleration": 2, "reaction": None}
     if not isinstance(quantity, str) or quantity not in orders:
         raise InputError(f"of: found {quantity!r}{nearest(str(quantity), orders)}; expected one of {', '.join(orders)}")
@@ -449,7 +449,7 @@ def _drift(motion: Motion) -> Iterator[Notice]:
 
 
 def _drift_of_record(motion: Motion, row: ConstraintRow) -> Iterator[Notice]:
-    """What remains of a prescribed velocity or acceleration that ends: a velocity, which moves the support on, and a displacement."""
+    """Notice on the velocity and displacement that remain after a prescribed velocity or acceleration has ended."""
     end = row.signal.knots[-1] if row.signal is not None else 0.0
     if not end or row.signal is None or row.signal(end).any():
         return

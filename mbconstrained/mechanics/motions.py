@@ -19,7 +19,7 @@ from .motion import Motion, SystemMotion
 
 @dataclass(frozen=True, repr=False, eq=False, kw_only=True)
 class Motions(SystemMotion, Responses):
-    """S motions x_s(t): ``xs(t)`` has shape (S, n), ``xs(times)`` (S, n, T), ``xs[3]`` is one ``Motion``, as it is solved alone.
+    """S motions x_s(t): ``xs(t)`` has shape (S, n), ``xs(times)`` (S, n, T), ``xs[3]`` is one ``Motion``.
 
     Attributes:
         system: the system that moves.
@@ -69,7 +69,7 @@ def motions_of(
 
 
 def _rows(values, what: str, system: EquationsOfMotion) -> np.ndarray:
-    """Of shape (S, n), S = 1 where they are common to all."""
+    """Values of shape (S, n), with S = 1 where they are common to all motions."""
     if np.ndim(values) == 2:
         return real_array(values, what, shape=(None, system.size))
     return system._vector(values, what)[None]

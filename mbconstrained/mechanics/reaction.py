@@ -27,7 +27,7 @@ from .equations import EquationsOfMotion
 
 
 class FunctionSum(BohlFunction):
-    """A sum of functions, each evaluated by its own method; its states are put together where they are asked for only."""
+    """A sum of functions, each evaluated by its own method; the states are combined only on demand."""
 
     terms: tuple[BohlFunction, ...]
 
@@ -57,7 +57,7 @@ class FunctionSum(BohlFunction):
         return FunctionSum([term.mapped(matrix) for term in self.terms])
 
     def rows(self, indices) -> BohlFunction:
-        """Some of its rows, in this order."""
+
         return FunctionSum([term.rows(indices) for term in self.terms])
 
     def __mul__(self, factor: float) -> BohlFunction:
@@ -102,7 +102,7 @@ def reaction_impulses(system: EquationsOfMotion, response: Response, applied: Im
 
 
 def _by_order(impulses, size) -> list[Noisy]:
-    """For each order of derivative an array (n, K), from the impulses of K events."""
+    """Arrays (n, K) of the impulses of K events, one for each order of derivative."""
     count = max(map(len, impulses), default=0)
     none = np.zeros(size)
     return [Noisy.rounded(np.array([own[k] if k < len(own) else none for own in impulses]).T) for k in range(count)]

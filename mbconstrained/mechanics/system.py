@@ -47,11 +47,11 @@ class MechanicalSystem(EquationsOfMotion):
         stiffness: K, shape (n, n) (N/m); zero by default.
         constraints: ``Constraint`` objects, or sparse matrices of rows that are zero at position level. Dependent rows are left
             out and reported in ``notices``.
-        names: of the n coordinates; x1, x2, ... by default.
+        names: names of the n coordinates; x1, x2, ... by default.
         force: f from t = 0 on: a constant vector (n,), a mapping from names, or an ImpulsiveSmooth with n rows (N, N m).
         static_force: constant vector (n,) of rest lengths and weights, in addition to the force. Its potential counts in the
             energy, as that of a constant force does.
-        units: of each coordinate, "m" or "rad", by name or in order; "m" by default.
+        units: units of each coordinate, "m" or "rad", by name or in order; "m" by default.
         energy_parts: M and K as sums of named parts, for the energy shares of modes; by coordinate by default. Arrays only.
         uncertainty: bounds of the errors of "mass", "damping", "stiffness", arrays (n, n) by these names, for matrices that are
             measured or computed; rounding errors by default. Arrays only.
@@ -92,7 +92,7 @@ class MechanicalSystem(EquationsOfMotion):
         *,
         evaluations: Evaluations = "once",
     ) -> Motion | Any:
-        """The motion from any values at 0-, in closed form.
+        """Solve for the motion from any values at 0-, in closed form.
 
         Inconsistent values are not repaired: the motion reports the jumps and impulses that they cause. Of sparse matrices
 
@@ -145,7 +145,7 @@ class MechanicalSystem(EquationsOfMotion):
         return Motion.started(self, self._start(displacement, velocity), self._applied(force), rank_tolerance, request)
 
     def modes(self, count: int | None = None, damped: bool = True) -> Modes:
-        """The finite eigenvalues of A(s) with their shapes and meaning: oscillation, decay, rigid body, drift, ...
+        """Return the finite eigenvalues of A(s) with shapes and meaning: oscillation, decay, rigid body, drift, ...
 
         Of arrays all of them from the Jordan pairs of A(s). Of sparse matrices those of lowest frequency, by shift-invert Lanczos
         and Sylvester's law of inertia, which counts them; damped ones by Newton's method from these (``mechanics.sparse``).
@@ -282,7 +282,7 @@ class MechanicalSystem(EquationsOfMotion):
         point A(s; p) x = 0 and y^H A_s(s; p) x = 0; it is solved for by Newton's method, not found on a grid.
 
         Args:
-            parameter: a name as of ``sensitivities``, or an ``mb.Parameter``.
+            parameter: a name as in ``sensitivities``, or an ``mb.Parameter``.
             values: p, ascending, two or more.
 
         Returns:
@@ -307,7 +307,7 @@ class MechanicalSystem(EquationsOfMotion):
         Args:
             spectrum: a ``ShockResponseSpectrum``, a function of the frequency in Hz, or a table (f, S_a) in Hz and m/s^2.
             base: names of the constraint rows that move together by one unit; all rows by default.
-            damping_ratio: of all modes.
+            damping_ratio: damping ratio of all modes.
             combination: "CQC" or "SRSS".
 
         Returns:

@@ -1,4 +1,4 @@
-"""The numbers of the elements of a lumped model as parameters, with the derivatives of the assembled equations.
+"""The constants of the elements of a lumped model as parameters, with the derivatives of the assembled equations.
 
 Every entry of the equations is a rational function of the numbers of the elements. Its derivative is taken by a complex step,
 Im g(p + i h) / h with h = 1e-40 p, which is exact to rounding errors: nothing cancels (Squire and Trapp 1998).
@@ -36,7 +36,7 @@ class Assembly(Protocol):
 
 
 def element_parameters(model: Assembly) -> Iterator[Parameter]:
-    """One parameter for each number of an element: named as a body or link itself, "gear 1.start_radius" for others."""
+    """One parameter for each constant of an element: named as a body or link itself, "gear 1.start_radius" for others."""
     for element in model.elements:
         if isinstance(element, PrescribedMotion):
             continue
@@ -61,7 +61,7 @@ def _parameter(model: Assembly, element: Element, field: str, name: str, value: 
 def complex_parameter(
     name: str, value: float, elements: Sequence[Element], model: Assembly, step: float, unit: str, gravity: complex | None = None
 ) -> Parameter:
-    """The derivatives from elements whose numbers are those of p + i h."""
+    """The derivatives from elements whose constants are those of p + i h."""
     names = model.coordinates
     place = {coordinate: i for i, coordinate in enumerate(names)}
     size, pull = len(names), model.gravity_along if gravity is None else gravity

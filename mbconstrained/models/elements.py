@@ -24,7 +24,7 @@ class Element:
         name: its name, for a body also that of its coordinate; empty for one that the model makes of kind and ends.
         moving, turning, either: fields that name a body that it joins, which moves along the axis (m), turns (rad), or does either.
         positive, nonzero, nonnegative, real: fields of numbers, in this range; None is accepted where it is the default.
-        end_count: how many different bodies it joins, at least.
+        end_count: least number of different bodies that it connects.
     """
 
     name: str = field(default="", kw_only=True)
@@ -51,18 +51,18 @@ class Element:
 
     @property
     def label(self) -> str:
-        """The element in a message: its kind and its name."""
+        """Label of the element in messages: its kind and name."""
         return f'{self.kind} "{self.name or next(self.default_names)}"'
 
     @property
     def kind(self) -> str:
-        """Its kind in words, e.g. torsion spring."""
+        """Kind of the element as text, e.g. torsion spring."""
         letters = "".join(f" {letter.lower()}" if letter.isupper() else letter for letter in type(self).__name__)
         return letters.strip()
 
     @property
     def ends(self) -> dict[str, str | None]:
-        """The bodies that it joins, each with the unit that its coordinate must have, None for both."""
+        """The bodies that it connects, each with the required unit of its coordinate, or None."""
         return dict(self._joined)
 
     @property
@@ -72,17 +72,17 @@ class Element:
 
     @property
     def parts(self) -> tuple[Element, ...]:
-        """The elements that are added with it."""
+        """The elements that belong to it."""
         return ()
 
     @property
     def weighing(self) -> dict[str, float]:
-        """The masses (kg) that gravity acts on, by the coordinate along it."""
+        """The masses (kg) subject to gravity, by the coordinate along it."""
         return {}
 
     @property
     def default_names(self) -> Iterator[str]:
-        """Names for an element without one, the first that is not in use to be taken."""
+        """Default names of an element, in order of preference."""
         base = f"{self.kind} {'-'.join(str(body) for body, _ in self._joined[:2])}"
         return (f"{base} {number}" if number > 1 else base for number in count(1))
 
@@ -100,7 +100,7 @@ class Body(Element):
 
     @property
     def constant(self) -> float:
-        """Its mass (kg) or moment of inertia (kg m^2), 0 of a node."""
+        """Mass (kg) or moment of inertia (kg m^2), 0 for a node."""
         return getattr(self, self.kind, 0.0)
 
     def __post_init__(self):
@@ -116,7 +116,7 @@ class Mass(Body):
 
     Args:
         mass: m > 0, in kg.
-        position: of the body at x = 0 in the drawing, in m; the motion does not depend on it.
+        position: position of the body at x = 0 in the drawing, in m; the motion does not depend on it.
     """
 
     mass: float
@@ -130,7 +130,7 @@ class Mass(Body):
 
 @dataclass(frozen=True)
 class Node(Body):
-    """A joint without mass, 0 = sum of forces; without inertia, and with an angle for its coordinate, where it is rotational."""
+    """A massless joint, 0 = sum of forces; without inertia, and with an angle as coordinate, where it is rotational."""
 
     rotational: bool = False
 
@@ -139,7 +139,7 @@ class Node(Body):
 
 @dataclass(frozen=True)
 class Inertia(Body):
-    """A body that turns, J q'' = sum of torques; inertia J > 0 in kg m^2, q in rad."""
+    """A rotating body, J q'' = sum of torques; inertia J > 0 in kg m^2, q in rad."""
 
     inertia: float
 
@@ -168,7 +168,7 @@ class Link(Element):
 
     @property
     def constant(self) -> float:
-        """Stiffness or damping."""
+        """Stiffness or damping coefficient."""
         return getattr(self, self.positive[0])
 
 
@@ -241,7 +241,7 @@ class Tie(Element):
     Attributes:
         row: the coefficients by coordinate; that of the ground is ignored.
         row_value: the right-hand side.
-        level: of the row.
+        level: level of the row.
     """
 
     level: Level = "position"
@@ -346,8 +346,8 @@ class Relation(Tie):
 
     Args:
         coefficients: by name of a coordinate.
-        value: of the sum, in the unit of its terms.
-        level: of the row, see ``Constraint``.
+        value: value of the sum, in the unit of its terms.
+        level: level of the row, see ``Constraint``.
     """
 
     coefficients: Mapping[str, float]
@@ -380,7 +380,7 @@ class PrescribedMotion(Tie):
         body: whose coordinate is prescribed.
         signal: b with one row, such as ``mb.harmonic([0.01], frequency_hz=2)`` or a record, ``mb.sampled``; in m or rad, by s or
             s^2 at velocity and acceleration level.
-        factor: of the signal, where several supports move by multiples of one signal.
+        factor: factor of the signal, where several supports move by multiples of one signal.
         level: "position" for a displacement, "velocity", or "acceleration".
 
     The multiplier is the force that the support must supply.

@@ -1,4 +1,4 @@
-"""A model of bodies along one axis (or shafts that turn), put together element by element."""
+"""A model of bodies along one axis, or of shafts, assembled element by element."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ class LumpedModel(Displayed):
 
     @property
     def elements(self) -> tuple[Element, ...]:
-        """All elements in the order of creation."""
+        """All elements in the order of their creation."""
         return tuple(self._elements.values())
 
     @property
@@ -139,7 +139,7 @@ class LumpedModel(Displayed):
         """A force on a body from t = 0 on, in addition to earlier ones.
 
         Args:
-            name: of the body.
+            name: name of the body.
             signal: with one row, in N, or N m on a body that turns; such as ``mb.step([2.0])``.
 
         Raises:
@@ -221,7 +221,7 @@ class LumpedModel(Displayed):
         return element
 
     def _check_name(self, element: Element, name: str) -> None:
-        """The name of an element, or of a part of it, is not in use."""
+        """Raise an InputError where the name of an element, or of a part of it, is in use."""
         own = [part.name for part in element.parts]
         if name == GROUND:
             raise InputError(f'{element.kind}: the name "ground" is that of the fixed body; choose another')
@@ -250,7 +250,7 @@ class BranchRows:
         incidence: B, -1 at the start, 1 at the end, nothing for the ground, shape (p, n).
         constants: stiffness or damping, all positive, shape (p,).
         rest: elongation without force, shape (p,); zero for dampers.
-        names: of the elements.
+        names: names of the elements.
     """
 
     incidence: np.ndarray
@@ -270,7 +270,7 @@ class BranchRows:
 
 @dataclass(frozen=True, eq=False)
 class Incidence:
-    """All factors of a model.
+    """Incidence matrices and constants of a model.
 
     Attributes:
         springs, dampers: the branches of K and of C.
@@ -323,7 +323,7 @@ def _branches(links: Sequence[Link], names: Sequence[str]) -> BranchRows:
 
 
 def _energy_parts(factors: Incidence, names: Sequence[str]) -> EnergyParts:
-    """Every mass and every spring by its name; joints without mass are none."""
+    """Every mass and spring by name; massless joints have no part."""
     unit_rows, springs = np.eye(len(names)), factors.springs
     masses = {name: ElementMatrix(row[None], [mass]) for name, row, mass in zip(names, unit_rows, factors.masses) if mass}
     by_spring = zip(springs.names, springs.incidence, springs.constants)

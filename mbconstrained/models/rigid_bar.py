@@ -1,4 +1,4 @@
-"""A rigid bar of a lumped model: a body of two coordinates, with the elements that it consists of."""
+"""A rigid bar of a lumped model: a body of two coordinates, with its elements."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class RigidBar(Mass):
 
     @property
     def angle(self) -> str:
-        """The name of the coordinate of its angle."""
+        """Name of the coordinate of its angle."""
         return f"{self.name} angle"
 
     @property
@@ -68,7 +68,7 @@ class RigidBar(Mass):
 
 
 def unchecked(kind: type, **values) -> Element:
-    """An element of numbers that another has checked already; in formulas they are expressions."""
+    """An element without validation of its constants, which another element has checked; in formulas they are expressions."""
     element = object.__new__(kind)
     for each in fields(kind):
         object.__setattr__(element, each.name, values.get(each.name, each.default))

@@ -90,7 +90,7 @@ class Rotor(Element):
 
     @property
     def weighing(self) -> dict[str, float]:
-        """Its mass, along z."""
+        """Mass of the rotor, along z."""
         return {in_planes(self.name)[1]: self.mass}
 
     @property
@@ -108,7 +108,7 @@ class Rotor(Element):
 
     @property
     def tilts(self) -> tuple[str, str]:
-        """The names of its angles in both planes, where it tilts."""
+        """Names of its angles in both planes, where it tilts."""
         y, z = (f"{name} angle" for name in in_planes(self.name))
         return y, z
 
@@ -151,12 +151,12 @@ class Bearing(Element):
         return {name: None if name == GROUND else "m" for end in (self.start, self.end) for name in in_planes(end)}
 
     def matrices(self, what: str) -> np.ndarray:
-        """The matrices "stiffness" or "damping" of each speed, of one that does not change with the speed one, shape (S, 2, 2)."""
+        """Stiffness or damping matrices, one for each speed of a table, else a single one, shape (S, 2, 2)."""
         return _matrices(getattr(self, what), self.speeds, f"{self.label}: {what}")
 
     @property
     def parts(self) -> tuple[Element, ...]:
-        """Springs and dampers in both planes, of a table those of its first speed."""
+        """Springs and dampers in both planes; for a table those of its first speed."""
         parts = []
         for kind, what in ((Spring, "stiffness"), (Damper, "damping")):
             values = np.diag(self.matrices(what)[0]).tolist()
@@ -166,13 +166,13 @@ class Bearing(Element):
         return tuple(parts)
 
     def coupling(self, what: str) -> np.ndarray:
-        """Of ``matrices`` what its springs or dampers do not have, shape (S, 2, 2)."""
+        """The part of ``matrices`` that springs or dampers do not represent, shape (S, 2, 2)."""
         matrices = self.matrices(what)
         return matrices - np.diag(np.maximum(np.diag(matrices[0]), 0.0))
 
 
 def _matrices(value, speeds: Sequence[float] | None, what: str) -> np.ndarray:
-    """One matrix for each speed, or one alone; shape (S, 2, 2)."""
+    """Matrices of shape (S, 2, 2): one for each speed, or a single one."""
     if speeds is None:
         return _matrix(value, what)[None]
     if isinstance(value, (int, float)) and not value:
@@ -212,7 +212,7 @@ class Unbalance(Element):
 
     @property
     def ends(self) -> dict[str, str | None]:
-        """Both displacements of its point; "ground" is none."""
+        """Both displacements of its point; "ground" is not allowed."""
         if self.on == GROUND:
             raise InputError(f'{self.label}: "ground" does not turn; name a rotor or a point of one')
         return dict.fromkeys(in_planes(self.on), "m")
@@ -220,12 +220,12 @@ class Unbalance(Element):
 
 @dataclass(frozen=True, eq=False)
 class RotorTerms:
-    """What rotors, bearings and unbalance add to the equations of a model with n coordinates.
+    """Contributions of rotors, bearings and unbalance to the equations of a model with n coordinates.
 
     Attributes:
         gyroscopic: G, shape (n, n).
         whirl: masses between y and z, diametral inertias between the tilts, skew-symmetric, shape (n, n).
-        stiffness, damping: what springs and dampers do not have, shape (n, n).
+        stiffness, damping: the parts that springs and dampers do not represent, shape (n, n).
         tables: bearings whose coefficients change with the speed.
         unbalance: u of the force W^2 Re(u e^{i W t}), complex, in kg m, shape (n,).
     """
@@ -238,7 +238,7 @@ class RotorTerms:
     unbalance: np.ndarray
 
     def added_to(self, elements: ElementMatrix, what: str) -> ElementMatrix | np.ndarray:
-        """The matrix of springs or dampers with "stiffness" or "damping" of this."""
+        """The matrix of springs or dampers plus ``stiffness`` or ``damping``."""
         further = getattr(self, what)
         return elements.matrix + further if further.any() else elements
 

@@ -1,4 +1,4 @@
-"""What a page shows: plots, formulas, figures, tables, notices and facts; the animation has a folder of its own."""
+"""Content of a page: plots, formulas, figures, tables, notices and facts; the animation has a separate folder."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class RecordResponse:
     Attributes:
         knots: times in s at which the force restarts, ascending, shape (K,).
         force: its states after each, shape (m, K).
-        states: those of the motion, shape (p, T), at ascending times (T,).
+        states: states of the motion, shape (p, T), at ascending times (T,).
     """
 
     knots: np.ndarray
@@ -51,10 +51,10 @@ class TimeFunctions:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One line of a plot.
+    """Curve of a plot.
 
     Attributes:
-        name: for the legend.
+        name: name for the legend.
         values: shape (T,), at the plot's times.
         color: number of its colour and dashes; for a coordinate its number in the animation, so that the curve has the
             colour of the body that it moves. None for its number in the plot.
@@ -82,7 +82,7 @@ class Guide:
     exponent: float
 
     def ends(self, across: Axis, up: Axis) -> tuple[tuple[float, float], tuple[float, float]] | None:
-        """Where the line enters and leaves the picture, as shares of both axes from the left and from below; None where it misses it.
+        """End points of the line in the picture, as fractions of both axes from the left and from below; None where it is outside.
 
         Args:
             across, up: logarithmic.
@@ -101,7 +101,7 @@ class Guide:
         return (float(x[0]), float(y[0])), (float(x[1]), float(y[1]))
 
     def named_at(self, across: Axis, up: Axis) -> tuple[float, float, bool] | None:
-        """Where its name is: of a line that rises at its upper end, of one that falls at its left or lower end, so that they do not meet.
+        """Position of its name: at the upper end of a rising line, at the left or lower end of a falling one; none meet.
 
         Args:
             across, up: logarithmic.
@@ -122,13 +122,13 @@ class Plot:
 
     Attributes:
         title: heading, such as "displacement".
-        unit: of the curves, such as "m"; an empty string for a pure number.
+        unit: unit of the curves, such as "m"; an empty string for a pure number.
         times: shape (T,), ascending, in s; of a plot over another variable its values.
         curves: their values have the shape of the times.
         across: of a phase plane, a curve along the horizontal axis, whose name is its title; None for the time.
         across_unit: of the horizontal axis.
         quantity: title of the vertical axis; an empty string for that of the plot.
-        variable: what the times are, such as "frequency".
+        variable: quantity along the horizontal axis, such as "frequency".
         scales: of the horizontal and of the vertical axis, "linear" or "log"; values that are not positive are at the low end of a
             logarithmic axis.
         guides: further lines of the grid, on two logarithmic axes.
@@ -221,7 +221,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class PageContent:
-    """The content of one page; what is None or empty leaves no trace in the file.
+    """The content of one page; parts that are None or empty are absent from the file.
 
     Attributes:
         title, source: heading of the page and the line under it.

@@ -1,4 +1,4 @@
-"""The page of a frequency response: its plots and, at the frequency of their cursor, the operating deflection shape in motion."""
+"""The page of a frequency response: its plots, and the animated operating deflection shape at the frequency of the cursor."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ class Deflections:
 
     Attributes:
         drawing: bodies that move with the coordinates, at rest.
-        names: of the n coordinates.
+        names: names of the n coordinates.
         inputs: texts of m inputs with a unit of each, such as "1 N on cart".
-        frequencies: of F lines, ascending, in the unit of the axis of the plots.
-        periods: of a cycle at each line, s.
-        shapes: complex, shape (m, F, n), as large as there is room for.
+        frequencies: frequencies of F lines, ascending, in the unit of the axis of the plots.
+        periods: periods of a cycle at each line, s.
+        shapes: complex, shape (m, F, n), as large as the drawing allows.
         factors: by which each is magnified, besides the drawing, shape (m, F).
     """
 
@@ -48,7 +48,7 @@ class Deflections:
     factors: np.ndarray
 
     def nearest(self, frequency: float) -> int:
-        """The number of the line that is nearest to a frequency in the unit of the axis."""
+        """The index of the line nearest to a frequency in the unit of the axis."""
         return int(np.abs(np.log(self.frequencies / frequency)).argmin())
 
 
@@ -145,7 +145,7 @@ def _frequency_controls(shapes: Deflections, axis: str, first: tuple[int, int]) 
 
 
 def _peak_list(content: FrequencyContent, lines: list[int]) -> str:
-    """One row for each peak with a radio button of one group: the arrow keys go from peak to peak."""
+    """List of peaks with a group of radio buttons: the arrow keys move from peak to peak."""
     table = content.peaks
     columns = list(zip(*table.rows)) or [()] * len(table.columns)
     kinds = [' class="number"' if column and all(map(is_number, column)) else "" for column in columns]

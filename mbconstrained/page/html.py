@@ -1,4 +1,4 @@
-"""A page as one static HTML file: that of a run, of mode shapes or of a frequency response.
+"""A page as one static HTML file: of a run, of mode shapes or of a frequency response.
 
 The page fetches nothing, and only the scripts written here can run: its content security policy forbids everything else and
 names the scripts by their hashes. The same content always gives the same bytes.
@@ -30,7 +30,7 @@ from .plots.svg_plot import PlotFunctions, plot_figures
 from .sections import figure_section, formula_section, notice_section, stage_section, table_section
 from .typeset import typeset
 
-#: Where the 3-D viewer is: in the page, in a file that many pages share, or in the page and compressed with all scripts.
+#: Location of the 3-D viewer: in the page, in a file shared by many pages, or in the page and compressed with all scripts.
 Delivery = Literal["inside", "separate", "compressed"]
 
 Content = PageContent | ModesContent | FrequencyContent
@@ -58,7 +58,7 @@ _PLOTS = ("readings.js", "axes.js", "plots.js")
 
 
 def write_page(path, content: Content, viewer: Delivery = "inside", files: Replacements | None = None) -> Path:
-    """Write a page; a file that was there before stays as it was unless the new one is complete."""
+    """Write a page; an existing file is replaced only when the new one is complete."""
     path = Path(path)
     if files is None:
         try:
@@ -228,7 +228,7 @@ def _hashes(*texts: str) -> str:
 
 
 def script_json(data) -> str:
-    """JSON that can stand in a script element: nothing in it can end the element or start another.
+    """JSON for a script element: nothing in it can end the element or start another.
 
     >>> script_json("</script>")
     '"\\\\u003c/script\\\\u003e"'

@@ -34,7 +34,7 @@ SMALLEST_SHARE = 1e-9
 #: Digits after the decimal point of the phase on the clock.
 _DECIMALS = 2
 
-#: Of the speed menu of pages that show cycles.
+#: Factors of the speed menu of pages with cycles.
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0)
 
 #: The usual word for what is listed.
@@ -45,19 +45,19 @@ Share = tuple[str, float | None, float | None]
 
 @dataclass(frozen=True, eq=False)
 class ModePicture:
-    """One mode.
+    """Picture of one mode.
 
     Attributes:
-        name: such as "mode 3".
+        name: name, such as "mode 3".
         facts: pairs of a label and a text, such as ("frequency (Hz)", "1.52"); the labels of all modes are the columns of
             the page's table.
         shares: for each element its name, its share of the kinetic and of the strain energy; None where it has none.
         values: the coordinates over one cycle at F equally spaced phases, shape (r, F), the last as the first; None for a
             mode in which no coordinate moves.
         paths: by body name the poses over the same cycle (or one pose), of bodies that move on paths.
-        period: of one cycle, in s; None where it does not oscillate.
-        scale: magnification of the values, besides that of the drawing; paths are magnified already.
-        note: a sentence, such as why a mode does not move.
+        period: period of one cycle in s; None where it does not oscillate.
+        scale: magnification of the values, in addition to that of the drawing; paths are already magnified.
+        note: a sentence, such as the reason why a mode does not move.
         shape: for each coordinate that moves its name and its amplitude, with its phase where it has one; texts.
     """
 
@@ -72,7 +72,7 @@ class ModePicture:
     shape: tuple[tuple[str, str], ...] = ()
 
     def frames(self, drawing: Drawing, names: tuple[str, ...]) -> KeyFrames:
-        """Its cycle as key frames."""
+        """One cycle of the mode as key frames."""
         bodies = tuple(replace(body, path=self.paths.get(body.name, body.path)) for body in drawing.bodies)
         values = np.zeros((len(names), 1)) if self.values is None else self.scale * self.values
         count = max([values.shape[1], *(body.path.count for body in bodies if body.path)])
@@ -95,8 +95,8 @@ class ModesContent:
         modes: in the order in which they are listed.
         notices, facts: as on the page of a run.
         figures: before the tables, both below the list.
-        tables: of the page.
-        word: what is listed, "mode"; others, such as "variant", have a slider too.
+        tables: tables of the page.
+        word: the kind of the entries, "mode"; others, such as "variant", have a slider too.
     """
 
     title: str
@@ -166,7 +166,7 @@ def _scale_note(drawing: Drawing, mode: ModePicture, moves: bool) -> str:
 
 
 def _slider(content: ModesContent, first: int) -> str:
-    """Through the list, where it is not one of modes."""
+    """Slider through the list, for a list of other things than modes."""
     if content.word == MODE or len(content.modes) < 2:
         return ""
     text = html.escape(content.modes[first].name)
@@ -178,7 +178,7 @@ def _slider(content: ModesContent, first: int) -> str:
 
 
 def _list(content: ModesContent, first: int) -> str:
-    """One row for each mode with a radio button of one group, so that the arrow keys go from mode to mode."""
+    """List of modes with a group of radio buttons, so that the arrow keys move from mode to mode."""
     modes, word = content.modes, content.word
     facts = [dict(mode.facts) for mode in modes]
     labels = dict.fromkeys(label for own in facts for label in own)

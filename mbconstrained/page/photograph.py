@@ -1,4 +1,4 @@
-"""A picture of the model at one time, taken by an installed Chromium or Chrome from a page of its own.
+"""A picture of the model at one time, taken by an installed Chromium or Chrome from a separate page.
 
 The browser runs without a window, on a file in a temporary folder that is also its home: it starts no server, fetches
 nothing, and reads and writes no user profile.

@@ -34,7 +34,7 @@ _KEYS = (
 
 
 def notice_section(notices: tuple[Notice, ...]) -> str:
-    """The notices in one line with their number that unfolds, doubtful ones first and as warnings."""
+    """The notices, folded into one line with their number; doubtful ones first and as warnings."""
     if not notices:
         return ""
     rows, texts = [], []
@@ -52,7 +52,7 @@ def notice_section(notices: tuple[Notice, ...]) -> str:
 
 
 def figure_section(figure: Figure) -> str:
-    """One <figure> over the whole width; in a narrow window it scrolls, so that it stays readable."""
+    """A <figure> over the full width; in a narrow window it scrolls, so that it stays readable."""
     labelled = f'<svg role="img" aria-label="{html.escape(figure.description)}"'
     svg = figure.svg.strip().replace("<svg", labelled, 1)
     title = f'<figure class="static">\n<h2>{html.escape(figure.title)}</h2>'
@@ -99,7 +99,7 @@ def _kind(column: tuple[str, ...]) -> str:
     return ' class="long sentence"' if longest > LONG_SENTENCE else ' class="sentence"' if longest > SENTENCE else ""
 
 
-#: What can be shown: kind, entry of a body in the figure that has it, text of its box.
+#: Optional contents: kind, entry of a body in the figure that has it, text of its box.
 _MARKS = (
     ("names", "label", "names"),
     ("perspective", "name", "perspective"),

@@ -1,4 +1,4 @@
-"""Texts as a page shows them: raised powers of units, complex numbers on one line, long names shortened."""
+"""Texts in the typography of a page: raised powers of units, complex numbers on one line, long names shortened."""
 
 from __future__ import annotations
 

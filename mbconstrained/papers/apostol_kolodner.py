@@ -85,7 +85,7 @@ def _in_symbols(A: SymbolicPolynomialMatrix, initial, time) -> ApostolKolodner:
 
 
 def _check_form(degree: int, nonzero: list[bool]) -> None:
-    """One flag for each coefficient."""
+    """Check that there is one flag for each coefficient."""
     between = [power for power in range(1, degree) if nonzero[power]]
     if degree < 1 or between:
         detail = f"terms in s^{', s^'.join(map(str, between))}" if between else "degree 0"

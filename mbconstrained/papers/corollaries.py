@@ -65,7 +65,7 @@ def free_motion_by_zeros(A: SymbolicPolynomialMatrix, initial, time: sympy.Symbo
 
     Corrected: (72) prints a direct sum of r x n_i matrices, meant are their products with x_s,i(0) summed; i and j of (37) are
     exchanged. Of a complex pair the zero above the real axis stands for both, with twice the real part of its term. Arguments, result and
-    errors as of ``free_motion_by_jordan_blocks``.
+    errors as in ``free_motion_by_jordan_blocks``.
 
     >>> a = sympy.Symbol("a", positive=True)
     >>> free_motion_by_zeros(SymbolicPolynomialMatrix([[[a]], [[1]]]), [[2]])
@@ -159,5 +159,5 @@ def _value(p: sympy.Poly, a, b) -> tuple[sympy.Expr, sympy.Expr]:
 
 
 def _product(one, two) -> tuple:
-    """Of complex numbers or matrices as pairs of real ones."""
+    """Product of complex numbers or matrices as pairs of real ones."""
     return one[0] * two[0] - one[1] * two[1], one[0] * two[1] + one[1] * two[0]

@@ -68,7 +68,7 @@ class ResidueForm:
 
         Args:
             numerator: b_0 ... b_m over a_n.
-            zeros: those of a(s) other than s = 0.
+            zeros: zeros of a(s) other than s = 0.
             zero_poles: n0, the order of the pole at s = 0.
 
         Returns:

@@ -69,7 +69,7 @@ class PolynomialCoefficients:
 
 
 def _factors_of(matrix):
-    """B^T diag(k) B where a coefficient is given by its elements, directions B and constants k; itself otherwise."""
+    """The element matrix B^T diag(k) B of a coefficient given by its elements, directions B and constants k; else the array."""
     if hasattr(matrix, "directions") and hasattr(matrix, "constants"):
         return Factors(matrix.directions.T, matrix.constants, matrix.directions)
     return matrix
@@ -92,7 +92,7 @@ def _assembled(matrix, what: str) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Factors:
-    """The matrix left @ diag(values) @ right, all entries meant as the exact numbers that they are.
+    """The matrix left @ diag(values) @ right with exact entries.
 
     Attributes:
         left: L, shape (r, m).

@@ -1,4 +1,4 @@
-"""A(s) as a first-order pencil s E - F with states x, x', ..., x^(q-1), in units of its own.
+"""A(s) as a first-order pencil s E - F with states x, x', ..., x^(q-1), in scaled units.
 
 E = diag(I, ..., I, A_q), F = [[0, I, ..., 0], ..., [-A_0, ..., -A_(q-1)]] is a strong linearization: it has the
 finite and the infinite elementary divisors of A(s), and its solutions from values at 0- are those of
@@ -40,7 +40,7 @@ class ScaledCompanion:
 
     @cached_property
     def coefficients(self) -> np.ndarray:
-        """The same in float64."""
+        """The coefficients in float64."""
         return self.known.data.astype(float)
 
     @property
@@ -65,7 +65,7 @@ class ScaledCompanion:
 
     @cached_property
     def pencil(self) -> tuple[Noisy, Noisy]:
-        """E and F with what is uncertain about them."""
+        """E and F with their uncertainty."""
         r, g = self.size, self.grade
         E, F = (Noisy.exact(of_kind(np.eye(g * r, k=shift), self.known.data)) for shift in (0, r))
         last = slice((g - 1) * r, None)
@@ -112,7 +112,7 @@ def scaled_companion(A: PolynomialCoefficients, rank_tolerance: float | None = N
 
 
 def multiplicity_at_zero(A: PolynomialCoefficients) -> int:
-    """The multiplicity of s = 0 as a zero of det A(s), regular, its entries taken as the exact numbers that they are."""
+    """The multiplicity of s = 0 as a zero of a regular det A(s) with exact entries."""
     *lower, highest = _with_first_power(A.exact_coefficients)
     states, last = len(lower) * A.size, slice((len(lower) - 1) * A.size, None)
     E, F = np.eye(states, dtype=object), np.eye(states, k=A.size, dtype=object)
@@ -121,7 +121,7 @@ def multiplicity_at_zero(A: PolynomialCoefficients) -> int:
 
 
 def _telling(A: PolynomialCoefficients) -> np.ndarray:
-    """The coefficients, without entries that may be nothing: they have no size to be scaled by.
+    """The coefficients without entries that may be zero, which have no size for scaling.
 
     Those are within their uncertainty, or rounding errors of the largest of their row and of the largest of their column, in one
     coefficient: what computed matrices have in place of zeros.
@@ -132,12 +132,12 @@ def _telling(A: PolynomialCoefficients) -> np.ndarray:
 
 
 def _with_first_power(coefficients: np.ndarray) -> np.ndarray:
-    """A pencil needs a first power: one is declared where there is none."""
+    """The coefficients with a first power, which a pencil needs, added where there is none."""
     return coefficients if len(coefficients) > 1 else np.concatenate([coefficients, 0 * coefficients])
 
 
 def known_coefficient(A: PolynomialCoefficients, power: int) -> Noisy:
-    """A_power with what is uncertain about it: precise and exact where it is given by its factors."""
+    """A_power with its uncertainty: precise and exact where it is given by its factors."""
     factors = A.factors[power]
     known = Noisy.rounded(A.coefficients[power]) if factors is None else Noisy.exact(precise(factors.exact))
     return Noisy(known.data, np.maximum(known.noise, A.uncertainty[power]))

@@ -1,4 +1,4 @@
-"""Zeros at s = 0 that can be read off A(s): rows without stiffness, exactly.
+"""Zeros at s = 0 that follow exactly from A(s): rows without stiffness.
 
 A row i of M x'' + C x' + K x with K_i = 0 conserves p_i = M_i x' + C_i x, and one with C_i = 0 too lets q_i = M_i x grow with it,
 q_i' = p_i: a free mass, the drift of a constraint at velocity or acceleration level. Of the states w these numbers are z = L w
@@ -25,11 +25,11 @@ from ..linalg.scaling import balancing_units, equilibration
 
 @dataclass(frozen=True, eq=False)
 class Conserved:
-    """The conserved numbers z = L w of the states w = (x_m, x_m', x_d).
+    """The conserved quantities z = L w of the states w = (x_m, x_m', x_d).
 
     Attributes:
         rows: L, shape (k, n).
-        blocks: of J.
+        blocks: blocks of J.
         places: which states they replace, shape (k,).
         left: R with L S = J L + R [I; S_d], S_d the rows of x_d, shape (k, n + d): what soft supports of a free body change of
             them; None where there are none.
@@ -42,7 +42,7 @@ class Conserved:
 
 
 def lowest(M: Matrix, C: Matrix, K: Matrix) -> tuple[Matrix, np.ndarray]:
-    """Each row's lowest coefficient that is not zero, and its power of s, for M of shape (m, m), C and K of (m + d, m + d).
+    """The lowest nonzero coefficient of each row, and its power of s, for M of shape (m, m), C and K of (m + d, m + d).
 
     >>> lowest(np.array([[5.0]]), np.zeros((2, 2)), np.array([[0.0, 0.0], [0.0, 3.0]]))[0].tolist()
     [[5.0, 0.0], [0.0, 3.0]]
@@ -61,7 +61,7 @@ def lowest(M: Matrix, C: Matrix, K: Matrix) -> tuple[Matrix, np.ndarray]:
 def conserved(
     M: Matrix, C: Matrix, rows: np.ndarray, powers: np.ndarray, pivots: np.ndarray, freed: Freed | None = None
 ) -> Conserved:
-    """What rows without stiffness conserve."""
+    """The conserved quantities of rows without stiffness."""
     m, n = M.shape[0], M.shape[0] + C.shape[0]
     M, C = full(M), full(C)
     L, places, blocks = [], [], []
@@ -79,7 +79,7 @@ def conserved(
 
 
 def _left(freed: Freed, m: int, rows: np.ndarray, powers: np.ndarray) -> np.ndarray | None:
-    """R of ``Conserved``; with a second power the first of both numbers changes by the second alone."""
+    """R of ``Conserved``; for a double zero the first quantity changes by the second alone."""
     stiff, damped = freed.remainders[:, np.searchsorted(freed.places, rows)]
     damped = damped * ~freed.slowed[np.searchsorted(freed.places, rows), None]
     if not stiff.any() and not damped.any():
@@ -89,7 +89,7 @@ def _left(freed: Freed, m: int, rows: np.ndarray, powers: np.ndarray) -> np.ndar
 
 
 def decoupled_with_conserved(S: np.ndarray, given: Conserved, decoupled: Callable[..., BlockDiagonal]) -> BlockDiagonal:
-    """S decoupled, what is conserved last."""
+    """S decoupled, with the conserved quantities last."""
     L, n, J = given.rows, len(S), block_matrix(given.blocks)
     count, rest = n - len(L), others(n, given.places)
     basis, inverse = np.zeros((n, n)), np.zeros((n, n))
@@ -111,7 +111,7 @@ def decoupled_with_conserved(S: np.ndarray, given: Conserved, decoupled: Callabl
 
 
 def _decoupled_with_slow(A, D, blocks, left: np.ndarray, basis, inverse, decoupled) -> BlockDiagonal:
-    """The same where the numbers change slowly: y' = A y + D z, z' = E y + (J + G) z for [E, G] = R basis.
+    """S decoupled where the quantities change slowly: y' = A y + D z, z' = E y + (J + G) z for [E, G] = R basis.
 
     y - X z and z - Z (y - X z) are decoupled. Their equations are solved by iteration from the small R on, so that the slow motion has
     as many digits as R has.
@@ -140,7 +140,7 @@ def _decoupled_with_slow(A, D, blocks, left: np.ndarray, basis, inverse, decoupl
 
 
 def _of_bodies(slow: np.ndarray, sizes: list[int], decoupled: Callable[[], BlockDiagonal]) -> BlockDiagonal:
-    """The slow motions decoupled, those of a body with place and momentum as one block: before it has moved they are not opposite.
+    """The slow motions decoupled, with displacement and momentum of a body in one block: initially they are not opposite.
 
     q' = w p, p' = -G q - C p of all bodies is decoupled by the eigenvectors of G; these are real and C becomes diagonal with them, or
     the general method serves.
@@ -161,12 +161,12 @@ def _of_bodies(slow: np.ndarray, sizes: list[int], decoupled: Callable[[], Block
 
 
 def _power_of_two(size: float) -> float:
-    """The nearest."""
+    """The nearest power of two."""
     return float(2.0 ** np.rint(np.log2(size)))
 
 
 def _fixed_point(following: Callable[[np.ndarray], np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
-    """x = following(x), from zeros on; not finite where that does not settle."""
+    """x = following(x) by iteration from zero; not finite without convergence."""
     x = np.zeros(shape)
     for _ in range(SEPARATION_STEPS):
         before, x = x, following(x)
@@ -182,7 +182,7 @@ def _separating(A: np.ndarray, D: np.ndarray, J: np.ndarray) -> np.ndarray:
 
 
 def _with_conserved(parts: BlockDiagonal, basis, inverse, own, given: Conserved) -> BlockDiagonal:
-    """The conserved numbers after the others; what grows with a momentum is measured in the others' unit of time."""
+    """The conserved quantities after the others; growth with a momentum is scaled by the others' unit of time."""
     rate = max((float(np.abs(block).max()) for block in parts.blocks), default=0.0)
     unit = _power_of_two(rate) if rate else 1.0
     units = np.concatenate([[1.0, unit][: len(block)] for block in given.blocks])
@@ -196,7 +196,7 @@ def _with_conserved(parts: BlockDiagonal, basis, inverse, own, given: Conserved)
 
 
 def _by_clusters(A, D, J, basis, inverse) -> BlockDiagonal:
-    """Where the two are hardly separated: by the Schur form of both, as far as this can be decoupled."""
+    """S decoupled where conserved and other motions are nearly coupled: by the Schur form of both, as far as possible."""
     triangle, rotation = scipy.linalg.schur(A, output="real")
     turn = scipy.linalg.block_diag(rotation, np.eye(len(J)))
     result = block_diagonalize(np.block([[triangle, rotation.T @ D], [np.zeros(D.T.shape), J]]))
@@ -214,14 +214,14 @@ def _by_clusters(A, D, J, basis, inverse) -> BlockDiagonal:
 
 @dataclass(frozen=True, eq=False)
 class Freed:
-    """The same equations, some of them replaced by such sums of all that have no stiffness.
+    """Equations with some replaced by sums of all that have no stiffness.
 
     Attributes:
-        M, C, K: their coefficients, M of shape (m, m), C and K of (m + d, m + d).
+        M, C, K: coefficients, M of shape (m, m), C and K of (m + d, m + d).
         sums: the rows v, shape (k, m + d).
-        places: the rows that they take the places of, ascending, shape (k,).
-        slowed: which of them dampers act on: these are rows of ``C``, shape (k,).
-        remainders: v K and v C exactly: what is left of stiffness and damping, zero mostly, shape (2, k, m + d).
+        places: the replaced rows, ascending, shape (k,).
+        slowed: which of them have damping and are rows of ``C``, shape (k,).
+        remainders: exact v K and v C, mostly zero, shape (2, k, m + d).
     """
 
     M: np.ndarray
@@ -234,7 +234,7 @@ class Freed:
 
 
 def freed(M: Matrix, C: Matrix, K: Matrix, like: tuple[Freed, Matrix, Matrix] | None = None) -> Freed | None:
-    """The equations with those of free motions among them; None where there are none, or that is not clear.
+    """The equations with those of free motions; None where there are none, or the decision is not clear.
 
     >>> freed(np.eye(2), np.zeros((2, 2)), np.array([[1.0, -1.0], [-1.0, 1.0]])).sums
     array([[1., 1.]])
@@ -253,7 +253,7 @@ def freed(M: Matrix, C: Matrix, K: Matrix, like: tuple[Freed, Matrix, Matrix] | 
 
 
 def _sums(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None:
-    """The last four attributes of ``Freed``; None where no motion is free, or that is not clear."""
+    """The last four attributes of ``Freed``; None where no motion is free, or the decision is not clear."""
     result = null_rows(K)
     if result is None or not len(result[0]):
         return None
@@ -270,7 +270,7 @@ def _sums(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 def _slowed(sums: np.ndarray, M: np.ndarray, C: np.ndarray, K: np.ndarray) -> np.ndarray:
-    """Which bodies dampers slow down by more than is solved for by iteration; what has no mass has nothing else.
+    """Which bodies have too much damping for the iteration; massless ones have damping only.
 
     The rates of the bodies, v C v^T / v M v^T in size, are compared with the slowest one of a single coordinate.
     """
@@ -284,7 +284,7 @@ def _slowed(sums: np.ndarray, M: np.ndarray, C: np.ndarray, K: np.ndarray) -> np
 
 
 def _moved_alike(like: tuple[Freed, Matrix, Matrix], C: np.ndarray, K: np.ndarray) -> np.ndarray:
-    """The remainders, each column moved by as many units in the last place as its largest entry."""
+    """The remainders with each column perturbed by a number of units in the last place of its largest entry."""
     known, *given = like
     sizes = [(abs(moved).max(axis=0), abs(matrix).max(axis=0)) for moved, matrix in zip((K, C), given[::-1])]
     least = np.finfo(float).tiny
@@ -293,7 +293,7 @@ def _moved_alike(like: tuple[Freed, Matrix, Matrix], C: np.ndarray, K: np.ndarra
 
 
 def null_rows(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """All v with v A = 0, each 1 in a place where the others are 0, and these places; None where the rank is not clear.
+    """A basis of v A = 0, each vector 1 at an index where the others are 0, and these indices; None for an unclear rank.
 
     v A may be small instead of zero, a soft support of the body.
 
@@ -319,6 +319,6 @@ def null_rows(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
 
 
 def _whole(result: np.ndarray) -> np.ndarray:
-    """With the whole numbers that entries are near, zero among them: rounding may hide what was meant."""
+    """Entries near whole numbers rounded to them, zero included, since rounding errors may hide these."""
     whole = np.rint(result)
     return np.where(np.abs(result - whole) <= INTEGER_DISTANCE, whole, result)

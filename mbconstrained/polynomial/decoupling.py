@@ -33,7 +33,7 @@ class WeierstrassForm:
         split: the staircase result.
         decisions: the rank decisions taken, at infinity and at s = 0.
         T: real Schur form of the finite part, shape (n, n), the zeros at s = 0 last.
-        nonzero_count: how many rows of T belong to the other zeros.
+        nonzero_count: number of rows of T for the other zeros.
         zero_divisors: degrees of the elementary divisors at s = 0, ascending.
         finite_columns: Q_1, shape (g r, n).   finite_rows: P_1, shape (n, g r).   finite_start: P_1 E, likewise.
         nilpotent: N, shape (m, m).
@@ -69,7 +69,7 @@ class WeierstrassForm:
 
     @property
     def noisy_B(self) -> Noisy:
-        """B with its rounding: that of an eigenvalue algorithm, or of each entry where it was precise."""
+        """B with its rounding errors: those of an eigenvalue algorithm, or of each entry where it was precise."""
         by_rows = columnwise(self.B.T).T
         if not self.companion.is_precise:
             return by_rows
@@ -116,7 +116,7 @@ class WeierstrassForm:
         return Noisy(self.C @ value, np.abs(self.C) @ noise)
 
     def _precise_laurent(self, index: int) -> Noisy:
-        """C T^(-i-1) B before anything was rounded: where fast zeros cancel, nothing is lost of slow ones."""
+        """C T^(-i-1) B from unrounded matrices: where fast zeros cancel, slow ones keep their digits."""
         C, T, value = self.exact_pair
         with precise_arithmetic():
             size = magnitude(value)

@@ -1,4 +1,4 @@
-"""A(s) of degree two or less brought to first-order equations w' = S w + ... by its structure alone, no pencil formed.
+"""A(s) of degree two or less reduced to first-order equations w' = S w + ... by its structure alone, without a pencil.
 
 Rows without a power of s constrain coordinates to others: x = V x_f + Y g, g their right sides (a constraint at position level, a
 massless joint without damper). Of the rest, rows with s^2 make accelerations of as many coordinates x_m, those without make
@@ -43,7 +43,7 @@ _SINGULAR_STIFFNESS = "the stiffness matrix is near-singular: rank decisions hav
 
 
 def reduction_of(A: PolynomialCoefficients, like: Reduction | None = None) -> Reduction | NotReducible:
-    """The reduction of A(s), or the condition that its structure does not meet."""
+    """The reduction of A(s), or the violated condition."""
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is not regular
             return _reduction_of(A, like)
@@ -104,19 +104,19 @@ def _is_regular(floor: Matrix) -> bool:
 
 
 def _has_refined_modes(M: Matrix, K: Matrix) -> bool:
-    """Whether K is positive definite beyond rounding errors, and modes are refined whatever their spread is: no body is free then."""
+    """Whether K is positive definite beyond rounding errors and modes are refined for any spread, so that no body is free."""
     if 2 * len(M.diagonal()) < FEW_STATES or K.shape != M.shape or not all(is_symmetric(matrix) for matrix in (M, K)):
         return False
     return may_be_wide(M, K) and definite_condition(full(K)) <= REFINED_CONDITION
 
 
 def _is_doubtful(powers: np.ndarray, K: Matrix, C: Matrix) -> bool:
-    """Whether a row lacks stiffness or damping to rounding only."""
+    """Whether a row has stiffness or damping within rounding errors only."""
     return bool(filled_rows(K)[powers > 0].any() or filled_rows(C)[powers > 1].any())
 
 
 def _conserved(equations, floor: np.ndarray, powers: np.ndarray, freed: Freed | None) -> Conserved:
-    """What rows without stiffness conserve, in the places of coordinates that nothing depends on where there are such."""
+    """Conserved quantities of rows without stiffness, in the place of coordinates on which nothing depends where they exist."""
     M, C, K = equations
     rows = np.argsort(-powers, kind="stable")[: np.count_nonzero(powers)]  # rows of s^2 first: x_d is in none of them
     ignorable = ~filled_columns(K) & ~(filled_columns(C) & (powers.max() > 1))
@@ -131,7 +131,7 @@ FEW_ROWS = 3
 
 
 def eliminated(rows: np.ndarray, static: np.ndarray, like: Matrix) -> tuple[Matrix, Matrix, np.ndarray, float]:
-    """V, Y with x = V x_f + Y g where rows x = g, which coordinates x_f are, and the condition of the others' part."""
+    """V, Y with x = V x_f + Y g where rows x = g, the coordinates x_f, and the condition number of the part of the others."""
     size = len(static)
     if not len(rows):
         return shifted_unit(size, size, 0, like), zeros_of_kind((size, 0), like), np.arange(size), 1.0
@@ -147,7 +147,7 @@ def eliminated(rows: np.ndarray, static: np.ndarray, like: Matrix) -> tuple[Matr
 
 
 def product(left: Matrix, V: Matrix) -> Matrix:
-    """left @ V; rounding errors of its terms are exactly zero: a mass, damper or spring that is not there."""
+    """left @ V with rounding errors of its terms set to zero: absent masses, dampers or springs."""
     entire = left @ V
     if V.shape[0] == V.shape[1] or entry_count(V) == V.shape[1]:
         return entire
@@ -159,7 +159,7 @@ def product(left: Matrix, V: Matrix) -> Matrix:
 
 
 def matching_rows(M: Matrix) -> np.ndarray | None:
-    """An order of rows that brings the large entries to the diagonal: equations may be named after other coordinates."""
+    """An order of rows with large entries on the diagonal: equations may be named after other coordinates."""
     if is_symmetric(M):
         return np.arange(M.shape[0])
     if M.shape[0] <= FEW_ROWS:
@@ -176,7 +176,7 @@ def matching_rows(M: Matrix) -> np.ndarray | None:
 
 
 def _assigned(costs: np.ndarray) -> np.ndarray | None:
-    """For each column a row of its own, of least costs together, by trying all."""
+    """A distinct row for each column, with least total cost, by exhaustive search."""
     columns = range(len(costs))
     order = min(permutations(columns), key=lambda rows: costs[rows, columns].sum())
     return np.array(order) if np.isfinite(costs[order, columns]).all() else None

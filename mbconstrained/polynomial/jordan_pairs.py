@@ -79,11 +79,11 @@ class InfinitePair(Displayed):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class JordanPairs(Displayed):
-    """Both pairs of a regular A(s); each is computed when it is read.
+    """Finite and infinite Jordan pair of a regular A(s), computed on demand.
 
     Attributes:
         polynomial_matrix: A(s).
-        form: the decoupled companion pencil that both are read from.
+        form: the decoupled companion pencil of both.
         rank_tolerance: the requested one, None for the noise of the data.
     """
 
@@ -148,7 +148,7 @@ class JordanPairs(Displayed):
 
     @cached_property
     def as_written(self) -> JordanPairs | None:
-        """The pairs of the data taken exactly, as far as zeros at s = 0 go; None where nothing can have been lost there.
+        """Jordan pairs of the exact data with respect to zeros at s = 0; None where no zeros can have been lost.
 
         A stiffness of the size of the rounding error of larger ones is that of a free body, or of a soft support: the data do not
         tell. What was taken for zero at infinity stays so.
@@ -163,12 +163,12 @@ class JordanPairs(Displayed):
 
     @cached_property
     def evidence(self) -> tuple[Evidence, ...]:
-        """Residuals, conditions and gaps that tell how far the pairs can be trusted."""
+        """Residuals, conditions and gaps: evidence of the accuracy of the pairs."""
         return pair_evidence(self)
 
 
 def jordan_pairs(A: PolynomialCoefficients, rank_tolerance: float | None = None) -> JordanPairs:
-    """The pairs of A(s); see ``PolynomialMatrix.jordan_pairs``."""
+    """The Jordan pairs of A(s), as ``PolynomialMatrix.jordan_pairs``."""
     states = A.size * max(A.degree, 1)
     try:
         with short_work(states):
@@ -196,7 +196,7 @@ def _form_in_enough_digits(A: PolynomialCoefficients, rank_tolerance: float | No
 
 
 def _form_as_written(A: PolynomialCoefficients, form: WeierstrassForm) -> WeierstrassForm:
-    """The decoupled pencil, zeros at s = 0 decided in precise arithmetic; where that takes long or fails, by _form_with_none."""
+    """The decoupled pencil with zeros at s = 0 decided in precise arithmetic; where that takes long or fails, by _form_with_none."""
     if form.companion.state_count > AS_WRITTEN_STATES:
         return _form_with_none(A, form)
     try:
@@ -207,12 +207,12 @@ def _form_as_written(A: PolynomialCoefficients, form: WeierstrassForm) -> Weiers
 
 
 def _form_with_none(A: PolynomialCoefficients, form: WeierstrassForm) -> WeierstrassForm:
-    """The decoupled pencil in float64, nothing counted as a zero at s = 0."""
+    """The decoupled pencil in float64, without zeros at s = 0."""
     return weierstrass_form(scaled_companion(A), [*form.split.decisions, RankDecision(len(form.T), np.inf, 0.0)])
 
 
 def _form_in_float64(A: PolynomialCoefficients, rank_tolerance: float | None, is_final: bool) -> WeierstrassForm | None:
-    """None where float64 has too few digits for it, and there is another arithmetic to try."""
+    """The decoupled pencil in float64; None where float64 has too few digits and another arithmetic is available."""
     try:
         return weierstrass_form(scaled_companion(A, rank_tolerance))
     except IllConditioned:

@@ -60,7 +60,7 @@ class PolynomialMatrix(PolynomialCoefficients):
 
     @cached_property
     def reduction(self) -> Reduction | NotReducible:
-        """Its reduction to first-order equations, or the condition that it does not meet (``polynomial.direct_reduction``)."""
+        """Return the reduction to first-order equations, or the violated condition (``polynomial.direct_reduction``)."""
         like = None if self._like is None else self._like.reduction
         result = reduction_of(self, like if isinstance(like, Reduction) else None)
         if self._like is not None and isinstance(result, Reduction) and isinstance(like, Reduction) and like.wide_modes is not None:
@@ -68,15 +68,14 @@ class PolynomialMatrix(PolynomialCoefficients):
         return result
 
     def moved(self, random: np.random.Generator, move: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> PolynomialMatrix:
-        """The same with entries moved by rounding errors, or values of a coefficient that is given by its factors; what is free
-        stays free.
+        """Return A(s) with entries, or constants of elements, perturbed by rounding errors; free motions stay free.
 
-        Where the method is so accurate that moved data would show the condition of the data alone, these stay, and its coordinates
-        are taken in another order: all its rounding errors are others.
+        Where the method is so accurate that perturbed data would only show their condition, the data stay and the coordinates are
+        permuted, which changes all rounding errors.
 
         Args:
             random: the source of the order.
-            move: returns the moved entries from given ones and their uncertainty.
+            move: returns perturbed entries from given ones and their uncertainty.
 
         Returns:
             Another A(s).
@@ -97,7 +96,7 @@ class PolynomialMatrix(PolynomialCoefficients):
 
     @property
     def is_regular(self) -> bool:
-        """False where det A(s) = 0 for every s; True also where float64 cannot tell the structure of a regular A(s)."""
+        """False where det A(s) = 0 for every s; True also where float64 cannot determine the structure of a regular A(s)."""
         try:
             scaled_companion(self).split
         except SingularPencil:
@@ -111,7 +110,7 @@ class PolynomialMatrix(PolynomialCoefficients):
         5-15).
 
         Args:
-            rank_tolerance: as of ``jordan_pairs``.
+            rank_tolerance: as in ``jordan_pairs``.
 
         Returns:
             A ``Structure``; ``mb.exact.structure(A)`` gives that of the exact numbers, with the Smith form.

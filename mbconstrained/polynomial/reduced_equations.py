@@ -1,4 +1,4 @@
-"""A directly reducible A(s) as first-order equations w' = S w + ..., and S decoupled (``polynomial.direct_reduction`` makes them).
+"""A directly reducible A(s) as first-order equations w' = S w + ..., and S decoupled; ``polynomial.direct_reduction`` creates them.
 
 M x_m'' + C (x_m', x_d') + K (x_m, x_d) = right sides, the states w = (x_m, x_m', x_d). What nothing couples is decoupled each for
 itself, and what rows without stiffness conserve separately from all else, so that zeros at s = 0 are exact.
@@ -46,7 +46,7 @@ from ..linalg.tree_modes.residue_modes import ResidueModes
 from ..linalg.tree_modes.topology import SparseTopology, sparse_topology
 from .conserved import Conserved, Freed, decoupled_with_conserved
 
-#: So few states are decoupled at once.
+#: Number of states decoupled at once without further structure.
 FEW_STATES = 48
 
 #: From this number of states on, a tree is decoupled by its topology: with fewer LAPACK is as fast.
@@ -54,7 +54,7 @@ MANY_STATES = 100
 
 
 class NotReducible(Exception):
-    """The condition that direct reduction, or a solution by it, does not meet; its text is a clause, "the force contains ..."."""
+    """The violated condition of direct reduction or of a solution by it, as a clause, "the force contains ..."."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,10 +70,10 @@ class Reduction:
         M: shape (m, m), what multiplies x_m''.
         C, K: the coefficients of s and of 1 in all remaining rows, the second-order ones first, shape (m + d, m + d).
         moving: which coordinates have mass or damping.
-        conserved: what rows without stiffness keep, and sums of rows; None where there are none.
+        conserved: conserved quantities of rows without stiffness, and sums of rows; None without any.
         freed: the sums of rows without stiffness among them, where they were looked for.
         largest_condition: of the parts that were divided by.
-        order: in which coordinates are taken for modes of a wide spread; None for the given one.
+        order: order of coordinates for modes of a wide spread; None for the given one.
 
     All matrices are sparse where A(s) is large, for what is built of elements mostly is; those of a small one are full.
     """
@@ -102,7 +102,7 @@ class Reduction:
 
     @property
     def constraining(self) -> np.ndarray:
-        """Which algebraic rows constrain coordinates that have mass or damping: their values at 0- have to satisfy them."""
+        """Which algebraic rows constrain coordinates with mass or damping, whose values at 0- have to satisfy them."""
         return np.asarray(abs(self.Y[self.moving]).sum(axis=0)) > 0
 
     @property
@@ -162,7 +162,7 @@ class Reduction:
 
     @cached_property
     def spread(self) -> float:
-        """The modulus of the fastest zero over that of the slowest, those left out that rows without stiffness have, and bodies."""
+        """The modulus ratio of the fastest and the slowest eigenvalue, without those of rows without stiffness, and of bodies."""
         known = self.is_small or self.conserved is not None
         moduli = np.abs(zeros_of(self._own_blocks) if known else np.linalg.eigvals(full(self.generator)))
         if self.conserved is not None:
@@ -172,7 +172,7 @@ class Reduction:
 
     @property
     def _own_blocks(self) -> tuple[np.ndarray, ...]:
-        """The blocks without those of slow motions that are exact: of softly supported bodies."""
+        """The blocks without exact ones of slow motions of softly supported bodies."""
         blocks = self.decoupled.blocks
         if self.freed is not None and self.is_symmetric:
             sizes = [np.abs(zeros_of([block])).max() for block in blocks]
@@ -202,8 +202,7 @@ class Reduction:
 
     @cached_property
     def drives_unstable_part(self) -> bool:
-        """Whether a motion grows and not all states drive each other: rounding would give the driving part a share in the
-        growth."""
+        """Whether a motion grows and not all states are coupled: rounding errors would excite the growth from other states."""
         zeros = self.eigenvalues
         if not (zeros.real > noise_of(np.abs(zeros).max(initial=0.0))).any():
             return False
@@ -211,17 +210,17 @@ class Reduction:
 
     @property
     def is_free(self) -> bool:
-        """Whether a free body is balanced by springs only to rounding, which alone would move it."""
+        """Whether springs balance a free body within rounding errors, which alone would move it."""
         return self.freed is not None and any(len(block) > 1 for block in self.conserved.blocks)
 
     @property
     def is_small(self) -> bool:
-        """Whether S is decoupled in less time than anything else takes."""
+        """Whether the decoupling of S takes negligible time."""
         return self.state_count < FEW_STATES
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:
-        """All of them, of complex pairs the one above the real axis."""
+        """All eigenvalues, of complex pairs the one above the real axis."""
         return zeros_of(self.decoupled.blocks)
 
     @cached_property
@@ -233,7 +232,7 @@ class Reduction:
 
     @cached_property
     def topology(self) -> SparseTopology | None:
-        """That of a large model coupled like a chain, a tree, a ring or a ladder; None for any other."""
+        """Topology of a large model coupled like a chain, a tree, a ring or a ladder; None for any other."""
         if self.state_count < MANY_STATES or self.conserved is not None or not self.is_reciprocal:
             return None
         return sparse_topology(self.M, self.C, self.K)
@@ -255,7 +254,7 @@ class Reduction:
 
     @property
     def _is_softly_supported(self) -> bool:
-        """Whether a body is supported softly, by more than rounding errors, whose effect on shapes is of first order."""
+        """Whether a body has a soft support beyond rounding errors, which affect shapes to first order."""
         if self.conserved is None or self.conserved.left is None:
             return False
         sizes = [float(abs(matrix).max()) for matrix in (self.K, self.C)]
@@ -263,8 +262,7 @@ class Reduction:
 
     @property
     def rounded_supports(self) -> list[tuple[int, float]]:
-        """Free bodies that springs support by so little that it may be rounding errors of the entries: how many coordinates each has,
-        and from which time on its motion differs by ``ROUNDED_FREE`` from that of a free body."""
+        """Free bodies whose support may be rounding errors: number of coordinates, and time from which motions differ."""
         if self.freed is None:
             return []
         left, m = self.freed.remainders[0], self.M.shape[0]
@@ -286,7 +284,7 @@ class Reduction:
 
     @cached_property
     def decoupled(self) -> BlockDiagonal | ResidueModes:
-        """S decoupled, what nothing couples each for itself: a motion that grows in one part is not in the others."""
+        """S decoupled, with uncoupled parts separate: growth in one part is absent from the others."""
         if self.conserved is not None and not self.is_symmetric:
             parts = decoupled_with_conserved(full(self.generator), self.conserved, self._decoupled_rest)
             return refined(self, parts)
@@ -298,7 +296,7 @@ class Reduction:
 
     @cached_property
     def wide_modes(self) -> SymmetricModes | BlockDiagonal | None:
-        """Of a symmetric M and K the modes where rates span many orders of magnitude; None where they do not, or it is not worth it."""
+        """Modes of symmetric M and K with rates over many orders of magnitude; None for other models, or where inefficient."""
         if self.is_small or len(self.first) or self.conserved is not None:
             return None
         if not (is_symmetric(self.M) and is_symmetric(self.K) and may_be_wide(self.M, self.K)):
@@ -309,7 +307,7 @@ class Reduction:
 
     @property
     def topology_failed(self) -> bool:
-        """Whether the modes of some large part could not be found by its topology."""
+        """Whether the computation of modes by topology failed for a large part."""
         tried = zip(self._topology_modes, self._groups)
         return self.topology is not None and any(modes is None and len(states) >= MANY_STATES for modes, states in tried)
 
@@ -328,7 +326,7 @@ class Reduction:
         return [self.topology.modes(own) if many else None for own, many in zip(coordinates, large)]
 
     def _decoupled(self, states: np.ndarray) -> BlockDiagonal:
-        """Of a part of S: by a symmetric eigenproblem of half the size, where that is possible."""
+        """Decoupled form of a part of S: by a symmetric eigenproblem of half the size, where possible."""
         m, result = len(self.second), None
         if self.is_symmetric:
             own = states[states < m]
@@ -340,7 +338,7 @@ class Reduction:
         return decoupled(full(self.generator[states][:, states]), self.units[states]) if result is None else result
 
     def _decoupled_rest(self, rest: np.ndarray, states: np.ndarray | None, like: np.ndarray | None = None) -> BlockDiagonal:
-        """The rest of S without the conserved quantities, group by group.
+        """The rest of S without the conserved quantities, decoupled group by group.
 
         In the units of its states, or in those that balance it, or a matrix like it: those of very small couplings would be far from those
         of all others, and a row of all momenta would bend them.
@@ -363,7 +361,7 @@ class Reduction:
 
 
 def _groups(S: Matrix) -> list[np.ndarray]:
-    """The states in parts that nothing couples to each other."""
+    """The states in uncoupled groups."""
     if isinstance(S, np.ndarray):
         return coupled_rows(S)
     count, which = connected_components(S, directed=False)
@@ -383,12 +381,12 @@ def _groups(S: Matrix) -> list[np.ndarray]:
 #: A matrix of fewer rows is not sparse.
 FEW = 48
 
-#: So many zeros are refined at once.
+#: Number of zeros refined at once.
 CHUNK = 32
 
 
 def refined(reduction: Reduction, parts: BlockDiagonal) -> BlockDiagonal:
-    """The same with single zeros and pairs [[a, b], [-b, a]] refined; clusters stay as they are."""
+    """The decoupled form with refined single eigenvalues and pairs [[a, b], [-b, a]]; clusters are unchanged."""
     blocks = list(parts.blocks)
     count = len(blocks) - parts.exact_blocks
     moduli = np.abs(zeros_of(blocks[:count]))
@@ -407,7 +405,7 @@ def refined(reduction: Reduction, parts: BlockDiagonal) -> BlockDiagonal:
 
 
 def _is_single(block: np.ndarray) -> bool:
-    """Whether it is a real zero, other than 0 itself, or a pair in the form [[a, b], [-b, a]]."""
+    """Whether a block is a real eigenvalue other than 0, or a pair in the form [[a, b], [-b, a]]."""
     if len(block) == 1:
         return bool(block[0, 0])
     return len(block) == 2 and block[0, 0] == block[1, 1] and block[0, 1] == -block[1, 0]
@@ -430,7 +428,7 @@ def _vectors(parts: BlockDiagonal, blocks, places) -> tuple[np.ndarray, np.ndarr
 
 
 def _correction(reduction: Reduction) -> Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]:
-    """By how much zeros change, from them and their vectors in the states (x_m, x_m', x_d)."""
+    """Newton step of eigenvalues, from them and their vectors in the states (x_m, x_m', x_d)."""
     m, C = len(reduction.second), reduction.C
     damped, stiff = _Differences(C), _Differences(reduction.K)
     first, mass = C[m:, m:].T, reduction.M.T

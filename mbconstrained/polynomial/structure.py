@@ -1,4 +1,4 @@
-"""The structure of a regular A(s): zeros with multiplicities, and what happens at infinity."""
+"""The structure of a regular A(s): zeros with multiplicities, finite and at infinity."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class FiniteZero:
 
     @property
     def count(self) -> int:
-        """How many roots of det A(s) this entry stands for."""
+        """Number of roots of det A(s) for this entry."""
         return self.multiplicity * (2 if self.value.imag else 1)
 
 
@@ -87,7 +87,7 @@ class Structure(Displayed):
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """The zeros whose multiplicities rounding leaves in doubt."""
+        """Notices on zeros whose multiplicities are uncertain by rounding errors."""
         return tuple(
             Notice(
                 NoticeKind.RANK,
@@ -119,11 +119,11 @@ def singular_message(A: PolynomialCoefficients) -> tuple[str, tuple[int, ...], t
 
 
 def singular_sentence(equations: Sequence[str], coordinates: Sequence[str]) -> str:
-    """What is wrong with equations that depend on each other, and with coordinates that are free, and what to do."""
+    """Text on dependent equations and free coordinates, with a remedy."""
     return (
         f"det A(s) is zero for every s, the motion is not determined: the equations {_quoted(equations)} are dependent or empty, "
         f"and the coordinates {_quoted(coordinates)} can move without any force. Attach what is free (by a mass, spring, damper or "
-        "constraint; in a state space by an equation), or take out what is said twice."
+        "constraint; in a state space by an equation), or remove redundant equations."
     )
 
 

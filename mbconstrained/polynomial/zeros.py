@@ -1,4 +1,4 @@
-"""Zeros with multiplicities, read off the finite part in real Schur form."""
+"""Zeros with multiplicities, from the finite part in real Schur form."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def finite_zeros(form: WeierstrassForm) -> tuple[FiniteZero, ...]:
 
 
 def _with_divisors(zero: FiniteZero, parts: ZeroParts) -> FiniteZero:
-    """With its partial multiplicities: one chain, in doubt, where no rank decisions make it a single zero."""
+    """The zero with its partial multiplicities: one doubtful chain where no rank decisions make it a single zero."""
     result = parts.divisors(zero.value, zero.multiplicity) or Divisors((zero.multiplicity,), within_noise=False, clear=False)
     return replace(zero, partial_multiplicities=result.degrees, clear=result.clear)
 
@@ -72,7 +72,7 @@ def _clusters(zeros, radius) -> list[list[FiniteZero]]:
 
 
 def _whole(run, radius) -> FiniteZero:
-    """One zero for all at their mean; real, with the conjugates, where all are near the real axis."""
+    """One zero for all at their mean; real, including conjugates, where all are near the real axis."""
     real = all(zero.value.imag <= radius * abs(zero.value) for zero in run)
     weights = [zero.count if real else zero.multiplicity for zero in run]
     mean = np.average([zero.value for zero in run], weights=weights)
@@ -80,7 +80,7 @@ def _whole(run, radius) -> FiniteZero:
 
 
 def _zeros_of_block(block) -> list[FiniteZero]:
-    """Zeros of one cluster: split where a decoupling below the limit for its size does, or where they are well separated."""
+    """Zeros of one cluster: separate where a decoupling below the limit for its size separates them, or they are well separated."""
     values = eigenvalues(block)
     above = values[values.imag > 0]
     pairs = 2 * len(above) == len(values) and above.imag.min() > _spread(above)
@@ -99,14 +99,14 @@ def _zeros_of_block(block) -> list[FiniteZero]:
 
 
 def _pair_or_double(value: complex) -> FiniteZero:
-    """A pair a +- i w, or the double zero a where w is within what rounding makes of one."""
+    """A pair a +- i w, or the double zero a where w is within the rounding error of a double zero."""
     if value.imag <= rounding_radius(2) * abs(value.real):
         return FiniteZero(complex(value.real), 2)
     return FiniteZero(value, 1)
 
 
 def _separation_limit(multiplicity) -> float:
-    """Decoupling norm that the zeros around a zero of this multiplicity have, separated by rounding errors."""
+    """Decoupling norm of the zeros around a zero of this multiplicity, separated by rounding errors."""
     return 0.5 * (CLUSTER_SAFETY * EPS) ** (1 / multiplicity - 1)
 
 
@@ -134,7 +134,7 @@ def _order(zero: FiniteZero):
 
 
 def in_order(zeros) -> tuple[FiniteZero, ...]:
-    """By modulus, real and imaginary part; what agrees to rounding is equal, so that rounding cannot turn the order."""
+    """Zeros by modulus, real and imaginary part; values that agree to rounding errors count as equal, for a robust order."""
     return tuple(
         zero
         for ring in _runs(zeros, lambda zero: abs(zero.value))
@@ -166,7 +166,7 @@ def _runs(zeros, key) -> list[list[FiniteZero]]:
 
 @dataclass(frozen=True)
 class Divisors:
-    """The degrees of the elementary divisors of one zero, ascending, and how sure they are.
+    """The degrees of the elementary divisors of one zero, ascending, and their reliability.
 
     Attributes:
         within_noise: it is a single zero within the noise of the data, not only within a multiple of it.
@@ -180,7 +180,7 @@ class Divisors:
 
 @dataclass(frozen=True)
 class ZeroParts:
-    """The parts of a decoupled pencil that belong to its zeros, each computed when it is read."""
+    """The parts of a decoupled pencil for its zeros, computed on demand."""
 
     form: WeierstrassForm
 
@@ -189,7 +189,7 @@ class ZeroParts:
         return scipy.linalg.rsf2csf(self.form.T, np.eye(len(self.form.T)))
 
     def divisors(self, value: complex, multiplicity: int) -> Divisors | None:
-        """Those of the zeros nearest to this value (scaled), so many; None where they are no single zero within the noise."""
+        """Divisors of this number of zeros nearest to a value (scaled); None where they are no single zero within the noise."""
         if multiplicity == 1:
             return Divisors((1,), True, True)
         N, noise = self._nilpotent(value, multiplicity)

@@ -1,1 +1,1 @@
-"""The pairs, values at 0- and a force become the response: a function of time, with its jumps and impulses."""
+"""Response: a function of time, with jumps and impulses, from Jordan pairs, values at 0- and a force."""

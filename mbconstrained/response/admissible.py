@@ -1,4 +1,4 @@
-"""Admissible values at 0-: which conditions given values violate, and the nearest values that satisfy them.
+"""Admissible values at 0-: violated conditions of given values, and the nearest values that satisfy all of them.
 
 Three sets of values lie in each other: those whose motion is continuous (condition (60) of Moysis et al. in its
 corrected form), those without impulses (condition (58), with the force taken at 0+), and all.
@@ -28,7 +28,7 @@ from .solve import solve
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Admissibility(Displayed):
-    """The consequences of values at 0-, and the nearest admissible values.
+    """Consequences of values at 0-, and the nearest admissible values.
 
     Attributes:
         residuals: arrays (r,), one for each condition k = 1 ... q_hat_r of (58), the impulse of order k - 1 that the
@@ -62,7 +62,7 @@ class Admissibility(Displayed):
 
     @property
     def is_continuous(self) -> bool:
-        """True where (60), corrected, holds."""
+        """True where (60), as corrected, holds."""
         return self.is_impulse_free and not self.jump.any()
 
 
@@ -146,7 +146,7 @@ def _least_change(form, matrix, residual, rank, q) -> np.ndarray:
 # elimination, high derivatives first, so that each condition is expressed by the least differentiated and fewest equations:
 # a constraint row on positions appears as itself and as its first derivative.
 
-#: So many equations and coordinates of a condition are named, the largest ones.
+#: Number of named equations and coordinates of a condition, the largest ones.
 MOST_NAMED = 4
 
 TIMES = ("", " differentiated once", " differentiated twice")
@@ -154,10 +154,10 @@ TIMES = ("", " differentiated once", " differentiated twice")
 
 @dataclass(frozen=True)
 class Violation:
-    """A condition that the values at 0- do not satisfy, in words.
+    """A condition that the values at 0- do not satisfy.
 
     Attributes:
-        number: of the condition, from 1; the least differentiated equations come first.
+        number: number of the condition, from 1; the least differentiated equations come first.
         equations: (name, how many times differentiated), the leading one first.
         coordinates: (name, order of its derivative) that the condition involves, the largest first.
         amount: the leading equation's left side less its right side at 0-, in its units per s^(times differentiated).
@@ -172,7 +172,7 @@ class Violation:
 
     @property
     def text(self) -> str:
-        """One sentence."""
+        """Text of the violation, one sentence."""
         leading, *others = (f'"{name}"{_times(order)}' for name, order in self.equations)
         together = f" together with {_listed(others)}" if others else ""
         involved = _listed([f'the {_derivative(order)} of "{name}"' for name, order in self.coordinates])
@@ -197,7 +197,7 @@ class _Conditions:
         return slice(start, start + self.size)
 
     def solved(self) -> dict[int, tuple[int, int]]:
-        """Eliminate; the (level, equation) that leads each row, but for rows with no weight above its noise."""
+        """Eliminate; the (level, equation) that leads each row, without rows whose weights are noise."""
         leading: dict[int, tuple[int, int]] = {}
         for level in reversed(range(self.levels)):
             while (pivot := self._pivot(level, leading)) is not None:
@@ -263,7 +263,7 @@ def _largest(values) -> list[int]:
 
 
 def _impulses(form, combination) -> np.ndarray:
-    """Which conditions, violated alone, make an impulse of any order: -C2 N^(p + 1) g is not zero."""
+    """Which conditions, violated alone, cause an impulse of any order: -C2 N^(p + 1) g is not zero."""
     back = np.linalg.pinv(combination)
     power, impulsive = columnwise(back), np.zeros(len(back), dtype=bool)
     for _ in range(form.highest_impulse):

@@ -1,4 +1,4 @@
-"""The method by which a problem is solved and evaluated, chosen once: a pure function of the problem and of the request.
+"""The method by which a problem is solved and evaluated: a pure function of the problem and the request.
 
 Two questions are answered here, both from the data alone.
 
@@ -54,11 +54,11 @@ FEWEST_TIMES = 32
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """What is requested of a solution.
+    """Requested evaluation of a solution.
 
     Attributes:
-        evaluations: "once", each evaluation by what is cheapest for its own times; "many", all of them by the modes.
-        times: those of the first evaluation, in s, where they are known; shape (T,).
+        evaluations: "once", each evaluation by the cheapest method for its times; "many", all of them by the modes.
+        times: times of the first evaluation in s, where they are known; shape (T,).
     """
 
     evaluations: Evaluations = "once"
@@ -71,11 +71,11 @@ class Request:
 
 @dataclass(frozen=True, eq=False)
 class Method:
-    """How a problem is solved.
+    """Method by which a problem is solved.
 
     Attributes:
         name: PAIRS, MODES, POWERS or STEPS.
-        because: one phrase with the condition that decided, or what makes it: few read it.
+        because: one phrase with the deciding condition, or a function that formats it.
         flow: the reduced equations with start and force; None with the Jordan pairs.
         evaluations: as requested.
     """
@@ -87,7 +87,7 @@ class Method:
 
     @cached_property
     def reason(self) -> str:
-        """One phrase with the condition that decided."""
+        """One phrase with the deciding condition."""
         return self.because if isinstance(self.because, str) else self.because()
 
     def __repr__(self) -> str:
@@ -112,7 +112,7 @@ def choose(problem: Problem, request: Request = Request()) -> Method:
 
 
 def unproved(problem: Problem) -> str:
-    """Why the values of a solution are not proved by the exact engine (``response.methods.proved``); empty where they are."""
+    """The reason why the exact engine does not prove the values (``response.methods.proved``); empty where it does."""
     A = problem.polynomial_matrix
     states, restarts = A.degree * A.size, len(problem.force.knots) - 1
     if not states:
@@ -183,7 +183,7 @@ def serving_reduction(
 
 
 def _check_impulses(reduction: Reduction, force: ImpulsiveSmooth) -> None:
-    """Impulses on masses and dampers make their velocities and places jump, and no coordinate has an impulse."""
+    """Check that no coordinate has an impulse: impulses on masses and dampers make their velocities and displacements jump."""
     if reduction.is_small:  # the jumps of the velocities are rounded
         raise NotReducible("the force contains Dirac impulses")
     loads = [force.impulses, *(load.impulses for load in force.later)]
@@ -202,7 +202,7 @@ def _is_stiff(reduction: Reduction) -> bool:
 
 
 def satisfying(reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth) -> np.ndarray:
-    """Which of S starts satisfy the algebraic equations at 0-, with their derivative where mass or damping goes with it."""
+    """Which of S starts satisfy the algebraic equations at 0-, with their derivative where they involve mass or damping."""
     constraining = _constraining(reduction)
     if not len(constraining):
         return np.ones(initial.shape[2], dtype=bool)
@@ -233,7 +233,7 @@ def _constraining(reduction: Reduction) -> np.ndarray:
 
 
 def evaluation_method(flow: Flow, shape: tuple[int, int], request: Request) -> tuple[str, str | Callable[[], str]]:
-    """The name of the method that gives values of an output of this shape (r, n), and the reason."""
+    """The name of the method that evaluates an output of this shape (r, n), and the reason."""
     reduction, times = flow.reduction, request.times
     if reduction.is_small:
         return MODES, f"by eigenvectors: {reduction.state_count} states are few"
@@ -272,13 +272,13 @@ def evaluation_method(flow: Flow, shape: tuple[int, int], request: Request) -> t
 
 
 def _cost_of_powers(flow: Flow, times: np.ndarray) -> float | None:
-    """Of e^(S h) and its use at even times 0, h, 2 h, ...; None where the times or the force do not allow it."""
+    """Cost of e^(S h) and its use at even times 0, h, 2 h, ...; None where the times or the force do not allow it."""
     step = even_step(times) if len(times) >= FEWEST_TIMES and times[0] == 0 and len(flow.knots) == 1 else None
     return None if step is None else cost_of_powers(flow.reduction.state_count, len(times), flow.norm * step)
 
 
 def _cost_of_steps(flow: Flow, shape: tuple[int, int], times: np.ndarray) -> float | None:
-    """Of steps where the times are the first knots of the force, and these even; else None."""
+    """Cost of steps where the times are the first knots of the force, and these are even; else None."""
     knots, count = flow.knots, len(times)
     if flow.force.later or not FEWEST_KNOTS <= count <= len(knots) or not np.array_equal(times, knots[:count]):
         return None
@@ -289,7 +289,7 @@ def _cost_of_steps(flow: Flow, shape: tuple[int, int], times: np.ndarray) -> flo
 
 
 def decomposition_cost(reduction: Reduction, *, by_topology: bool = True) -> float:
-    """Of the modes of S, by its sparse topology if it has one; 0 where only modes serve: rounding errors of powers would move a free body."""
+    """Cost of the modes of S, by its sparse topology if it has one; 0 where powers would move a free body."""
     if reduction.is_free:
         return 0.0
     n = max(reduction.state_count, 1)
@@ -300,13 +300,13 @@ def decomposition_cost(reduction: Reduction, *, by_topology: bool = True) -> flo
 
 
 def least_decomposition_cost(reduction: Reduction) -> float:
-    """The same for the narrowest topology, whether the model has one or not: the topology itself takes long to find."""
+    """A lower bound of the cost of the modes: that of the narrowest topology, since determining the topology itself takes long."""
     narrowest = TOPOLOGY / max(reduction.state_count, 1) ** 1.5
     return min(narrowest, decomposition_cost(reduction, by_topology=False))
 
 
 def _modes_of(reduction: Reduction) -> str:
-    """The computation of the modes, in words."""
+    """The computation of the modes, as text."""
     if reduction.is_symmetric:
         return "a symmetric eigenproblem"
     return "the modes of a sparse topology" if reduction.topology is not None else "eigenvectors"

@@ -1,4 +1,4 @@
-"""The error estimate of a response: proved, or from the defect of its values, or by solving the same problem with moved data again.
+"""Error estimate of a response: proved, from the defect of its values, or by solutions of the problem with perturbed data.
 
 The values of a small model are compared with balls of the exact engine, at each time relative to the largest value then.
 
@@ -36,7 +36,7 @@ from .methods.proved import ProvedFunction
 from .methods.reduced_solution import FlowFunction
 from .response_notices import SolvedProblem
 
-#: So many problems with moved data are solved.
+#: Number of solved problems with perturbed data.
 TRIALS = 3
 
 #: An algorithm in float64 adds errors of its own to those of the data, of the same kind; precise arithmetic only those of
@@ -85,7 +85,7 @@ def _estimate(x: SolvedProblem, times: np.ndarray, view: Callable[[Any], BohlFun
 
 
 def errors_at(function: BohlFunction, times: np.ndarray) -> np.ndarray | None:
-    """Estimates of max |error| / max |y| at each of some times, without solving anything again; None where only that would tell."""
+    """Estimates of max |error| / max |y| at each of some times, without further solutions; None where these are necessary."""
     if not isinstance(function, FlowFunction):
         return None
     values = np.asarray(function(times))
@@ -111,12 +111,12 @@ def _error_by_defect(function: FlowFunction, times: np.ndarray, values: np.ndarr
 
 
 def _phase(function: BohlFunction, times: np.ndarray, largest: float) -> float:
-    """Eigenvalues are known to half a unit at best."""
+    """Error of the phase: eigenvalues are accurate to half a unit in the last place at best."""
     return EPS / 2 * float(np.abs(times * np.asarray(function.derivative()(times)) / largest).max())
 
 
 def _estimate_by_trials(x: SolvedProblem, times: np.ndarray, values: np.ndarray, largest: float, view) -> float:
-    """Of the values at these times, relative to the largest of all."""
+    """Error estimate from perturbed problems, for the values at these times, relative to the largest of all."""
     function = view(x)
     change = max(_largest_change(lambda other=other: view(other)(times) - values, largest) for other in x.moved)
     written = 0.0 if x.written is None else _largest_change(lambda: view(x.written)(times) - values, largest)
@@ -133,7 +133,7 @@ def _estimate_by_trials(x: SolvedProblem, times: np.ndarray, values: np.ndarray,
 
 
 def _proved_error(function: ProvedFunction, times: np.ndarray, values: np.ndarray) -> float:
-    """A bound of the largest |error| / |y| at any of the times, of very many at those with the smallest values and at even ones."""
+    """A bound of the largest |error| / |y|; of very many times the smallest values and even samples are checked."""
     size = np.abs(values).max(axis=0)
     if len(times) > MOST_PROVED:
         even = np.linspace(0, len(times) - 1, MOST_PROVED // 2).astype(int)
@@ -145,7 +145,7 @@ def _proved_error(function: ProvedFunction, times: np.ndarray, values: np.ndarra
 
 
 def _relative_to_truth(error: float) -> float:
-    """An error relative to the computed answer y as a bound of that relative to the true one, which is at least (1 - error) |y|.
+    """An error relative to the computed value y converted to one relative to the true value, which is at least (1 - error) |y|.
 
     It is infinite where the error may be all of y: a growing mode that rounding alone excites is larger than the truth by any factor.
     """
@@ -153,7 +153,7 @@ def _relative_to_truth(error: float) -> float:
 
 
 def summands(function: BohlFunction, times) -> float:
-    """Size of the terms that C e^{J t} v is summed of, the largest of any row and time: the root of the sum of their squares.
+    """Size of the terms of the sum C e^{J t} v, the largest of any row and time: the root of the sum of their squares.
 
     Rows are left out while they are evaluated in another way, by their Taylor series for example, in which nothing cancels.
     """
@@ -176,7 +176,7 @@ def summands(function: BohlFunction, times) -> float:
 
 
 def _largest_change(changes: Callable[[], np.ndarray], largest: float) -> float:
-    """The largest of the changes, as large as the answer itself where the moved problem has none in the range of float64."""
+    """The largest of the changes, as large as the value itself where the perturbed problem has none in the range of float64."""
     try:
         return float(np.abs(changes()).max())
     except Overflow:

@@ -123,7 +123,7 @@ def _driven_inconsistency(form: WeierstrassForm, f: ScaledForce, change: np.ndar
 
 
 def _finite_jump(form: WeierstrassForm, impulses: Sequence[np.ndarray], count: int) -> np.ndarray:
-    """By how much the finite state changes, shape (n, count)."""
+    """The change of the finite state, shape (n, count)."""
     jump = np.zeros((len(form.T), count))
     for order, g in enumerate(impulses):
         jump = jump + np.linalg.matrix_power(form.T, order) @ (form.B @ g)
@@ -166,7 +166,7 @@ def _impulse_effect(form: WeierstrassForm, inconsistency: Noisy, impulses: Seque
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """State and jump at t = 0; of S starts, each with an axis for these at its end.
+    """State and jump at t = 0; for S starts, each with a last axis of length S.
 
     Attributes:
         finite: y_1(0+) in scaled units, shape (n,).
@@ -179,7 +179,7 @@ class Start:
     impulses: tuple[np.ndarray, ...]
 
     def __getitem__(self, place: int) -> Start:
-        """One of S starts."""
+        """The state and jump of one of S starts."""
         impulses = without_zeros([impulse[:, place].copy() for impulse in self.impulses])
         return Start(self.finite[:, place].copy(), self.jump[..., place].copy(), impulses)
 
@@ -208,7 +208,7 @@ def starts_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth
 
 
 def start_of(form: WeierstrassForm, initial: np.ndarray, force: ImpulsiveSmooth) -> Start:
-    """The same of one start."""
+    """The state at 0+, the jump and the impulses at t = 0 of one start."""
     return starts_of(form, initial[..., None], force)[0]
 
 

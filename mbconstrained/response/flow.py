@@ -119,13 +119,13 @@ class Flow:
 
     @classmethod
     def of(cls, reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth, *, jumping: bool = False) -> Flow:
-        """From values at 0- (q, r).
+        """The flow from values at 0- (q, r).
 
         Args:
             reduction: the reduced equations.
-            initial: x^(i)(0-) as row i, shape (q, r).
-            force: f; its Dirac impulses on rows with mass or dampers only, and not their derivatives.
-            jumping: whether the values do not satisfy the algebraic equations, and jump.
+            initial: values x^(i)(0-) as row i, shape (q, r).
+            force: f, with Dirac impulses on rows with mass or dampers only, without derivatives of them.
+            jumping: whether the values violate the algebraic equations, and jump.
 
         Returns:
             The ``Flow``.
@@ -150,7 +150,7 @@ class Flow:
         return cls(reduction, force, initial, start, excitation, output, impulsive, jumping=jumping)
 
     def after(self, knot: int, states: np.ndarray) -> Flow:
-        """The motion after a knot of the force as one of its own, for states w there.
+        """The motion after a knot of the force as a separate flow, for states w there.
 
         Args:
             knot: its number.
@@ -174,7 +174,7 @@ class Flow:
 
     @property
     def knots(self) -> np.ndarray:
-        """The times at which the force may change, the first is 0."""
+        """The times at which the force may change, beginning with 0."""
         return self.force.knots
 
     @cached_property
@@ -184,18 +184,18 @@ class Flow:
 
     @cached_property
     def norm(self) -> float:
-        """Of the generator, its states in units that balance it, in 1/s; where nothing but powers of t is there, any rate serves."""
+        """Norm of the balanced generator in 1/s; 1 where the motion has powers of t only."""
         return balanced_norm(self.generator) or 1.0
 
     @cached_property
     def modal_rate(self) -> float:
-        """What no motion changes faster than, in 1/s, by its modes."""
+        """An upper bound of the rates of the motion in 1/s, by its modes."""
         blocks = (*self.reduction.decoupled.blocks, *self.force.smooth.blocks)
         return max((sum(map(abs, column)) for block in blocks for column in block.T.tolist()), default=0.0) or 1.0
 
     @cached_property
     def states(self) -> BohlFunction:
-        """z as a sum of modes; where no force acts without rows: the modes of S are read through the requested output alone."""
+        """z as a sum of modes, without rows where no force acts: the modes of S are evaluated through the requested output alone."""
         return self._modal[0]
 
     @property
@@ -205,11 +205,11 @@ class Flow:
 
     @property
     def copies(self) -> list[tuple[slice, slice]]:
-        """Which states of ``states`` are copies of states of the force, and of which."""
+        """Pairs of states of ``states``: copies of states of the force, and the states that they copy."""
         return self._modal[2]
 
     def modal_output(self, output: Matrix) -> np.ndarray:
-        """C of output @ z = C e^{J t} v, J and v those of ``states``."""
+        """C of output @ z = C e^{J t} v, with J and v of ``states``."""
         if not self.force.smooth.state_count:
             return self.reduction.decoupled.modal_output(output)
         used = np.flatnonzero(abs(output).sum(axis=0))
@@ -237,7 +237,7 @@ class Flow:
         return []
 
     def propagator(self, step: float) -> Propagator:
-        """e^{G h} for a step h; the last one is kept."""
+        """The propagator e^{G h} for a step h; the last one is cached."""
         if step not in self._propagators:
             self._propagators.clear()  # each has as many numbers as the square of G
             self._propagators[step] = Propagator(self.generator, step)
@@ -248,7 +248,7 @@ class Flow:
         return {}
 
     def taylor_start(self, *, modal: bool) -> TaylorStart:
-        """The Taylor series at 0+, as long as the rate of the modes allows, or the norm of G where these are not used."""
+        """The Taylor series at 0+, as long as the rate of the modes allows, or the norm of G where modes are not used."""
         return self._modal_taylor if modal else self._taylor
 
     @cached_property
@@ -260,7 +260,7 @@ class Flow:
 
     @property
     def _is_cancelled(self) -> bool:
-        """Whether a state of few is small relative to its modes, and to all that couplings make of all states, after EARLY."""
+        """Whether one of a few states is small relative to its modes and to the coupling terms of all states, after EARLY."""
         rate = self.modal_rate
         reached = self._scaled_powers(rate, FEW_TERMS, np.abs) @ EARLY ** np.arange(float(FEW_TERMS))
         sizes = np.abs(self.modal_output(np.eye(len(reached)))) @ np.abs(self.states.start_at_zero)
@@ -293,7 +293,7 @@ class Flow:
         return self.derivatives_less(self.start_with_force[:, None], self.initial[..., None])[..., 0]
 
     def jumps(self, initial: np.ndarray) -> np.ndarray:
-        """The same for other values at 0-, shape (S, q, r), which satisfy the algebraic equations where those of the flow do; of this shape."""
+        """Jumps x^(i)(0+) - x^(i)(0-), shape (S, q, r), for other values at 0- that are consistent as those of the flow."""
         if self.impulsive is None and len(self.reduction.second) == initial.shape[2]:
             return np.zeros(initial.shape)
         force = np.repeat(self.force.smooth.start_at_zero[:, None], len(initial), axis=1)
@@ -319,7 +319,7 @@ class Flow:
         """x^(i) of states (n + m, K) less given values, shape (q, r, K); zero where the difference is a rounding error.
 
         Args:
-            states: of the motion and the force, shape (n + m, K).
+            states: states of the motion and the force, shape (n + m, K).
             given: values of x, x', ..., shape (q, r, K).
 
         Returns:
@@ -336,7 +336,7 @@ class Flow:
         return np.array(differences).reshape(given.shape)
 
     def _later_jumps(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """For each of x, x', ... the rows that jump where the states of the force do, and by how much, shape (rows, K)."""
+        """For x, x', ...: the rows that jump with the states of the force, and their jumps, shape (rows, K)."""
         changes, G = self.force.smooth.with_knots(self.knots).restarts.jumps[:, 1:], self.generator
         own = np.zeros((len(self.start), 0)) if self.impulsive is None else self.impulsive[:, 1:]
         used = np.append(own.any(axis=1), np.ones(len(changes), dtype=bool))
@@ -353,10 +353,10 @@ class Flow:
 
 
 def _jumps_to_algebraic_equations(reduction: Reduction, initial: np.ndarray, smooth: BohlFunction) -> np.ndarray:
-    """Of w at 0+, shape (n, S), from values at 0- (S, q, r) of which x = V x_f + Y g does not hold: by r in x and r' in x'.
+    """Jumps of w at 0+, shape (n, S), from values at 0- (S, q, r) that violate x = V x_f + Y g by r in x and r' in x'.
 
     The rows with mass or dampers, integrated over t = 0, keep M x_m, C_dd x_d + C_dm x_m and M x_m' + C_md x_d + C_mm x_m, in which x
-    is V x_f + Y g afterwards: what r adds to them before is a change of x_f.
+    is V x_f + Y g afterwards: the part of r in them is a change of x_f.
     """
     m, second, first, V, C = len(reduction.second), reduction.second, reduction.first, reduction.V, reduction.C
     states, g = reduction.states(initial), smooth.coefficients[reduction.algebraic]
@@ -376,7 +376,7 @@ def _jumps_to_algebraic_equations(reduction: Reduction, initial: np.ndarray, smo
 
 
 def _jumps_by_impulses(reduction: Reduction, force: ImpulsiveSmooth) -> np.ndarray | None:
-    """Of w at the knots of a force: M x_m'' + C_md x_d' and C_dd x_d' contain its impulses, all else is finite."""
+    """Jumps of w at the knots of a force: M x_m'' + C_md x_d' and C_dd x_d' contain its impulses, all other terms are finite."""
     if not (force.impulses or force.later):
         return None
     m, rows = len(reduction.second), np.concatenate([reduction.second, reduction.first])

@@ -20,7 +20,7 @@ class ScaledForce:
     """f in the units of the scaled pencil: coefficients C_f, generator J_f, start v at 0+, and Dirac impulses at t = 0.
 
     Attributes:
-        units: of its states: its start is that of f divided by them.
+        units: units of its states: its start is that of f divided by them.
         jump: the start without the states that approximate zero.
     """
 
@@ -139,7 +139,7 @@ class Driven:
 
 
 def driven_form(form: WeierstrassForm, force: ImpulsiveSmooth) -> Driven:
-    """Each term of the force in units of its own: a small one must not be lost in the rounding error of a large one."""
+    """The form with each term of the force in its own units: a small one must not be lost in the rounding error of a large one."""
     f = scaled_force(form, force)
     if not len(f.start):
         return Driven(np.zeros((len(form.T), 0)), f.generator, f.coefficients, f.units)

@@ -1,4 +1,4 @@
-"""Many starts or forces of one A(s): one decomposition, and values that are computed together.
+"""Many starts or forces of one A(s): one decomposition, and a joint evaluation.
 
 The motion is linear in the values at 0-: x_s = x_0 + sum over j of X_s[j] x_j, x_0 that from rest under the force and x_j that from
 the j-th unit value alone. Where there are more starts than values at 0-, these are evaluated, each with its own digits just after
@@ -54,7 +54,7 @@ class _Superposed:
     weights: np.ndarray
 
     def values_into(self, values: np.ndarray, times: np.ndarray) -> None:
-        """The values, into an array (S, r, T)."""
+        """Write the values into an array (S, r, T)."""
         values[...] = self.base._values(times)
         for at in _parts(len(times) if self.units else 0, len(self.units) * values.shape[1]):
             table = np.array([unit._values(times[at]) for unit in self.units])
@@ -68,7 +68,7 @@ class _Superposed:
                 values[members, :, at] += product.reshape(-1, *table.shape[1:])
 
     def mapped(self, change) -> _Superposed:
-        """The same for changed functions."""
+        """The superposition of mapped functions."""
         return replace(self, base=change(self.base), units=tuple(map(change, self.units)))
 
 
@@ -86,11 +86,11 @@ class ManyFunctions:
 
     @property
     def size(self) -> int:
-        """The number of rows of all together."""
+        """Number of rows in total."""
         return self.shape[0] * self.shape[1]
 
     def __call__(self, times) -> np.ndarray:
-        """All at a time (-> shape (S, r)) or at times (T,) (-> (S, r, T)); t = 0 means 0+.
+        """All functions at a time (-> shape (S, r)) or at times (T,) (-> (S, r, T)); t = 0 means 0+.
 
         Raises:
             InputError: negative or not finite times.
@@ -115,7 +115,7 @@ class ManyFunctions:
         return ManyFunctions(self.shape, tuple(group.mapped(lambda one: one.derivative(order)) for group in self.groups))
 
     def rows(self, indices) -> ManyFunctions:
-        """Some of the rows of each, in this order."""
+        """Selected rows of each, in this order."""
         indices = np.asarray(indices, dtype=int)
         return ManyFunctions(
             (self.shape[0], len(indices)), tuple(group.mapped(lambda one: one.rows(indices)) for group in self.groups)
@@ -123,7 +123,7 @@ class ManyFunctions:
 
 
 def _parts(count: int, each: int) -> Iterator[slice]:
-    """Slices of so many items, each of so many numbers, that stay below CHUNK_ENTRIES.
+    """Slices of a number of items, each of a given number of entries, that stay below CHUNK_ENTRIES.
 
     >>> list(_parts(5, CHUNK_ENTRIES // 3))
     [slice(0, 3, None), slice(3, 5, None)]
@@ -175,7 +175,7 @@ class Responses(Displayed):
         return Response.solved(Problem(self.polynomial_matrix, initial, force, self.rank_tolerance), self.request)
 
     def __call__(self, times) -> np.ndarray:
-        """All at a time (-> shape (S, r)) or at times (T,) (-> (S, r, T)); t = 0 means 0+.
+        """Return all responses at a time (-> shape (S, r)) or at times (T,) (-> (S, r, T)); t = 0 means 0+.
 
         Raises:
             InputError: negative or not finite times.
@@ -184,19 +184,19 @@ class Responses(Displayed):
         return self.function(times)
 
     def derivative(self, order: int = 1) -> ManyFunctions:
-        """The classical derivatives for t > 0, called like this itself."""
+        """Return the classical derivatives for t > 0, as functions of the same kind."""
         return self.function.derivative(order)
 
     def of(self, *coordinates: str | int) -> ManyFunctions:
-        """Some coordinates only, by name or number from 0."""
+        """Return the function of some coordinates, by name or index from 0."""
         return self.function.rows(places_of(coordinates, self.polynomial_matrix.coordinates, "coordinate"))
 
     def chunks(self, times, count: int | None = None) -> Iterator[Piece]:
-        """All at many times as pairs (times, values), for answers larger than memory.
+        """Yield all responses at many times as pairs (times, values), for results larger than memory.
 
         Args:
-            times: shape (T,), in s; or the first and the last one, where a count is given.
-            count: how many even times there are.
+            times: times in s, shape (T,); or the first and the last one, where a count is given.
+            count: number of evenly spaced times.
 
         Returns:
             Pairs in order, the values of shape (S, r, number of times).
@@ -221,7 +221,7 @@ class Responses(Displayed):
 
     @property
     def _by_force(self) -> list[np.ndarray]:
-        """The members that have a force in common."""
+        """The members with a common force."""
         by_force: dict[int, list[int]] = {}
         for member, force in enumerate(self.forces):
             by_force.setdefault(id(force), []).append(member)
@@ -229,7 +229,7 @@ class Responses(Displayed):
 
     @cached_property
     def _alike(self) -> list[tuple[np.ndarray, Response]]:
-        """Members with one force and one method, and the first of them solved: the starts of the others differ from its own only."""
+        """Members with one force and one method, and the solution of the first: the others differ by their starts only."""
         result = []
         for members in self._by_force:
             force = self.forces[members[0]]
@@ -266,7 +266,7 @@ class Responses(Displayed):
 
     @property
     def impulses(self) -> tuple[tuple[np.ndarray, ...], ...]:
-        """For each member the arrays (r,) of which the k-th multiplies the k-th derivative of Dirac's delta at t = 0."""
+        """Impulses of each member at t = 0: arrays (r,), the k-th of which multiplies the k-th derivative of Dirac's delta."""
         return self._starts[1]
 
     @cached_property
@@ -295,7 +295,7 @@ class Responses(Displayed):
 
     @property
     def events(self) -> tuple[tuple[Event, ...], ...]:
-        """For each member its jumps and impulses after t = 0, by ascending time; they are those of its force."""
+        """Events of each member, its jumps and impulses after t = 0 by ascending time; they are those of its force."""
         events: list[tuple[Event, ...]] = [()] * len(self)
         for members, first in self._alike:
             for member in members:
@@ -307,7 +307,7 @@ class Responses(Displayed):
 
         Args:
             times: in s, a number or shape (T,).
-            options: as of ``error_estimate`` of one member.
+            options: as in ``error_estimate`` of one member.
 
         Returns:
             Shape (S,).
@@ -315,12 +315,12 @@ class Responses(Displayed):
         return np.array([x.error_estimate(times, **options) for x in self])
 
     def enclose(self, times, digits: int = 15, **options) -> tuple[Enclosure, ...]:
-        """For each member intervals that are guaranteed to contain its values.
+        """Return intervals for each member that are guaranteed to contain its values.
 
         Args:
-            times: in s, a number or shape (T,).
-            digits: of each value, relative to itself.
-            options: as of ``enclose`` of one member.
+            times: times in s, a number or shape (T,).
+            digits: significant digits of each value.
+            options: options of ``Response.enclose``.
 
         Returns:
             An ``Enclosure`` for each.
@@ -328,12 +328,12 @@ class Responses(Displayed):
         return tuple(x.enclose(times, digits, **options) for x in self)
 
     def to_xarray(self, times):
-        """All at times (T,) as one ``DataArray`` with the dimensions member, time and coordinate; see ``Response.to_xarray``."""
+        """Return all responses at times (T,) as a ``DataArray`` over member, time and coordinate (``Response.to_xarray``)."""
         xarray = optional_package("xarray", "to_xarray")
         return xarray.concat([x.to_xarray(times) for x in self], "member", combine_attrs="drop_conflicts")
 
     def to_pandas(self, times):
-        """All at times (T,) as one ``DataFrame``, indexed by member and time; see ``Response.to_pandas``."""
+        """Return all responses at times (T,) as a ``DataFrame``, indexed by member and time (``Response.to_pandas``)."""
         pandas = optional_package("pandas", "to_pandas")
         return pandas.concat({member: x.to_pandas(times) for member, x in enumerate(self)}, names=["member"])
 

@@ -1,4 +1,4 @@
-"""The initial value problem A(d/dt) x = f, checked: what ``solve`` is given, and the same with its data moved by a rounding error."""
+"""The initial value problem A(d/dt) x = f with validated data, and the problem with data perturbed by a rounding error."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Problem:
             A: the polynomial matrix, degree q, size r.
             initial: shape (q, r).
             force: f with r rows.
-            rank_tolerance: as of ``solve``.
+            rank_tolerance: as in ``solve``.
 
         Returns:
             A ``Problem``.
@@ -58,7 +58,7 @@ class Problem:
         return cls(A, initial, checked_force(force, A.size), rank_tolerance)
 
     def moved(self, seed: int) -> Problem:
-        """The same with all data moved, entry by entry, by about a rounding error."""
+        """The problem with all data perturbed, entry by entry, by about a rounding error."""
         random = np.random.default_rng(seed)
         A = self.polynomial_matrix.moved(random, lambda entries, uncertainty: _moved(entries, random, uncertainty))
         return Problem(A, _moved(self.initial, random), _moved_force(self.force, random), self.rank_tolerance)
@@ -94,7 +94,7 @@ def _all_moved(arrays, random) -> tuple[np.ndarray, ...]:
 
 
 def _moved(array, random, uncertainty=0.0) -> np.ndarray:
-    """Each entry by a unit in the last place, or by its uncertainty where that is more; zeros stay."""
+    """Each entry perturbed by a unit in the last place, or by its uncertainty where that is larger; zeros are kept."""
     size = np.abs(array)
     share = np.maximum(EPS, uncertainty / np.where(size > 0, size, np.inf))
     return array * (1 + PROBE_SIZE * share * random.choice(MOVES, size=np.shape(array)))

@@ -1,4 +1,4 @@
-"""The solution: a function of time that you call, with its derivatives, jumps and Dirac impulses."""
+"""The solution: a callable function of time, with its derivatives, jumps and Dirac impulses."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ OUT_OF_RANGE = (
     "products of the data leave the range of float64, or their inverses do; choose other units, in which they are nearer to 1"
 )
 
-#: So many coordinates are named where a response is shown in one line.
+#: Number of coordinates named where a response is shown in one line.
 MOST_NAMES = 6
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Response(Exported, Presented):
-    """x with A(d/dt) x = f from values at 0-.
+    """Response: x with A(d/dt) x = f from values at 0-.
 
     ``x(t)`` is the regular part at t > 0 (t = 0 means 0+): a number gives shape (r,), times of shape (T,) give
     (r, T), in any order and spacing, at the time of an event the right limit. Impulses are reported separately.
@@ -59,11 +59,11 @@ class Response(Exported, Presented):
 
     @classmethod
     def solved(cls, problem: Problem, request: Request = Request()) -> Response:
-        """The solution of a problem by the method chosen for it.
+        """Return the solution of a problem by the method chosen for it.
 
         Args:
             problem: A(d/dt) x = f with values at 0-.
-            request: how often and when it is evaluated.
+            request: requested evaluation, number and times.
 
         Returns:
             A ``Response``.
@@ -80,7 +80,7 @@ class Response(Exported, Presented):
 
     @classmethod
     def by_pairs(cls, pairs: JordanPairs, initial: np.ndarray, force: ImpulsiveSmooth) -> Response:
-        """The solution from given pairs, values at 0- of shape (q, r) and force in full.
+        """Return the solution from given pairs, complete values at 0- of shape (q, r) and force.
 
         Args:
             pairs: Jordan pairs of A(s).
@@ -111,7 +111,7 @@ class Response(Exported, Presented):
 
     @property
     def method(self) -> Method:
-        """The method of the solution: its name, and the reason why it was chosen."""
+        """Method of the solution: its name, and the reason for its choice."""
         return self.solution.method
 
     @property
@@ -131,28 +131,28 @@ class Response(Exported, Presented):
 
     @cached_property
     def _events(self) -> tuple[Event, ...]:
-        """That at t = 0, whether there are jumps or not, and the later ones."""
+        """The event at t = 0, with or without jumps, and the later ones."""
         events = Event(0.0, self.solution.jump, self.solution.impulses), *self.solution.events
         return tuple(proved_event(self.exact, event, self.initial) for event in events) if self.is_decided_exactly else events
 
     @cached_property
     def kinks(self) -> tuple[Event, ...]:
-        """The events at which the excitation is continuous and only its slope jumps, as between the samples of a record."""
+        """Events at which the excitation is continuous and its slope jumps, as between the samples of a record."""
         return kinks_of(self.events, self.force)
 
     @cached_property
     def is_proved(self) -> bool:
-        """Whether the values are right to ``PROVED_ACCURACY``, by the exact engine where float64 does not suffice."""
+        """Whether the values are accurate to ``PROVED_ACCURACY``, by the exact engine where float64 does not suffice."""
         return isinstance(self.function, ProvedFunction) and self.function.is_provable
 
     @cached_property
     def doubts(self) -> tuple[Notice, ...]:
-        """The equations and values at 0+ that the float64 solution does not satisfy to half of the digits."""
+        """Equations and values at 0+ that the float64 solution satisfies to less than half of the digits."""
         return tuple(unsatisfied(self))
 
     @cached_property
     def is_decided_exactly(self) -> bool:
-        """Whether float64 leaves a doubt, of a rank or a residual, that the exact engine settles: jumps and impulses are its own then."""
+        """Whether float64 leaves a doubt about a rank or a residual that the exact engine settles, with its jumps and impulses."""
         if self.unproved or self.method.flow is not None:
             return False
         return bool(self.doubts or any(notice.doubtful for notice in self.solution.notices)) and self.is_proved
@@ -161,9 +161,9 @@ class Response(Exported, Presented):
         """Draw the curves of a quantity over time with Matplotlib.
 
         Args:
-            axes: of Matplotlib; new ones by default.
+            axes: axes of Matplotlib; new ones by default.
             quantity: "displacement", "velocity", "acceleration", "reaction" or "energy".
-            options: ``end`` and ``points``, as of ``write_page``.
+            options: ``end`` and ``points``, as in ``write_page``.
 
         Returns:
             The axes.
@@ -211,7 +211,7 @@ class Response(Exported, Presented):
 
     @cached_property
     def pairs(self) -> JordanPairs:
-        """The Jordan pairs of A(s), computed now where the solution did not need them."""
+        """Jordan pairs of A(s), computed on demand where the solution did not need them."""
         return self.polynomial_matrix.jordan_pairs(self.problem.rank_tolerance)
 
     @cached_property
@@ -221,12 +221,12 @@ class Response(Exported, Presented):
             return self.solution.function if self.unproved else self._proved_function
 
     def __getstate__(self) -> dict:
-        """Without exact answers, whose numbers cannot be pickled: they are computed again."""
+        """State for pickling without exact solutions, whose numbers cannot be pickled: they are computed again."""
         return {name: value for name, value in self.__dict__.items() if not name.startswith("exact")}
 
     @cached_property
     def unproved(self) -> str:
-        """Why the values are not proved to be right; empty where they are."""
+        """The reason why the values are not proved to be accurate; empty where they are."""
         return unproved(self.problem)
 
     @property
@@ -237,7 +237,7 @@ class Response(Exported, Presented):
         return ProvedFunction(self.solution.function, partial(getattr, self, "exact"), self.solution.finite_count, defect)
 
     def _rounding(self) -> Rounding | None:
-        """What the equations that were solved lost of the data; None where they are the data, or their elements in full."""
+        """Rounding errors of the equations relative to the data; None where they equal the data, or their elements in full."""
         A = self.polynomial_matrix
         if not any(factors is not None for factors in A.factors):
             return None
@@ -254,7 +254,7 @@ class Response(Exported, Presented):
         return self.function.derivative(order)
 
     def of(self, *coordinates: str | int) -> BohlFunction:
-        """The function of some coordinates only, by name or number from 0, a row for each: no other is computed.
+        """Return the function of some coordinates, by name or index from 0, a row for each; no other is computed.
 
         Raises:
             InputError: no such coordinate.
@@ -267,13 +267,13 @@ class Response(Exported, Presented):
         return self.function.rows(places_of(coordinates, self.polynomial_matrix.coordinates, "coordinate"))
 
     def chunks(self, times, count: int | None = None) -> Iterator[Piece]:
-        """x at many times as pairs (times, values), in order and of bounded size, for answers larger than memory.
+        """Yield x at many times as pairs (times, values), in order and of bounded size, for results larger than memory.
 
         ``for part, values in x.chunks((0.0, 3600.0), count=10**8): ...`` makes even times piece by piece too.
 
         Args:
             times: shape (T,), in s; or the first and the last one, where a count is given.
-            count: how many even times there are.
+            count: number of evenly spaced times.
 
         Returns:
             Pairs in order, the values of shape (r, number of times).
@@ -289,11 +289,11 @@ class Response(Exported, Presented):
         return start_after(self.initial, self.jump)
 
     def error_estimate(self, times, *, order: int = 0) -> float:
-        """Estimate of max |error| / max |x^(order)| over the given times, of x itself or a derivative (``response.estimate``).
+        """Return an estimate of max |error| / max |x^(order)| over the given times, of x or a derivative (``response.estimate``).
 
         Args:
             times: in s, a number or shape (T,).
-            order: of the derivative.
+            order: order of the derivative.
 
         Returns:
             Relative to the largest value at these times; infinite where the error may be as large as the answer.
@@ -305,18 +305,18 @@ class Response(Exported, Presented):
         return error_estimate(self, times, lambda x: x.derivative(order) if order else x.function)
 
     def estimates_without_trials(self, times: np.ndarray) -> np.ndarray | None:
-        """Estimates of max |error| / max |x| at each of some times; None where only solving moved problems would tell."""
+        """Return estimates of max |error| / max |x| at some times; None where they require solutions of perturbed problems."""
         return errors_at(self.solution.function, times)
 
     @cached_property
     def exact(self) -> ExactResponse:
-        """The exact solution for the same data, floats taken as the exact numbers that they are: impulses, values at 0+, intervals."""
+        """The exact solution for the same data taken as exact numbers: impulses, values at 0+, intervals."""
         from ..exact.enclosure.exact_response import exact_response
 
         return exact_response(self.polynomial_matrix, self.initial, self.force)
 
     def enclose(self, times, digits: int = 15, *, order: int = 0) -> Enclosure:
-        """Intervals that are sure to contain x(t), or a derivative of it, for the data taken exactly (``exact.enclosure``).
+        """Return intervals guaranteed to contain x(t), or a derivative of it, for exact data (``exact.enclosure``).
 
         X(s) is computed over the rationals and summed over its certified poles in ball arithmetic, with more bits until each value
         has its digits; nothing of the numeric solution enters. The data are the entries of A(s), the values at 0- and the numbers
@@ -324,9 +324,9 @@ class Response(Exported, Presented):
 
         Args:
             times: in s, a number or shape (T,).
-            digits: of each value, relative to itself. A value that is zero, or cancels to thousands of bits, has a very narrow
+            digits: significant digits of each value. A value that is zero, or cancels to thousands of bits, has a very narrow
                 interval about zero instead.
-            order: of the derivative.
+            order: order of the derivative.
 
         Returns:
             An ``Enclosure``: .lower, .upper (decimal strings, shape of x(t)), .contains(values), .error_bounds(values).
@@ -349,18 +349,18 @@ class Response(Exported, Presented):
 
     @cached_property
     def moved(self) -> tuple[Response, ...]:
-        """Solutions of the same problem with its data moved by about a rounding error (see ``response.estimate``)."""
+        """Solutions of the problem with data perturbed by about a rounding error (``response.estimate``)."""
         return moved_responses(self)
 
     @cached_property
     def written(self) -> Response | None:
-        """The solution for the data as they are written, where some counted as zero at s = 0 (see ``response.estimate``)."""
+        """The solution for the given data, where entries counted as zero at s = 0 (``response.estimate``)."""
         as_written = self.solution.as_written
         return None if as_written is None else Response.by_pairs(as_written, self.initial, self.force)
 
     @cached_property
     def decided_otherwise(self) -> Response | None:
-        """The solution that keeps what counted as rounding error, where a rank decision dropped entries near its bound.
+        """The solution with the alternative rank, where a rank decision dropped entries near its bound.
 
         None where no decision is in doubt, or a value that was kept is, or that solution is in doubt itself.
         """
@@ -374,7 +374,7 @@ class Response(Exported, Presented):
 
     @cached_property
     def evidence(self) -> tuple[Evidence, ...]:
-        """Residuals, conditions and gaps of the method of the solution; the restarts of the force where they are why nothing is proved."""
+        """Residuals, conditions and gaps of the method of the solution; restarts of the force where they prevent a proof."""
         with within_float64():
             evidence, restarts = self.solution.evidence, len(self.force.knots) - 1
             if 0 < self.polynomial_matrix.degree * self.polynomial_matrix.size <= PROVED_STATES and restarts > PROVED_RESTARTS:
@@ -387,7 +387,7 @@ class Response(Exported, Presented):
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
-        """Jumps, impulses, growth, doubtful decisions."""
+        """Notices on jumps, impulses, growth and doubtful decisions."""
         return response_notices(self)
 
 
@@ -398,6 +398,6 @@ def start_after(initial: np.ndarray, jump: np.ndarray) -> np.ndarray:
 
 
 def moved_responses(x: Response) -> tuple[Response, ...]:
-    """Solutions of the problem of x with its data moved by about a rounding error."""
+    """Solutions of the problem of x with its data perturbed by about a rounding error."""
     request = Request(x.method.evaluations)
     return tuple(Response.solved(x.problem.moved(seed), request) for seed in range(TRIALS))

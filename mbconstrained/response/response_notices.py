@@ -21,13 +21,13 @@ from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from .events import Event
 from .problem import Problem
 
-#: So many jumps and impulses after t = 0 are reported in a sentence each; the others are counted.
+#: Number of jumps and impulses after t = 0 reported in a sentence each; the others are counted.
 MOST_LATER = 6
 
-#: So many coordinates that follow the kinks of an excitation are named.
+#: Number of named coordinates that follow the kinks of an excitation.
 MOST_KINK_NAMES = 3
 
-#: How many singular values a notice about a rank decision lists, the smallest ones.
+#: Number of singular values in a notice about a rank decision, the smallest ones.
 LISTED_SINGULAR_VALUES = 4
 
 DERIVATIVE_NAMES = ("value", "velocity", "acceleration", "jerk")
@@ -98,7 +98,7 @@ def response_notices(x: SolvedProblem) -> tuple[Notice, ...]:
 
 
 def remaining_notices(x: SolvedProblem) -> tuple[Notice, ...]:
-    """The notices of the solution that concern the answer: where values are proved by the exact engine no doubt of float64 does.
+    """Notices of the solution that concern the answer: no doubts about float64 where the exact engine proves the values.
 
     A rank of a small model that the exact data have not keeps its notice, which names the entry that decides.
     """
@@ -126,7 +126,7 @@ ESTIMATED_TIMES = 3
 
 
 def _without_digits(x: SolvedProblem) -> Iterator[Notice]:
-    """Values of a larger model that no digit of is sure, at some times from the fastest to the slowest motion.
+    """Values of a larger model without a reliable digit, at some times from the fastest to the slowest motion.
 
     Where only late values are so, those of a motion that rounding errors excite and that grows, it is no doubt of the earlier ones.
     """
@@ -154,7 +154,7 @@ def _without_digits(x: SolvedProblem) -> Iterator[Notice]:
 
 
 def _change_by_ranks(x: SolvedProblem) -> float | None:
-    """By how much the values with the other rank decision differ, relative to the largest of each coordinate; None where unknown."""
+    """Change of the values by the alternative rank decision, relative to the largest of each coordinate; None where unknown."""
     other = x.decided_otherwise
     if other is None:
         return None
@@ -200,13 +200,13 @@ def _later(x: SolvedProblem):
 
 
 def without_kinks(x: SolvedProblem) -> list[Event]:
-    """The events after t = 0 that are no kinks of the excitation."""
+    """The events after t = 0, except kinks of the excitation."""
     kinks = {event.time for event in x.kinks}
     return [event for event in x.events if event.time not in kinks]
 
 
 def kink_notices(x: SolvedProblem, jump_text: Callable[[int, int, float], str]) -> Iterator[Notice]:
-    """One sentence on all kinks of the excitation after t = 0, with the largest jump of each rate that follows it."""
+    """One notice on all kinks of the excitation after t = 0, with the largest jump of each derivative."""
     if x.kinks:
         largest = np.abs([event.jump for event in x.kinks]).max(axis=0)
         order = next(k for k, row in enumerate(largest) if row.any())
@@ -259,7 +259,7 @@ def first_and_count(sentences: Callable, *sources: Sequence[Event | ImpulsiveLoa
 
 
 def counts(events: Sequence[Event | ImpulsiveLoad]) -> tuple[int, int]:
-    """How many numbers jump at events, and how many impulses there are."""
+    """The number of values that jump at events, and of impulses."""
     jumps = sum(np.count_nonzero(event.jump) for event in events if isinstance(event, Event))
     return jumps, sum(np.count_nonzero(impulse) for event in events for impulse in event.impulses)
 
@@ -316,7 +316,7 @@ def _residual(pairs):
 
 # The residual of each equation, relative to its own terms: what was lost in a row of small numbers shows, however large others are.
 
-#: So many equations and starting values that are not satisfied are reported in a sentence each.
+#: Number of violated equations and starting values reported in a sentence each.
 MOST_UNSATISFIED = 4
 
 #: Times of the motion at which equations are tested, after each of some knots of the force.
@@ -369,9 +369,9 @@ def unsatisfied(x: SolvedProblem) -> Iterator[Notice]:
 
 
 def _moved_by_rounding(x: SolvedProblem, times: np.ndarray) -> list[np.ndarray]:
-    """By how much x, x', ... differ between solutions of data that rounding errors move, shape (r, T) each; zero without such ones.
+    """Differences of x, x', ... between solutions with perturbed data, shape (r, T) each; zero without such solutions.
 
-    Only these are compared with each other: what all of them have lost is not explained by it.
+    Only these are compared with each other: an error common to all of them is not explained by rounding.
     """
     count = x.polynomial_matrix.degree + 1
     try:

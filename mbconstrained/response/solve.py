@@ -21,7 +21,7 @@ def solve(
     *,
     evaluations: Evaluations = "once",
 ) -> Response | Any:
-    """The solution of A(d/dt) x = f on t >= 0 from any values at 0- (Moysis et al., Theorem 3.1, corrected).
+    """Solve A(d/dt) x = f on t >= 0 from any values at 0- (Moysis et al., Theorem 3.1, corrected).
 
     With X(s) = A(s)^-1 (X_in(s) + F(s)), the transform taken from 0-: only the values at 0- and the force on
     [0, inf) enter. Values that do not satisfy the equations are not repaired: the response reports the jumps and

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 #: middle of the limits.
 STARTS = 8
 
-#: How far from the guess these are, in rad or relative to the robot's size.
+#: Distance of the starts from the guess, in rad or relative to the robot's size.
 AWAY = 0.3
 
 #: Steps towards a target.
@@ -49,12 +49,12 @@ MOST_COLUMNS = 5
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """What a body should reach.
+    """Target of an inverse kinematics problem.
 
     Attributes:
         body: a link.
-        point: of it, in its frame (m), shape (3,).
-        place: where this should be (m), shape (3,).
+        point: point of the link, in its frame (m), shape (3,).
+        place: target position of the point (m), shape (3,).
         orientation: roll, pitch, yaw (rad) of the body, shape (3,); None for any.
     """
 
@@ -65,14 +65,14 @@ class Target:
 
     @property
     def loop(self) -> Loop:
-        """The loop that is closed where the target is reached."""
+        """The loop that is closed at the target."""
         kind: LoopKind = "point" if self.orientation is None else "rigid"
         turned = np.zeros(3) if self.orientation is None else self.orientation
         place, point, rotation = (tuple(vector.tolist()) for vector in (self.place, self.point, turned))
         return Loop(GROUND, place, self.body, point, kind, rotation1=rotation, name="target")
 
     def stages(self, robot: RobotModel, start: np.ndarray) -> list[Target]:
-        """Targets from where the body is at a start to this one, on a straight line and about one axis."""
+        """Targets from the pose of the body at a start to this one, on a straight line and about one axis."""
         import pinocchio
 
         R, place = Kinematics(robot.tree, start).frame(robot.link_frames.anchor(self.body, self.point, (0.0, 0.0, 0.0), "body"))
@@ -115,7 +115,7 @@ def inverse_kinematics(robot: RobotModel, goal: Target, guess) -> np.ndarray:
 
 
 def _starts(robot: RobotModel, guess: np.ndarray, lengths: np.ndarray) -> Iterator[np.ndarray]:
-    """The guess and places near it; then the same with all limited joints in the middle of their limits."""
+    """The guess and configurations near it; then both with all limited joints in the middle of their limits."""
     rng, angles, to_middle = np.random.default_rng(0), robot.tangent.angles(guess), np.zeros(len(lengths))
     for name, limits in robot.limits.items():
         if np.isfinite(limits).all():
@@ -133,14 +133,14 @@ class PathModes(Displayed):
 
     Attributes:
         places: of the point (m), shape (P, 3).
-        lengths: of the path up to each place (m), shape (P,).
+        lengths: lengths of the path up to each place (m), shape (P,).
         postures: at each place; None where it is not reached.
         distances: to each place from where the point is, or of places that are not reached from the nearest place of the search (m),
             shape (P,).
         systems: linearized about the postures.
         natural_frequencies: of the modes without damping, each followed from place to place by its shape, ascending at the first place,
             shape (P, m) (rad/s); NaN where there is none.
-        assurance: of each mode the modal assurance criterion with its shape at the place before, weighted with the mass, from 0 to 1,
+        assurance: modal assurance criterion of each mode with its shape at the last position, weighted with the mass, from 0 to 1,
             shape (P, m).
     """
 
@@ -154,17 +154,17 @@ class PathModes(Displayed):
 
     @property
     def frequencies_hz(self) -> np.ndarray:
-        """The same in Hz."""
+        """Natural frequencies in Hz."""
         return self.natural_frequencies / (2 * np.pi)
 
     @property
     def unreachable(self) -> tuple[int, ...]:
-        """Indices of the places that are not reached."""
+        """Indices of the positions that are not reached."""
         return tuple(i for i, posture in enumerate(self.postures) if posture is None)
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
-        """On places that are not reached, modes that are followed with doubt, and joints beyond their limits."""
+        """Notices on positions that are not reached, modes of uncertain continuation, and joints beyond their limits."""
         return tuple(self._notices())
 
     def _notices(self) -> Iterator[Notice]:
@@ -194,7 +194,7 @@ class PathModes(Displayed):
 
     @property
     def table(self) -> TextTable:
-        """The places with the frequencies of the first modes (Hz)."""
+        """The positions with the frequencies of the first modes (Hz)."""
         shown = self.frequencies_hz[:, :MOST_COLUMNS]
         titles = ("place", "x (m)", "y (m)", "z (m)", *(f"mode {k + 1}" for k in range(shown.shape[1])))
         rows = [
@@ -210,7 +210,7 @@ class PathModes(Displayed):
 
 
 def modes_along(robot: RobotModel, goal: Target, places, guess, hold, forces: Mapping) -> PathModes:
-    """The modes along a path, as of ``Robot.modes_along``."""
+    """The modes along a path; the arguments are those of ``Robot.modes_along``."""
     places = real_array(places, "places", shape=(None, 3))
     if not len(places):
         raise InputError("places: found none; expected an array of shape (P, 3)")
@@ -230,19 +230,19 @@ def modes_along(robot: RobotModel, goal: Target, places, guess, hold, forces: Ma
 
 
 def target(body: str, point, place, orientation) -> Target:
-    """A checked target."""
+    """A validated target."""
     turned = None if orientation is None else real_array(orientation, "orientation", shape=(3,))
     return Target(body, real_array(point, "point", shape=(3,)), real_array(place, "place", shape=(3,)), turned)
 
 
 def _distance(posture: Posture, target: Target) -> float:
-    """From the target, at rest: joints that do not keep the guess give way."""
+    """Distance from the target at rest, where only the constrained joints keep the guess."""
     kinematics = posture.balance.kinematics
     return float(np.linalg.norm(posture.robot.link_frames.attached(target.loop, kinematics).pose(kinematics).value[:3]))
 
 
 def followed(masses: list[np.ndarray | None], modes: list[Modes | None]) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies in columns that follow each mode by its shape.
+    """Frequencies in columns, one for each mode continued by its shape.
 
         MAC = (u^T M v)^2 / ((u^T M u) (v^T M v))
 

@@ -80,12 +80,12 @@ class Connection:
 
     @property
     def between_points(self) -> str:
-        """What a connection along the line between two points is called; empty for others."""
+        """Name of the connection along the line between two points; empty for others."""
         return ""
 
     @property
     def label(self) -> str:
-        """The connection in a message."""
+        """Label of the connection in messages."""
         return f'{self.word} "{self.name}"'
 
     def _set(self, key: str, value) -> None:
@@ -100,7 +100,7 @@ class Connection:
 
 @dataclass(frozen=True)
 class Support(Connection):
-    """A connection that may be a foot on the ground.
+    """A connection that may be a foot in contact with the ground.
 
     Attributes:
         friction: coefficient of friction of a foot on the ground, in which case its force at rest is checked: a note reports one
@@ -143,7 +143,7 @@ class Support(Connection):
         return wrench if self.body1 == GROUND else -wrench
 
     def parts(self, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The force along the normal, positive where the foot presses, and the size of that along the ground.
+        """The force along the normal, positive in compression, and the magnitude of the tangential force.
 
         Args:
             force: on the foot in the directions of the ground, shape (3, T).
@@ -167,7 +167,7 @@ class Loop(Support):
         axis: of a hinge, prismatic or cylindrical loop, in the frame on body1 and the same in that on body2; of any length but zero.
             Of a universal loop that in the frame on body1.
         axis2: of a universal loop that in the frame on body2.
-        length: of a rod (m); that at the guess when not given.
+        length: length of a rod (m); that at the guess when not given.
 
     The multiplier of a row is the force (N) or torque (N m) on body2, against that on body1, in the frame on body1; torques
     of a hinge that turns are in the frame half-way between the two. That of a rod is its compression (N).
@@ -208,7 +208,7 @@ class Loop(Support):
 
     @property
     def between_points(self) -> str:
-        """A rod."""
+        """Name of the connection, "rod" for rods."""
         return "rod" if self.kind == "rod" else ""
 
     @property
@@ -238,7 +238,7 @@ class Loop(Support):
 
         Args:
             phi: shape (6,).
-            length: of a rod (m).
+            length: length of a rod (m).
 
         Returns:
             Zero where the loop is closed.
@@ -251,7 +251,7 @@ class Loop(Support):
         return gaps
 
     def gradient(self, phi: np.ndarray) -> np.ndarray:
-        """Their derivatives by phi, shape (k, 6)."""
+        """Return the derivatives of the rows with respect to phi, shape (k, 6)."""
         if self.kind == "universal":
             gradient = self.rows.copy()
             gradient[3, 3:] = turned_product(self.axis, self.axis2, phi[3:])[1]
@@ -282,7 +282,7 @@ class Loop(Support):
 
     @property
     def row_names(self) -> tuple[str, ...]:
-        """One name for each row."""
+        """Return the names of the rows."""
         names = []
         for part, axes, word in zip(self._parts, (AXES[:3], AXES[3:]), ("shift", "turn")):
             places = [np.flatnonzero(row) for row in part]
@@ -328,7 +328,7 @@ class BodySpring(Connection):
 
     @property
     def between_points(self) -> str:
-        """A spring."""
+        """Name of the connection: a spring."""
         return "spring"
 
     def __post_init__(self):
@@ -354,7 +354,7 @@ class Bushing(Support):
 
     Attributes:
         stiffness, turning_stiffness: along and about the axes of the frame on body1 (N/m, N m/rad).
-        damping, turning_damping: the same (N s/m, N m s/rad).
+        damping, turning_damping: damping coefficients (N s/m, N m s/rad).
 
     >>> Bushing("ground", None, "foot", (0, 0, -0.02), stiffness=(1e4, 1e4, 1e5), friction=0.7).stiffness
     (10000.0, 10000.0, 100000.0)

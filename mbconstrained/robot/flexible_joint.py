@@ -113,12 +113,12 @@ class FlexibleJoint:
 
 
 class WithoutMotors:
-    """A linearized robot in the coordinates of its links alone, then the multipliers of its loops.
+    """A linearized robot in the coordinates of its links, followed by the multipliers of its loops.
 
     Attributes:
         system: the linearized robot with its motors.
         flexible_joints: with the places of their links' coordinates.
-        names: of the links' coordinates, then of the rows of the loops.
+        names: names of the links' coordinates, then of the rows of the loops.
     """
 
     def __init__(self, system: EquationsOfMotion, flexible_joints: tuple[tuple[int, FlexibleJoint], ...]):
@@ -148,7 +148,7 @@ class WithoutMotors:
         return PolynomialMatrix(coefficients, coordinates=self.names)
 
     def solve(self, displacement=None, velocity=None, force=None) -> Response:
-        """The motion; arguments as for the linearized robot's ``solve``, motors included.
+        """The motion; the arguments are those of the linearized robot's ``solve``, motors included.
 
         The values of the second and third derivatives at 0- are those of the motion without force.
 

@@ -43,12 +43,12 @@ class Tree:
 
     @cached_property
     def joint_of(self) -> np.ndarray:
-        """By coordinate; joint 0 is the ground."""
+        """Joint of each coordinate; joint 0 is the ground."""
         return np.repeat(np.arange(1, self.model.njoints), [joint.nv for joint in list(self.model.joints)[1:]])
 
     @cached_property
     def moving(self) -> np.ndarray:
-        """By joint and coordinate."""
+        """Which coordinates move each joint, shape (joints, coordinates)."""
         return np.array([np.isin(self.joint_of, list(support)) for support in self.model.supports])
 
     @cached_property
@@ -84,13 +84,13 @@ class Tree:
         return np.array(pinocchio.crba(self.model, self._data, q))
 
     def inverse_dynamics(self, q: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-        """M(q) a + c(q, v) + g(q), shape (nv,), rotors included as far as the model has them."""
+        """M(q) a + c(q, v) + g(q), shape (nv,), including the rotors in the model."""
         import pinocchio
 
         return np.array(pinocchio.rnea(self.model, self._data, q, velocity, acceleration))
 
     def moved(self, q: np.ndarray, step: np.ndarray) -> np.ndarray:
-        """q (+) step, the step in tangent coordinates."""
+        """The configuration q (+) step, with the step in tangent coordinates."""
         import pinocchio
 
         return pinocchio.integrate(self.model, q, step)
@@ -228,14 +228,13 @@ class RelativePose:
 
     @cached_property
     def directions(self) -> np.ndarray:
-        """From f to the wrench that does the work f . d phi: the force on the second body and the torque about its frame's origin,
-        in the directions of the ground, shape (6, 6)."""
+        """Map, shape (6, 6), from f to the force and torque with the work f . d phi, in the directions of the ground."""
         result = np.zeros((6, 6))
         result[:3, :3], result[3:, 3:] = self._R1, self._R2 @ inverse_right_jacobian(self.turn).T
         return result
 
     def wrench_change(self, factors: np.ndarray) -> np.ndarray:
-        """How the wrench of constant factors changes by the coordinates, shape (6, nv): the force turns with body 1."""
+        """Derivative of the wrench of constant factors by the coordinates, shape (6, nv): the force turns with body 1."""
         force, torque = np.split(self.directions @ factors, 2)
         turning1, turning2 = (self._kinematics.velocity(anchor.joint)[3:] for anchor in (self._first, self._second))
         d_torque = cross_columns(turning2, torque) + self._R2 @ self._turn_change(factors[3:])
@@ -298,13 +297,13 @@ def _curvature(turn: np.ndarray) -> tuple[float, float]:
 
 
 def cross_matrix(vector: np.ndarray) -> np.ndarray:
-    """[a] with [a] b = a x b."""
+    """The matrix [a] with [a] b = a x b."""
     x, y, z = vector
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def cross_columns(columns: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """Column by column a x vector, shape (3, n); NumPy's ``cross`` takes several times as long for few columns."""
+    """Cross products of columns a x vector, shape (3, n), several times faster than NumPy's ``cross`` for few columns."""
     (x, y, z), (u, v, w) = columns, vector
     return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
 
@@ -372,12 +371,12 @@ class Kinematics:
         return self.columns * self.tree.moving[joint]
 
     def of_point(self, joint: int, point: np.ndarray) -> np.ndarray:
-        """Velocity of the body's point that is at a place in space, by rate of each coordinate, shape (3, nv)."""
+        """Velocity of the body-fixed point at a position in space, by rate of each coordinate, shape (3, nv)."""
         columns = self.velocity(joint)
         return columns[:3] + cross_columns(columns[3:], point)
 
     def turning(self, joint: int, wrench: np.ndarray) -> np.ndarray:
-        """d(S_j^T W) / dq for a wrench W (force; torque about the origin) that stays, shape (nv, nv): -s_i . (s_k x* W)."""
+        """d(S_j^T W) / dq for a constant wrench W (force; torque about the origin), shape (nv, nv): -s_i . (s_k x* W)."""
         columns = self.velocity(joint)
         force, torque = cross_columns(columns[3:], wrench[:3]), cross_columns(columns[:3], wrench[:3])
         torque += cross_columns(columns[3:], wrench[3:])

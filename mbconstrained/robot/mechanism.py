@@ -1,4 +1,4 @@
-"""Links, loops and springs of a robot attached to the joints of its model: names become numbers."""
+"""Links, loops and springs of a robot attached to the joints of its model: names are resolved to indices."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .kinematics import Anchor, Kinematics, RelativePose
 
 @dataclass(frozen=True)
 class Attached:
-    """A connection whose frames are found.
+    """A connection with resolved frames.
 
     Attributes:
         connection: a Loop, BodySpring or Bushing.
@@ -54,11 +54,11 @@ class LinkFrames:
         return tuple(self._frames)
 
     def number(self, body: str) -> int:
-        """The number of a link's frame."""
+        """Index of the frame of a link."""
         return self._numbers[body]
 
     def heaviest_links(self) -> dict[int, str]:
-        """The heaviest link that moves with each joint, the first of several, by the number of the joint."""
+        """The heaviest link that moves with each joint, the first of several, by the index of the joint."""
         heaviest: dict[int, str] = {}
         for body in self.names:
             joint = self.link(body).joint
@@ -67,7 +67,7 @@ class LinkFrames:
         return heaviest
 
     def link_behind(self, joint: int) -> str:
-        """The heaviest link that moves with a joint, or the first one behind it where none does, as between the axes of a universal joint."""
+        """The heaviest link that moves with a joint, or else the first one behind it, as between axes of a universal joint."""
         heaviest = self.heaviest_links()
         return heaviest.get(joint) or next(body for number, body in heaviest.items() if joint in self._supports[number])
 
@@ -93,14 +93,14 @@ class LinkFrames:
         return self.anchor(motion.body, motion.point, (0.0, 0.0, 0.0), what)
 
     def check(self, body: str, what: str) -> None:
-        """Raise an InputError where there is no such link."""
+        """Raise an InputError where no link has this name."""
         if body == GROUND:
             raise InputError(f'{what}: found "{GROUND}", which does not move; name a link')
         if body not in self._frames:
             raise InputError(f'{what}: there is no body "{body}"{nearest(body, (GROUND, *self.names))}')
 
     def attached(self, connection: Connection, guess: Kinematics) -> Attached:
-        """A connection with its frames; a point that is left out lies where the other is at the guess."""
+        """A connection with its frames; an omitted point coincides with the other one at the guess."""
         nowhere, label = (0.0, 0.0, 0.0), connection.label
         first = self.anchor(connection.body1, connection.point1 or nowhere, connection.rotation1, label)
         second = self.anchor(connection.body2, connection.point2 or nowhere, connection.rotation2, label)
@@ -136,7 +136,7 @@ def untwisted(attached: Attached, at: Kinematics) -> Attached:
 
 
 def with_rest_length(attached: Attached, guess: Kinematics) -> Attached:
-    """The same with the length of a rod, or the rest length of a spring that is given by its preload at the guess."""
+    """The connection with the length of a rod, or with the rest length of a spring given by its preload, at the guess."""
     spring = attached.connection
     if isinstance(spring, Loop) and spring.kind == "rod":
         distance = float(np.linalg.norm(attached.pose(guess).value[:3]))

@@ -22,14 +22,14 @@ class Posture(Displayed):
     Attributes:
         robot: the robot.
         configuration: q, shape (nq,).
-        joints: the same by joint: a number (rad, m), or the numbers of a joint with several degrees of freedom.
+        joints: configuration by joint: a number (rad, m), or the numbers of a joint with several degrees of freedom.
         multipliers: of the rows of all loops and mimic joints, of least norm where they are not determined (torques over the
             size of the robot), shape (m,) (N, N m).
         reactions: by loop, spring and bushing: force (N) and torque (N m) on its second body, in the frame on the first, shape (6,).
         torques: by joint that keeps the guess: the load that keeps it in place, besides springs with a rest (N m, N).
         residual: largest unbalanced force relative to the largest force.
         loop_error: largest opening of a loop (m, rad).
-        notices: on redundant rows, and on parts of the description that were left out.
+        notices: notices on redundant rows, and on parts of the description that were left out.
     """
 
     robot: RobotModel
@@ -64,7 +64,7 @@ class Posture(Displayed):
 
     @property
     def ground_reactions(self) -> dict[str, np.ndarray]:
-        """The same in the directions of the ground, about the same point, shape (6,) (N, N m)."""
+        """Reactions in the directions of the ground, about the same point, shape (6,) (N, N m)."""
         items = {item.connection.name: item for item in (*self.loops, *self.balance.load.springs)}
         return {name: items[name].pose(self.balance.kinematics).directions @ own for name, own in self.reactions.items()}
 

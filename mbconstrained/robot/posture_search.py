@@ -22,7 +22,7 @@ from .statics.contacts import contact_notices
 from .statics.equilibrium import LARGEST_STEP, Equilibrium, Search, closed, equilibrium
 from .statics.regularity import loop_rows, rounded_advice, with_all_digits
 
-#: So many joints are named, the others are counted.
+#: Number of joints that are named; the others are counted.
 MOST_NAMES = 4
 
 
@@ -52,7 +52,7 @@ def guess_with_followers(robot: RobotModel, guess) -> np.ndarray:
 
 
 def _fixed_coordinates(robot: RobotModel, hold) -> np.ndarray:
-    """Whether each coordinate keeps the guess."""
+    """Whether each coordinate is fixed at the guess."""
     if isinstance(hold, str) and hold != "all":
         hold = (hold,)
     if not isinstance(hold, Iterable):
@@ -115,7 +115,7 @@ def _size(robot: RobotModel, connections) -> float:
 
 
 def _assumed_lengths(balance: Balance, robot: RobotModel, guess: np.ndarray) -> Iterator[Notice]:
-    """A notice for each spring without a rest length, with the gap that the guess leaves in loops where the length is taken."""
+    """A notice for each spring without a rest length, with the gap that the guess leaves in the loops there."""
     for item in balance.load.springs:
         spring = item.connection
         if isinstance(spring, BodySpring) and spring.stiffness and spring.rest_length is None and spring.preload is None:
@@ -128,7 +128,7 @@ def _assumed_lengths(balance: Balance, robot: RobotModel, guess: np.ndarray) -> 
 
 
 def _balance_with_all_digits(robot: RobotModel, q: np.ndarray, guess: np.ndarray) -> Balance:
-    """Of the robot whose rounded angles have all digits, in the configuration with closed loops next to q."""
+    """The balance of a robot with its rounded angles replaced by exact ones, in the configuration with closed loops next to q."""
     twin = with_all_digits(robot)
     load = _untwisted(attached_load(twin, guess, {}), twin, q)
     return closed(Search(twin.tree, load, np.ones(len(twin.coordinates), bool)), q)
@@ -196,13 +196,13 @@ def _misfit(state: Equilibrium) -> tuple[Notice, ...]:
 
 
 def _beyond_limits(robot: RobotModel, q: np.ndarray) -> tuple[Notice, ...]:
-    """A notice on joints beyond their limits, which the equations do not have."""
+    """A notice on joints beyond their limits, which the equations ignore."""
     outside = robot.tangent.outside_limits(robot.tangent.values(q), JOINT_LIMIT)
     return (Notice(NoticeKind.OMITTED, f"{outside}; the equations have no limits"),) if outside else ()
 
 
 def _without_stiffness(robot: RobotModel, free: np.ndarray) -> tuple[Notice, ...]:
-    """A notice on joints that a constant load keeps in place, which has no stiffness."""
+    """A notice on joints that a constant load without stiffness keeps in place."""
     stiff = (robot.joint_stiffness > 0) | (robot.position_gains > 0)
     soft = [name for name in np.array(robot.coordinates)[~free & ~stiff].tolist() if name not in robot.flexible_joints]
     if not soft:

@@ -50,7 +50,7 @@ class Robot(RobotModel):
         gears: gears and racks between joints, ``JointGear``.
         payloads: bodies fixed to links, ``Payload``.
         masses: other masses of links than those of the URDF (kg), by link; the inertia changes in the same ratio.
-        inertias: other inertias of links, by link, as of ``Payload`` (kg m^2).
+        inertias: other inertias of links, by link, as in ``Payload`` (kg m^2).
         srdf: the path of an SRDF file: its group states are guesses by name, ``equilibrium("standing")``, and its rotors are motors of
             the joints that have no other.
         package_dirs: folders that contain the folder NAME of package://NAME/... in names of mesh files.
@@ -76,7 +76,7 @@ class Robot(RobotModel):
         forces: Mapping[str | PointMotion, float] | None = None,
         hold: Sequence[str] | Literal["all"] = (),
     ) -> Posture:
-        """The posture near a guess at which the robot stays at rest, its loops closed.
+        """Find the posture near a guess at which the robot is in equilibrium, with closed loops.
 
             g(q) + tau_springs(q) - tau = J^T lambda,   phi(q) = 0        (Newton's method)
 
@@ -99,7 +99,7 @@ class Robot(RobotModel):
     def inverse_kinematics(
         self, body: str, place, point=_ORIGIN, orientation=None, guess: Mapping | np.ndarray | str | None = None
     ) -> dict[str, float | tuple[float, ...]]:
-        """The values of the joints, near a guess, with which a point of a body is at a place and the loops are closed.
+        """Find joint values near a guess for which a point of a body is at a position and the loops are closed.
 
         The place is a loop between body and ground, which Gauss-Newton steps of least size close; where these get stuck, they start
         again from places near the guess, then from the middle of the limits of the joints. Values within the limits are
@@ -110,7 +110,7 @@ class Robot(RobotModel):
             place: in the directions of the ground (m), shape (3,).
             point: of the body, in its frame (m), shape (3,).
             orientation: of the body, roll, pitch, yaw (rad), shape (3,); any where it is None.
-            guess: as of ``equilibrium``.
+            guess: as in ``equilibrium``.
 
         Returns:
             Values by joint (rad, m), a guess of ``equilibrium``.
@@ -138,13 +138,13 @@ class Robot(RobotModel):
         hold: Sequence[str] | Literal["all"] = "all",
         forces: Mapping[str | PointMotion, float] | None = None,
     ) -> PathModes:
-        """The modes without damping where a point of a body is at each place of a path, each mode followed by its shape.
+        """Compute the undamped modes at each position of a point along a path, each mode continued by its shape.
 
         Args:
-            body, point, orientation: as of ``inverse_kinematics``.
+            body, point, orientation: as in ``inverse_kinematics``.
             places: along the path (m), shape (P, 3).
             guess: near the first place, from which each posture is sought from the one before.
-            hold, forces: as of ``equilibrium``; joints that do not keep the guess give way to their load.
+            hold, forces: as in ``equilibrium``; joints that do not keep the guess give way to their load.
 
         Returns:
             ``PathModes``: ``frequencies_hz``, shape (P, m), ``postures``, ``systems``, and ``unreachable`` places.
@@ -171,7 +171,7 @@ class Robot(RobotModel):
         inputs: Mapping[str, str | PointMotion] | None = None,
         outputs: Mapping[str, str | PointMotion] | None = None,
     ) -> LinearizedRobot:
-        """Small motions about a posture, M d'' + D d' + K d = f + J^T lambda with J d = 0.
+        """Linearize about a posture: M d'' + D d' + K d = f + J^T lambda with J d = 0.
 
         K is the derivative of all forces at rest, the geometric stiffness of the loop forces included,
 
@@ -179,7 +179,7 @@ class Robot(RobotModel):
 
         Args:
             posture: from ``equilibrium`` of this robot.
-            level: of the constraint rows of the loops, "position", "velocity" or "acceleration".
+            level: level of the constraint rows of the loops, "position", "velocity" or "acceleration".
             inputs, outputs: by name of your own: a joint (its torque; its angle), or a ``PointMotion``.
 
         Returns:
@@ -209,14 +209,13 @@ class Robot(RobotModel):
 
     @cached_property
     def _mesh_files(self) -> MeshFiles:
-        """Those that were read are kept, since visual and collision shapes may share them."""
+        """Mesh files, cached since visual and collision shapes may share them."""
         from .description.mesh_files import MeshFiles
 
         return MeshFiles(self.folder, self.package_dirs)
 
     def inertia_ellipsoids(self) -> dict[str, np.ndarray]:
-        """Of each body, by its heaviest link: the placement (4, 4) in the link's frame that makes a unit sphere a uniform ellipsoid with
-        its mass, centre of mass and inertia, payloads included."""
+        """Return the ellipsoid of equal mass, centre and inertia of each body, as placement (4, 4) of a unit sphere in a link."""
         from .linearization.inertia import inertia_ellipsoids
 
         return inertia_ellipsoids(self)
@@ -228,7 +227,7 @@ class Robot(RobotModel):
         return mesh_notices(self.description, self._mesh_files)
 
     def poses(self, posture: Posture, displacements, scale: float = 1.0) -> dict[str, Poses]:
-        """The places of all links for displacements (n, T) about a posture times a scale, with closed loops.
+        """Return the poses of all links for displacements (n, T) about a posture times a scale, with closed loops.
 
         Args:
             posture: of the linearization.
@@ -243,7 +242,7 @@ class Robot(RobotModel):
         return link_poses(posture, displacements, scale)
 
     def connection_points(self, posture: Posture) -> tuple[ConnectionPoints, ...]:
-        """The ends of all loops and springs in the frames of their bodies."""
+        """Return the ends of all loops and springs in the frames of their bodies."""
         from .visualization import connection_points
 
         return connection_points(posture)

@@ -113,7 +113,7 @@ class RobotModel(Displayed):
         return Loop(GROUND, _ORIGIN, root_link(self.description), _ORIGIN, kind="rigid", name=f"motion of {BASE}")
 
     def _lift(self) -> dict[PointMotion, float]:
-        """The forces that compensate the weight of bodies, by the file that the robot is read from (N)."""
+        """Forces that compensate the weight of bodies, from the file of the robot (N)."""
         gravity = np.array(self.model.gravity.linear)
         if not (size := float(np.linalg.norm(gravity))):
             return {}
@@ -133,7 +133,7 @@ class RobotModel(Displayed):
             self.model.inertias[anchor.joint] += pinocchio.Inertia(payload.mass, anchor.point, (tensor + tensor.T) / 2)
 
     def _by_joint(self, values, kind: type, what: str) -> dict:
-        """Motors or flexible joints by joint, checked."""
+        """Validated motors or flexible joints by joint."""
         if not isinstance(values or {}, Mapping):
             raise InputError(f"{what}: found {type(values).__name__}; expected mb.{kind.__name__}(...) by joint")
         for name, value in (values or {}).items():
@@ -143,13 +143,13 @@ class RobotModel(Displayed):
         return dict(values or {})
 
     def _rotors(self) -> dict[str, Motor]:
-        """Those of the SRDF file, of joints that move and are not flexible."""
+        """Motors from the SRDF file, for moving joints that are not flexible."""
         single = set(self.coordinates) & set(self.joints) - set(self.flexible_joints)
         rotors = ((name, rotor) for name, rotor in self.semantics.rotors.items() if name in single)
         return {name: Motor(rotor_inertia=inertia, gear_ratio=abs(ratio)) for name, (inertia, ratio) in rotors}
 
     def _set_motors(self, motors: dict[str, Motor]) -> None:
-        """Inertias go to the model, gains into vectors by coordinate, shape (nv,)."""
+        """Set inertias in the model, and gains as vectors by coordinate, shape (nv,)."""
         self.motors, self.position_gains = motors, np.zeros(self.model.nv)
         armature = np.array(self.model.armature)
         for name, motor in motors.items():
@@ -223,7 +223,7 @@ class RobotModel(Displayed):
 
 
 def _gravity(gravity, usual) -> np.ndarray:
-    """The vector of the acceleration, the usual one where none is given."""
+    """The vector of the gravitational acceleration, the standard one by default."""
     if gravity is None:
         return np.array(usual)
     if np.ndim(gravity) == 0:

@@ -21,7 +21,7 @@ from .description.urdf import Mimic, of_first_leader
 
 BASE = "base"
 
-#: So many joints beyond their limits are named, the others are counted.
+#: Number of joints beyond their limits that are named; the others are counted.
 MOST_OUTSIDE = 3
 
 _SUFFIXES = {
@@ -95,7 +95,7 @@ class Tangent:
         return q
 
     def _by_joint(self, values: Mapping, what: str) -> Mapping:
-        """The values, those of coordinates of a joint with several degrees of freedom collected, 0 for the others of it."""
+        """The values by joint, with those of the coordinates of a joint with several degrees of freedom collected, 0 where omitted."""
         collected: dict = {}
         for name, value in values.items():
             joint = next((joint for joint in self.joints if name != joint and name in self.coordinates_of(joint)), None)
@@ -114,11 +114,11 @@ class Tangent:
         return self.coordinates[model.idx_v : model.idx_v + model.nv]
 
     def values(self, q: np.ndarray) -> dict[str, float | tuple[float, ...]]:
-        """The inverse: by joint a number, or the numbers of a joint with several degrees of freedom."""
+        """Values by joint, the inverse of ``configuration``: a number, or the numbers of a joint with several degrees of freedom."""
         return {name: _joint_value(joint, q[joint.idx_q : joint.idx_q + joint.nq]) for name, joint in self._each()}
 
     def angles(self, q: np.ndarray) -> np.ndarray:
-        """By coordinate the value of its joint (rad, m), 0 for joints with several degrees of freedom, shape (nv,)."""
+        """Value of the joint of each coordinate (rad, m), 0 for joints with several degrees of freedom, shape (nv,)."""
         single = [(joint.idx_v, joint_displacement(joint, q, 0.0)) for _, joint in self._each() if joint.nv == 1]
         angles = np.zeros(self.model.nv)
         for place, value in single:
@@ -127,7 +127,7 @@ class Tangent:
 
     @cached_property
     def limits(self) -> dict[str, tuple[float, float]]:
-        """Lower and upper limit by joint, of those that have any; the largest float64 number stands for none in pinocchio."""
+        """Lower and upper limit of each joint that has any; the largest float64 number means none in pinocchio."""
         ends = np.array([self.model.lowerPositionLimit, self.model.upperPositionLimit])
         low, high = np.where(np.abs(ends) < np.finfo(float).max, ends, np.copysign(np.inf, ends))
         return {
@@ -137,7 +137,7 @@ class Tangent:
         }
 
     def outside_limits(self, values: Mapping[str, Any], tolerance: float, share: float = 0.0) -> str:
-        """A sentence on the joints that are beyond their limits, with the first of them; or an empty text."""
+        """Text about the joints beyond their limits, with the first of them; empty without any."""
         outside = []
         for name, (low, high) in self.limits.items():
             allowed = tolerance + (share * (high - low) if np.isfinite(high - low) else 0.0)
@@ -179,7 +179,7 @@ def _units(joint) -> tuple[str, ...]:
 
 
 def _suffixes(joint) -> tuple[str, ...]:
-    """Of the names of a joint's coordinates."""
+    """Suffixes of the names of a joint's coordinates."""
     return ("",) if joint.nv == 1 else _SUFFIXES[joint.shortname()]
 
 
@@ -225,8 +225,8 @@ class MimicRow:
     """A mimic joint as a constraint row: q_follower - multiplier q_leader - offset = 0.
 
     Attributes:
-        name: of the row.
-        unit: of the follower, "m" or "rad".
+        name: name of the row.
+        unit: unit of the follower, "m" or "rad".
         follower, leader: numbers of joints in the model.
         multiplier, offset: of the leader's value, and added to it.
     """
@@ -252,7 +252,7 @@ class MimicRow:
         return joint_displacement(model.joints[self.follower], configuration, self.multiplier * leader + self.offset)
 
     def row(self, model) -> np.ndarray:
-        """Its derivative, shape (nv,)."""
+        """The derivative of the row, shape (nv,)."""
         row = np.zeros(model.nv)
         row[model.joints[self.follower].idx_v] = 1.0
         row[model.joints[self.leader].idx_v] -= self.multiplier
@@ -284,7 +284,7 @@ class JointGear:
 
 
 def geared(gears, mimics: tuple[Mimic, ...], joints: Mapping[str, bool]) -> tuple[Mimic, ...]:
-    """The joints that follow others by the URDF, then by gears."""
+    """The mimic joints of the URDF, followed by the gears."""
     if isinstance(gears, JointGear) or not all(isinstance(one, JointGear) for one in gears):
         raise InputError("gears: expected a list of mb.JointGear(joint, leader, ratio)")
     added = tuple(Mimic(one.joint, one.leader, one.ratio, one.offset) for one in gears)
@@ -319,7 +319,7 @@ def locked_values(locked, mimics: tuple[Mimic, ...]) -> dict[str, float]:
 
 
 def mimic_rows(mimics: tuple[Mimic, ...], tangent: Tangent) -> tuple[MimicRow, ...]:
-    """The mimic_rows between moving joints; those with a locked joint are left out."""
+    """The mimic rows between moving joints, without those of a locked joint."""
     rows = []
     for mimic in mimics:
         if mimic.follower in tangent.coordinates and mimic.leader in tangent.coordinates:

@@ -30,7 +30,7 @@ class Tendon:
     """A spring with damper and inertia along L = sum(c q) + sum(factor |p2 - p1|), with the force a x + b x^2 + c x^3.
 
     Attributes:
-        name: of the tendon.
+        name: name of the tendon.
         joints: the coefficient c by joint.
         segments: its straight lines.
         stiffness: a, b, c.
@@ -133,7 +133,7 @@ class StretchedTendon:
 
     @cached_property
     def stiffness(self) -> np.ndarray:
-        """Its derivative, shape (nv, nv)."""
+        """Derivative of the generalized force, shape (nv, nv)."""
         force, slope = self._tension
         K = slope * np.outer(self.gradient, self.gradient)
         for u, (pose, factor) in zip(self._directions, self._poses):
@@ -143,10 +143,10 @@ class StretchedTendon:
 
     @property
     def damping(self) -> np.ndarray:
-        """Shape (nv, nv)."""
+        """Damping matrix of the tendon, shape (nv, nv)."""
         return self.attached.tendon.damping * np.outer(self.gradient, self.gradient)
 
     @property
     def inertia(self) -> np.ndarray:
-        """Shape (nv, nv)."""
+        """Inertia matrix of the tendon, shape (nv, nv)."""
         return self.attached.tendon.inertia * np.outer(self.gradient, self.gradient)

@@ -1,4 +1,4 @@
-"""Places and loads of links about a posture, in link frames: the data of drawings.
+"""Positions and loads of links about a posture, in link frames: the data of drawings.
 
 ``link_poses`` gives the motion of the links, ``joint_motions`` its independent directions, ``connection_points`` the ends of loops and springs, ``row_wrenches`` and
 ``coordinate_wrench`` the forces and moments of multipliers and generalized forces.
@@ -70,8 +70,8 @@ class JointMotions:
     A link moves by the product exp(S_1 q_1) ... exp(S_n q_n) over its own coordinates; without loops this is exact.
 
     Attributes:
-        names, units: of the r independent coordinates s.
-        columns: of all coordinates for a unit of each, shape (n, r).
+        names, units: names and units of the r independent coordinates s.
+        columns: columns of all coordinates for a unit of each, shape (n, r).
         twists: S_i of each coordinate in ground axes, the velocity at the origin above the rate of rotation, shape (6, n).
         moving: the places of the coordinates that move each link, ascending, by its name.
     """
@@ -84,7 +84,7 @@ class JointMotions:
 
 
 def joint_motions(posture: Posture) -> JointMotions:
-    """The motions that the loops of a robot leave, each named by the coordinate that is 1 in it while the others named are 0.
+    """The motions that the loops of a robot allow, each named by the coordinate that is 1 in it while the other named ones are 0.
 
     The names are those of the rows of the null space's basis that a QR decomposition with column pivoting takes first.
     """
@@ -102,7 +102,7 @@ def joint_motions(posture: Posture) -> JointMotions:
 
 
 def _onto_loops(posture: Posture) -> Callable[[np.ndarray], np.ndarray]:
-    """From a configuration near the posture to one with closed loops.
+    """Map from a configuration near the posture to one with closed loops.
 
     Chord steps with the Jacobian of the posture come first, since they need no new derivatives; then Gauss-Newton steps. A base
     with a prescribed motion stays where it is moved to.
@@ -134,7 +134,7 @@ class ConnectionPoints:
     """The two ends of a loop or spring.
 
     Attributes:
-        name: of the loop or spring.
+        name: name of the loop or spring.
         kind: a spring with a parallel damper is listed as each of the two.
         body1, point1, body2, point2: links, or "ground", with points in their frames (m), shape (3,).
     """
@@ -148,7 +148,7 @@ class ConnectionPoints:
 
 
 def connection_points(posture: Posture) -> tuple[ConnectionPoints, ...]:
-    """The ends of all loops, then of all springs; a base that is moved is not drawn as a loop."""
+    """The ends of all loops, then of all springs; a moving base is not drawn as a loop."""
     load, points = posture.balance.load, []
     for item in (*load.loops, *load.springs):
         connection = item.connection
@@ -182,7 +182,7 @@ class Wrench:
     """A force F = force @ x and a moment T = moment @ x about the point, for multipliers or a generalized force x.
 
     Attributes:
-        name: of the loop, coupling or coordinate.
+        name: name of the loop, coupling or coordinate.
         on: the link under the load.
         body, point: the link, or "ground", whose frame gives the directions, and the point of action in it (m).
         force, moment: shape (3, m), in N and N m for a unit of each entry of x.
@@ -214,7 +214,7 @@ def row_wrenches(posture: Posture) -> tuple[Wrench, ...]:
 
 
 def _of_loop(posture: Posture, item: Attached, gradient: np.ndarray, rows: np.ndarray) -> Wrench:
-    """J^T mu is the work of (R1 f; R1 t) on the second body and of the opposite on the first, (f; t) = gradient^T mu."""
+    """Wrenches of a loop: J^T mu is the work of (R1 f; R1 t) on body 2 and its opposite on body 1, (f; t) = gradient^T mu."""
     loop, body = item.connection, item.connection.body1
     link = posture.robot.link_frames.link(body)
     on, sign = (loop.body2, 1.0) if loop.body2 != GROUND else (body, -1.0)
@@ -231,7 +231,7 @@ def _of_mimic_row(posture: Posture, item: MimicRow, row: np.ndarray) -> Iterator
 
 
 def coordinate_wrench(posture: Posture, place: int) -> Wrench:
-    """Of a generalized force along a coordinate of the links, x its value, shape (1,): at the joint, on the link behind it."""
+    """Wrench of a generalized force along a coordinate of the links, x its value, shape (1,): at the joint, on the link behind it."""
     robot, kinematics = posture.robot, posture.balance.kinematics
     joint = next(number for number, joint in enumerate(robot.model.joints) if number and 0 <= place - joint.idx_v < joint.nv)
     body = robot.link_frames.link_behind(joint)

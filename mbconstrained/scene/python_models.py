@@ -1,4 +1,4 @@
-"""Pages, plots and views of motions and modes that were computed in Python: the scene that they would have been."""
+"""Pages, plots and views of motions and modes computed in Python, by an equivalent scene."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ KINDS = ("displacement", "velocity", "acceleration", "reaction", "energy", "phas
 
 @dataclass(frozen=True)
 class SolvedEquations(Equations):
-    """The equations of a motion that is known.
+    """The equations of a known motion.
 
     Attributes:
         response: the motion.
@@ -60,11 +60,11 @@ class SolvedEquations(Equations):
 
     @cached_property
     def right_hand_side(self) -> ImpulsiveSmooth:
-        """Of the problem that was solved."""
+        """Right-hand side of the solved problem."""
         return self.response.problem.force if self.response is not None else super().right_hand_side
 
     def solve(self) -> Response:
-        """The motion as it is."""
+        """The motion itself."""
         return self.response if self.response is not None else super().solve()
 
 
@@ -76,7 +76,7 @@ def result_of(
     plots: Sequence[str] = ("displacement",),
     drawing: Mapping[str, Any] | None = None,
 ) -> Result:
-    """The result that a scene with this motion would have."""
+    """The result of an equivalent scene."""
     for kind in plots:
         if kind not in KINDS:
             raise InputError(f"plots: found {kind!r}{nearest(str(kind), KINDS)}; expected some of {', '.join(KINDS)}")
@@ -117,13 +117,13 @@ def _scene(
 
 
 class _DrawnAnswer(Table):
-    """The part of a scene file that options of a page give."""
+    """The part of a scene file that corresponds to the options of a page."""
 
     drawing: DrawingTable | None = None
 
 
 def _robot_scene(system: EquationsOfMotion | None) -> RobotScene | None:
-    """The robot behind a linearized one, as a scene has it; there is no robot.toml."""
+    """The robot behind a linearized one, in the form of a scene without robot.toml."""
     from .build.robot_file import RobotData
     from .build.robot_model import RobotScene
     from .build.robot_values import UrdfNames
@@ -203,7 +203,7 @@ class PageView:
 
     Attributes:
         page: the HTML.
-        height: of the frame, in pixels.
+        height: height of the frame, in pixels.
     """
 
     page: str

@@ -52,7 +52,7 @@ def approximated(function: Callable, end: float, *, tolerance: float = APPROXIMA
         function: takes times of shape (T,) and returns values (r, T) or (T,); or takes one time and returns (r,) or
             a number. It is evaluated at times from 0 to end only.
         end: in s.
-        tolerance: of the error relative to the largest value.
+        tolerance: tolerance of the error relative to the largest value.
 
     Returns:
         An ``Approximation`` with r rows.
@@ -256,7 +256,7 @@ def _edges_of(values, end: float) -> np.ndarray:
 
 
 def _edges_between(leaves, values, end) -> np.ndarray:
-    """One edge for each group of very short intervals, and the joints of longer ones that do not match."""
+    """One edge for each group of very short intervals, and the boundaries of longer ones with a discontinuity."""
     shortest, edges, first, error = end / 2**MOST_HALVINGS, [], None, values.tolerance * values.largest
     for k, (before, after) in enumerate(zip(leaves, [*leaves[1:], None])):
         last_narrow = before[1] < shortest and (after is None or after[1] >= shortest)

@@ -161,7 +161,7 @@ class BohlFunction:
 
     @cached_property
     def _phasors(self) -> tuple[np.ndarray, np.ndarray | None, BohlFunction]:
-        """The same for few rows: phasors of the oscillations."""
+        """Phasors of the oscillations, for few rows."""
         coefficients = self.coefficients
         return self._oscillating_part.phasors(coefficients), *self._remaining(coefficients)
 
@@ -173,7 +173,7 @@ class BohlFunction:
 
     @cached_property
     def _lasting(self) -> Lasting | None:
-        """How long each oscillation stays above rounding."""
+        """Duration for which each oscillation exceeds rounding errors."""
         folded, oscillations, *_ = self._folded
         return Lasting.of(oscillations, folded)
 
@@ -208,7 +208,7 @@ class BohlFunction:
         return BohlFunction(coefficients, self.blocks, self.start)
 
     def differential(self, *matrices: np.ndarray) -> BohlFunction:
-        """matrices[0] @ f + matrices[1] @ f' + ..., of the same states: it costs as much as one of the terms.
+        """Return matrices[0] @ f + matrices[1] @ f' + ..., with the same states, at the cost of one of the terms.
 
         Args:
             matrices: each of shape (p, r).
@@ -228,11 +228,11 @@ class BohlFunction:
         return BohlFunction(matrix @ self.coefficients, self.blocks, self.start)
 
     def rows(self, indices) -> BohlFunction:
-        """The function of some rows in the given order; evaluation costs these rows alone."""
+        """Return the function of some rows in the given order, evaluated at the cost of these rows alone."""
         return BohlFunction(self.coefficients[np.asarray(indices, dtype=int)], self.blocks, self.start)
 
     def chunks(self, times, count: int | None = None) -> Iterator[Piece]:
-        """f at many times as pairs (times, values), for answers larger than memory; see ``in_chunks``.
+        """Yield f at many times as pairs (times, values), for results larger than memory (``in_chunks``).
 
         Args:
             times: shape (T,), in s; or the first and the last one, where a count is given.
@@ -254,7 +254,7 @@ class BohlFunction:
         return self if delay == 0 else BohlFunction(self.coefficients, self.blocks, self.restarts.delayed(delay))
 
     def with_knots(self, knots: np.ndarray) -> BohlFunction:
-        """The same function with its states at these knots too."""
+        """Return the function with states at these knots too."""
         own = self.restarts
         if not isinstance(self.start, Restarts) and len(knots) == 1:
             return self

@@ -67,12 +67,12 @@ class ExactStates:
 
 @dataclass(frozen=True, eq=False)
 class ExactInput:
-    """One summand of an input: its data, and the operations that were applied to it.
+    """Summand of an input: its data, and the operations applied to it.
 
     Attributes:
         data: the summand before the operations.
         maps: matrices (p, r) and factors that multiply it, in their order.
-        delays: in s, in their order.
+        delays: delays in s, in their order.
         derivatives: number of differentiations in the sense of distributions.
     """
 
@@ -98,7 +98,7 @@ class ExactInput:
         return sum(map(Fraction, self.delays), Fraction(start))
 
     def rounded_time(self, start: float = 0.0) -> float:
-        """The same with each sum rounded to float64, as the times of impulses are."""
+        """The time with each sum rounded to float64, as the times of impulses are."""
         for delay in self.delays:
             start = float(start + delay)
         return start

@@ -56,20 +56,20 @@ class ImpulsiveSmooth:
         return self.smooth.is_zero and not self.impulses and not self.later
 
     def described_by(self, *exact_inputs: ExactInput) -> ImpulsiveSmooth:
-        """The function with its exact description set, which copies by ``dataclasses.replace`` do not keep."""
+        """Return the function with its exact description, which copies by ``dataclasses.replace`` do not keep."""
         object.__setattr__(self, "exact_inputs", exact_inputs)
         return self
 
     @property
     def exact_parts(self) -> tuple[ExactInput, ...]:
-        """The exact summands; where they are not known, the function itself."""
+        """Exact summands; the function itself where they are unknown."""
         if self.exact_inputs or self.is_zero:
             return self.exact_inputs
         return (ExactInput(ExactStates(self.smooth, self.impulses, self.later)),)
 
     @property
     def knots(self) -> np.ndarray:
-        """The times in s at which something may start, stop or change, the first is 0."""
+        """Times in s at which the function may start, stop or change, beginning with 0."""
         knots = self.smooth.restarts.knots
         return np.union1d(knots, [load.time for load in self.later]) if self.later else knots
 

@@ -135,7 +135,7 @@ def impulse(vector, order: int = 0) -> ImpulsiveSmooth:
 
     Args:
         vector: v, shape (r,), e.g. in N s for order 0.
-        order: of the derivative of Dirac's delta.
+        order: order of the derivative of Dirac's delta.
 
     Returns:
         An ``ImpulsiveSmooth`` with r rows.

@@ -86,7 +86,7 @@ class OscillatingPart:
 
 
 def _combined(coefficients, first, vectors, units) -> np.ndarray:
-    """For each pair the columns of C times the entries of its vector, added; unused columns are skipped."""
+    """Columns of C combined with the entries of each pair's vector; unused columns are skipped."""
     combined = np.zeros((len(coefficients), len(first)))
     for place in (0, 1):
         if np.count_nonzero(vectors[:, place]):

@@ -62,7 +62,7 @@ class Restarts:
         return _differences(np.diff(self.moments))
 
     def located(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """For each time (T,) the index of its piece, and the time since that knot."""
+        """Index of the piece of each time (T,), and the time since its knot."""
         piece = self.knots.searchsorted(times, side="right") - 1
         since = times - self.knots[piece]
         if isinstance(self.remainders, np.ndarray):
@@ -111,7 +111,7 @@ class Restarts:
 
 
 def _restarts(moments: np.ndarray, states: np.ndarray, jumps: np.ndarray) -> Restarts:
-    """Where two knots are rounded to the same number, the later one gets the next number, and a remainder."""
+    """Restarts at distinct knots: of two knots rounded to the same number, the later one gets the next number, and a remainder."""
     knots, remainders = moments.real.copy(), moments.imag.copy()
     while (same := np.flatnonzero(np.diff(knots) <= 0) + 1).size:
         later = np.nextafter(knots[same - 1], np.inf)
@@ -123,8 +123,8 @@ class FreeRestarts(Restarts):
     """Restarts given by their states alone; the jumps at the knots are computed when they are first read.
 
     Args:
-        knots, states, remainders: as of ``Restarts``; before t = 0 the state is zero.
-        blocks: those of J.
+        knots, states, remainders: as in ``Restarts``; before t = 0 the state is zero.
+        blocks: diagonal blocks of J.
     """
 
     blocks: Sequence[np.ndarray]

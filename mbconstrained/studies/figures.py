@@ -1,4 +1,4 @@
-"""Figures of the reports: drawn by matplotlib in the style of the page, as SVG for the page and as PNG files.
+"""Figures of the reports, by matplotlib in the style of the page, as SVG for the page and as PNG files.
 
 Matplotlib is imported when a figure is drawn, never before.
 """
@@ -62,7 +62,7 @@ class Picture:
 
     @cached_property
     def svg(self) -> str:
-        """One element <svg> with a view box and no size of its own; the same content gives the same text."""
+        """One element <svg> with a view box and without a size; equal contents give equal texts."""
         return page_svg(self._rendered("svg").decode())
 
     def png(self, path=None) -> bytes:
@@ -74,7 +74,7 @@ class Picture:
         return image
 
     def on_page(self) -> Figure:
-        """As a page takes it."""
+        """The figure for a page."""
         return Figure(self.title, self.svg, self.description, self.note)
 
     def _rendered(self, kind: Literal["svg", "png"]) -> bytes:

@@ -1,4 +1,4 @@
-"""The report of a robot along a path of one of its points: frequencies at each place, places out of reach."""
+"""The report of a robot along a path of one of its points: frequencies at each position, positions out of reach."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class PathReport(StudyReport):
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """The length of the path, places that are not reached, and the range of the lowest frequency."""
+        """The length of the path, positions that are not reached, and the range of the lowest frequency."""
         along, frequencies = self.along, self.along.frequencies_hz
         missed = f", {len(along.unreachable)} of them out of reach" if along.unreachable else ""
         text = f"{counted(len(along.places), 'place')} on {number_text(float(along.lengths[-1]))} m{missed}"
@@ -73,7 +73,7 @@ class PathReport(StudyReport):
 
     @property
     def tables(self) -> tuple[TextTable, ...]:
-        """Frequencies by place, and the places out of reach."""
+        """Frequencies by position, and the positions out of reach."""
         along = self.along
         rows = tuple(
             (str(i + 1), *map(number_text, along.places[i].tolist()), f"{along.distances[i]:.3g} m from it")
@@ -109,24 +109,23 @@ class PathReport(StudyReport):
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """Of the scene, of the path, and doubts of the models at its places."""
+        """Notices of the scene, of the path, and doubts about the models at its positions."""
         systems = (system for system in self.along.systems if system is not None)
         doubts = (notice for system in systems for notice in system.notices if notice.doubtful)
         return distinct(self.scene.notices, self.along.notices, doubts)
 
     @property
     def is_trusted(self) -> bool:
-        """Whether no model at a place is doubtful."""
+        """Whether no model at a position is doubtful."""
         return not any(notice.doubtful for notice in self.notices)
 
     @property
     def blocks(self) -> list[str | TextTable]:
-        """For the terminal: also the notices of the path."""
+        """Blocks for the terminal, with the notices of the path."""
         *first, last = super().blocks
         return [*first, *(["\n".join(["Notices", *(f"  {notice}" for notice in self.notices)])] if self.notices else []), last]
 
     def as_json(self) -> dict:
-        """As plain data, frequencies in Hz; null where there is none."""
         along = self.along
         return {
             "title": self.scene.heading,

@@ -1,4 +1,4 @@
-"""The reference solution of a problem: exact arithmetic, or where that takes too long a stated cross-check."""
+"""The reference solution of a problem: exact arithmetic, or a stated cross-check where that takes too long."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class ReferenceSolution:
         places: indices of the compared times, shape (K,).
         values, rest: the solution as the sum of two float64 numbers, shape (r, K).
         error_bound: smaller errors are not resolved; 0 for an exact solution.
-        source: how it was computed, as a phrase.
+        source: method of computation, as a phrase.
     """
 
     places: np.ndarray
@@ -85,7 +85,7 @@ def exact_solution(response: Response, times: np.ndarray, places: np.ndarray) ->
 
 
 def chosen_places(count: int, most: int = MOST_TIMES) -> np.ndarray:
-    """Some of the indices 0 ... count - 1, evenly chosen with the first and the last."""
+    """Some of the indices 0 ... count - 1, evenly spaced, including the first and the last."""
     return np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(int))
 
 

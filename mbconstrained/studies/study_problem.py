@@ -44,18 +44,18 @@ class StudyProblem:
     respond: Callable[[], Response] | None = None
 
     def solve(self) -> Response:
-        """The closed form from scratch: nothing computed earlier is reused."""
+        """Solve the problem in closed form, without earlier results."""
         return self.respond() if self.respond else self.solve_equations()
 
     def solve_equations(self) -> Response:
-        """The closed form of the equations, from reduced ones or the Jordan pairs of A(s)."""
+        """Solve the equations in closed form, from reduced ones or the Jordan pairs of A(s)."""
         if self.system is not None:
             return again(self.system).solve(*self.initial, force=self.applied)
         A = self.polynomial_matrix
         return solve(PolynomialMatrix(given_of(A), A.coordinates, A.equations, A.uncertainty), self.initial, self.force)
 
     def at(self, times) -> StudyProblem:
-        """The same with other times."""
+        """The problem with other times."""
         return replace(self, times=np.asarray(times, dtype=float))
 
 
@@ -91,7 +91,7 @@ def problem_of(scene: Scene) -> StudyProblem:
 
 
 def _transfer_response(control) -> Callable[[], Response] | None:
-    """The response of a transfer function from rest, with its poles computed again; None for other models."""
+    """The response of a transfer function from rest, with its poles recomputed; None for other models."""
     if control is None or control.transfer_function is None or control.transfer_function.start is not None:
         return None
 
@@ -121,5 +121,5 @@ def again(system: MechanicalSystem, given=None, uncertainty=None) -> MechanicalS
 
 
 def given_of(A: PolynomialMatrix) -> list:
-    """The coefficients as they were given: by their factors, where they have any."""
+    """The given coefficients: by their factors, where they have any."""
     return [matrix if factors is None else factors for matrix, factors in zip(A.coefficients, A.factors)]

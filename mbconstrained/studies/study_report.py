@@ -20,11 +20,11 @@ Progress = Callable[[str], None]
 
 
 def no_progress(text: str) -> None:
-    """Report nothing."""
+    """Ignore progress."""
 
 
 class StudyReport(ABC):
-    """What the reports of all studies have in common; each defines its contents.
+    """Base of the reports of all studies; each defines its contents.
 
     Attributes:
         machine: processor, system and packages, by label.
@@ -40,25 +40,25 @@ class StudyReport(ABC):
     @property
     @abstractmethod
     def sentences(self) -> tuple[str, ...]:
-        """The result in words, for the terminal."""
+        """The result as sentences, for the terminal."""
 
     @property
     @abstractmethod
     def tables(self) -> tuple[TextTable, ...]:
-        """For the terminal and the page."""
+        """Tables for the terminal and the page."""
 
     @abstractmethod
     def pictures(self) -> list[Picture]:
-        """The figures; nothing is drawn yet."""
+        """The figures, not yet drawn."""
 
     @abstractmethod
     def as_json(self) -> dict:
-        """Everything as plain data."""
+        """All results as plain data."""
 
     @property
     @abstractmethod
     def is_trusted(self) -> bool:
-        """Whether the answers of this package are right, or came with a warning."""
+        """Whether the answers of this package are correct, or have a warning."""
 
     @property
     def page_tables(self) -> tuple[TextTable, ...]:
@@ -67,7 +67,7 @@ class StudyReport(ABC):
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """For the page."""
+        """Notices for the page."""
         return ()
 
     @property
@@ -77,7 +77,7 @@ class StudyReport(ABC):
 
     @property
     def blocks(self) -> list[str | TextTable]:
-        """For the terminal: heading, sentences, tables, machine."""
+        """Blocks for the terminal: heading, sentences, tables, machine."""
         machine = "\n".join(f"{label}: {text}" for label, text in self.machine.items())
         return [self.heading, "\n".join(self.sentences), *self.tables, machine]
 
@@ -93,7 +93,7 @@ class StudyReport(ABC):
         )
 
     def write(self, folder: Path, name: str) -> list[Path]:
-        """Write NAME.html, NAME.png (NAME-2.png …) and NAME.json, all of them or none."""
+        """Write NAME.html, NAME.png (NAME-2.png …) and NAME.json, all or none."""
         pictures = self.pictures()
         with Replacements() as files:
             write_page(folder / f"{name}.html", self.page_content(pictures), files=files)
@@ -105,7 +105,7 @@ class StudyReport(ABC):
 
 
 def writable(folder: Path) -> Path:
-    """The folder, created if it does not exist, and checked before hours of computation."""
+    """The folder, created if missing, and checked before hours of computation."""
     folder.mkdir(parents=True, exist_ok=True)
     with TemporaryFile(dir=folder):
         return folder

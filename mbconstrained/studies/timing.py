@@ -30,28 +30,27 @@ class Timing:
     """Repeats of one run.
 
     Attributes:
-        seconds: of each repeat, in order.
+        seconds: duration of each repeat, in order.
     """
 
     seconds: tuple[float, ...]
 
     @property
     def median(self) -> float:
-        """In s."""
+        """Median in s."""
         return float(np.median(self.seconds))
 
     @property
     def quartiles(self) -> tuple[float, float]:
-        """The lower and the upper one, in s."""
+        """Lower and upper quartile in s."""
         low, high = np.quantile(self.seconds, (0.25, 0.75))
         return float(low), float(high)
 
     def __add__(self, other: Timing) -> Timing:
-        """Of two runs one after the other, repeat by repeat."""
+        """Timing of two successive runs, repeat by repeat."""
         return Timing(tuple(one + two for one, two in zip(self.seconds, other.seconds)))
 
     def as_json(self) -> dict:
-        """As plain data."""
         low, high = self.quartiles
         return {"median": self.median, "lower_quartile": low, "upper_quartile": high, "repeats": len(self.seconds)}
 
@@ -64,7 +63,7 @@ class Clock(NamedTuple):
 
 
 def suitable_clock(states: int) -> Clock:
-    """Processor time for small models, which run in one thread: other programs do not change it.
+    """Processor time for small models, which run in one thread, independent of other programs.
 
     Elapsed time for larger ones, and where the clock of processor time is coarse.
     """
@@ -74,7 +73,7 @@ def suitable_clock(states: int) -> Clock:
 
 
 def timed(work: Callable, clock: Callable[[], float] = perf_counter):
-    """Run something once."""
+    """Run and time a function once."""
     start = clock()
     result = work()
     return result, clock() - start
@@ -82,7 +81,7 @@ def timed(work: Callable, clock: Callable[[], float] = perf_counter):
 
 @contextmanager
 def without_garbage_collection() -> Iterator[None]:
-    """No garbage of one method is collected in the run time of another."""
+    """A context in which garbage of one method is not collected in the run time of another."""
     gc.collect()
     was_on = gc.isenabled()
     gc.disable()
@@ -95,7 +94,7 @@ def without_garbage_collection() -> Iterator[None]:
 
 @contextmanager
 def small_heap() -> Iterator[None]:
-    """Garbage collections ignore all objects that exist already."""
+    """A context in which garbage collections ignore all existing objects."""
     gc.collect()
     gc.freeze()
     try:
@@ -106,7 +105,7 @@ def small_heap() -> Iterator[None]:
 
 @contextmanager
 def suitable_threads(states: int) -> Iterator[None]:
-    """One thread for the linear algebra of small models: several are slower there, and much slower on a busy machine."""
+    """A context with one thread for the linear algebra of small models: several are slower, especially on a busy machine."""
     if states > SMALL:
         yield
         return
@@ -117,7 +116,7 @@ def suitable_threads(states: int) -> Iterator[None]:
 
 
 def duration(seconds: float) -> str:
-    """A time to three digits, with a unit that reads well.
+    """A time to three digits, with a suitable unit.
 
     >>> duration(2e-05), duration(0.99999), duration(0.0123), duration(12.0)
     ('20 µs', '1 s', '12.3 ms', '12 s')

@@ -23,6 +23,11 @@ OFFERED = {
     if inspect.isclass(value) or inspect.isfunction(value)
 }
 
+#: Beginnings of docstrings that leave out their noun or their verb.
+ELLIPTIC = re.compile(
+    r"(?:Of|What|Those|The same|As of|As in|As there|As ``|Who|That|Its|Their|Likewise|How|From|With|Also)\b|As ``"
+)
+
 
 def documented(file):
     """(name, node, docstring) of the file itself and its public functions and classes."""
@@ -45,6 +50,17 @@ def test_every_public_thing_has_a_docstring_that_begins_with_a_sentence():
         if (is_offered(file, name) and not docstring) or (docstring and docstring.split("\n\n")[0].rstrip()[-1] not in ".:;)")
     ]
     expect_none(offenders, "write one sentence that says what it is, with its full stop")
+
+
+def test_no_docstring_begins_with_an_ellipsis():
+    offenders = [
+        f"{file}:{node.body[0].lineno} {' '.join(docstring.split())[:60]!r}"
+        for file in FILES
+        for node in ast.walk(tree(file))
+        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef))
+        and ELLIPTIC.match(docstring := ast.get_docstring(node) or "")
+    ]
+    expect_none(offenders, "begin with the noun or the verb of what it is or does, complete without its neighbour")
 
 
 def test_public_functions_of_several_arguments_describe_them():

@@ -1,4 +1,4 @@
-"""A response from rest while it is small: by its exact Taylor series, where its modes cancel and float64 has too few digits.
+"""A response from rest while it is small: by its exact Taylor series, where its modes cancel beyond the digits of float64.
 
 After b(s)/a(s) has begun like t^p it stays far below its modes for a while. A Taylor series loses e^(2 |s| t), s the largest
 pole; with exact coefficients in the arithmetic of ``linalg.precise`` it can afford to, for a longer time than modes cancel.
@@ -38,7 +38,7 @@ MORE_TERMS, TERMS_A_POLE = 40, 3
 
 @dataclass(frozen=True, repr=False)
 class ExactStart(ResponseFunction):
-    """The response of b(s)/a(s) to I_gamma, or a derivative of it, evaluated with as many digits as it takes to be small.
+    """The response of b(s)/a(s) to I_gamma, or a derivative of it, evaluated with as many digits as its smallness requires.
 
     Attributes:
         fraction: b(s)/a(s).
@@ -49,7 +49,7 @@ class ExactStart(ResponseFunction):
     gamma: int
 
     def __call__(self, times) -> np.ndarray:
-        """As ``ResponseFunction``."""
+        """Values, from the exact series where the modes cancel."""
         values = super().__call__(times)
         times = np.asarray(times, dtype=float)
         flat, accurate = np.atleast_1d(times), values.reshape(-1).copy()
@@ -66,7 +66,7 @@ class ExactStart(ResponseFunction):
 
     @property
     def summed_from(self) -> np.ndarray:
-        """As ``BohlFunction``: earlier values come from the exact series."""
+        """First time of evaluation by modes: earlier values come from the exact series."""
         return np.maximum(self.switch, self._reach)
 
     def derivative(self, order: int = 1) -> ExactStart:
@@ -74,7 +74,7 @@ class ExactStart(ResponseFunction):
         return with_exact_start(super().derivative(order), self.fraction, self.gamma - order)
 
     def _errors(self, times) -> np.ndarray:
-        """Of the value without the exact series, about: the noise of the float64 series, then the measured errors of the modes."""
+        """Approximate error without the exact series: the noise of the float64 series, then the measured errors of the modes."""
         by_series = times < self.switch[0]
         noise = self.series.noise_at(np.where(by_series, times, 0.0))[0]
         places, errors = self._measured
@@ -93,7 +93,7 @@ class ExactStart(ResponseFunction):
         return np.append(0.0, places), np.append(errors[0], errors)
 
     def _exact(self, times) -> tuple[np.ndarray, np.ndarray]:
-        """The Taylor sums by Horner's rule, and whether enough digits are left of each."""
+        """The Taylor sums by Horner's rule, and which of them have enough digits."""
         count = min(ceil(TERMS * times.max() * self._largest_pole) + self._more_terms, len(self._derivatives))
         with precise_arithmetic():
             t, total = precise(times), precise(np.zeros(len(times)))
@@ -111,7 +111,7 @@ class ExactStart(ResponseFunction):
 
     @property
     def _reach(self) -> float:
-        """In s; zero where there are no poles but s = 0, whose modes are the series."""
+        """Range of the series in s; zero without poles other than s = 0, whose modes are the series."""
         return REACH / self._largest_pole if self._largest_pole else 0.0
 
     @property
@@ -120,7 +120,7 @@ class ExactStart(ResponseFunction):
 
     @cached_property
     def _derivatives(self) -> list:
-        """y^(k)(0+), the coefficients of s^-(k+1) of b(s) / (a(s) s^gamma), precise."""
+        """y^(k)(0+), the coefficients of s^-(k+1) of b(s) / (a(s) s^gamma), in high precision."""
         b, a = self.fraction.numerator, self.fraction.denominator
         first, count = len(b) - len(a) - self.gamma + 1, ceil(TERMS * REACH) + self._more_terms
         with precise_arithmetic():
@@ -138,12 +138,12 @@ class ExactStart(ResponseFunction):
 
 
 def _exponents_of_ten(values) -> np.ndarray:
-    """The decimal logarithms of precise numbers, which may be beyond the range of float64."""
+    """Decimal logarithms of numbers of high precision, which may exceed the range of float64."""
     return np.array([float(abs(value).log()) / log(10) if value.mid() != 0 else -np.inf for value in values])
 
 
 def with_exact_start(function: ResponseFunction, fraction: RationalFunction, gamma: int) -> ExactStart:
-    """A function of modes with its exact series at first."""
+    """A function of modes that begins with its exact series."""
     return ExactStart(function.coefficients, function.blocks, function.start, function.series, fraction, int(gamma))
 
 

@@ -22,7 +22,7 @@ from .rational import Polynomial
 
 
 def matrix_fraction_response(numerator, denominator, input: ImpulsiveSmooth) -> Response:
-    """y with D(d/dt) y = N(d/dt) u from rest, transfer matrix D(s)^-1 N(s), through the Jordan pairs of D(s).
+    """Solve D(d/dt) y = N(d/dt) u from rest, transfer matrix D(s)^-1 N(s), by the Jordan pairs of D(s).
 
     D and N may have any degrees and common left factors, the leading coefficient of D may be singular: poles of
     D(s)^-1 N(s) at infinity are Dirac impulses. A common left factor with zeros in the right half plane is not
@@ -73,7 +73,7 @@ PARTS = 4
 
 @lru_cache(maxsize=64)
 def scalar_matrix(denominator: Polynomial, rounded: bool = True) -> PolynomialMatrix:
-    """a(s), exactly where its order allows, and once for all inputs, with its zeros."""
+    """a(s), exact where its order allows, computed once for all inputs, with its zeros."""
     values = np.array([float(c) for c in denominator])[:, None, None]
     exact = len(denominator) - 1 <= PRECISE_ORDER
     coefficients = [_exactly(c) for c in denominator] if exact else values
@@ -89,7 +89,7 @@ def _exactly(coefficient: Fraction) -> Factors:
 
 
 def scalar_force(numerator: Polynomial, u: int | ImpulsiveSmooth) -> ImpulsiveSmooth:
-    """The excitation b(d/dt) u."""
+    """The excitation b(d/dt) u of one equation."""
     if isinstance(u, ImpulsiveSmooth):
         return operated([np.array([[float(b)]]) for b in numerator] or [np.zeros((1, 1))], u)
     return sum((power([float(b)], u - k) for k, b in enumerate(numerator) if b), zero(1))
@@ -105,7 +105,7 @@ def operated(matrices: Sequence[np.ndarray], u: ImpulsiveSmooth) -> ImpulsiveSmo
 
 
 def checked_input(u, size: int, what: str) -> ImpulsiveSmooth:
-    """An input, checked."""
+    """A validated input."""
     if not isinstance(u, ImpulsiveSmooth):
         raise InputError(f"{what}: found {type(u).__name__}; make it with {FORCE_FUNCTIONS}")
     if u.size != size:

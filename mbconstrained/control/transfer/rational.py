@@ -25,7 +25,7 @@ class RationalFunction:
 
     Attributes:
         numerator, denominator: b and a as given, without zeros at the highest powers; b empty where it is zero.
-        left_out: how many zeros were left out of both.
+        left_out: number of leading zeros removed from both.
         rounded: whether some coefficient was given in float64, known up to its rounding error; other numbers are exact.
     """
 
@@ -36,7 +36,7 @@ class RationalFunction:
 
     @cached_property
     def as_written(self) -> RationalFunction:
-        """With the shortest decimals that stand for the floats: 0.1 as 1/10."""
+        """The fraction with the shortest decimals that round to the floats: 0.1 as 1/10."""
         if not self.rounded:
             return self
         numerator, denominator = (tuple(map(_as_written, p)) for p in (self.numerator, self.denominator))
@@ -44,12 +44,12 @@ class RationalFunction:
 
     @cached_property
     def common_factor(self) -> Polynomial:
-        """The common factor of b and a, exactly: of the floats as the numbers that they are, or else as they are written."""
+        """The exact common factor of b and a: of the floats as binary numbers, or else of their decimals."""
         return self._common_factor if len(self._common_factor) > 1 else self.as_written._common_factor
 
     @cached_property
     def reduced(self) -> RationalFunction:
-        """Without the common factor."""
+        """The fraction without its common factor."""
         from ...exact.rational.flint_numbers import fractions_of, polynomial
 
         if len(self.common_factor) == 1:
@@ -61,7 +61,7 @@ class RationalFunction:
 
     @cached_property
     def written_reduced(self) -> RationalFunction:
-        """Without the common factor, with the shortest decimals."""
+        """The fraction without its common factor, with the shortest decimals."""
         return self.reduced if len(self.common_factor) > 1 else self.as_written
 
     @cached_property
@@ -118,7 +118,7 @@ def rational_function(numerator, denominator) -> RationalFunction:
 
 
 def _coefficients(value, what: str) -> tuple[list[Fraction], bool]:
-    """The numbers as Fractions, and whether some are floats other than whole numbers."""
+    """The coefficients as Fractions, and whether some are floats other than whole numbers."""
     items = [value] if isinstance(value, (Real, Decimal)) or (np.ndim(value) == 0 and isinstance(value, np.ndarray)) else value
     if isinstance(items, (str, bytes, dict)) or not isinstance(items, Iterable):
         raise InputError(f"{what}: found {_short(value)}; {EXPECTED}")

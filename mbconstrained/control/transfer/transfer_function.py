@@ -62,7 +62,7 @@ class TransferFunctionResponse(Response):
         return self.fraction.denominator[::-1]
 
     def frequency_response(self, frequencies_hz="auto") -> FrequencyResponse:
-        """b(i w) / a(i w), without the common factor, with its poles, residues, peaks and antiresonances.
+        """Return the frequency response b(i w) / a(i w), without the common factor, with poles, residues, peaks and antiresonances.
 
         Args:
             frequencies_hz: in Hz, shape (F,), or "auto", placed by the poles.
@@ -90,11 +90,11 @@ class TransferFunctionResponse(Response):
         return self.fraction.common_factor[::-1]
 
     def with_input(self, gamma: int | ImpulsiveSmooth) -> TransferFunctionResponse:
-        """The response y_gamma of the same system to another input; by (8) y_(gamma+1)' = y_gamma."""
+        """Return the response y_gamma of the system to another input; by (8) y_(gamma+1)' = y_gamma."""
         return _response(self.fraction, gamma)
 
     def basic_response(self, gamma: int | ImpulsiveSmooth | None = None) -> TransferFunctionResponse:
-        """y_b,gamma of Theorem 1, Eq. (28): with the numerator one, the denominator divided by a_n; gamma as here by default.
+        """Return y_b,gamma of Theorem 1, Eq. (28): numerator one, denominator divided by a_n, this gamma by default.
 
         >>> y = transfer_function_response([3.0], [2.0, 2.0])  # 2 y' + 2 y = 3, y_b' + y_b = 1
         >>> y(1.0) / y.basic_response()(1.0)
@@ -168,12 +168,12 @@ class TransferFunctionResponse(Response):
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
-        """What was left out of the coefficients, and the notices of the response."""
+        """Notices on omitted coefficients, and those of the response."""
         return (*self.fraction.notices, *_growth_left_out(self.fraction), *response_notices(self))
 
     @cached_property
     def moved(self) -> tuple[Response, ...]:
-        """Answers to the same problem with its data moved by about a rounding error, those too from their exact series at first."""
+        """Solutions of the problem with data perturbed by about a rounding error, also with exact series at first."""
         if isinstance(self.gamma, ImpulsiveSmooth):
             return moved_responses(self)
         trials = [_moved(self.fraction.reduced, np.random.default_rng(seed)) for seed in range(TRIALS)]
@@ -186,7 +186,7 @@ class TransferFunctionResponse(Response):
 
 
 def transfer_function_response(numerator, denominator, gamma: int | ImpulsiveSmooth = 1) -> TransferFunctionResponse:
-    """y with a(d/dt) y = b(d/dt) u from rest, u = I_gamma (Hauksdottir and Sigurdsson, Theorem 2).
+    """Solve a(d/dt) y = b(d/dt) u from rest, u = I_gamma (Hauksdottir and Sigurdsson, Theorem 2).
 
     I_1 is the step, I_2 the ramp, I_3 the parabola t^2/2, I_0 Dirac's impulse and I_-k its k-th derivative. Poles may be
     real, complex, repeated, zero or unstable, b may be of any degree: where y has Dirac impulses they are in ``impulses``. A
@@ -224,9 +224,9 @@ def _response(fraction: RationalFunction, gamma) -> TransferFunctionResponse:
 
 
 def _from_exact_start(fraction: RationalFunction, gamma: int) -> Response:
-    """What the impulses of the force do at 0 is known exactly; what is left of it in each mode comes from the impulses.
+    """The response with exact effects of the force's impulses at 0, and the resulting states of each mode.
 
-    The values at 0+ are sums over all modes: those of fast ones would hide what slow ones have.
+    The values at 0+ are sums over all modes: those of fast modes would hide the digits of slow ones.
     """
     A, force = scalar_matrix(fraction.denominator), scalar_force(fraction.numerator, gamma)
     jump, impulses, in_range = exact_start(fraction, gamma, A.degree)
@@ -239,7 +239,7 @@ def _from_exact_start(fraction: RationalFunction, gamma: int) -> Response:
 
 
 def _growth_left_out(fraction: RationalFunction) -> Iterator[Notice]:
-    """Growth of the common factor, which a response from rest does not have."""
+    """Growth of the cancelled common factor, absent from a response from rest."""
     factor = fraction.common_factor
     zeros = scalar_matrix(factor, fraction.rounded).structure().finite_zeros if len(factor) > 1 else ()
     if any(zero.value.real > rounding_radius(zero.multiplicity) * abs(zero.value) for zero in zeros):
@@ -256,7 +256,7 @@ def _checked_gamma(gamma) -> int | ImpulsiveSmooth:
 
 
 def _moved(fraction: RationalFunction, random) -> RationalFunction:
-    """Every coefficient moved by about a unit in the last place."""
+    """All coefficients perturbed by about a unit in the last place."""
     numerator, denominator = (
         tuple(c * (1 + Fraction(PROBE_SIZE * EPS * random.choice(MOVES))) for c in polynomial)
         for polynomial in (fraction.numerator, fraction.denominator)

@@ -67,7 +67,7 @@ class ElementaryDivisor:
 
 @dataclass(frozen=True, repr=False)
 class ExactStructure(Structure):
-    """Zeros of A(s), finite and infinite, and the polynomials that the finite ones are zeros of; nothing is rounded.
+    """Zeros of A(s), finite and infinite, and the polynomials of the finite ones; nothing is rounded.
 
     With symbols it holds for generic positive values of them. The finite zeros are those of ``polynomial.structure.FiniteZero``
     with the nearest float64 numbers, or ``SymbolicZero`` with expressions where zeros have a closed form.
@@ -103,12 +103,12 @@ class ExactStructure(Structure):
 
     @property
     def notices(self) -> tuple:
-        """None: no decision is in doubt."""
+        """No notices: no decision is in doubt."""
         return ()
 
 
 class ExactJordanPairs:
-    """Both pairs of a regular A(s) without a rounding error; each part is computed when it is read.
+    """Finite and infinite Jordan pair of a regular A(s) without rounding errors, computed on demand.
 
     Args:
         matrix: A(s) with its determinant, adjugate and root polynomials.
@@ -137,7 +137,7 @@ class ExactJordanPairs:
         return self.ring.factors(self.matrix.determinant)
 
     def root_polynomials(self, place: int) -> list[RootPolynomials]:
-        """Those at the zeros of one of the factors, ascending lengths; computed once."""
+        """Root polynomials at the zeros of one of the factors, of ascending lengths; computed once."""
         if place not in self._local:
             self._local[place] = self.matrix.root_polynomials(self.factors[place])
         return self._local[place]

@@ -16,15 +16,15 @@ from .ring import Element, Matrix, Polynomial, PolynomialRing, slopes, taylor
 
 @dataclass(frozen=True, repr=False)
 class RootPolynomials:
-    """One term phi psi^T / p^k of the principal part of A(s)^-1 at the zeros of p.
+    """Root polynomials: one term phi psi^T / p^k of the principal part of A(s)^-1 at the zeros of p.
 
     Attributes:
         ring: K[s].
         divisor: p, irreducible and monic.
         length: k.
         right: phi, r polynomials modulo p^k.
-        compute_left: gives psi; over the rationals its coefficients have many more digits than those of phi.
-        pivot: an element that was divided by, where there is one: a polynomial that is not divided by p.
+        compute_left: returns psi; over the rationals its coefficients have many more digits than those of phi.
+        pivot: the divisor of the elimination, where there is one: a polynomial not divisible by p.
     """
 
     ring: PolynomialRing
@@ -163,7 +163,7 @@ def digits(ring: PolynomialRing, entry: Polynomial, p: Polynomial, count: int) -
 
 
 def hypercompanion(ring: PolynomialRing, p: Polynomial, exponent: int) -> Matrix:
-    """Ones above the diagonal, and the coefficients of s^d - p(s) in every d-th row, d = deg p; p monic."""
+    """Hypercompanion matrix of monic p, d = deg p: ones above the diagonal, coefficients of s^d - p(s) in every d-th row."""
     d = p.degree()
     lower = ring.coefficients(p, d)
     rows = [[ring.one if j == i + 1 else ring.zero for j in range(exponent * d)] for i in range(exponent * d)]
@@ -174,7 +174,7 @@ def hypercompanion(ring: PolynomialRing, p: Polynomial, exponent: int) -> Matrix
 
 
 class ExactPair:
-    """C, J and B of several blocks: C side by side, J on the diagonal, B below each other. Each is computed when it is read.
+    """C, J and B of several blocks: C side by side, J on the diagonal, B below each other, computed on demand.
 
     Attributes:
         blocks: each with C, J, B and the length of its chain.

@@ -45,12 +45,12 @@ class PolynomialRing(Protocol):
 
 
 class PowerSeries:
-    """A power series in h with coefficients in K[x]/q, as far as its coefficients are given.
+    """A power series in h with coefficients in K[x]/q, truncated to the given coefficients.
 
     Args:
         ring: K[s].
         q: irreducible.
-        coefficients: of 1, h, h^2, ..., polynomials modulo q.
+        coefficients: coefficients of 1, h, h^2, ..., polynomials modulo q.
     """
 
     def __init__(self, ring: PolynomialRing, q: Polynomial, coefficients: Sequence[Polynomial]):
@@ -67,7 +67,7 @@ class PowerSeries:
 
     @property
     def inverse(self) -> PowerSeries:
-        """1 over it; the first coefficient is not zero modulo q."""
+        """The reciprocal series; the first coefficient is not zero modulo q."""
         first = self.ring.inverse(self.coefficients[0], self.q)
         total = [first]
         for j in range(1, len(self.coefficients)):

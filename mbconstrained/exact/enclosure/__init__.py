@@ -1,1 +1,1 @@
-"""Guaranteed values: intervals of any width that contain the response, the data being the exact numbers that they are."""
+"""Guaranteed intervals of any width that contain the response to exact data."""

@@ -1,4 +1,4 @@
-"""The exact answer to A(d/dt) x = f: impulses, values at 0+, and intervals of any width that contain x(t).
+"""The exact solution of A(d/dt) x = f: impulses, values at 0+, and intervals of any width that contain x(t).
 
 Independent of the numeric engine: no pencil, no eigenvalue, no rank decision. The transform X(s) is computed as a vector of
 rational functions over the rationals, and summed over its certified poles in ball arithmetic (FLINT's Arb), with more bits
@@ -36,7 +36,7 @@ FIRST_BITS = 40
 #: Where so many bits do not give the digits, the value is zero or cancels to so many bits: its interval is as narrow as it is.
 MOST_BITS = 1 << 13
 
-#: Who asks for more digits has mistyped.
+#: Largest number of digits; more are a typing error.
 MOST_DIGITS = 1000
 
 #: Bits of values that are rounded to float64, relative to the largest row at each time, and those of the first attempt.
@@ -57,7 +57,7 @@ SMALLEST = float(np.finfo(float).tiny)
 
 @dataclass(frozen=True)
 class Part:
-    """A response to one function of time, and when and by how much it is called up.
+    """A response to one function of time, with its times of onset and factors.
 
     Attributes:
         response: x for a start at t = 0 with the factor one.
@@ -69,12 +69,12 @@ class Part:
 
     @property
     def factors_at_0(self) -> list[Factor]:
-        """By how much it is called up at t = 0."""
+        """Factors at t = 0."""
         return [factor for time, factor in self.calls if time == 0]
 
 
 class ExactResponse(Displayed):
-    """x with A(d/dt) x = f from values at 0-, all data being the exact numbers that they are.
+    """Exact solution x of A(d/dt) x = f from values at 0-, all data taken as exact numbers.
 
     Args:
         matrix: A(s), regular.
@@ -103,12 +103,12 @@ class ExactResponse(Displayed):
         return len(self.rows)
 
     def with_rows(self, rows: range) -> ExactResponse:
-        """The same answer for other rows of x; det A(s) is not computed again."""
+        """Return the exact response of other rows of x without a new determinant."""
         return ExactResponse(self.matrix, self.initial, self.sources, rows)
 
     @cached_property
     def impulses(self) -> tuple[np.ndarray, ...]:
-        """Arrays (r,) of Fractions; the k-th multiplies the k-th derivative of Dirac's delta at t = 0, none at the end is zero.
+        """Arrays (r,) of Fractions; the k-th multiplies the k-th derivative of Dirac's delta at t = 0; the last one is not zero.
 
         Raises:
             InputError: a phase makes them irrational; ``enclose_impulses`` has them as intervals.
@@ -120,7 +120,7 @@ class ExactResponse(Displayed):
         return tuple(np.array([fraction(entry) for entry in impulse], dtype=object) for impulse in self._impulses(rational))
 
     def enclose_impulses(self, digits: int = 15) -> tuple[Enclosure, ...]:
-        """The impulses at t = 0 as intervals: the k-th multiplies the k-th derivative of Dirac's delta."""
+        """Return the impulses at t = 0 as intervals: the k-th multiplies the k-th derivative of Dirac's delta."""
         digits = _checked_digits(digits)
 
         return tuple(
@@ -130,7 +130,7 @@ class ExactResponse(Displayed):
 
     @cached_property
     def start(self) -> np.ndarray:
-        """x^(i)(0+) as row i, shape (q, r), Fractions; of multipliers and outputs, which have no values at 0-, too.
+        """x^(i)(0+) as row i, shape (q, r), Fractions; also for multipliers and outputs, which have no values at 0-.
 
         Raises:
             InputError: a phase makes them irrational; ``enclose`` at t = 0 has them as intervals.
@@ -152,13 +152,13 @@ class ExactResponse(Displayed):
 
     @within_float64()
     def enclose(self, times, digits: int = 15, *, order: int = 0) -> Enclosure:
-        """Intervals that contain x^(order)(t), t > 0 (t = 0 means 0+, the time of an event its right limit).
+        """Return intervals that contain x^(order)(t), t > 0 (t = 0 means 0+, the time of an event its right limit).
 
         Args:
             times: in s, a number or shape (T,); the floats are exact numbers.
-            digits: of each value, relative to itself. A value that is zero, or that cancels to thousands of bits, has an
+            digits: significant digits of each value. A value that is zero, or that cancels to thousands of bits, has an
                 interval about zero instead.
-            order: of the derivative.
+            order: order of the derivative.
 
         Returns:
             An ``Enclosure`` of shape (r,) for a number, (r, T) for T times.
@@ -183,7 +183,7 @@ class ExactResponse(Displayed):
 
     @cached_property
     def _from_start(self) -> RationalResponse:
-        """The response to the values at 0- and to what acts from t = 0 on with a rational factor."""
+        """The response to the values at 0- and to sources from t = 0 on with a rational factor."""
         r, below = self.matrix.size, ONE
         now = [source for source in self.sources if _is_immediate(source)]
         for source in now:
@@ -205,7 +205,7 @@ class ExactResponse(Displayed):
         return total
 
     def _called(self) -> Iterator[Part]:
-        """What acts later, or with an irrational factor: equal functions of time share their response."""
+        """Responses to later sources, or with irrational factors: equal functions of time share their response."""
         groups: dict[tuple, list[ExactSource]] = {}
         for source in (source.normalized() for source in self.sources if not _is_immediate(source)):
             groups.setdefault((source.shape.key, source.vector), []).append(source)
@@ -229,11 +229,11 @@ class ExactResponse(Displayed):
         return total
 
     def rounded(self, times, order: int = 0, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """y = matrix @ x^(order) in float64, each time to ``ROUNDED_BITS`` bits of its largest row.
+        """Return y = matrix @ x^(order) in float64, at each time accurate to ``ROUNDED_BITS`` bits of its largest row.
 
         Args:
             times: in s, shape (T,).
-            order: of the derivative.
+            order: order of the derivative.
             matrix: shape (p, r), floats as the exact numbers that they are; None for x itself.
 
         Returns:
@@ -258,7 +258,7 @@ class ExactResponse(Displayed):
         return values, errors
 
     def event(self, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """Jumps of x, x', ... and impulses at a time, in float64; zero where they cancel to so many bits as they are computed with.
+        """Return jumps of x, x', ... and impulses at a time, in float64; zero where they cancel to all computed bits.
 
         Args:
             time: of an event, in s.
@@ -282,7 +282,7 @@ class ExactResponse(Displayed):
 
     @cached_property
     def _events(self) -> dict[float, flint.fmpq]:
-        """The exact times of events by the nearest floats: the right limit of an event is meant by either."""
+        """The exact times of events by the nearest floats, which stand for the right limit at the event."""
         return {float(fraction(begin)): begin for part in self._parts for begin, _ in part.calls}
 
     def _values(self, times: Sequence[flint.fmpq], order: int, through: flint.arb_mat | None = None) -> list[list[flint.arb]]:
@@ -315,7 +315,7 @@ class ExactResponse(Displayed):
         return columns if through is None else [(through * flint.arb_mat([[a] for a in own])).entries() for own in columns]
 
     def _with_starts(self, exact: list[flint.fmpq], balls: list[flint.arb], order: int, time: flint.fmpq, calls) -> list[flint.arb]:
-        """The values at a time with what begins there: its right limit."""
+        """The values at a time with the sources that begin there: its right limit."""
         for begin, response, factor, *_ in calls:
             if begin > time:
                 break
@@ -328,7 +328,7 @@ class ExactResponse(Displayed):
 
 
 def _as_floats(columns: list[list[flint.arb]]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The nearest float64 numbers of columns, bounds of their errors, shape (r, T), and in which columns they surely have all bits."""
+    """The nearest float64 numbers of columns, bounds of their errors, shape (r, T), and which columns are certainly rounded."""
     values = np.array([[float(entry) for entry in column] for column in columns]).T
     radii = np.array([[float(entry.rad()) for entry in column] for column in columns]).T
     with np.errstate(all="ignore"):
@@ -340,7 +340,7 @@ def _as_floats(columns: list[list[flint.arb]]) -> tuple[np.ndarray, np.ndarray, 
 
 
 def _is_rounded(column: list[flint.arb]) -> bool:
-    """Whether the largest entry of a column has its bits, and the others as many as that."""
+    """Whether the largest entry of a column is accurate to its bits, and the others to the same absolute error."""
     radius = max([entry.rad() for entry in column], default=flint.arb(0))
     size = max([entry.abs_lower() for entry in column], default=flint.arb(0))
     return bool(radius * 2**ROUNDED_BITS <= size) or bool(size + radius < flint.arb(2) ** SMALLEST_EXPONENT)
@@ -360,7 +360,7 @@ def _is_immediate(source: ExactSource) -> bool:
 
 
 def _certain(compute, digits: int) -> list[list[flint.arb]]:
-    """Computed with more and more bits until each value has its digits."""
+    """Compute with more and more bits until each value has its digits."""
     precision = bits_of(digits) + FIRST_BITS
     while True:
         with working_precision(precision):
@@ -384,7 +384,7 @@ def _checked_digits(digits) -> int:
 
 
 def exact_response(A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveSmooth) -> ExactResponse:
-    """x with A(d/dt) x = f from values at 0- of shape (q, r), the data being exact numbers."""
+    """The exact response x with A(d/dt) x = f from values at 0- of shape (q, r), for exact data."""
     return ExactResponse(regular_matrix(A), initial, sources_of(force))
 
 
@@ -421,7 +421,7 @@ def structure_notices(numeric_count: int, exact: ExactResponse) -> tuple[Notice,
 
 
 def deciding_entry(A: PolynomialMatrix) -> str:
-    """The entry of A(s) of which the least relative change makes the highest coefficient of det A(s) vanish.
+    """The entry of A(s) whose smallest relative change makes the highest coefficient of det A(s) vanish.
 
     det A(s) is of first degree in each entry, so that two determinants give that change exactly.
 

@@ -32,7 +32,7 @@ class ExactSource:
     factor: Factor
 
     def normalized(self) -> ExactSource:
-        """The same with a vector whose first entry that is not zero is one."""
+        """The source with a vector whose first nonzero entry is one."""
         first = next(entry for entry in self.vector if entry)
         return replace(self, vector=tuple(entry / first for entry in self.vector), factor=self.factor * first)
 
@@ -42,7 +42,7 @@ class ExactSource:
 
 
 def sources_of(force: ImpulsiveSmooth) -> tuple[ExactSource, ...]:
-    """The sources that the input is a sum of, without those that vanish."""
+    """The sources whose sum is the input, without vanishing ones."""
     sources = (source for origin in force.exact_parts for source in _of_origin(origin))
     return tuple(source for source in sources if any(source.vector) and source.factor != 0)
 
@@ -85,7 +85,7 @@ def _of_impulse(impulse: ExactImpulse, origin: ExactInput) -> Iterator[ExactSour
 
 
 def _of_record(record: ExactRecord, origin: ExactInput) -> Iterator[ExactSource]:
-    """Steps and ramps at the samples, one row after the other."""
+    """Steps and ramps at the samples, row by row."""
     times = [rational(origin.time(float(time))) for time in record.times]
     for row, values in enumerate(record.values):
         unit = tuple(flint.fmpq(int(k == row)) for k in range(len(record.values)))
@@ -100,7 +100,7 @@ def _of_record(record: ExactRecord, origin: ExactInput) -> Iterator[ExactSource]
 
 
 def _of_states(data: ExactStates, origin: ExactInput) -> Iterator[ExactSource]:
-    """e^{J (t - t_j)} z_j from each knot to the next: it starts, and its continuation beyond the next knot is subtracted."""
+    """e^{J (t - t_j)} z_j between knots: each piece starts, and its continuation beyond the next knot is subtracted."""
     for order, vector in enumerate(data.impulses):
         yield ExactSource(delta(order), vector_of(vector), rational(origin.rounded_time()), flint.fmpq(1))
     for load in data.later:
@@ -117,7 +117,7 @@ def _of_states(data: ExactStates, origin: ExactInput) -> Iterator[ExactSource]:
 
 
 def _pieces(shapes: Sequence[Shape], vector: Vector, block, knots, states) -> Iterator[ExactSource]:
-    """At each knot the new states begin, and the continuation of those before is subtracted."""
+    """Pieces of the function: at each knot the new states begin, and the continuation of those before is subtracted."""
     generator = tuple(vector_of(line) for line in block)
     nothing = (flint.fmpq(0),) * len(generator)
     before, since = nothing, knots[0]
@@ -166,7 +166,7 @@ def _product(matrix, vector: Vector) -> Vector:
 
 @dataclass(frozen=True)
 class PhaseFactor:
-    """amount times the cosine or the sine of a phase other than 0, which is no rational number."""
+    """amount times the irrational cosine or sine of a nonzero phase."""
 
     amount: flint.fmpq
     phase: flint.fmpq
@@ -176,7 +176,7 @@ class PhaseFactor:
         return PhaseFactor(self.amount * factor, self.phase, self.sine)
 
     def ball(self) -> flint.arb:
-        """At the working precision."""
+        """A ball at the working precision."""
         phase = flint.arb(self.phase)
         return flint.arb(self.amount) * (phase.sin() if self.sine else phase.cos())
 
@@ -195,7 +195,7 @@ class PropagatedState:
         return PropagatedState(self.amount * factor, self.generator, self.start, self.time, self.entry)
 
     def ball(self) -> flint.arb:
-        """At the working precision."""
+        """A ball at the working precision."""
         return flint.arb(self.amount) * _propagated_ball(self.generator, self.start, self.time, flint.ctx.prec)[self.entry]
 
 
@@ -210,12 +210,12 @@ Factor = flint.fmpq | PhaseFactor | PropagatedState
 
 
 def ball(factor: Factor) -> flint.arb:
-    """A ball that contains it, at the working precision."""
+    """A ball that contains a factor, at the working precision."""
     return flint.arb(factor) if isinstance(factor, flint.fmpq) else factor.ball()
 
 
 def added(calls: Iterable[tuple[flint.fmpq, Factor]]) -> tuple[tuple[flint.fmpq, Factor], ...]:
-    """Times and factors, factors of one kind at equal times added; those that cancel exactly are left out."""
+    """Times and factors, with factors of one kind added at equal times; those that cancel exactly are omitted."""
     total: dict[tuple, Factor] = {}
     for time, factor in calls:
         key = time, None if isinstance(factor, flint.fmpq) else replace(factor, amount=flint.fmpq(1))
@@ -224,7 +224,7 @@ def added(calls: Iterable[tuple[flint.fmpq, Factor]]) -> tuple[tuple[flint.fmpq,
 
 
 def _sum(one: Any, two: Any) -> Factor:
-    """Of one kind."""
+    """Sum of two factors of one kind."""
     return one + two if isinstance(one, flint.fmpq) else replace(one, amount=one.amount + two.amount)
 
 
@@ -233,7 +233,7 @@ def _amount(factor: Factor) -> flint.fmpq:
 
 
 def phase_factors(phase: float) -> Sequence[Factor]:
-    """cos p and sin p; a phase that is a quarter turn to rounding is meant as one (``signals.exact_inputs``)."""
+    """cos p and sin p; a quarter turn up to rounding errors is taken as exact (``signals.exact_inputs``)."""
     factors, values = [], (math.cos(phase), math.sin(phase))
     for sine, value in enumerate(values):
         other = values[1 - sine]
@@ -260,12 +260,12 @@ class Shape:
     denominator: flint.fmpq_poly = field(default_factory=lambda: flint.fmpq_poly([1]))
 
     def derivative(self, order: int) -> Shape:
-        """In the sense of distributions, jumps and impulses at t = 0 included."""
+        """The derivative in the sense of distributions, with jumps and impulses at t = 0."""
         return Shape(self.numerator * S**order, self.denominator) if order else self
 
     @property
     def key(self) -> tuple:
-        """Equal for equal transforms."""
+        """A key that is equal for equal transforms."""
         return tuple(map(str, self.numerator.coeffs())), tuple(map(str, self.denominator.coeffs()))
 
 

@@ -58,7 +58,7 @@ class RationalResponse:
         return self._derivatives[order]
 
     def partial_fractions(self) -> PartialFractions:
-        """What the other zeros add, at the working precision."""
+        """Partial fractions of the other zeros, at the working precision."""
         if flint.ctx.prec not in self._fractions:
             self._fractions[flint.ctx.prec] = PartialFractions.of(self._irreducible, self._whole_denominator, self._rests)
         return self._fractions[flint.ctx.prec]
@@ -72,7 +72,7 @@ class RationalResponse:
 
     @cached_property
     def at_zero(self) -> list[list[flint.fmpq]]:
-        """What the zeros at s = 0 add, a polynomial in t: columns c_k with sum of c_k t^k / k!: the principal part sum of c_k / s^(k + 1) at s = 0."""
+        """Contribution of the zeros at s = 0, sum of c_k t^k / k!, as columns c_k of the principal part sum of c_k / s^(k + 1)."""
         order = self._zero_order
         if not order:
             return []
@@ -143,7 +143,7 @@ class PartialFractions:
 
     @classmethod
     def of(cls, factors, denominator: flint.fmpz_poly, numerators: Sequence[flint.fmpq_poly]) -> PartialFractions:
-        """At the working precision."""
+        """Partial fractions at the working precision."""
         poles = []
         for factor, power in factors:
             taylor = [_balls(p) for p in _taylor(denominator, 2 * power)[power:]]
@@ -158,7 +158,7 @@ class PartialFractions:
         return cls(poles)
 
     def derivative(self, order: int) -> PartialFractions:
-        """Of the function of time."""
+        """Partial fractions of the derivative with respect to time."""
         poles = self.poles
         for _ in range(order):
             poles = [replace(pole, columns=_differentiated(pole)) for pole in poles]
@@ -166,7 +166,7 @@ class PartialFractions:
 
 
 class Begun:
-    """The sum of what has begun by some time, polynomials in t and sums of modes about t = 0, at the working precision.
+    """The sum of the responses that have begun by a time, polynomials in t and sums of modes about t = 0, at the working precision.
 
     A later call is moved to t = 0 once, (t - b)^k e^(z (t - b)) being e^(-z b) times a sum of powers of t times e^(z t): at each time every mode has one
     exponential, however many calls there are. What is rational is summed exactly, so that it cancels exactly.
@@ -182,7 +182,7 @@ class Begun:
         self._modes: dict[tuple, RationalPole] = {}
 
     def add(self, begin: flint.fmpq, factor, polynomial: Sequence[list[flint.fmpq]], modes: PartialFractions) -> None:
-        """A call at a time, of columns c_k of t^k / k! and of modes."""
+        """Add a response from a time on, of columns c_k of t^k / k! and of modes."""
         amount, columns = flint.arb(factor), self._exact if isinstance(factor, flint.fmpq) else self._balls
         _add_moved(columns, polynomial, begin, factor, self.size)
         for pole in modes.poles:
@@ -192,7 +192,7 @@ class Begun:
             _add_moved(self._modes[pole.name].columns, pole.columns, begin, factor, self.size)
 
     def at(self, times: Sequence[flint.fmpq]) -> tuple[flint.fmpz_mat, flint.fmpz, flint.arb_mat]:
-        """What is exact at some times, with a common denominator, and what is in balls, both of shape (T, r)."""
+        """Exact parts at some times, with a common denominator, and parts in balls, both of shape (T, r)."""
         weights: list[list[flint.arb]] = []
         columns: list[list[flint.arb]] = []
         since = [flint.arb(time) for time in times]
@@ -211,7 +211,7 @@ class Begun:
         return *self._exact_at(times), balls
 
     def _exact_at(self, times: Sequence[flint.fmpq]) -> tuple[flint.fmpz_mat, flint.fmpz]:
-        """In whole numbers, which need no greatest common divisors."""
+        """Exact parts in whole numbers, without greatest common divisors."""
         if not self._exact:
             return flint.fmpz_mat(len(times), self.size), flint.fmpz(1)
         highest, of_times = len(self._exact) - 1, lcm(*(int(time.q) for time in times))
@@ -247,7 +247,7 @@ def _roots(coefficients: tuple[int, ...], precision: int) -> list[tuple[flint.ac
 
 
 def _order(numerator: flint.fmpq_poly, factor: flint.fmpz_poly, most: int) -> int:
-    """How often an irreducible factor divides a numerator, at most so often: there is no more of it in X then."""
+    """The power of an irreducible factor in a numerator, up to its power in the denominator."""
     order, p = 0, flint.fmpq_poly(factor)
     while order < most and not numerator % p:
         numerator, order = numerator // p, order + 1
@@ -255,7 +255,7 @@ def _order(numerator: flint.fmpq_poly, factor: flint.fmpz_poly, most: int) -> in
 
 
 def _known(values: list[flint.acb], zeros: int) -> list[flint.acb]:
-    """The first Taylor coefficients are zero, not balls about zero: what grows with the root does not grow in this row."""
+    """Set the first Taylor coefficients, balls about zero, to zero: growth with the root is absent from this row."""
     return [flint.acb(0)] * zeros + values[zeros:]
 
 

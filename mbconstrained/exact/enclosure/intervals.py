@@ -1,4 +1,4 @@
-"""Intervals that are sure to contain the values of a response."""
+"""Guaranteed intervals that contain the values of a response."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ class Enclosure:
 
     @classmethod
     def of(cls, balls: Sequence, times: np.ndarray, digits: int) -> Enclosure:
-        """Of balls (r,) or (r, T).
+        """Return the enclosure of balls (r,) or (r, T).
 
         Args:
             balls: shape (r,) or (r, T).
-            times: in s.
+            times: times in s.
             digits: the requested number of digits.
 
         Returns:
@@ -64,11 +64,11 @@ class Enclosure:
         return f"Enclosure({shape} values, {self.digits} requested digits{remark})"
 
     def with_notices(self, notices: tuple[Notice, ...]) -> Enclosure:
-        """The same with more to know."""
+        """Return the enclosure with further notices."""
         return replace(self, notices=(*self.notices, *notices))
 
     def contains(self, values) -> np.bool_:
-        """Whether every value lies between its bounds.
+        """Return whether every value lies between its bounds.
 
         Args:
             values: of the same shape: ints, Fractions, Decimals or decimal strings, exact numbers; or floats, each of which stands
@@ -82,10 +82,10 @@ class Enclosure:
         return np.bool_(np.all((low <= exact + around) & (exact - around <= high)))
 
     def error_bounds(self, values) -> np.ndarray:
-        """A proved bound of the error of each value, as floats, rounded up.
+        """Return a proved bound of the error of each value, as floats, rounded up.
 
         Args:
-            values: of the same shape; floats are the exact numbers that they are.
+            values: values of the same shape; floats are the exact numbers that they are.
 
         Raises:
             InputError: as ``contains``.
@@ -95,7 +95,7 @@ class Enclosure:
         return np.vectorize(_rounded_up, otypes=[float])(bounds) if bounds.size else np.zeros(bounds.shape)
 
     def _shaped(self, values) -> np.ndarray:
-        """The values as they are, in an array."""
+        """The values in an array of the requested shape."""
         try:
             array = np.array(values, dtype=object)
         except ValueError:
@@ -149,17 +149,17 @@ LARGEST_POWER = 100_000
 
 
 def bits_of(digits: int) -> int:
-    """So many bits have at least so many decimal digits."""
+    """Number of bits that contain this number of decimal digits."""
     return digits * 10 // 3 + 2
 
 
 def has_digits(value: flint.arb, digits: int) -> bool:
-    """Whether the ball has the digits, or is so small that it has not to."""
+    """Whether the ball has the digits, or is small enough to need none."""
     return value.rel_accuracy_bits() >= bits_of(digits) or bool(value.abs_upper() < flint.arb(10) ** -LARGEST_POWER)
 
 
 def decimal_bounds(value: flint.arb, digits: int) -> tuple[str, str]:
-    """Two decimal numbers with the ball between them, with a few digits more than requested."""
+    """Two decimal numbers that contain the ball, with some more digits than requested."""
     with working_precision(bits_of(digits) + GUARD_BITS):
         return _bounds(value, digits)
 
@@ -177,7 +177,7 @@ def _bounds(value: flint.arb, digits: int) -> tuple[str, str]:
 
 
 def _decimal(value: flint.arb, digits: int, rounded: Callable[[Fraction], int]) -> str:
-    """An exact ball, that is a number, rounded to so many digits in one direction."""
+    """An exact ball, that is a number, rounded to a number of digits in one direction."""
     mantissa, exponent = (int(part) for part in value.man_exp())
     number = Fraction(mantissa) * Fraction(2) ** exponent
     power = floor((mantissa.bit_length() + exponent) * log10(2)) - digits

@@ -1,4 +1,4 @@
-"""Intervals that are sure to contain s^p C A(s)^-1 B at s = 2 pi f i, the data taken as the exact numbers that they are."""
+"""Guaranteed intervals that contain s^p C A(s)^-1 B at s = 2 pi f i, for exact data."""
 
 from __future__ import annotations
 

@@ -20,13 +20,13 @@ VANISHING = sympy.Float(10) ** -30
 
 @dataclass(frozen=True)
 class FormulaParameter:
-    """A symbol with what it is called and its default value.
+    """A symbol with its name and its default value.
 
     Attributes:
         symbol: in the expressions.
         name: as the user wrote it.
         value: the default, an exact number; None where there is none.
-        unit: of SI, or an empty text.
+        unit: unit of SI, or an empty text.
     """
 
     symbol: sympy.Symbol
@@ -47,7 +47,7 @@ class Impulse:
 
 @dataclass(frozen=True)
 class Jump:
-    """By how much the derivative of this order of a coordinate changes at t = 0."""
+    """Jump of the derivative of this order of a coordinate at t = 0."""
 
     name: str
     order: int
@@ -59,11 +59,11 @@ class ClosedForm:
     """x(t) for t > 0, one expression for each coordinate; what the printers of this folder print.
 
     Attributes:
-        names: of the r coordinates, as the user wrote them.
+        names: names of the r coordinates, as the user wrote them.
         values: r expressions in the time.
         time: the symbol t.
         parameters: the other symbols.
-        impulses, jumps: what happens at t = 0, and impulses later.
+        impulses, jumps: jumps and impulses at t = 0, and later impulses.
         admissible, continuous: equations in the values at 0- without which there are impulses, or jumps.
         assumptions: expressions that must not vanish for the formula to hold.
         positive: expressions that must be positive for the formula to be real in this form.
@@ -88,7 +88,7 @@ class ClosedForm:
 
         Args:
             x: a ``SymbolicResponse``, or a ClosedForm, which is returned as it is unless names or parameters are given.
-            names: of the coordinates; those of the response when not given.
+            names: names of the coordinates; those of the response when not given.
             parameters: default values by symbol, numbers.
 
         Returns:
@@ -111,7 +111,7 @@ class ClosedForm:
 
     @property
     def symbols(self) -> set[sympy.Symbol]:
-        """All symbols but the time."""
+        """All symbols except the time."""
         return set().union(*(value.free_symbols for value in self.values)) - {self.time}
 
     @property
@@ -136,7 +136,7 @@ class ClosedForm:
 
     @property
     def step_note(self) -> str:
-        """What H is, where it is used."""
+        """Definition of H, where it is used."""
         return "H(t) is the unit step: 0 before t = 0, 1 after." if any(v.has(sympy.Heaviside) for v in self.values) else ""
 
     def at_defaults(self, expression: sympy.Expr) -> sympy.Expr:
@@ -144,7 +144,7 @@ class ClosedForm:
         return expression.xreplace(self.defaults)
 
     def only(self, names: Sequence[str]) -> ClosedForm:
-        """The same of some of the coordinates, in this order.
+        """The formula of some of the coordinates, in this order.
 
         Raises:
             InputError: no such coordinate.

@@ -31,7 +31,7 @@ class TextPrinter(Notation, StrPrinter):
         return name + ("'" * order if order < 4 else f"^({order})")
 
     def term(self, term: Term) -> str:
-        """As of ``Notation``, divided by what divides the coefficient at the end: k cos(w t)/3."""
+        """A term as in ``Notation``, with the divisor of the coefficient at the end: k cos(w t)/3."""
         coefficient = term.coefficient
         if coefficient.is_Add or coefficient.is_number or term.function == 1:
             return super().term(term)

@@ -122,14 +122,14 @@ class MarkupPrinter(Notation, MathMLPresentationPrinter):
         return f"<mtext>{spaced}</mtext>"
 
     def _function(self, function: sympy.Expr) -> str:
-        """Its factors one by one: sympy's printer would put e^{-a t} below a line."""
+        """Factors of a function, printed one by one: sympy's printer would put e^{-a t} below a line."""
         return self.times.join(self.doprint(factor) for factor in in_reading_order(sympy.Mul.make_args(function)))
 
     def _infix(self, sign: str) -> str:
         return f'<mo form="infix">{"&#x2212;" if sign == "-" else "+"}</mo>'
 
     def parenthesize(self, item, level, strict=False):
-        """As of sympy's printer; roots need none, also those that sympy has as a product."""
+        """Parenthesize as sympy's printer does, except roots, also those that sympy represents as a product."""
         joined = joined_roots(item)
         if joined.is_Pow and joined.exp == sympy.S.Half:
             return self._print(joined)

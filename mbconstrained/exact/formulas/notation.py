@@ -1,4 +1,4 @@
-"""What plain text, LaTeX and MathML have in common: the names of symbols, terms with their signs, statements, and the order of factors."""
+"""Common notation of plain text, LaTeX and MathML: names of symbols, terms with signs, statements, and the order of factors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What all printers of formulas share: terms with their signs, abbreviations, conditions and assumptions."""
+"""Common layout of all printers of formulas: terms with signs, abbreviations, conditions and assumptions."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ class Layout:
     """The terms of every coordinate, and what the names in them stand for.
 
     Attributes:
-        form: where they are from.
+        form: source of the terms.
         rows: terms by coordinate.
         shorthands: names for long rates and frequencies.
-        digits: of decimals, or None where numbers are exact.
+        digits: digits of decimals, or None where numbers are exact.
     """
 
     form: ClosedForm

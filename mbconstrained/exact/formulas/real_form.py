@@ -26,7 +26,7 @@ _INFINITE = (sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 
 
 def real_form(form: ClosedForm) -> ClosedForm:
-    """The same formula, free of roots of numbers that are negative with the default values, and what must stay positive.
+    """The formula without roots of numbers that are negative with the default values, and the expressions that must stay positive.
 
     >>> t, k, c = sympy.symbols("t k c", positive=True)
     >>> form = ClosedForm.of(ClosedForm(("x",), (sympy.cos(sympy.sqrt(k - c) * t),), t), parameters={k: 1, c: 2})

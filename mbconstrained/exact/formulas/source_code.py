@@ -34,7 +34,7 @@ class SourceCode:
     """Expressions ready to be printed as a program.
 
     Attributes:
-        form: what is computed.
+        form: formula of the program.
         parameters: identifiers of the parameters, in their order.
         steps: (identifier, expression) one after the other.
         values: expressions for the coordinates.

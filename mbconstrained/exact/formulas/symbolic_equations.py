@@ -110,7 +110,7 @@ def followed(given: np.ndarray, known: np.ndarray, rows: Sequence[Row], order: i
 
 # Parameters as symbols: numbers and expressions of parameters as exact expressions of sympy.
 
-#: Of pi, where it is a number among rational ones.
+#: Digits of pi among rational numbers.
 PI_DIGITS = 45
 
 #: Ends the names that parameters have in the engine: no name of a user, nor s, t or a value at 0- (x1_0), ends with it.
@@ -126,7 +126,7 @@ class Symbols:
 
     Args:
         values: default values by name.
-        units: in which they are, by name.
+        units: units by name.
         numbers: whether the parameters are their default values from the start.
 
     >>> from mbconstrained.scene.quantities.expressions import read_expression

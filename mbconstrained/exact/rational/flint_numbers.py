@@ -1,4 +1,4 @@
-"""Between the numbers of Python and those of FLINT, roots of irreducible polynomials, and interpolation at whole numbers."""
+"""Conversion between numbers of Python and FLINT, roots of irreducible polynomials, and interpolation at whole numbers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ FIRST_PRECISION, LAST_PRECISION = 64, 2**14
 
 @contextmanager
 def working_precision(bits: int) -> Iterator[None]:
-    """The precision of balls in this block, by one thread at a time; afterwards the precision is what it was before."""
+    """A context with a precision of balls, for one thread at a time; afterwards the previous precision is restored."""
     with _PRECISION, flint.ctx.workprec(bits):
         yield
 
@@ -40,14 +40,14 @@ def rational(number) -> flint.fmpq:
 
 @Rational.register
 class _InLowestTerms:
-    """A rational number that Fraction takes without computing a greatest common divisor, which is slow for long numbers."""
+    """A rational number that Fraction accepts without computing a greatest common divisor, which is slow for long numbers."""
 
     def __init__(self, number: flint.fmpq):
         self.numerator, self.denominator = int(number.p), int(number.q)
 
 
 def fraction(number: flint.fmpq) -> Fraction:
-    """The same number as a Fraction."""
+    """The number as a Fraction."""
     return Fraction(_InLowestTerms(flint.fmpq(number)))
 
 
@@ -62,7 +62,7 @@ def fractions_of(p: flint.fmpq_poly) -> tuple[Fraction, ...]:
 
 
 def common_denominator(polynomials: Iterable[flint.fmpq_poly]) -> flint.fmpz:
-    """The least whole number that makes the coefficients of all of them whole."""
+    """The least whole number that makes all coefficients whole."""
     return flint.fmpz(reduce(lcm, (int(p.denom()) for p in polynomials), 1))
 
 
@@ -102,7 +102,7 @@ def interpolated(points: Sequence[int], values: flint.fmpz_mat) -> list[flint.fm
 
 
 def rounded_roots(p: flint.fmpz_poly) -> tuple[complex, ...]:
-    """The nearest float64 numbers to the real roots, and to those above the real axis, of an irreducible p.
+    """The nearest float64 numbers to the real roots of an irreducible p and to those above the real axis.
 
     A part that is zero is so exactly; one beyond the range of float64 is infinite.
 
@@ -130,7 +130,7 @@ def enclosed_roots(p: flint.fmpz_poly, precision: int) -> list[flint.acb]:
 
 
 def _rounded(ball: flint.arb, precision: int) -> float | None:
-    """The float64 number that is nearest to every number in the ball; None where there are two such numbers."""
+    """The float64 number nearest to every number in the ball; None where there are two."""
     middle, radius = exact_value(ball.mid()), exact_value(ball.rad())
     if 2 * precision > LAST_PRECISION:
         return _float(middle)

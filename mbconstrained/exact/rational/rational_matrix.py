@@ -52,7 +52,7 @@ class RationalMatrix:
 
     @classmethod
     def of(cls, A: PolynomialMatrix) -> RationalMatrix:
-        """The entries of A(s) as the exact numbers that they are; of a matrix given by its elements, those of the elements."""
+        """The entries of A(s) as exact numbers; for a matrix given by its elements those of the elements."""
         return cls([matrix.tolist() for matrix in A.exact_coefficients])
 
     @property
@@ -94,18 +94,18 @@ class RationalMatrix:
         return [p / (scale * prod(self.factors)) for p in self.minor(range(self.size), range(self.size)).solve(columns, highest)[0]]
 
     def root_polynomials(self, factor: tuple[flint.fmpq_poly, int]) -> list[RootPolynomials]:
-        """Those at the zeros of an irreducible monic polynomial, given with its multiplicity in det A(s)."""
+        """Root polynomials at the zeros of an irreducible monic polynomial, given with its multiplicity in det A(s)."""
         return root_polynomials(self, *factor)
 
     def infinite_root_polynomials(self) -> list[RootPolynomials]:
-        """Those of s^max(q, 1) A(1/s) at s = 0 (Moysis et al., Eq. 11)."""
+        """Root polynomials of s^max(q, 1) A(1/s) at s = 0 (Moysis et al., Eq. 11)."""
         zero = [flint.fmpq_mat(self.size, self.size)] if self.degree == 0 else []
         dual = RationalMatrix([matrix.tolist() for matrix in (*zero, *self.coefficients[::-1])])
         return root_polynomials(dual, X, self.size * dual.degree - self.determinant.degree())
 
     @cached_property
     def factors(self) -> list[flint.fmpq]:
-        """Of each row: what makes its coefficients whole numbers without a common divisor."""
+        """Factor of each row that makes its coefficients whole numbers without a common divisor."""
         return [_primitive_factor(row) for row in self.entries]
 
     @cached_property
@@ -120,7 +120,7 @@ class RationalMatrix:
         return [max(0, *(p.degree() for p in row)) for row in self.entries]
 
     def minor(self, rows: Sequence[int], columns: Sequence[int]) -> Minor:
-        """A square part of W(s); each is one object."""
+        """A square part of W(s), created once."""
         key = tuple(sorted(rows)), tuple(sorted(columns))
         if key not in self._minors:
             self._minors[key] = Minor(self, *key)
@@ -190,7 +190,7 @@ class Minor:
         return self._solved(degree + 1, len(columns), system)
 
     def _solved(self, points: int, count: int, system) -> list[list[flint.fmpq_poly]]:
-        """adj M b for each column b, where the system gives M and b at a point from the point, W and P there."""
+        """adj M b for each column b, with M and b at a point from W and P there."""
         if not self.rows:
             return [[] for _ in range(count)]
         samples, values = self._sampled(points), []
@@ -201,7 +201,7 @@ class Minor:
         return [polynomials[column::count] for column in range(count)]
 
     def _sampled(self, count: int) -> list[tuple]:
-        """(point, W there, P there, det P there) at as many points where P is regular; none where P is singular everywhere."""
+        """(point, W there, P there, det P there) at as many points with regular P as required; none where P is always singular."""
         while len(self._samples) < count:
             if self._singular > self.degree_bound:
                 return []
@@ -231,14 +231,14 @@ def _part(matrix: flint.fmpz_mat, rows, columns) -> flint.fmpz_mat:
 
 
 def regular_matrix(A: PolynomialMatrix) -> RationalMatrix:
-    """The entries of A(s) as the exact numbers that they are."""
+    """The regular matrix A(s) with its entries as exact numbers."""
     if A not in _KNOWN:
         _KNOWN[A] = RationalMatrix.of(A)
     return regular(_KNOWN[A], A.equations, A.coordinates)
 
 
 def regular(matrix: RationalMatrix, equations: Sequence[str], coordinates: Sequence[str]) -> RationalMatrix:
-    """The matrix itself, whose rows and columns have these names."""
+    """The matrix itself, with names of rows and columns for the error."""
     if not matrix.determinant:
         rows, columns = _involved(matrix)
         text = singular_sentence([equations[i] for i in rows], [coordinates[j] for j in columns])
@@ -247,7 +247,7 @@ def regular(matrix: RationalMatrix, equations: Sequence[str], coordinates: Seque
 
 
 def _involved(matrix: RationalMatrix) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """The rows and columns that take part in vectors of the null spaces."""
+    """The rows and columns in vectors of the null spaces."""
     values = [matrix.whole_at(point) for point in POINTS]
     rank = max(value.rank() for value in values)
     generic = [value for value in values if value.rank() == rank]
@@ -292,7 +292,7 @@ def root_polynomials(W: RationalMatrix, p: flint.fmpq_poly, multiplicity: int) -
 
 
 def _terms(W: RationalMatrix, p: flint.fmpq_poly, stages: Sequence[Pivots]) -> list[RootPolynomials] | None:
-    """None where the prime number was an unlucky one."""
+    """The terms; None for an unlucky prime number."""
     terms: list[RootPolynomials] = []
     rows: tuple[int, ...] = ()
     columns: tuple[int, ...] = ()
@@ -331,7 +331,7 @@ def _right_vectors(W, p, own: Pivots, earlier: Minor, order: int) -> list[list[f
 
 @dataclass(frozen=True, eq=False)
 class _Block:
-    """All elementary divisors p^k of one exponent k: they add right @ left / (p^k unit) to W(s)^-1.
+    """All elementary divisors p^k of one exponent k: they contribute right @ left / (p^k unit) to W(s)^-1.
 
     Attributes:
         earlier, upto: the minors in the pivots of smaller exponents, and in those and the own ones; their determinants are
@@ -366,7 +366,7 @@ class _Block:
 
 
 def _content(rows: Sequence[Sequence[flint.fmpq]]) -> flint.fmpq:
-    """The divisor that makes them whole numbers without a common divisor, the first one of the first column positive."""
+    """The divisor that makes entries whole numbers without a common divisor, the first one of the first column positive."""
     numbers = [number for column in zip(*rows) for number in column if number]
     denominator = lcm(*(int(number.q) for number in numbers))
     divisor = gcd(*(int((number * denominator).p) for number in numbers))
@@ -383,13 +383,13 @@ def _is_root_polynomial(W: RationalMatrix, vector, modulus) -> bool:
 
 
 def _quotient(dividend, divisor) -> flint.fmpq_poly | None:
-    """None where something is left over."""
+    """The quotient; None for a nonzero remainder."""
     quotient, rest = divmod(dividend, divisor)
     return None if rest else quotient
 
 
 def _placed(entries, places, size: int) -> list[flint.fmpq_poly]:
-    """A vector with these entries in these places and zeros elsewhere."""
+    """A vector with these entries at these indices and zeros elsewhere."""
     vector = [flint.fmpq_poly([0])] * size
     for place, entry in zip(places, entries):
         vector[place] = entry
@@ -461,7 +461,7 @@ def _taylor(whole, root: int, prime: int) -> list[flint.nmod_mat]:
 
 
 def _independent(matrix: flint.nmod_mat) -> list[int]:
-    """The columns that do not depend on those before them."""
+    """The columns that are independent of those before them."""
     reduced, rank = matrix.rref()
     return [next(j for j in range(reduced.ncols()) if int(reduced[i, j])) for i in range(rank)]
 
@@ -483,7 +483,7 @@ def _schur(series, rows, columns, precision: int) -> list[flint.nmod_mat]:
 
 
 def _difference(given, products, order: int) -> flint.nmod_mat:
-    """The coefficient of that order, less the products."""
+    """The difference of the coefficient of that order and the products."""
     total = given[order] if order < len(given) else given[0] - given[0]
     for left, right in products:
         total = total - left * right

@@ -1,4 +1,4 @@
-"""The polynomials over the rationals as the core of the exact answers takes them: FLINT's, read by users as Fractions."""
+"""The polynomials over the rationals for the core of the exact answers: those of FLINT, shown to users as Fractions."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ X = flint.fmpq_poly([0, 1])
 
 
 class RationalChain(JordanChain):
-    """A ``JordanChain`` whose values at the zeros are enclosed in balls."""
+    """A ``JordanChain`` with its values at the zeros enclosed in balls."""
 
     def at(self, digits: int = 15) -> tuple[tuple[flint.acb, np.ndarray], ...]:
         """Pairs of a zero and its v_0 ... v_(k-1), shape (k, r), for all zeros of p: balls that contain the true values.

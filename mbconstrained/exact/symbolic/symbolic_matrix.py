@@ -41,7 +41,7 @@ class LocalSmithForm:
     """U_L(s) A(s) U_R(s) = diag((s - zero)^k_1, ..., (s - zero)^k_r), U_L and U_R regular at the zero (Moysis et al., Eq. 9).
 
     Attributes:
-        zero: where.
+        zero: the zero of the local form.
         exponents: k_1 <= ... <= k_r.
         matrix: the form.
         terms: the root polynomials of every k_j > 0.
@@ -62,7 +62,7 @@ class SymbolicPolynomialMatrix:
         coefficients: A_0 ... A_q in ascending powers, each a square sympy matrix, array or nested lists; entries are
             expressions rational in symbols, ints, Fractions and floats, which stand for the shortest decimals that they
             are written as. pi and square roots of rationals are numbers too, up to two of the latter.
-        coordinates, equations: names as of ``PolynomialMatrix``.
+        coordinates, equations: names as in ``PolynomialMatrix``.
 
     Raises:
         InputError: an entry that is not of this kind (text, NaN, infinity, complex, sin(a), sqrt(k)), or not square.
@@ -94,7 +94,7 @@ class SymbolicPolynomialMatrix:
 
     @classmethod
     def of(cls, A: PolynomialMatrix) -> SymbolicPolynomialMatrix:
-        """The same matrix in exact rational numbers: its float64 entries are the rationals that they are.
+        """Return the matrix in exact rational numbers, equal to its float64 entries.
 
         Raises:
             InputError: A is no ``PolynomialMatrix``.
@@ -146,7 +146,7 @@ class SymbolicPolynomialMatrix:
 
     @cached_property
     def with_positive_symbols(self) -> SymbolicPolynomialMatrix:
-        """The same, all symbols declared to be positive, which roots are written shorter with; itself where they are."""
+        """Return the matrix with all symbols declared positive, which shortens roots; itself where they are."""
         names = as_positive(self.symbols)
         matrices = (matrix.xreplace(names) for matrix in self.coefficients)
         return SymbolicPolynomialMatrix(matrices, self.coordinates, self.equations) if names else self
@@ -194,11 +194,11 @@ class SymbolicPolynomialMatrix:
         return local_smith_form(self, zero)
 
     def root_polynomials(self, factor: tuple[sympy.Poly, int]) -> list[RootPolynomials]:
-        """Those at the zeros of an irreducible factor of det A(s), given with its multiplicity."""
+        """Return root polynomials at the zeros of an irreducible factor of det A(s), given with its multiplicity."""
         return root_polynomials(self, *factor)
 
     def infinite_root_polynomials(self) -> list[RootPolynomials]:
-        """Those of s^max(q, 1) A(1/s) at s = 0."""
+        """Return root polynomials of s^max(q, 1) A(1/s) at s = 0."""
         return infinite_root_polynomials(self)
 
     def jordan_pairs(self) -> SymbolicJordanPairs:
@@ -216,7 +216,7 @@ class SymbolicPolynomialMatrix:
 
 
 def checked_matrix(A) -> SymbolicPolynomialMatrix:
-    """A, which is a ``SymbolicPolynomialMatrix``, or an InputError."""
+    """A ``SymbolicPolynomialMatrix``, or an InputError."""
     if not isinstance(A, SymbolicPolynomialMatrix):
         raise InputError(
             f"A: found an object of type {type(A).__name__}; expected a SymbolicPolynomialMatrix (of numbers: SymbolicPolynomialMatrix.of(A))"
@@ -236,7 +236,7 @@ def _ratio(number) -> Fraction:
 
 
 def _adjugate_and_determinant(rows: list[list[sympy.Poly]]) -> tuple[list[list[sympy.Poly]], sympy.Poly]:
-    """Of a square matrix of Polys in s over a field, as Polys over the field.
+    """Adjugate and determinant of a square matrix of Polys in s over a field, as Polys over the field.
 
     Rows are multiplied by their denominators first; then the characteristic polynomial follows by Berkowitz's algorithm.
     """
@@ -254,7 +254,7 @@ def _adjugate_and_determinant(rows: list[list[sympy.Poly]]) -> tuple[list[list[s
 
 
 def _of_ring(matrix: DomainMatrix) -> tuple[DomainMatrix, object]:
-    """By Cayley and Hamilton: +-adj M = M^(r-1) + c_1 M^(r-2) + ... + c_(r-1); sympy's adj_det fails where a c is zero."""
+    """Cayley and Hamilton: +-adj M = M^(r-1) + c_1 M^(r-2) + ... + c_(r-1); sympy's adj_det fails where a c is zero."""
     identity = DomainMatrix.eye(matrix.shape[0], matrix.domain).to_dense()
     _, *middle, last = matrix.charpoly()
     total = identity
@@ -264,7 +264,7 @@ def _of_ring(matrix: DomainMatrix) -> tuple[DomainMatrix, object]:
 
 
 def _in_ring(ring: Domain, p: sympy.Poly, scale):
-    """A polynomial over the field times what makes its coefficients integral, as an element of the ring of polynomials."""
+    """A polynomial over the field, multiplied by its denominators, as an element of the ring of polynomials."""
     terms = p.rep.to_dict().items()
     return ring.ring.from_dict({power: ring.domain.convert(c * scale, p.domain) for power, c in terms})
 
@@ -288,7 +288,7 @@ def _common_denominator(field: Domain, values: list):
 
 
 def _raise_singular(A: SymbolicPolynomialMatrix) -> NoReturn:
-    """Which equations depend on each other and which coordinates are free, from the null spaces over the field."""
+    """Raise an error with the dependent equations and the free coordinates, from the null spaces over the field."""
     matrix = A(A.variable)
     rows = DomainMatrix.from_list_sympy(A.size, A.size, matrix.tolist()).convert_to(field_of([*matrix, A.variable]))
     equations, coordinates = _involved(rows.transpose()), _involved(rows)
@@ -297,7 +297,7 @@ def _raise_singular(A: SymbolicPolynomialMatrix) -> NoReturn:
 
 
 def _involved(rows: DomainMatrix) -> tuple[int, ...]:
-    """The columns that take part in a dependency."""
+    """The columns in a dependency."""
     null = rows.nullspace().to_Matrix()
     return tuple(j for j in range(null.cols) if any(entry != 0 for entry in null[:, j]))
 
@@ -306,7 +306,7 @@ def _involved(rows: DomainMatrix) -> tuple[int, ...]:
 
 
 def local_smith_form(A: SymbolicPolynomialMatrix, zero) -> LocalSmithForm:
-    """See ``SymbolicPolynomialMatrix.local_smith_form``."""
+    """The local Smith form, as ``SymbolicPolynomialMatrix.local_smith_form``."""
     zero, p = _zero_of(A, zero)
     det, multiplicity = A.determinant, 0
     while det.rem(p).is_zero:
@@ -318,7 +318,7 @@ def local_smith_form(A: SymbolicPolynomialMatrix, zero) -> LocalSmithForm:
 
 
 def _zero_of(A: SymbolicPolynomialMatrix, zero) -> tuple[sympy.Expr, sympy.Poly]:
-    """The zero as an expression, and the irreducible polynomial over the field that has it."""
+    """The zero as an expression, and its irreducible polynomial over the field."""
     if isinstance(zero, sympy.Expr):
         for p, _ in A.jordan_pairs().factors:
             if any(zero in (root.value, root.real - sympy.I * root.imaginary) for root in A.ring.roots(p) or ()):
@@ -335,9 +335,9 @@ def root_polynomials(A: SymbolicPolynomialMatrix, p: sympy.Poly, multiplicity: i
 
 
 def infinite_root_polynomials(A: SymbolicPolynomialMatrix) -> list[RootPolynomials]:
-    """Those of D(s) = s^q A(1/s) at s = 0, with q = 1 where it is 0: adj D and det D have the coefficients of adj A and det A in reverse.
+    """Root polynomials of D(s) = s^q A(1/s) at s = 0, q = max(degree, 1): adj D and det D are those of A reversed.
 
-    Those of the transposed matrix are computed, so that an entry of each row psi is 1, as in Moysis et al., Eq. 97.
+    They are computed from the transposed matrix, so that an entry of each row psi is 1, as in Moysis et al., Eq. 97.
     """
     r, q = A.size, max(A.degree, 1)
     transposed = [[_reversed(A, entry, q * (r - 1)) for entry in column] for column in zip(*A.adjugate)]
@@ -409,7 +409,7 @@ def _pivot(rows, p) -> tuple[int, int, int] | None:
 
 
 def _weight(entry: sympy.Poly) -> int:
-    """How long an entry is written: its number of terms in s and in the symbols."""
+    """Length of an entry: its number of terms in s and in the symbols."""
     field = entry.domain
     if not field.is_FractionField:
         return len(entry.terms())

@@ -27,7 +27,7 @@ class SymbolicMatrix(ExactMatrix, Protocol):
 
 
 class SymbolicJordanPairs(ExactJordanPairs):
-    """Both pairs of a regular A(s) for generic positive symbols; each part is computed when it is read.
+    """Finite and infinite Jordan pair of a regular A(s) for generic positive symbols, computed on demand.
 
     >>> m, k = sympy.symbols("m k", positive=True)
     >>> from mbconstrained import SymbolicPolynomialMatrix
@@ -174,7 +174,7 @@ def _shift(size: int, by: int) -> sympy.Matrix:
 
 
 def must_not_vanish(field: Domain, values: Iterable) -> tuple[sympy.Expr, ...]:
-    """The irreducible factors of all numerators and denominators that positive symbols can make zero, the short ones first.
+    """The irreducible factors of all numerators and denominators that vanish for some positive symbols, in order of length.
 
     >>> a, b = sympy.symbols("a b")
     >>> K = sympy.ZZ.frac_field(a, b)
@@ -194,5 +194,5 @@ def must_not_vanish(field: Domain, values: Iterable) -> tuple[sympy.Expr, ...]:
 
 
 def _resultant(p: sympy.Poly, other: sympy.Poly):
-    """Of two Polys over the field, an element of it: zero where they have a zero in common."""
+    """Resultant of two Polys over the field, an element of it: zero where they have a common zero."""
     return p.domain.from_sympy(p.resultant(other))

@@ -1,4 +1,4 @@
-"""The polynomials over the field of the entries as the core of the exact answers takes them: sympy's Polys; their factors."""
+"""The polynomials over the field of the entries for the core of the exact answers: sympy's Polys, and their factors."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class SymbolicZero:
     Attributes:
         value: in 1/s, in radicals, or with 30 digits where there are no symbols; of a complex pair the one above the real axis
             stands for both.
-        multiplicity, partial_multiplicities: as of ``FiniteZero``.
+        multiplicity, partial_multiplicities: as in ``FiniteZero``.
         is_pair: True where it stands for two.
     """
 
@@ -39,12 +39,12 @@ class SymbolicZero:
 
     @property
     def count(self) -> int:
-        """How many roots of det A(s) this entry stands for."""
+        """Number of roots of det A(s) for this entry."""
         return self.multiplicity * (2 if self.is_pair else 1)
 
 
 def integers(field: Domain) -> Domain:
-    """The ring that the field consists of fractions of; the field itself where it has none."""
+    """The ring whose fractions are the field; the field itself without one."""
     return field.get_ring() if field.has_assoc_Ring else field
 
 
@@ -67,7 +67,7 @@ def factors_of(p: sympy.Poly) -> Factors:
 
 
 def _monic(factor: sympy.Poly, field: Domain) -> sympy.Poly:
-    """With equal coefficients where polynomials are equal."""
+    """The monic factor with equal coefficients for equal polynomials."""
     monic = factor.set_domain(field).monic()
     return sympy.Poly([in_one_form(field, c) for c in monic.rep.to_list()], monic.gen, domain=field)
 
@@ -158,7 +158,7 @@ class SymbolicRing:
         return sympy.diag(*matrices).as_immutable()
 
     def finite_zeros(self, divisors) -> tuple[SymbolicZero, ...]:
-        """With symbols, those of factors of degree 1, 2 and s^4 + b s^2 + c (``radicals.roots``); of numbers all."""
+        """Finite zeros: with symbols those of factors of degree 1, 2 and s^4 + b s^2 + c (``radicals.roots``); for numbers all."""
         return tuple(
             SymbolicZero(root.value, multiplicity, exponents, root.is_pair)
             for p, multiplicity, exponents in divisors
@@ -166,7 +166,7 @@ class SymbolicRing:
         )
 
     def roots(self, p: sympy.Poly) -> tuple[Root, ...] | None:
-        """The zeros of an irreducible p; None where there are symbols and no closed form. Computed once."""
+        """The zeros of an irreducible p, computed once; None for symbols without a closed form."""
         if p not in self._roots:
             self._roots[p] = roots(p)
         return self._roots[p]

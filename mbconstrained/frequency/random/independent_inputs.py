@@ -1,7 +1,7 @@
-"""The same process from independent inputs: coherent inputs of one shape become combinations, filters become equations.
+"""Random inputs transformed to independent ones: coherent inputs of one shape are combined, filters become equations.
 
-Inputs whose spectra are proportional and whose coherences are real have S = G(f) L L^T: B L takes the place of B, and what cancels between them
-is zero there. Filtered noise u = n(s) q, d(s) q = w has a white input w in the equations
+Inputs whose spectra are proportional and whose coherences are real have S = G(f) L L^T: B L replaces B, and terms
+that cancel are exactly zero. Filtered noise u = n(s) q, d(s) q = w has a white input w in the equations
 
     [[A(s), -b n(s)], [0, d(s)]],
 
@@ -24,7 +24,7 @@ from .spectrum_pieces import PowerLaw, Rational
 
 
 def independent_inputs(harmonic: Harmonic, spectra: SpectralMatrix) -> tuple[Harmonic, SpectralMatrix]:
-    """The same outputs from inputs that are as independent and as white as they can be."""
+    """An equivalent process whose inputs are as independent and as white as possible."""
     m = len(spectra.names)
     ratios = np.array([[one.ratio(other) for other in spectra.spectra] for one in spectra.spectra]).reshape(m, m)
     coupled = spectra.coherence != 0
@@ -38,7 +38,7 @@ def independent_inputs(harmonic: Harmonic, spectra: SpectralMatrix) -> tuple[Har
 
 
 def _combined(harmonic: Harmonic, spectra: SpectralMatrix, ratios: np.ndarray):
-    """Without coherence: B L of each group of coupled inputs; the given ones where a cross spectrum has another shape or is complex."""
+    """Equations with B L for each group of coupled inputs; inputs with a cross spectrum of another shape or a complex one are kept."""
     share = spectra.coherence.copy()
     for (i, j), given in spectra.cross.items():
         own = spectra.spectra[i].ratio(given)
@@ -69,7 +69,7 @@ def _root(matrix: np.ndarray) -> np.ndarray:
 
 
 def _with_filters(harmonic: Harmonic, spectra: SpectralMatrix) -> tuple[Harmonic, SpectralMatrix]:
-    """Filters as equations, white noise as their inputs."""
+    """Equations with the filters as additional unknowns and white noise as input."""
     filtered = [(i, one.pieces[0]) for i, one in enumerate(spectra.spectra) if one.pieces and isinstance(one.pieces[0], Rational)]
     if not filtered:
         return harmonic, spectra

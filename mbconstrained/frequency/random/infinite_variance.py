@@ -1,4 +1,4 @@
-"""Whether the variance of an output is finite, and why not: poles on the axis, unstable poles, direct paths of white noise, slow decay.
+"""Existence of the variance of an output: poles on the axis, unstable poles, direct paths of white noise, slow decay.
 
 The integral of f^k G(f) exists at infinity where the exponent of f is below -1, and at a pole on the axis where the spectrum vanishes fast enough.
 """
@@ -22,7 +22,7 @@ NEXT_TO_ZERO = 1e-2
 
 @dataclass(frozen=True, eq=False)
 class Existence:
-    """Why integrals of f^k G(f) are infinite.
+    """Reasons why integrals of f^k G(f) are infinite.
 
     Attributes:
         reasons: for each power k and output a sentence, "" where the integral is finite, shape (K, p).
@@ -34,7 +34,7 @@ class Existence:
 
 
 def existence(transfer: SpectralTransfer, spectra: SpectralMatrix, powers: tuple[int, ...], units: tuple[str, ...]) -> Existence:
-    """Which spectral integrals exist."""
+    """Existence of the spectral integrals."""
     p = len(transfer.harmonic.outputs)
     reasons = np.full((len(powers), p), "", dtype=object)
     has_structural_damping = transfer.harmonic.imaginary is not None  # then H holds for f > 0 and has no stable poles below
@@ -65,7 +65,7 @@ def existence(transfer: SpectralTransfer, spectra: SpectralMatrix, powers: tuple
 
 
 def _at_pole(pole: RefinedPole, output: int, spectra: SpectralMatrix, power: int) -> str:
-    """The reason why the integral is infinite by one pole, or ""."""
+    """The reason for which a pole makes the integral infinite, or ""."""
     f0 = abs(pole.value.imag) / (2 * np.pi)
     if pole.value.real > 0 and not pole.on_axis:
         reached = pole.residues[:, output, [piece for piece in range(len(spectra.spectra)) if spectra.spectra[piece].pieces]]
@@ -85,7 +85,7 @@ def _at_pole(pole: RefinedPole, output: int, spectra: SpectralMatrix, power: int
 
 
 def _rise(spectra: SpectralMatrix, middle: float, R: np.ndarray, f0: float) -> float:
-    """The exponent of |f - f0| of R S R^H at a pole on the axis, infinite where it vanishes; measured next to a pole at zero frequency."""
+    """The exponent of |f - f0| of R S R^H at a pole on the axis, infinite where it vanishes; for f0 = 0 from next to it."""
 
     def reached(f: float) -> float:
         S = spectra(np.array([f + 0j]), middle)[..., 0]
@@ -136,7 +136,7 @@ def _decays(transfer: SpectralTransfer) -> np.ndarray:
 
 
 def _numerical_decays(transfer: SpectralTransfer) -> np.ndarray:
-    """The same of large models, from C J^k B without rounding errors."""
+    """The relative degrees of large models, from C J^k B without rounding errors."""
     form = transfer.harmonic.form
     C, B = np.abs(form.outputs @ form.pairs.finite.C), np.abs(form.pairs.finite.B @ form.inputs)
     right, right_size = form.pairs.finite.B @ form.inputs, B

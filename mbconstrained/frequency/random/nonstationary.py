@@ -29,7 +29,7 @@ EQUAL_STEPS = 8.0
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 
-#: Of the exponential series over a short step.
+#: Number of terms of the exponential series over a short step.
 TERMS = 18
 
 #: Models are moved by so many rounding errors, with so many patterns of signs.
@@ -46,7 +46,7 @@ class MarkovModel:
     """y = C z, z' = J z + B w with white noise w of intensity 1: the finite poles of H and of the filters of its inputs."""
 
     def __init__(self, transfer: SpectralTransfer, spectra: SpectralMatrix):
-        """For independent or partly coherent inputs that are white or filtered."""
+        """Create the model for independent or partly coherent inputs that are white or filtered noise."""
         if spectra.longest_delay or spectra.cross:
             raise InputError("white or filtered noise without delays and cross spectra is expected here")
         form, m = transfer.harmonic.form, len(spectra.names)
@@ -99,7 +99,7 @@ class MarkovModel:
         return P
 
     def moved(self, trial: int) -> MarkovModel:
-        """With the rounding errors that a decomposition leaves, relative to norms, and of J those of squarings that begin where |J| h is small."""
+        """The model perturbed by rounding errors: those of a decomposition relative to norms, and for J those of repeated squaring."""
         generator, other = np.random.default_rng(trial), copy.copy(self)
         for name in ("J", "roots", "C"):
             matrix = getattr(self, name)
@@ -127,12 +127,12 @@ class MarkovModel:
 
 
 def _triangular(factor: np.ndarray) -> np.ndarray:
-    """L with L L^T = F F^T, not wider than high."""
+    """L with L L^T = F F^T, no wider than high."""
     return np.asarray(np.linalg.qr(factor.T, mode="r")).T
 
 
 def _filter(spectrum, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """A, b, c, d of the filter that makes the spectrum of white noise of intensity 1."""
+    """A, b, c, d of the filter that shapes the spectrum from white noise of intensity 1."""
     none = np.zeros((0, 0)), np.zeros(0), np.zeros(0)
     if not spectrum.pieces:
         return *none, 0.0
@@ -159,7 +159,7 @@ def _filter(spectrum, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, fl
 def covariance_over_time(
     transfer: SpectralTransfer, spectra: SpectralMatrix, times, initial_covariance=None, modulation=None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """E[y y^T] after the noise is switched on; arguments as of ``RandomResponse.covariance_over_time``."""
+    """E[y y^T] after the noise is switched on; the arguments are those of ``RandomResponse.covariance_over_time``."""
     times = np.atleast_1d(evaluation_times(times))
     model = MarkovModel(transfer, spectra)
     terms = real_array([(1.0, 0.0)] if modulation is None else modulation, "modulation", shape=(None, 2))
@@ -270,6 +270,6 @@ def _normal(covariance: np.ndarray, generator) -> np.ndarray:
 
 
 def _root(matrices: np.ndarray) -> np.ndarray:
-    """The Hermitian square roots of semidefinite matrices: continuous, so that rounding errors do not change a path."""
+    """Hermitian square roots of semidefinite matrices, which depend continuously on rounding errors, as a sample path then does."""
     values, vectors = np.linalg.eigh(matrices)
     return (vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :]) @ np.conj(np.swapaxes(vectors, -1, -2))

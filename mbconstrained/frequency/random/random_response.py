@@ -86,7 +86,7 @@ class RandomResponse(Displayed):
 
     @property
     def quantity(self) -> str:
-        """What the outputs are."""
+        """Quantity of the outputs."""
         return self.harmonic.quantity
 
     @property
@@ -123,7 +123,7 @@ class RandomResponse(Displayed):
         return self._integrals[power]
 
     def _proved(self, integral: SpectralIntegral, finite: np.ndarray, power: int) -> SpectralIntegral:
-        """The integral with variances of the exact engine, of small models whose close or light modes leave fewer digits to sums of residues.
+        """The integral with exact variances, for small models with close or lightly damped modes, where residues lose digits.
 
         The integral of f^2k G is the variance of the k-th derivative over (2 pi)^2k.
         """
@@ -146,7 +146,7 @@ class RandomResponse(Displayed):
         return replace(integral, values=own, errors=(4 * EPS * np.abs(proved))[None])
 
     def _without_noise(self, integral: SpectralIntegral, finite: np.ndarray) -> SpectralIntegral:
-        """Zeros of those outputs that no input moves, where the integral is rounding error; of others it has no digit then."""
+        """Zero for outputs that no input excites, where the integral is rounding error; other outputs without digits are kept."""
         transfer = self._independent[0]
         is_small = integral.values[0].diagonal().real <= integral.errors[0]
         is_noise, is_lost = (is_small & which[finite] for which in (transfer.vanishes, transfer.seems_zero & ~transfer.vanishes))
@@ -160,7 +160,7 @@ class RandomResponse(Displayed):
 
     @property
     def white_part(self) -> np.ndarray:
-        """The one-sided intensity per Hz of the white noise in each output, shape (p,); infinite where it is rougher than white noise."""
+        """One-sided intensity per Hz of the white noise in each output, shape (p,); infinite where the output is rougher."""
         return self._exists(0).white_part
 
     @property
@@ -178,7 +178,7 @@ class RandomResponse(Displayed):
 
     @property
     def error_estimate(self) -> np.ndarray:
-        """Estimates of the relative errors of the variances, shape (p,); 0 where they are 0 or infinite, infinite where they have no digit."""
+        """Estimates of the relative errors of the variances, shape (p,); 0 where they are 0 or infinite, infinite without a digit."""
         return self.moment_error_estimate(0)
 
     def moment_error_estimate(self, order: int) -> np.ndarray:
@@ -237,14 +237,14 @@ class RandomResponse(Displayed):
         return np.sqrt(np.maximum(squares, 0.0))
 
     def _finite_within(self, low: float, high: float) -> np.ndarray:
-        """The numbers of the outputs whose variance is finite between two frequencies."""
+        """The indices of the outputs whose variance is finite between two frequencies."""
         transfer, spectra = self._independent
         return np.flatnonzero(
             [not reason for reason in existence(transfer, spectra.within(low, high), (0,), self.units).reasons[0]]
         )
 
     def cumulative_rms(self, frequencies_hz) -> np.ndarray:
-        """RMS values of the parts of the outputs below frequencies, shape (p, F); infinite where the variance up to there is.
+        """Return RMS values of the outputs below frequencies, shape (p, F); infinite where the variance up to there is infinite.
 
         Args:
             frequencies_hz: positive, ascending, shape (F,).
@@ -253,7 +253,7 @@ class RandomResponse(Displayed):
         return np.sqrt(np.cumsum(np.square(self.rms_in_bands([0.0, *f])), axis=1))
 
     def psd(self, frequencies_hz) -> np.ndarray:
-        """One-sided spectra of the outputs, shape (p, F), in the squared unit per Hz.
+        """Return one-sided power spectral densities of the outputs, shape (p, F), in the squared unit per Hz.
 
         Args:
             frequencies_hz: shape (F,).
@@ -261,7 +261,7 @@ class RandomResponse(Displayed):
         return self.cross_psd(frequencies_hz).diagonal().T.real
 
     def cross_psd(self, frequencies_hz) -> np.ndarray:
-        """One-sided cross spectra H G_u H^H, complex, shape (p, p, F).
+        """Return one-sided cross spectral densities H G_u H^H, complex, shape (p, p, F).
 
         Args:
             frequencies_hz: shape (F,).
@@ -300,10 +300,10 @@ class RandomResponse(Displayed):
         return xarray.DataArray(values, coords, ("output", "frequency"), f"spectrum of the {self.quantity}")
 
     def enclose(self, digits: int = 15) -> Enclosure:
-        """The variances between proved bounds, the data taken exactly: rational numbers for white and filtered noise, certified quadrature for tables.
+        """Return proved bounds of the variances for exact data: rational for filtered noise, quadrature for tables.
 
         Args:
-            digits: of each variance, relative to itself.
+            digits: significant digits of each variance.
 
         Returns:
             An ``Enclosure`` of shape (p,): .lower, .upper (decimal strings), .contains(values), .error_bounds(values).
@@ -368,10 +368,10 @@ class RandomResponse(Displayed):
     # Functions of time.
 
     def only(self, *names: str) -> RandomResponse:
-        """The same response with some of the outputs.
+        """Return the response of some of the outputs.
 
         Args:
-            names: of outputs.
+            names: names of outputs.
 
         Returns:
             A response.
@@ -386,7 +386,7 @@ class RandomResponse(Displayed):
         return replace(self, harmonic=replace(own, outputs=own.outputs[at], output_names=names, units=own.units[at]))
 
     def covariance_over_time(self, times, initial_covariance=None, modulation=None) -> np.ndarray:
-        """E[y y^T] at times after white or filtered white noise is switched on at t = 0; errors by ``covariance_over_time_error_estimate``.
+        """Return E[y y^T] after white or filtered noise is switched on at t = 0; errors by ``covariance_over_time_error_estimate``.
 
         Args:
             times: in s, shape (T,).
@@ -405,7 +405,7 @@ class RandomResponse(Displayed):
         """Estimates of the errors of ``covariance_over_time``, of each entry relative to sqrt(E[y_a^2] E[y_b^2]), of the same shape.
 
         Args:
-            times, initial_covariance, modulation: as there.
+            times, initial_covariance, modulation: as in ``covariance_over_time``.
 
         Returns:
             Shape (T, p, p); infinite where a variance is lost.
@@ -418,11 +418,11 @@ class RandomResponse(Displayed):
         return nonstationary.covariance_over_time(*self._independent, times, initial_covariance, modulation)[1]
 
     def sample(self, times, seed=None) -> np.ndarray:
-        """A random path of the stationary outputs with exactly these spectra.
+        """Return a sample path of the stationary outputs with exactly these spectra.
 
         Args:
             times: in s, shape (T,), any spacing.
-            seed: of ``numpy.random.default_rng``.
+            seed: seed of ``numpy.random.default_rng``.
 
         Returns:
             Shape (p, T).
@@ -437,7 +437,7 @@ class RandomResponse(Displayed):
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
-        """Outputs of infinite variance, inputs without spectra, values that are not accurate."""
+        """Notices on outputs of infinite variance, inputs without spectra, and inaccurate values."""
         result = list(self.harmonic.notices)
         result += [
             Notice(NoticeKind.ACCURACY, f'"{name}" has infinite variance: {reason}') for name, reason in self.infinite.items()
@@ -456,7 +456,7 @@ class RandomResponse(Displayed):
 
 
 def _edges(edges_hz) -> np.ndarray:
-    """Edges of bands in Hz: finite but for the last."""
+    """Edges of bands in Hz, all finite except the last."""
     given = np.atleast_1d(np.asarray(edges_hz, dtype=object))
     last = [np.inf] if len(given) and isinstance(given[-1], float) and given[-1] == np.inf else []
     edges = np.append(real_array(given[: len(given) - len(last)].tolist(), "edges_hz", shape=(None,)), last)

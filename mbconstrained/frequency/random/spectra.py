@@ -20,7 +20,7 @@ from ...ground.errors import InputError
 from ...ground.tolerances import SPECTRAL_ACCURACY
 from .spectrum_pieces import Line, PowerLaw, Rational
 
-#: What may be random, and the order of the derivative of a displacement that it is.
+#: Random quantities, and their orders of derivative of a displacement.
 KINDS = {"force": None, "displacement": 0, "velocity": 1, "acceleration": 2}
 
 #: Units of random quantities, by kind: the factor to SI units.
@@ -50,7 +50,7 @@ class Spectrum(Displayed):
     Attributes:
         pieces: between corner frequencies, ascending.
         of: "force" (also a moment), "displacement", "velocity" or "acceleration".
-        name: how it was given, for printing.
+        name: description for printing.
 
     >>> import mbconstrained as mb
     >>> table = mb.psd([10, 100], [1.0, 0.1], of="acceleration", unit="g^2/Hz")
@@ -75,10 +75,10 @@ class Spectrum(Displayed):
         return result if self.is_complex else result.real
 
     def within(self, low: float, high: float) -> Spectrum:
-        """The same function between two frequencies, zero outside.
+        """Return the spectrum between two frequencies, zero outside.
 
         Args:
-            low, high: in Hz.
+            low, high: frequencies in Hz.
 
         Returns:
             A spectrum.
@@ -92,7 +92,7 @@ class Spectrum(Displayed):
         return any(np.iscomplexobj(getattr(piece, "level", 0.0)) for piece in self.pieces)
 
     def piece_at(self, frequency_hz: float):
-        """The piece that holds this frequency, or None."""
+        """Return the piece that contains this frequency, or None."""
         return next((piece for piece in self.pieces if piece.lower <= frequency_hz <= piece.upper), None)
 
     def ratio(self, other: Spectrum) -> complex:
@@ -115,17 +115,17 @@ class Spectrum(Displayed):
 
     @property
     def corners(self) -> tuple[float, ...]:
-        """Where pieces begin and end, in Hz."""
+        """Frequencies in Hz at which pieces begin and end."""
         return tuple(sorted({edge for piece in self.pieces for edge in (piece.lower, piece.upper)}))
 
 
 def psd(frequencies_hz, values, of: str = "force", unit: str | None = None, interpolation: str = "log-log") -> Spectrum:
-    """A tabulated one-sided power spectral density, zero outside the table.
+    """Tabulated one-sided power spectral density, zero outside the table.
 
     Args:
         frequencies_hz: corner frequencies in Hz, ascending, shape (F,).
         values: G at the corners, shape (F,); with "steps" shape (F - 1,), each from its frequency to the next.
-        of: what is random: "force" (also a moment), or the "displacement", "velocity" or "acceleration" of a prescribed motion.
+        of: random quantity: "force" (also a moment), or the "displacement", "velocity" or "acceleration" of a prescribed motion.
         unit: of the values, such as "g^2/Hz", "(m/s^2)^2/Hz" or "N^2/Hz"; "N^2 s/rad" and other units per rad/s are those of a two-sided density
             over the angular frequency, G(f) = 4 pi S(2 pi f). SI units by default.
         interpolation: "log-log" (straight lines in a plot with logarithmic axes, as in test standards), "linear" or "steps".
@@ -186,7 +186,7 @@ def white_noise(intensity: float, of: str = "force", unit: str | None = None) ->
 
     Args:
         intensity: G; a two-sided S0 per rad/s is G = 4 pi S0.
-        of, unit: as of ``psd``.
+        of, unit: as in ``psd``.
 
     Returns:
         A ``Spectrum``.
@@ -208,7 +208,7 @@ def rational_spectrum(
     Args:
         intensity: G0, one-sided per Hz.
         numerator, denominator: of F, highest power of s first, as in scipy.signal.
-        of, unit: as of ``psd``, of the filtered noise.
+        of, unit: as in ``psd``, of the filtered noise.
 
     Returns:
         A ``Spectrum``.
@@ -240,7 +240,7 @@ def kanai_tajimi(intensity: float, frequency_hz: float = 2.5, damping_ratio: flo
         intensity: one-sided, of the acceleration of the rock.
         frequency_hz: of the soil.
         damping_ratio: z of the soil.
-        unit: of the intensity, as of ``psd``.
+        unit: unit of the intensity, as in ``psd``.
 
     Returns:
         A ``Spectrum`` of acceleration. Source: Tajimi, Proc. 2nd World Conference on Earthquake Engineering (1960).
@@ -295,7 +295,7 @@ def road_profile(road_class: str, speed: float, waviness: float = 2.0) -> Spectr
 
     Args:
         road_class: "A" (very good) to "H".
-        speed: of the vehicle in m/s.
+        speed: speed of the vehicle in m/s.
         waviness: exponent; 2 in the standard.
 
     Returns:
@@ -313,7 +313,7 @@ def road_profile(road_class: str, speed: float, waviness: float = 2.0) -> Spectr
 
 
 def _factor(unit: str | None, of: str) -> float:
-    """From a unit of a density to SI units squared per Hz, one-sided."""
+    """Conversion factor from a unit of a density to SI units squared per Hz, one-sided."""
     if unit is None:
         return 1.0
     text = re.sub("[·*]", " ", unit.replace("**", "^").replace("²", "^2")).strip() if isinstance(unit, str) else ""
@@ -335,7 +335,7 @@ def _factor(unit: str | None, of: str) -> float:
 
 
 def _conversion(unit: str | None, of: str) -> str:
-    """How a density in this unit is converted, in words; "" of SI units."""
+    """Conversion of a density from this unit, as text; "" for SI units."""
     factor, si = _factor(unit, of), {"force": "N", "displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}[of]
     if factor == 1:
         return ""

@@ -63,7 +63,7 @@ class SpectralIntegral:
 
 @dataclass
 class _IntegrationPanels:
-    """P intervals of the frequency, each with the middle of its pieces of the spectra; of the last kind the variable is 1/f."""
+    """P intervals of the frequency, each with the middle of its pieces of the spectra; in tail intervals the variable is 1/f."""
 
     lower: np.ndarray
     upper: np.ndarray
@@ -71,18 +71,18 @@ class _IntegrationPanels:
     is_tail: np.ndarray
 
     def halves(self, chosen: np.ndarray) -> _IntegrationPanels:
-        """Two panels for each of those that are chosen."""
+        """The halves of the selected panels."""
         a, b = self.lower[chosen], self.upper[chosen]
         c = (a + b) / 2
         twice = [np.tile(one[chosen], 2) for one in (self.middle, self.is_tail)]
         return _IntegrationPanels(np.append(a, c), np.append(c, b), *twice)
 
     def only(self, chosen: np.ndarray) -> _IntegrationPanels:
-        """Those that are chosen."""
+        """The selected panels."""
         return _IntegrationPanels(self.lower[chosen], self.upper[chosen], self.middle[chosen], self.is_tail[chosen])
 
     def joined(self, other: _IntegrationPanels) -> _IntegrationPanels:
-        """Both."""
+        """The panels followed by others."""
         return _IntegrationPanels(*(np.append(one, two) for one, two in zip(vars(self).values(), vars(other).values())))
 
     @property
@@ -93,7 +93,7 @@ class _IntegrationPanels:
 
     @property
     def weights(self) -> np.ndarray:
-        """Of the nodes, shape (P, 16)."""
+        """Weights of the nodes, shape (P, 16)."""
         own = (self.upper - self.lower)[:, None] / 2 * WEIGHTS
         return np.where(self.is_tail[:, None], own * self.nodes**2, own)
 
@@ -125,12 +125,12 @@ def _hermitian(matrices: np.ndarray) -> np.ndarray:
 
 
 def _diagonal(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Of the products of stacks of matrices (number, p, m) and (number, m, p): shape (number, p)."""
+    """Diagonals of the products of stacks of matrices (number, p, m) and (number, m, p): shape (number, p)."""
     return np.einsum("xai,xia->xa", left, right)
 
 
 def _product_sum(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """The sum of these products over the stack, as one product."""
+    """The sum of the products over the stack, as one product."""
     count, p, m = left.shape
     return left.transpose(1, 0, 2).reshape(p, count * m) @ right.reshape(count * m, p)
 
@@ -148,7 +148,7 @@ def _residue_errors(poles: list[RefinedPole], sizes: np.ndarray) -> np.ndarray:
 
 
 class _Integration:
-    """The work of one call."""
+    """State of one integration."""
 
     def __init__(self, transfer: SpectralTransfer, spectra: SpectralMatrix, powers: tuple[int, ...], outputs, edges=None):
         self.transfer, self.spectra, self.powers = transfer, spectra, powers
@@ -183,14 +183,14 @@ class _Integration:
         return SpectralIntegral(np.zeros((K, p, p)), np.zeros((K, p)), np.zeros((max(len(self.edges) - 1, 0), K, p)))
 
     def _with(self, new: _IntegrationPanels, bad: np.ndarray, panels: _IntegrationPanels, H, errors, *parts) -> tuple:
-        """All of these with new panels in the place of some."""
+        """Panels and values with some panels replaced by new ones."""
         keep, (new_H, new_errors) = ~bad, self._values(new)
         new_parts = self._sums(new, new_H), *self._near_poles(new)
         both = (np.concatenate([one[:, :, keep], two], axis=2) for one, two in ((H, new_H), (errors, new_errors)))
         return panels.only(keep).joined(new), *both, *(np.concatenate([one[keep], two]) for one, two in zip(parts, new_parts))
 
     def _centred(self, panels: _IntegrationPanels, errors: np.ndarray) -> _IntegrationPanels:
-        """Three panels for each, the middle one around the peak that is next to its node with the largest error: then no node is at the peak."""
+        """Three panels for each, the middle one around the peak next to the node of largest error: no node is on the peak."""
         nodes = panels.nodes[np.arange(len(errors)), errors.argmax(axis=1)]
         peaks = np.append(self.frequencies.real, np.inf)
         peak = peaks[np.abs(nodes[:, None] - peaks).argmin(axis=1)]
@@ -282,7 +282,7 @@ class _Integration:
         return S
 
     def _delayed_tails(self, panels: _IntegrationPanels, total: np.ndarray) -> None:
-        """Add what pairs of delayed inputs have from the end of the panels to infinity, along f - i u / (2 pi delay), u > 0 (Gauss-Laguerre)."""
+        """Add the tails of delayed inputs from the last panel to infinity, along f - i u / (2 pi delay), u > 0 (Gauss-Laguerre)."""
         form, power = self.transfer.harmonic.form, np.array(self.powers)
         for x in np.flatnonzero(panels.is_tail) if self.spectra.longest_delay else ():
             last = 1 / panels.upper[x]
@@ -307,8 +307,7 @@ class _Integration:
         return total
 
     def _near_poles(self, panels: _IntegrationPanels) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Integrals of principal parts less the sums of Gauss's rule for them, shape (P, K, p, p), and of their diagonals the errors by cancellation,
-        and by those of residues, (P, K, p)."""
+        """Integrals of principal parts less their sums by Gauss's rule, shape (P, K, p, p), and errors of the diagonals."""
         p, K = len(self.outputs), len(self.powers)
         total = np.zeros((len(panels.lower), K, p, p), dtype=complex)
         loss, doubts = np.zeros((2, *total.shape[:3]))
@@ -336,7 +335,7 @@ class _Integration:
         return _hermitian(total), loss, doubts
 
     def _principal_parts(self, number: np.ndarray, middle: np.ndarray, power: int) -> tuple[np.ndarray, tuple, np.ndarray]:
-        """Of poles by number, at pieces of the spectra: r = -i R f^k S(f) (conj R / (2 |sigma|) + rest)^T / (2 pi), and errors, (number, p).
+        """Principal parts of poles: r = -i R f^k S(f) (conj R / (2 |sigma|) + rest)^T / (2 pi), with errors, shape (number, p).
 
         Its Hermitian part and that of -i r are those of R (odd - i other) and -R (even + other), R of shape (number, p, m) and these of shape
         (number, m, p). The term with 1 / sigma belongs to the arc tangent but for the change of S from the axis to the pole, which is taken by
@@ -354,7 +353,7 @@ class _Integration:
         return R, (_hermitian(-1j * S) @ conjugate, _hermitian(S) @ conjugate, S @ np.swapaxes(rest, 1, 2)), doubt
 
     def _improved(self, panels, H, errors, sums, near, loss, doubts) -> SpectralIntegral:
-        """With other panels and with values of H solved for where the errors of their sums count."""
+        """The integral with refined panels, and with values of H by solutions where the errors of their sums matter."""
         for moves in range(MOVES + 1):
             size = np.abs((sums + near).sum(axis=0).diagonal(axis1=1, axis2=2).real)
             S = self._spectra_at(panels)
@@ -381,7 +380,7 @@ class _Integration:
         return SpectralIntegral(total.sum(axis=0), own.sum(axis=(0, 1)) + (loss + doubts).sum(axis=0) + 16 * EPS * size, parts)
 
     def _node_errors(self, panels: _IntegrationPanels, S: np.ndarray, H: np.ndarray, errors: np.ndarray) -> np.ndarray:
-        """Of the diagonal, by nodes and powers, shape (P, 16, K, p)."""
+        """Errors of the diagonal by nodes and powers, shape (P, 16, K, p)."""
         delta = np.einsum("ijxn,ajxn->aixn", np.abs(S), errors)
         both = ((2 * np.abs(H) + errors) * delta).sum(axis=1)
         powers = panels.nodes[..., None] ** np.array(self.powers)

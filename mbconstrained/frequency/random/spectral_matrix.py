@@ -24,8 +24,8 @@ class SpectralMatrix:
     """S(f) with the spectra on the diagonal and S_ij = coherence_ij sqrt(S_i S_j) e^{-i w (delay_i - delay_j)}, or given cross spectra.
 
     Attributes:
-        names: of the m inputs.
-        spectra: of each.
+        names: names of the m inputs.
+        spectra: spectra of each.
         coherence: square roots of the ordinary coherence, symmetric, shape (m, m).
         delays: in s, shape (m,).
         cross: given entries (i, j) with i < j.
@@ -50,7 +50,7 @@ class SpectralMatrix:
 
     @property
     def groups(self) -> list[list[int]]:
-        """The numbers of the inputs that depend on each other, directly or by others."""
+        """The indices of inputs that depend on each other, directly or indirectly."""
         from scipy.sparse.csgraph import connected_components
 
         coupled = self.coherence != 0
@@ -60,7 +60,7 @@ class SpectralMatrix:
         return [np.flatnonzero(label == number).tolist() for number in range(count)]
 
     def of_inputs(self, chosen: list[int]) -> SpectralMatrix:
-        """The same of some of the inputs."""
+        """The matrix of some of the inputs."""
         at = {i: place for place, i in enumerate(chosen)}
         cross = {(at[i], at[j]): given for (i, j), given in self.cross.items() if i in at and j in at}
         names, spectra = tuple(self.names[i] for i in chosen), tuple(self.spectra[i] for i in chosen)
@@ -122,10 +122,10 @@ class SpectralMatrix:
         return S
 
     def within(self, low: float, high: float) -> SpectralMatrix:
-        """The same matrix between two frequencies, zero outside.
+        """The matrix between two frequencies, zero outside.
 
         Args:
-            low, high: in Hz.
+            low, high: frequencies in Hz.
 
         Returns:
             Another matrix.
@@ -153,7 +153,7 @@ class SpectralMatrix:
 
 
 def spectral_matrix(excitation: Mapping, coherence=None, delays: Mapping | None = None) -> SpectralMatrix:
-    """The matrix of a table of spectra."""
+    """The spectral matrix of a table of spectra."""
     if not isinstance(excitation, Mapping) or not excitation:
         raise InputError('excitation: expected a table of spectra by the names of inputs, such as {"base": mb.psd(...)}')
     for name, spectrum in excitation.items():

@@ -32,7 +32,7 @@ class PowerLaw:
         return self.level * (f / self.lower) ** self.exponent if self.exponent else np.full(np.shape(f), self.level, dtype=complex)
 
     def within(self, low: float, high: float) -> PowerLaw:
-        """The same function between two frequencies."""
+        """The power law between two other frequencies."""
         return PowerLaw(low, high, self(np.array(low)).item() if self.exponent and low > self.lower else self.level, self.exponent)
 
     def ratio(self, other) -> complex:
@@ -68,7 +68,7 @@ class Line:
         return self.level * (1 - part) + self.end * part
 
     def within(self, low: float, high: float) -> Line:
-        """The same function between two frequencies."""
+        """The line between two other frequencies."""
         return Line(low, high, *self(np.array([low, high])).tolist())
 
     def ratio(self, other) -> complex:
@@ -81,7 +81,7 @@ class Line:
 
     @property
     def singularities(self) -> tuple[complex, ...]:
-        """A line is analytic; the square root of it, in cross spectra, is not at its zero."""
+        """No singularities of a line; those of its square root, in cross spectra, are at its zero."""
         rise = self.end - self.level
         return (complex(self.lower - self.level * (self.upper - self.lower) / rise),) if rise else ()
 
@@ -91,7 +91,7 @@ class Rational:
     """G(f) = intensity |F(i w)|^2, F(s) = numerator(s) / denominator(s), w = 2 pi f: white noise through a filter.
 
     Attributes:
-        intensity: of the white noise, one-sided per Hz.
+        intensity: intensity of the white noise, one-sided per Hz.
         numerator, denominator: coefficients, highest power first.
         lower, upper: 0 and infinity.
     """
@@ -109,7 +109,7 @@ class Rational:
         return self.intensity * above / (np.polyval(self.denominator, s) * np.polyval(self.denominator, -s))
 
     def within(self, low: float, high: float) -> Rational:
-        """The same function between two frequencies."""
+        """The rational spectrum between two other frequencies."""
         return replace(self, lower=low, upper=high)
 
     def ratio(self, other) -> complex:

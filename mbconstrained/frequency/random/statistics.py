@@ -110,6 +110,6 @@ def damage_rate(moments: dict[int, np.ndarray], exponent: float, strength: float
 
 
 def _root_of_ratio(above: np.ndarray, below: np.ndarray) -> np.ndarray:
-    """sqrt(above / below): 0 of 0 / 0, infinite where above is infinite."""
+    """sqrt(above / below): 0 for 0 / 0, infinite where above is infinite."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(np.isinf(above), np.inf, np.where(np.asarray(below) > 0, np.sqrt(np.asarray(above) / below), 0.0))

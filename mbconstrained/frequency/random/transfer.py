@@ -1,4 +1,4 @@
-"""H(f) with refined poles: the real part of a pole near the axis is the damping, and has to keep its own digits."""
+"""H(f) with refined poles: the real part of a pole near the axis is the damping, and needs its own relative accuracy."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class SpectralTransfer:
     """The values, poles and residues of s^p C A(s)^-1 B on the positive frequency axis."""
 
     def __init__(self, harmonic: Harmonic):
-        """For the matrices of one response."""
+        """Create the transfer function from the matrices of one response."""
         self.harmonic = harmonic
 
     @cached_property
@@ -83,11 +83,11 @@ class SpectralTransfer:
         return zeros
 
     def _zero_at(self, value: complex) -> FiniteZero:
-        """The zero of A(s) that is this pole, or its conjugate."""
+        """The eigenvalue of A(s) that equals this pole, or its conjugate."""
         return self._zeros.get(value) or self._zeros[min(self._zeros, key=lambda one: abs(one - value))]
 
     def _sizes(self, pole: Pole) -> np.ndarray:
-        """Of residues whose mode has its largest entries at input and output, shape (order, p, m)."""
+        """Scales of residues, attained by modes whose largest entries are at input and output, shape (order, p, m)."""
         form = self.harmonic.form
         pair, scaling = form.pairs.finite, form.pairs.form.companion.scaling
         at, right, J, left = form.subspace(self._zero_at(pole.value), pole.value)
@@ -99,7 +99,7 @@ class SpectralTransfer:
         return size[:, None, None] * limit
 
     def _newton_steps(self, values: list[complex]) -> tuple[list[complex], list[float]]:
-        """-mean of the diagonal of Y^T A(p) X for each pole, X and Y its vectors; and what rounding errors of A change in the real part.
+        """Newton steps -mean(diag Y^T A(p) X) of poles with vectors X and Y, and the effect of rounding errors of A on real parts.
 
         An entry of A_k adds Re(p^k y_i x_j) times its error: those of mass and stiffness nothing to an undamped motion.
         """
@@ -130,7 +130,7 @@ class SpectralTransfer:
 
     @cached_property
     def polynomial(self) -> np.ndarray:
-        """The polynomial part of H without what the transformations of the equations leave of entries that are zero, shape (K, p, m).
+        """The polynomial part of H without rounding errors of the transformations in zero entries, shape (K, p, m).
 
         D_k with k < power is C T^j B in the orthogonal basis of the finite part: rows of B that are zero there are rounding errors of the whole.
         """
@@ -147,13 +147,13 @@ class SpectralTransfer:
 
     @cached_property
     def seems_zero(self) -> np.ndarray:
-        """At which outputs all residues are rounding errors and the polynomial part is zero, shape (p,)."""
+        """Which outputs have rounding errors as residues and no polynomial part, shape (p,)."""
         parts = [_without_noise(pole.residues, pole.sizes) for pole in self.poles] + [self.polynomial]
         return np.all([~part.any(axis=(0, 2)) for part in parts], axis=0)
 
     @cached_property
     def vanishes(self) -> np.ndarray:
-        """Which outputs no input moves, shape (p,): decided by the data, not by sizes, where these are no too large equations."""
+        """Which outputs no input excites, shape (p,): decided from the data where the equations are not too large."""
         own, zero = self.harmonic, self.seems_zero
         if not zero.any() or own.imaginary is not None or np.iscomplexobj(own.outputs):
             return zero
@@ -161,7 +161,7 @@ class SpectralTransfer:
         return zero if known is None else zero & known.all(axis=1)
 
     def of_inputs(self, chosen: list[int]) -> SpectralTransfer:
-        """The same from some of the inputs."""
+        """The transfer function from some of the inputs."""
         own = self.harmonic
         names = tuple(own.input_names[i] for i in chosen)
         return SpectralTransfer(replace(own, inputs=own.inputs[:, chosen], input_names=names))

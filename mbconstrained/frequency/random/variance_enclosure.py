@@ -1,4 +1,4 @@
-"""Variances under random excitation between proved bounds, the data taken as the exact numbers that they are.
+"""Proved bounds of variances under random excitation, for exact data.
 
 With H = N / D in lowest terms, white or filtered noise of intensity G gives a rational number: G x_(n-1) / (2 d_n), where X of degree below n is
 the solution of D(s) X(-s) + D(-s) X(s) = N(s) N(-s) (Newton, Gould and Kaiser, Analytical Design of Linear Feedback Controls, 1957, appendix E,
@@ -50,7 +50,7 @@ class ExactVariance:
 
     Args:
         harmonic: H.
-        spectra: of its inputs.
+        spectra: spectra of its inputs.
     """
 
     def __init__(self, harmonic: Harmonic, spectra: SpectralMatrix):
@@ -82,7 +82,7 @@ class ExactVariance:
         return columns
 
     def enclosed(self, output: int, digits: int) -> flint.arb | None:
-        """A ball with the digits; None where the variance is infinite."""
+        """A ball with the requested digits; None where the variance is infinite."""
         numerators = self.numerators(output)
         for guard in GUARDS:
             with working_precision(bits_of(digits) + guard):
@@ -95,7 +95,7 @@ class ExactVariance:
         raise InputError(f"enclose: {digits} digits are not reached with {GUARDS[-1]} bits more; ask for fewer digits")
 
     def _of_group(self, group: list[int], numerators) -> flint.arb | None:
-        """What coherent inputs add."""
+        """Contribution of coherent inputs."""
         spectra = self.spectra
         pieces = [spectra.spectra[i].pieces for i in group]
         is_delayed = any(i in group for pair in spectra.delayed_pairs for i in pair)
@@ -222,7 +222,7 @@ def covariances_over_time(
 
 
 def _filter(pieces) -> tuple[flint.fmpq_poly, flint.fmpq_poly, float]:
-    """Numerator, denominator and intensity of the filter that makes a spectrum of white noise."""
+    """Numerator, denominator and intensity of the filter that shapes a spectrum from white noise."""
     if not pieces:
         return flint.fmpq_poly([1]), flint.fmpq_poly([1]), 0.0
     if isinstance(pieces[0], PowerLaw):
@@ -231,7 +231,7 @@ def _filter(pieces) -> tuple[flint.fmpq_poly, flint.fmpq_poly, float]:
 
 
 class _Chain:
-    """x^(N) + d_(N-1) x^(N-1) + ... + d_0 x = w in the unit of time in which no coefficient is large.
+    """x^(N) + d_(N-1) x^(N-1) + ... + d_0 x = w in a unit of time without large coefficients.
 
     Args:
         denominator: D of degree N.
@@ -259,7 +259,7 @@ class _Chain:
         return flint.arb_mat([own[number].entries() for own in rows])
 
     def step(self, time: flint.fmpq, decay: flint.fmpq) -> tuple[flint.arb_mat, flint.arb_mat]:
-        """e^{A t} of the own unit of time, and W with the modulation e^{-decay s}, both about the time t in s."""
+        """e^{A t} in the scaled unit of time, and W with the modulation e^{-decay s}, both about the time t in s."""
         N, t, b = self.size, time * self.rate, decay / self.rate
         doublings = max(0, int(t).bit_length() + int(abs(b)).bit_length() + 2)
         h = t / flint.fmpq(2) ** doublings
@@ -279,7 +279,7 @@ class _Chain:
 
 
 def _density(piece, f: flint.acb, analytic: bool, conjugate: bool = False) -> flint.acb:
-    """G of a piece at a complex frequency, or what is the conjugate on the axis."""
+    """G of a piece at a complex frequency, or the function that is its conjugate on the axis."""
 
     def number(value) -> flint.acb:
         value = complex(value).conjugate() if conjugate else complex(value)
@@ -307,7 +307,7 @@ def _mirrored(p: flint.fmpq_poly) -> flint.fmpq_poly:
 
 
 def _factors(p: flint.fmpq_poly) -> list[flint.fmpz_poly]:
-    """The irreducible factors, each once."""
+    """The distinct irreducible factors."""
     return [factor for factor, _ in flint.fmpz_poly([int(c.p) for c in (p * p.denom()).coeffs()]).factor()[1]]
 
 

@@ -1,4 +1,4 @@
-"""Maxima, minima and mean squares of functions of time in closed form: none is missed, each is as accurate as the function.
+"""Maxima, minima and mean squares of functions of time in closed form: complete, and as accurate as the function.
 
 Extrema are those of branch and bound.
 
@@ -64,7 +64,7 @@ class Extrema:
     Attributes:
         maximum, minimum: shape (r,).
         maximum_time, minimum_time: in s, shape (r,); that of a limit from the left is the last float64 number before the jump.
-        margin: how far the extrema may lie beyond these values, shape (r,); 0 but for motions of very many periods.
+        margin: bound of the excess of the extrema over these values, shape (r,); 0 except for motions of very many periods.
     """
 
     maximum: np.ndarray
@@ -80,11 +80,11 @@ class Extrema:
 
     @property
     def largest_time(self) -> np.ndarray:
-        """When it occurs, in s, shape (r,)."""
+        """Times of the largest moduli in s, shape (r,)."""
         return np.where(self.maximum >= -self.minimum, self.maximum_time, self.minimum_time)
 
     def with_values(self, function: Callable[[np.ndarray], np.ndarray]) -> Extrema:
-        """At the same times those of another function: the same one, evaluated more accurately."""
+        """The values of a more accurate evaluation at the times of the extrema."""
         count = len(self.maximum)
         times, place = np.unique([*self.maximum_time, *self.minimum_time], return_inverse=True)
         maximum, minimum = function(times)[np.tile(np.arange(count), 2), place].reshape(2, -1) if count else np.zeros((2, 0))
@@ -93,7 +93,7 @@ class Extrema:
         return replace(self, maximum=maximum, minimum=minimum)
 
     def shifted(self, constants: np.ndarray) -> Extrema:
-        """Those of f + constants."""
+        """Extrema of f + constants."""
         return replace(self, maximum=self.maximum + constants, minimum=self.minimum + constants)
 
 
@@ -191,7 +191,7 @@ def _by_values(function: Callable, edges: np.ndarray, panels: np.ndarray) -> tup
 
 
 def _by_doubling(function: BohlFunction, edges: np.ndarray, panels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same by integrals of w w^T over the first panel after each knot, doubled."""
+    """Integrals of f^2, with error estimates, by integrals of w w^T over the first panel after each knot, repeatedly doubled."""
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
     states = BohlFunction(np.eye(function.state_count), function.blocks, function.start)  # one set of states for all rows
     C, unit = function.coefficients, np.eye(function.state_count)
@@ -239,7 +239,7 @@ def sampled_extrema(at: Callable[[np.ndarray], np.ndarray], breaks: np.ndarray, 
 
 
 def _sampled_times(breaks: np.ndarray, rate: float, start: float, end: float) -> np.ndarray:
-    """As many times as the fastest part needs, and both sides of the breaks."""
+    """Enough times to resolve the fastest part, and both sides of the breaks."""
     wanted = int(min(max(FIRST_PANELS, SAMPLES * rate * (end - start)), MOST_SAMPLES))
     inside = breaks[(breaks > start) & (breaks < end)]
     return np.unique([*np.linspace(start, end, wanted + 1), *inside, *np.nextafter(inside, start)])
@@ -266,7 +266,7 @@ def positive_times(
 
 
 class _ExtremumSearch:
-    """The work of one call. Signs: all is done for f and for -f."""
+    """State of one search. Signs: each step is done for f and for -f."""
 
     def __init__(self, function: BohlFunction, start: float, end: float):
         function = BohlFunction(function.coefficients, function.blocks, function.start)  # one set of states for all derivatives
@@ -301,7 +301,7 @@ class _ExtremumSearch:
         return f, slope, bend, self._norms(states)
 
     def run(self) -> None:
-        """Search all panels, those that promise most first."""
+        """Search all panels, the most promising first."""
         count = len(self.scale) + 4 * len(self.margin)
         most, work = max(1, CHUNK // max(count, 1)), max(MOST_WORK // max(count, 1), 16 * len(self.edges))
         a, b = self.edges[:-1], np.nextafter(self.edges[1:], self.edges[:-1])  # the limits from the left
@@ -335,7 +335,7 @@ class _ExtremumSearch:
                 ]
 
     def _excess(self, panels: dict[str, np.ndarray]) -> np.ndarray:
-        """By how much panels may exceed the best values, relative to them, the most of all rows; of those too narrow to halve 0."""
+        """Largest relative excess of the bounds of panels over the best values, over all rows; 0 for panels too narrow to halve."""
         size = np.abs(self.best).max(axis=0)
         with np.errstate(invalid="ignore"):
             excess = (panels["hope"] - self.best[:, :, None]) / np.where(size > 0, size, TINY)[:, None]
@@ -343,7 +343,7 @@ class _ExtremumSearch:
         return np.where(wide, np.nan_to_num(excess, nan=np.inf).max(axis=(0, 1), initial=0.0), 0.0)
 
     def _note(self, times: np.ndarray, values: np.ndarray, rows: np.ndarray | None = None) -> None:
-        """Keep values (r, P) at times (P,), or values (P,) of single rows, where they are better."""
+        """Keep values (r, P) at times (P,), or values (P,) of single rows, where they exceed the best ones."""
         if not values.size:
             return
         for side, signed in enumerate((values, -values)):
@@ -357,7 +357,7 @@ class _ExtremumSearch:
             self.best[side, own[better]], self.times[side, own[better]] = candidates[better], at[better]
 
     def _halved(self, panels: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Halves of the panels, with the values that they may have at most."""
+        """Halves of the panels, with upper bounds of their values."""
         a, b, sizes = panels["a"], panels["b"], panels["sizes"]
         h, middle = b - a, a + (b - a) / 2
         f, slope, bend, new = self._at(middle)
@@ -399,7 +399,7 @@ def _part(panels: dict[str, np.ndarray], chosen) -> dict[str, np.ndarray]:
 
 
 def falling_root(rate: Callable, low, high, above, below, is_enough: Callable | None = None) -> np.ndarray:
-    """Where functions change from positive to negative, by the rule of Illinois: an end that stays twice counts half."""
+    """Sign changes of functions from positive to negative, by the Illinois method."""
     last, middle = np.zeros(len(low)), low
     for _ in range(STEPS):
         with np.errstate(invalid="ignore"):

@@ -1,4 +1,4 @@
-"""One oscillator under a record: y'' + 2 z w y' + w^2 y = a(t), a linear between samples, exactly at all samples and between them.
+"""Response of an oscillator to a record: y'' + 2 z w y' + w^2 y = a(t), a linear between samples, exact at all times.
 
 In the triangular form u' = l1 u + a, y' = l2 y + u, with l1, l2 = -z w +- sqrt(z^2 - 1) w, every damping ratio is treated alike: at critical damping
 the divided difference (e^{l1 h} - e^{l2 h}) / (l1 - l2) in the exponential of the step is h e^{l h}. Each recursion is a digital filter of first
@@ -50,7 +50,7 @@ def _taylor(derivatives: list, tau) -> np.ndarray:
 
 
 def _slopes(h: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Of a record; 0 where it jumps."""
+    """Slopes of a record; 0 where it jumps."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(h > 0, np.diff(values) / h, 0.0)
 
@@ -117,7 +117,7 @@ class Oscillator:
         return result
 
     def _long_steps(self, h: np.ndarray) -> np.ndarray:
-        """The same in closed form; squares of exponentials would lose the phase, and SciPy's recurrence for triangles its values next to underflow."""
+        """Exponentials of long steps in closed form: squaring loses the phase, SciPy's recurrence loses values near underflow."""
         l1, l2 = self.roots
         e1, e2, result = np.exp(l1 * h), np.exp(l2 * h), np.tile(np.eye(4, dtype=complex), (len(h), 1, 1))
         gap = l1 - l2
@@ -274,7 +274,7 @@ class Oscillator:
         return [(y, v, a, slope, length), (y_late, v_late, a + slope * late, slope, length)]
 
     def _zero(self, g, rate) -> np.ndarray:
-        """The first time, from 0 on, at which free motions from g and g' are zero; infinity where they never are."""
+        """The first nonnegative time at which a free motion from g and g' is zero; infinity without one."""
         l1, l2 = self.roots
         with np.errstate(divide="ignore", invalid="ignore"):
             if self.zeta < 1:
@@ -283,7 +283,7 @@ class Oscillator:
             return np.where((share >= 0) & (gap * share < 1), -np.log1p(-gap * share) / gap if gap else share, np.inf)
 
     def _highest(self, y, v, a, slope, h, output, best: float) -> float:
-        """The largest value of r = c_0 y + c_1 y' inside these intervals, or one that is known where that is larger.
+        """The largest value of r = c_0 y + c_1 y' inside these intervals, or a known larger one.
 
         The curvature r'' is a free motion, whose zeros are known. Between them r' is monotone: r has one maximum at most there, where r' falls from
         positive to negative, and lies below the tangents at both ends.
@@ -297,7 +297,7 @@ class Oscillator:
         grid = np.minimum(np.column_stack([np.zeros(len(h)), zero[:, None] + more, h]), h[:, None])
 
         def curve(row, tau):
-            """r and r'; y'' is a free motion too."""
+            """r and r'; y'' is a free motion as well."""
             now_y, now_v = self.inside(y[row], v[row], a[row], slope[row], tau)
             now_bend = self.free(bend[row], twist[row], tau)[0] if c1 else 0.0
             return c0 * now_y + c1 * now_v, c0 * now_v + c1 * now_bend

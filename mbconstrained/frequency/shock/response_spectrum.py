@@ -18,7 +18,7 @@ from ...signals.impulsive import ImpulsiveSmooth
 from .extrema import extrema
 from .oscillator import Oscillator
 
-#: What is plotted, as (c_0, c_1) of c_0 y + c_1 y', where -y is the displacement relative to the base.
+#: Quantities as (c_0, c_1) of c_0 y + c_1 y', where -y is the displacement relative to the base.
 QUANTITIES = {
     "absolute acceleration": lambda o: (o.w**2, 2 * o.zeta * o.w),
     "relative displacement": lambda o: (-1.0, 0.0),
@@ -47,10 +47,10 @@ class ShockResponseSpectrum(Displayed):
     Attributes:
         frequencies_hz: natural frequencies, shape (F,).
         damping_ratio: zeta.
-        quantity: what the peaks are of.
+        quantity: quantity of the peaks.
         primary_positive, primary_negative: largest values and moduli of the smallest ones during the shock, shape (F,).
-        residual_positive, residual_negative: the same after its end.
-        notices: how the signal was read.
+        residual_positive, residual_negative: largest positive and negative peak after its end.
+        notices: notices on the interpretation of the signal.
 
     >>> import mbconstrained as mb
     >>> step = mb.pulse([1.0], duration=1000.0)  # a step doubles: an undamped oscillator has the peak 2
@@ -72,7 +72,7 @@ class ShockResponseSpectrum(Displayed):
 
     @property
     def unit(self) -> str:
-        """Of the values, for a base acceleration in m/s^2."""
+        """Unit of the values, for a base acceleration in m/s^2."""
         return UNITS[self.quantity]
 
     @property
@@ -101,7 +101,7 @@ class ShockResponseSpectrum(Displayed):
         return np.maximum(self.primary, self.residual)
 
     def to_xarray(self):
-        """All parts as a ``DataArray`` with the dimensions part and frequency (Hz).
+        """Return all parts as a ``DataArray`` with the dimensions part and frequency (Hz).
 
         Returns:
             An ``xarray.DataArray``; its attributes are the unit and the damping ratio.

@@ -29,7 +29,7 @@ class BlockGroups:
         single, rates: the states of blocks of size one, and their rates.
         first: the first state of each block of size two.
         pairs: these blocks, shape (k, 2, 2), mean I + rest with rest^2 = square I.
-        larger: of each other size the states of its blocks, shape (k, n), and these blocks, (k, n, n).
+        larger: states of the blocks of each other size, shape (k, n), and these blocks, (k, n, n).
     """
 
     single: np.ndarray
@@ -62,7 +62,7 @@ class BlockGroups:
 
     @cached_property
     def growth(self) -> np.ndarray:
-        """Of each block of size two the real part of its zeros, the larger one's where both are real."""
+        """Largest real part of the eigenvalues of each block of size two."""
         pairs = self.pairs
         determinant = pairs[:, 0, 0] * pairs[:, 1, 1] - pairs[:, 0, 1] * pairs[:, 1, 0]
         return _larger_real_part(self.mean, self.square, determinant)
@@ -75,7 +75,7 @@ class BlockGroups:
         return np.concatenate([resting, places.reshape(-1)]), np.concatenate([np.zeros(len(resting)), turned.reshape(-1)])
 
     def oscillate(self, times: np.ndarray) -> np.ndarray:
-        """Which of the pairs oscillate, and do not grow out of range within these times."""
+        """Which of the pairs oscillate, and stay in range within these times."""
         with np.errstate(over="ignore"):
             return (self.square < 0) & (self.mean * times.max(initial=0.0) < MODERATE_EXPONENT)
 
@@ -94,7 +94,7 @@ def block_states(blocks: Sequence[np.ndarray] | BlockGroups, start: np.ndarray, 
 
 
 def _clusters(blocks, start, times) -> np.ndarray:
-    """Blocks (k, n, n) at times (T,), those together that start at the same ones, from (k, n, T) or (k, n, 1)."""
+    """Blocks (k, n, n) at times (T,), grouped by equal starts, from (k, n, T) or (k, n, 1)."""
     count, size = blocks.shape[:2]
     start = np.broadcast_to(start, (count, size, len(times)))
     states, started = np.zeros(start.shape), start.any(axis=1)  # what does not start stays zero, however fast it would grow
@@ -126,7 +126,7 @@ def _drifts(groups: BlockGroups, chosen, start, times, states) -> None:
 
 
 def _oscillations(groups: BlockGroups, chosen, start, times, states) -> None:
-    """Pairs that oscillate and do not grow out of range."""
+    """Pairs that oscillate and stay in range."""
     if not chosen.size:
         return
     at, rest, w, every = groups.first[chosen], groups.rest[chosen], np.sqrt(-groups.square[chosen]), np.arange(len(chosen))
@@ -150,7 +150,7 @@ def _any_pairs(groups: BlockGroups, chosen, start, times, states) -> None:
 
 
 def _larger_real_part(mean, square, determinant):
-    """mean + sqrt(square) where that is real, else mean: a slow decay next to a fast one must not be their difference."""
+    """mean + sqrt(square) where that is real, else mean, without cancellation for a slow decay next to a fast one."""
     root = np.sqrt(np.maximum(square, 0.0))
     return np.where((square > 0) & (mean < 0), determinant / np.where(mean < 0, mean - root, 1.0), mean + root)
 
@@ -170,7 +170,7 @@ def _even_and_odd(square, times):
 
 
 def _scaled(values, exponents):
-    """values * e^exponents in two halves: a tiny value may outweigh an exponential beyond the range; zeros stay zero."""
+    """values * e^exponents in two halves: a tiny value may compensate an exponential beyond the range; zeros stay zero."""
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         half = np.exp(exponents / 2)
         return np.where(values == 0, 0.0, values * half * half)

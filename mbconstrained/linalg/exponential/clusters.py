@@ -1,4 +1,4 @@
-"""e^{J t} v for blocks J of one size, each a cluster of close or defective zeros; all of them are taken at once.
+"""e^{J t} v for blocks J of one size, each a cluster of close or defective eigenvalues, all at once.
 
 Each is shifted by the mean of its zeros, which leaves a small, nearly nilpotent rest whose Taylor series ends quickly; what is left
 of its size is halved away and squared back (Moler and Van Loan 2003, method 3). At 1000 times a block of size four takes 4 ms,
@@ -53,7 +53,7 @@ def cluster_states(blocks, start, times) -> np.ndarray:
 
 
 def equal_groups(*keys: Iterable) -> list[np.ndarray]:
-    """The places at which all keys are the same, those of each in ascending order.
+    """The indices of equal keys, in ascending order for each.
 
     >>> [places.tolist() for places in equal_groups([1, 2, 1], [True, True, True])]
     [[0, 2], [1]]
@@ -129,7 +129,7 @@ def _upper_half(block):
 
 
 def _shifted_states(rest, shift, start, times) -> np.ndarray:
-    """e^{(rest + shift) t} start for every t, by Taylor in the rest and doubling, as often as each t needs."""
+    """e^{(rest + shift) t} start for every t, by Taylor series of the rest and doubling, as often as each t requires."""
     ends = (shift == 0) & ~np.tril(rest).any(axis=(1, 2))
     if ends.all():  # a polynomial in t, which ends by itself
         return _applied(rest, shift, start, times, start.shape[1] - 1)
@@ -149,7 +149,7 @@ def _shifted_states(rest, shift, start, times) -> np.ndarray:
 
 
 def _doubled(rest, shift, start, times, norm) -> np.ndarray:
-    """The same of rests that are no larger than this norm."""
+    """The states where all norms of the rest are at most this one."""
     states = np.empty(start.shape, dtype=np.result_type(rest, start))
     doublings = np.ceil(np.log2(np.maximum(norm * times, 1.0))).astype(int)
     for count in np.flatnonzero(np.bincount(doublings)).tolist():
@@ -208,7 +208,7 @@ def _applied(rest, shift, start, times, degree) -> np.ndarray:
 
 
 def _squared(rest, shift, start, steps, doublings) -> np.ndarray:
-    """By matrices that are squared so many times, from times / 2^doublings."""
+    """States by matrices squared the given number of times, from times / 2^doublings."""
     states, (count, size, _) = np.empty(start.shape, dtype=np.result_type(rest, start)), rest.shape
     chunk = max(1, CHUNK_ENTRIES // (count * size**2))
     for begin in range(0, len(steps), chunk):
@@ -219,7 +219,7 @@ def _squared(rest, shift, start, steps, doublings) -> np.ndarray:
 
 
 def _taylor_exponential(rest, shift, times, doublings) -> np.ndarray:
-    """e^{(rest + shift) t 2^doublings}, shape (k, T, n, n); the shift is in before the squaring: a decay keeps it in range.
+    """e^{(rest + shift) t 2^doublings}, shape (k, T, n, n), with the shift before the squaring, so that a decay keeps it in range.
 
     A chain of n states needs n - 1 powers to be there at all: the degree grows with the size.
     """

@@ -41,7 +41,7 @@ class Oscillations:
     sines: np.ndarray
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
-        """The cosines, below them the sines, shape (number of both, T); what would be a denormal number is zero.
+        """The cosines, below them the sines, shape (number of both, T); denormal numbers are replaced by zero.
 
         >>> pair = Oscillations(np.zeros(1), np.array([np.pi]), np.array([0]), np.array([0]))
         >>> pair(np.array([0.0, 1.0])).round(12).tolist()
@@ -70,7 +70,7 @@ class Oscillations:
         return result
 
     def _remaining(self, coefficients, times, lasting) -> tuple[Oscillations, np.ndarray]:
-        """The functions that are still something at these times, and their coefficients."""
+        """The functions that have not decayed at these times, and their coefficients."""
         kept = None if lasting is None else lasting.at(times)
         if kept is None or kept.all():
             return self, coefficients
@@ -78,7 +78,7 @@ class Oscillations:
         return replace(self, cosines=self.cosines[cosines], sines=self.sines[sines]), coefficients[:, kept]
 
     def are_many(self, times: np.ndarray) -> bool:
-        """Whether a table of all of them is worth any thought before it is made."""
+        """Whether a table of all functions is large enough to consider alternatives."""
         return len(self.growth) * len(times) >= MANY
 
     def _grids(self, times, step) -> tuple[np.ndarray, np.ndarray]:
@@ -106,7 +106,7 @@ class Oscillations:
         return self._without_decayed(result, times)
 
     def _of_sums(self, times, coarse, fine) -> np.ndarray:
-        """Each a small product: (cos T, -sin T) or (sin T, cos T), by (cos tau; sin tau)."""
+        """Values by small products: (cos T, -sin T) or (sin T, cos T), by (cos tau; sin tau)."""
         result, begin = np.empty((len(self.cosines) + len(self.sines), coarse.shape[2], fine.shape[2])), 0
         for chosen, part in ((self.cosines, _quarter_on(coarse)[:, ::-1]), (self.sines, coarse[:, ::-1])):
             right = fine if np.array_equal(chosen, np.arange(len(fine))) else fine[chosen]
@@ -115,7 +115,7 @@ class Oscillations:
         return self._without_decayed(result.reshape(len(result), coarse.shape[2] * fine.shape[2])[:, : len(times)], times)
 
     def _without_decayed(self, result, times) -> np.ndarray:
-        """With zeros for what would be denormal numbers."""
+        """The values with zeros in place of denormal numbers."""
         last = times.max(initial=0.0)
         if self.growth.min(initial=0.0) * last < -MODERATE_EXPONENT:
             rates = np.concatenate([self.growth[self.cosines], self.growth[self.sines]])
@@ -126,11 +126,11 @@ class Oscillations:
 
 @dataclass(frozen=True, eq=False)
 class Lasting:
-    """How long functions matter next to the slowest ones: what has decayed far below their rounding adds no digit.
+    """Duration for which functions matter next to the slowest ones, until their decayed values add no digit.
 
     Attributes:
         rates: a of each function, shape (k,).
-        logarithms: of its largest coefficient in any row relative to that of the slowest ones in this row, k / NOTHING times.
+        logarithms: logarithms of its largest coefficient in any row relative to that of the slowest ones, times k / NOTHING.
         slowest: the smallest a of these.
         since: a time by which all of them have turned by a radian: from then on their rounding is that of their size.
     """
@@ -142,7 +142,7 @@ class Lasting:
 
     @staticmethod
     def of(functions: Oscillations, coefficients: np.ndarray) -> Lasting | None:
-        """None where nothing decays.
+        """The durations; None where nothing decays.
 
         >>> pairs = Oscillations(np.array([-1.0, -100.0]), np.array([1.0, 2.0]), np.arange(2), np.arange(0))
         >>> Lasting.of(pairs, np.array([[1.0, 5.0]])).at(np.array([1.0, 1.1])).tolist()
@@ -163,7 +163,7 @@ class Lasting:
         return Lasting(functions.growth[pairs], logarithms, float(functions.growth[slow].min()), float(since))
 
     def at(self, times: np.ndarray) -> np.ndarray | None:
-        """Which are something within these times, None for all: the others together are less than NOTHING of the slow ones."""
+        """Which functions matter within these times, None for all: the others together are less than NOTHING of the slow ones."""
         first, last = times.min(), times.max()
         if first < self.since:
             return None
@@ -197,7 +197,7 @@ def of_phasors(phasors: np.ndarray, rates: np.ndarray, times: np.ndarray, step: 
 
 
 def _exponentials(rates: np.ndarray, times: np.ndarray, decays: bool) -> np.ndarray:
-    """e^{s t}, shape (T, m); where something decays so far, zero for what would be a denormal number."""
+    """e^{s t}, shape (T, m), with denormal numbers of decayed ones replaced by zero."""
     exponents = np.multiply.outer(times, rates)
     result = np.exp(exponents)
     if decays:

@@ -1,4 +1,4 @@
-"""Values at even times by powers of e^{S h}, with no decomposition: the cheapest method for one motion, free or under a record.
+"""Values at even times by powers of e^{S h}, without decomposition: the cheapest method for one motion, free or under a record.
 
 e^{S h} is SciPy's (Al-Mohy and Higham 2009), S balanced before. Its power for w steps takes w states at once w steps further.
 
@@ -18,10 +18,10 @@ from scipy.sparse import csr_array
 from ...ground.tolerances import EXPONENTIAL_PRODUCTS, NARROW_PRODUCT, NEGLIGIBLE_EXPONENTIAL, PADE_NORM
 from ..arrays import Matrix, entries, entry_count, filled_columns, full, of_like_kind
 
-#: So many states are taken to values at once, in parts of their own number.
+#: Number of states evaluated at once, in parts of their own number.
 CHUNK = 512
 
-#: Of a record so many values are computed at once.
+#: Number of values of a record computed at once.
 TOGETHER = 200_000
 
 #: An entry of a sparse matrix in a product takes so many times as long as one of a full matrix.
@@ -53,7 +53,7 @@ class Propagator:
         Args:
             output: shape (r, n), dense or sparse.
             start: v, shape (n,), or (n, m), as many starts at once.
-            count: how many times.
+            count: number of times.
 
         Returns:
             Shape (r, count), or (r, count, m).
@@ -84,7 +84,7 @@ class Propagator:
         return values.reshape(-1, count, starts) if start.ndim > 1 else values
 
     def _without_remote(self, matrix: np.ndarray) -> np.ndarray:
-        """e^{S h} or a power of it without entries whose products are no normal numbers, with which products take five times as long.
+        """e^{S h} or a power of it without entries whose products are denormal numbers, which make products five times slower.
 
         Only long chains of couplings have such entries where no entry of S h is of their kind. What they add to a higher power comes by
         shorter steps too, and by them less than 2^-50 of it. The diagonal is kept.
@@ -99,7 +99,7 @@ class Propagator:
 
 
 def _smallest(matrix: np.ndarray) -> float:
-    """The size of the smallest entry that is not zero; the largest number where there is none."""
+    """Modulus of the smallest nonzero entry; the largest number without any."""
     size = np.abs(matrix)
     return float(size.min(where=size > 0, initial=np.inf))
 
@@ -113,7 +113,7 @@ def _single_entries(output: Matrix) -> tuple[np.ndarray, np.ndarray] | None:
 
 
 def best_doublings(size: int, count: int, starts: int = 1) -> int:
-    """How often to square e^{S h} before states are taken on by it, many at once, so that the work is least.
+    """The number of squarings of e^{S h} before its application to many states at once, for least work.
 
     >>> best_doublings(200, 1000), best_doublings(2000, 1000), best_doublings(2000, 1)
     (4, 1, 0)
@@ -128,12 +128,12 @@ def _cost_of_use(size: int, count: int, doublings: int, starts: int) -> float:
 
 
 def cost_of_exponential(turned: float) -> float:
-    """Of e^{S h}, |S| h = turned, in products of matrices of its size."""
+    """Cost of e^{S h}, |S| h = turned, in products of matrices of its size."""
     return EXPONENTIAL_PRODUCTS + max(0, ceil(log2(max(turned, PADE_NORM) / PADE_NORM)))
 
 
 def cost_of_powers(size: int, count: int, turned: float) -> float:
-    """Of values at so many even times by powers of e^{S h}."""
+    """Cost of values at this number of even times by powers of e^{S h}."""
     return cost_of_exponential(turned) + _cost_of_use(size, count, best_doublings(size, count), 1)
 
 
@@ -153,7 +153,7 @@ def values_of_steps(
 
 
 def best_length(rows: int, states: int, driven: int, count: int) -> int:
-    """How many steps to take at once, a power of two: many cost products of matrices beforehand, few leave many groups.
+    """Number of simultaneous steps, a power of two: many require products of matrices beforehand, few leave many groups.
 
     >>> best_length(100, 200, 2, 10_000), best_length(8, 200, 2, 10_000)
     (16, 64)
@@ -163,7 +163,7 @@ def best_length(rows: int, states: int, driven: int, count: int) -> int:
 
 
 def cost_of_steps(rows: int, states: int, driven: int, count: int) -> float:
-    """Of all but the values themselves, in products of two matrices (n, n)."""
+    """Cost of all except the values themselves, in products of two matrices (n, n)."""
     length = best_length(rows, states, driven, count)
     alone = NARROW_PRODUCT * states**2 * count / length
     return (rows * length * (states**2 + driven * count) + alone) / states**3 + np.log2(length)
@@ -210,7 +210,7 @@ def _begins(across, start, gained) -> np.ndarray:
 
 
 def _table(outputs, input_matrix) -> np.ndarray:
-    """What takes states and inputs of a group to its values, shape (n + L m, r L)."""
+    """Matrix from states and inputs of a group to its values, shape (n + L m, r L)."""
     (length, r, n), m = outputs.shape, input_matrix.shape[1]
     table, driven = np.zeros((n + length * m, r, length)), (outputs @ input_matrix).transpose(2, 1, 0)
     table[:n] = outputs.transpose(2, 1, 0)

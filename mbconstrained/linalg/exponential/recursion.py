@@ -37,7 +37,7 @@ def recursion(blocks: Sequence[np.ndarray], start: np.ndarray, gained: np.ndarra
 
 
 def advance(blocks: Sequence[np.ndarray], states: np.ndarray, gaps: np.ndarray) -> None:
-    """The same in place: states (n, K + 1) begin as z_0, g_0, g_1, ... and become z_0, z_1, z_2, ..."""
+    """Advance states (n, K + 1) in place: they begin as z_0, g_0, g_1, ... and become z_0, z_1, z_2, ..."""
     begins = np.array([at.start for at in block_slices(blocks)], dtype=int)
     for size in {len(block) for block in blocks}:
         group = [i for i, block in enumerate(blocks) if len(block) == size]
@@ -46,7 +46,7 @@ def advance(blocks: Sequence[np.ndarray], states: np.ndarray, gaps: np.ndarray) 
 
 
 def shared_gaps(knots: np.ndarray, gaps: np.ndarray | None = None) -> np.ndarray:
-    """The differences of ascending times, those that are the same but for the rounding errors of the times made equal.
+    """The differences of ascending times, equal where they differ by rounding errors only.
 
     Not where the times would be moved by more than some units in their last place, or a difference lose half of its digits.
 
@@ -73,7 +73,7 @@ def propagators(blocks: Sequence[np.ndarray], gaps: np.ndarray) -> np.ndarray:
 
 
 def _advance(blocks, states, at, gaps) -> None:
-    """In place for the states at these places, shape (number of blocks, size)."""
+    """Advance in place the states at these places, shape (number of blocks, size)."""
     chunk = max(1, CHUNK_ENTRIES // (at.size * at.shape[1]))
     for begin in range(0, len(gaps), chunk):
         part = gaps[begin : begin + chunk]
@@ -91,7 +91,7 @@ def _advance(blocks, states, at, gaps) -> None:
 
 
 def _scanned(blocks, states, at, begin, gaps, steps, which) -> int:
-    """In place as many steps as make whole groups; how many these are, none where a group's exponential leaves the range."""
+    """Advance whole groups of steps in place; return their number, zero where the exponential of a group leaves the range."""
     length = int(len(gaps) ** 0.5)
     groups = len(gaps) // length
     covered = groups * length
@@ -121,7 +121,7 @@ def _starts(start, ends, across) -> np.ndarray:
 
 
 def _from(now, gained, factors, keep: bool = False) -> np.ndarray:
-    """All groups from their starts (size, blocks, groups) to their ends; what they pass is kept in place of the gains."""
+    """Propagate all groups from their starts (size, blocks, groups) to their ends; intermediate states can replace the gains."""
     part = np.empty_like(now[0])
     for step, factor in enumerate(factors):
         following = gained[:, step] if keep else gained[:, step].copy()
@@ -206,7 +206,7 @@ class ModalBasis:
 
     @staticmethod
     def of(decoupled: BlockDiagonal | ResidueModes) -> ModalBasis:
-        """Those of a decoupled matrix.
+        """The modal basis of a decoupled matrix.
 
         >>> from mbconstrained.linalg.blocks import block_diagonalize
         >>> modes = ModalBasis.of(block_diagonalize(np.array([[0.0, 2.0], [-2.0, 0.0]])))
@@ -245,11 +245,11 @@ class ModalBasis:
         return self.decoupled.modal_output(eye_array(len(y), format="csr")) @ y
 
     def modal_output(self, output: Matrix, order: int = 0) -> tuple[np.ndarray, np.ndarray]:
-        """The derivative of this order of output @ w: what multiplies real and imaginary parts of z in turn, and the rest of y.
+        """The derivative of this order of output @ w: factors of real and imaginary parts of z in turn, and of the rest of y.
 
         Args:
             output: shape (r, n).
-            order: of the derivative.
+            order: order of the derivative.
 
         Returns:
             Shapes (r, 2 p) and (r, rest).

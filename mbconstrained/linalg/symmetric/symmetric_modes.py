@@ -32,13 +32,13 @@ FEW = 12
 #: A condition of K below the spread by this factor, with the diagonal of M, does not belong to modes of such a spread.
 PRECHECK = 100.0
 
-#: So many shapes at most are refined: 200 take as long as some ten symmetric eigenproblems of that size.
+#: Largest number of refined shapes: 200 take as long as some ten symmetric eigenproblems of that size.
 REFINED_SHAPES = 200
 
 
 @dataclass(frozen=True, eq=False)
 class SymmetricModes:
-    """As a ``BlockDiagonal`` of the states (x, x'), its basis and inverse are computed when they are read.
+    """Undamped modes of the states (x, x'), in the form of a ``BlockDiagonal`` whose basis and inverse are computed on demand.
 
     The states are eta_i and eta_i' / w_i.
 
@@ -48,7 +48,7 @@ class SymmetricModes:
         rates: w, 1 where a mode has none.
         blocks: [[0, w], [-w, -c]], [[0, w], [w, -c]] where k_i < 0.
         coupling: 1, as the modes of a symmetric problem are orthogonal.
-        exact_blocks: none of them is in a place of its own.
+        exact_blocks: 0: no block is known exactly.
     """
 
     M: Matrix
@@ -65,7 +65,7 @@ class SymmetricModes:
 
     @property
     def inverse(self) -> np.ndarray:
-        """Of the basis, shape (2 m, 2 m)."""
+        """Inverse of the basis, shape (2 m, 2 m)."""
         return self.coordinates(np.eye(2 * len(self.shapes)))
 
     def modal_output(self, output: Matrix) -> np.ndarray:
@@ -143,7 +143,7 @@ def modes_of_wide_spread(M: Matrix, C: Matrix, K: Matrix, order: np.ndarray | No
 
 
 def may_be_wide(M: Matrix, K: Matrix) -> bool:
-    """Whether undamped rates may span so many orders of magnitude that modes are refined, by a bound without eigenvalues."""
+    """Whether undamped rates may span enough orders of magnitude for a refinement of modes, by a bound without eigenvalues."""
     if K.shape[0] > REFINED_SHAPES:
         return False
     root = np.sqrt(np.abs(M.diagonal()))
@@ -163,7 +163,7 @@ def undamped_shapes(M: Matrix, K: Matrix) -> np.ndarray | None:
 
 
 def _with_bodies(M: Matrix, K: Matrix, shapes: np.ndarray, bodies: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The shapes with those of free bodies in the places of so many of least frequency, and the stiffness and damping of these.
+    """The shapes with those of free bodies in place of the slowest ones, and the stiffness and damping of these.
 
     The others have no part in them. Supports couple both, which changes the shapes by the first order of a small number.
     """

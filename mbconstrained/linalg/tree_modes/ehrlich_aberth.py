@@ -1,4 +1,4 @@
-"""All zeros of a real polynomial p at once, from approximate ones and p'/p: the method of Ehrlich and Aberth.
+"""Simultaneous zeros of a real polynomial p, from approximate ones and p'/p, by the method of Ehrlich and Aberth.
 
 Every zero takes Newton's step for p divided by the distances to all others, so that no two go to the same place (Aberth 1973; for
 eigenproblems Bini, Gemignani and Tisseur 2005). Zeros off the real axis are kept as pairs; near the axis each one moves on its own,
@@ -21,7 +21,7 @@ MANY_STEPS, STEPS, CORRECTION_PART, FEW = 20, 50, 0.1, 8
 #: steps.
 NEAR, SLOW = 0.03, 12
 
-#: So many differences of zeros are computed at once.
+#: Number of differences of zeros computed at once.
 CORRECTION_CHUNK = 1 << 16
 
 
@@ -44,7 +44,7 @@ class Zeros:
 
 
 def zeros_near(newton: Callable[[np.ndarray], np.ndarray], start: np.ndarray, tolerance: float, left: float = 0.0) -> Zeros | None:
-    """As many zeros as there are approximate ones, None where they do not settle.
+    """As many zeros as approximate ones; None without convergence.
 
     >>> cubic = np.polynomial.Polynomial([-6.0, 11.0, -6.0, 1.0])
     >>> zeros_near(lambda s: cubic.deriv()(s) / cubic(s), np.array([0.5, 2.1, 4.0]), 1e-9).real.round(12).tolist()
@@ -76,7 +76,7 @@ def zeros_near(newton: Callable[[np.ndarray], np.ndarray], start: np.ndarray, to
 
 
 def _finite(newton, s: np.ndarray) -> np.ndarray:
-    """p'/p, next to the point where something vanishes there."""
+    """p'/p, at a neighbouring point where something vanishes."""
     result = newton(s)
     bad = ~np.isfinite(result)
     if bad.any():
@@ -85,7 +85,7 @@ def _finite(newton, s: np.ndarray) -> np.ndarray:
 
 
 def _others(s: np.ndarray, paired: np.ndarray, moving: np.ndarray) -> np.ndarray:
-    """The sum of 1 / (s - z) over all other zeros z and their conjugates, for those that move."""
+    """The sum of 1 / (s - z) over all other zeros z and their conjugates, for the iterated ones."""
     result = np.empty(len(moving), dtype=complex)
     a, square, pairs = s.real, s.imag**2, np.count_nonzero(paired)
     for begin in range(0, len(moving), width := max(1, CORRECTION_CHUNK // len(s))):
@@ -100,7 +100,7 @@ def _others(s: np.ndarray, paired: np.ndarray, moving: np.ndarray) -> np.ndarray
 
 
 def _parted(s: np.ndarray, paired: np.ndarray, moving: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Some pairs of those that move go on as two zeros, a little displaced from each other."""
+    """Some of the iterated pairs split into two zeros, slightly displaced from each other."""
     size, rest = NEAR * np.abs(s[at]), np.delete(np.arange(len(s)), at)
     split = np.concatenate([s[at] + size, s[at].conj() - size])
     marks = np.concatenate([np.isin(rest, moving), np.ones(len(split), dtype=bool)])

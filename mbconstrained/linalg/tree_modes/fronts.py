@@ -26,10 +26,10 @@ class SparseQuadratic:
     """P(s) by the entries of its coefficients.
 
     Attributes:
-        diagonal: of K, C and M, shape (3, N).
+        diagonal: diagonal of K, C and M, shape (3, N).
         off_diagonal: the entries of K, C and M that couple two coordinates, shape (3, E).
         ends: which these are, shape (2, E).
-        places: where the coordinates are in what was given, shape (N,).
+        places: positions of the coordinates in the given matrices, shape (N,).
         narrow: P(s) in the order of least fill.
     """
 
@@ -56,7 +56,7 @@ class SparseQuadratic:
 
     @cached_property
     def together(self) -> Multifrontal:
-        """P(s) in an order of few steps, where there is one."""
+        """P(s) in an order of few elimination steps, where there is one."""
         width = 2 * self.narrow.order.width
         order = elimination(self.size, self.ends, 2 * WIDEST, together=width)
         if order is None or FEWER * len(order.rounds) > len(self.narrow.order.rounds):
@@ -86,14 +86,14 @@ class SparseQuadratic:
         return stiff + more_stiff + s * (damped + more_damped) + s * s * inertia, damping, inertia
 
     def kept_digits(self, x: np.ndarray) -> float:
-        """x^T K x by the sum of the sizes of its terms as ``applied`` has them, x of shape (N, 1)."""
+        """x^T K x relative to the sum of the sizes of its terms in ``applied``, x of shape (N, 1)."""
         (of_each, of_differences), n = self._parts, self.size
         terms = np.abs(of_each[:n]) @ np.abs(x) + np.abs(of_differences[:n]) @ np.abs(x[self.ends[1]] - x[self.ends[0]])
         return float(np.abs((x * self.applied(np.zeros(1), x)[0]).sum()) / (np.abs(x) * terms).sum())
 
     @cached_property
     def _parts(self) -> tuple[csr_array, csr_array]:
-        """For x parts of K and C and all of C and M, shape (4 N, N), for differences of x at two ends the rest, (2 N, E).
+        """Matrices for parts of K and C and all of C and M, shape (4 N, N), and for differences at two ends for the rest, (2 N, E).
 
         Rows are sums of differences where their off-diagonal entries are not the larger ones: else units of neighbours differ.
         """
@@ -115,7 +115,7 @@ class SparseQuadratic:
         return (_without_zeros([*of_each, *whole[1:]]), _without_zeros(of_differences))
 
     def halves(self) -> tuple[SparseQuadratic, SparseQuadratic]:
-        """What is eliminated because of one coordinate, and all else, the couplings of both taken out: their ends are fixed."""
+        """The coordinates eliminated because of one, and all others, without their couplings: as if their ends were fixed."""
         below = np.zeros(self.size, dtype=bool)
         below[self.narrow.order.subtree(PART)] = True
         return self._part(below), self._part(~below)
@@ -128,7 +128,7 @@ class SparseQuadratic:
 
 
 def sparse_quadratic(M: Matrix, C: Matrix, K: Matrix) -> SparseQuadratic | None:
-    """From symmetric matrices, M of the first coordinates only; None where a front is wider than ``WIDEST``."""
+    """P(s) of symmetric matrices, M of the first coordinates only; None where a front is wider than ``WIDEST``."""
     size, ends, result = K.shape[0], coupled_pairs(M, C, K), [entries(matrix) for matrix in (K, C, M)]
     if ends.shape[1] > WIDEST * size:
         return None
@@ -180,7 +180,7 @@ class Multifrontal:
     """P(s) by the entries of K, C and M, in an order of elimination."""
 
     def __init__(self, order: EliminationOrder, diagonal: np.ndarray, off_diagonal: np.ndarray, ends: np.ndarray) -> None:
-        """Coordinates as they were given."""
+        """Create the factorization with coordinates in the given order."""
         self.order, self._data = order, (diagonal, off_diagonal, ends)
 
     def newton(self, s: np.ndarray) -> np.ndarray:
@@ -205,7 +205,7 @@ class Multifrontal:
         return result
 
     def factored(self, s: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        """1 / d and what the fronts take, by steps, shapes (G, S) and (front, G, S): P = (I + L) D (I + L)^T.
+        """1 / d and the updates of the fronts, by steps, shapes (G, S) and (front, G, S): P = (I + L) D (I + L)^T.
 
         P is wanted near its zeros: a d that is exactly 0, all of it lost to rounding, becomes a rounding error of its terms
         (inverse iteration: Wilkinson 1965, chapter 5; LAPACK's stein).
@@ -241,13 +241,13 @@ class Multifrontal:
 
     @cached_property
     def _width(self) -> int:
-        """How many s at once."""
+        """Number of simultaneous values of s."""
         entries = [(1 + len(step.fronts)) ** 2 * step.fronts.shape[1] for step in self.order.steps]
         return max(LEAST, FRONTS // max(entries))
 
     @cached_property
     def _columns(self) -> list[np.ndarray]:
-        """By steps (1, s, s^2)-coefficients of the columns of P and of P', shape (2, (1 + front) G, 3)."""
+        """Coefficients of (1, s, s^2) in the columns of P and of P' by steps, shape (2, (1 + front) G, 3)."""
         (diagonal, off_diagonal, ends), steps, fronts = self._data, self.order.steps, self.order.fronts
         place, begins = np.empty(len(fronts), dtype=int), [0]
         place[self.order.nodes] = np.arange(len(place))
@@ -271,13 +271,13 @@ def _column(coefficients, powers, step: EliminationStep) -> np.ndarray:
 
 
 def _reduce(column: np.ndarray, links: tuple[Inheritance, ...], waiting: dict[int, np.ndarray]) -> None:
-    """Less what the children take from the coordinates, in place."""
+    """Subtract the updates of the children from the coordinates, in place."""
     for link in links:
         column[link.first] -= waiting[link.step][:, 0][:, :, link.given]
 
 
 def _with_others(change: np.ndarray, links: tuple[Inheritance, ...], waiting: dict[int, np.ndarray]) -> np.ndarray:
-    """What the coordinates and, still, their children take from the fronts, shape (_, front, front, G, S)."""
+    """Updates of the fronts from the coordinates and their children, shape (_, front, front, G, S)."""
     for link in links:
         if link.others is not None:
             change[link.others] += waiting[link.step][:, 1:, 1:, link.given]

@@ -1,6 +1,6 @@
-"""In which order the coordinates of a symmetric matrix are eliminated so that little fills in, and what each elimination touches.
+"""Order of elimination of the coordinates of a symmetric matrix with little fill-in, and the entries of each elimination.
 
-Always those with the fewest neighbours are next (minimum degree: Tinney and Walker 1967; George and Liu 1981, chapter 5), as many
+The coordinates with the fewest neighbours are next (minimum degree: Tinney and Walker 1967; George and Liu 1981, chapter 5), as many
 as are not neighbours of each other together (Liu 1985); the neighbours of each become neighbours of each other, its front. A chain
 or a tree has fronts of one coordinate, a ring and a ladder of two, a beam of three. With fronts twice as wide very many can be
 eliminated together.
@@ -22,19 +22,19 @@ from ..arrays import Matrix, entries
 #: else LAPACK's QR algorithm (geev) is as fast (measured: ladders from 250 coordinates, bands of 3 from 350, of 6 from 550).
 WIDEST, EACH = 8, 120
 
-#: So many coordinates at most are eliminated together: what they need stays near the processor.
+#: Largest number of coordinates eliminated together, whose data fit into the cache.
 TOGETHER = 64
 
 
 @dataclass(frozen=True, eq=False)
 class Inheritance:
-    """What some of a step take over from coordinates of an earlier one, one child each.
+    """Updates that the coordinates of a step take over from children in an earlier step.
 
     Attributes:
         step: the earlier one.
-        first, others: where in (_, 1 + front, G, S) and (_, front, front, G, S) of the step that takes it.
-        given: which of the earlier step.
-        is_last: whether nothing else is taken from there.
+        first, others: positions in (_, 1 + front, G, S) and (_, front, front, G, S) of the receiving step.
+        given: coordinates of the earlier step.
+        is_last: whether no later step takes updates from there.
     """
 
     step: int
@@ -49,9 +49,9 @@ class EliminationStep:
     """G coordinates that are eliminated together, all with fronts of one size.
 
     Attributes:
-        own: where they are in the order.
-        fronts: where their fronts are in the order, shape (front, G).
-        links: what they take over.
+        own: their positions in the order.
+        fronts: positions of their fronts in the order, shape (front, G).
+        links: updates from their children.
     """
 
     own: slice
@@ -60,7 +60,7 @@ class EliminationStep:
 
     @cached_property
     def spread(self) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarray], ...]:
-        """Places in the order, none twice, and which entry of (front, G) goes there, until all are named."""
+        """Positions in the order, without repetition in one array, with their entries of (front, G), until all are listed."""
         return tuple((self.fronts[one, other], one, other) for one, other in _without_repetition(self.fronts))
 
 
@@ -72,7 +72,7 @@ class EliminationOrder:
         nodes: the coordinates in this order, shape (N,).
         fronts: places in the order, later ones, that are neighbours when each coordinate is eliminated, ascending; the first is the
             parent in the elimination tree (Liu 1990).
-        rounds: how many are eliminated together.
+        rounds: numbers of coordinates eliminated together.
     """
 
     nodes: np.ndarray
@@ -81,7 +81,7 @@ class EliminationOrder:
 
     @property
     def width(self) -> int:
-        """Of the widest front."""
+        """Width of the widest front."""
         return max(map(len, self.fronts), default=0)
 
     @cached_property
@@ -119,7 +119,7 @@ class EliminationOrder:
 
     @cached_property
     def _slices(self) -> list[slice]:
-        """Of the order, fronts of one size each."""
+        """Slices of the order with fronts of one size each."""
         result, begin = [], 0
         for count in self.rounds:
             end = begin + count
@@ -132,7 +132,7 @@ class EliminationOrder:
         return result
 
     def subtree(self, part: float) -> np.ndarray:
-        """The coordinates that are eliminated because of one, and this one, about this part of all."""
+        """The coordinates eliminated because of one, this one included, for one that has about this fraction of all."""
         count = len(self.fronts)
         sizes, below = np.ones(count, dtype=int), np.zeros(count, dtype=bool)
         for child, front in enumerate(self.fronts):
@@ -146,7 +146,7 @@ class EliminationOrder:
 
 
 def elimination(size: int, ends: np.ndarray, widest: int = WIDEST, together: int = 0) -> EliminationOrder | None:
-    """Of so many coordinates, two of them coupled in each column of ``ends``; None where a front is wider.
+    """Order of elimination of coordinates that are coupled in pairs by ``ends``; None where a front is wider.
 
     >>> chain = np.array([[0, 1, 2, 3], [1, 2, 3, 4]])
     >>> [elimination(5, chain, together=width).rounds for width in (1, 2)]
@@ -163,7 +163,7 @@ def elimination(size: int, ends: np.ndarray, widest: int = WIDEST, together: int
 
 
 def _neighbours(size: int, ends: np.ndarray) -> list[set[int]]:
-    """Those that each coordinate is coupled to."""
+    """Neighbours of each coordinate."""
     result: list[set[int]] = [set() for _ in range(size)]
     for one, other in ends.T.tolist():
         result[one].add(other)
@@ -172,7 +172,7 @@ def _neighbours(size: int, ends: np.ndarray) -> list[set[int]]:
 
 
 def _rounds(neighbours: list[set[int]], widest: int, together: int) -> list[list[int]] | None:
-    """What is eliminated together; neighbours become those that each one has when it is eliminated."""
+    """Groups of coordinates eliminated together; neighbours are updated to those at the time of elimination."""
     waiting, done, result = [(len(own), node) for node, own in enumerate(neighbours)], [False] * len(neighbours), []
     heapify(waiting)
     while waiting:
@@ -198,12 +198,12 @@ def _rounds(neighbours: list[set[int]], widest: int, together: int) -> list[list
 
 
 def are_worth(width: int, size: int) -> bool:
-    """Whether fronts of this width are, for so many coordinates (``quadratic_modes``)."""
+    """Whether fronts of this width are efficient for this number of coordinates (``quadratic_modes``)."""
     return width <= 1 or size >= EACH * width
 
 
 def front_width(*matrices: Matrix) -> int | None:
-    """Of the widest front when symmetric matrices of the same first coordinates are eliminated, None for more than ``WIDEST``.
+    """Width of the widest front in the elimination of symmetric matrices of the same first coordinates; None above ``WIDEST``.
 
     >>> front_width(np.eye(3), np.ones((3, 3))), front_width(np.eye(20), np.ones((20, 20)))
     (2, None)

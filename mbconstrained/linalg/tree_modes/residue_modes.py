@@ -1,4 +1,4 @@
-"""A symmetric system of second order decoupled by the vectors of its coordinates: no matrix of twice their number is inverted.
+"""A symmetric system of second order decoupled by the vectors of its coordinates, without an inverse of twice their number.
 
 For symmetric M, C, K a zero s of P(s) = M s^2 + C s + K with P(s) x = 0 has x^T P(s) = 0 too. With x^T P'(s) x = 1 or -1 the states
 w = (x_m, x_m', x_d) are sums of (x_m, s x_m, x_d) with coefficients x^T ((s M + C) (x_m, x_d) + M x_m'), by residues of P(s)^-1
@@ -17,15 +17,15 @@ from ..arrays import Matrix
 
 @dataclass(frozen=True, eq=False)
 class ResidueModes:
-    """The same as a ``BlockDiagonal``; its basis and inverse are computed when they are read.
+    """Modes by residues in the form of a ``BlockDiagonal``, with basis and inverse computed on demand.
 
     Attributes:
         M, C: coefficients, of shape (m, m) and (m + d, m + d).
         shapes: x, real and imaginary parts of pairs side by side, then those of real zeros, shape (m + d, n).
         upper, real: s of pairs, above the real axis, and real ones.
         signs: x^T P'(s) x of real zeros, 1 or -1.
-        coupling: the largest sum of |y| |w| over the states, y the row that goes with the vector w.
-        exact_blocks: none of them needs a place of its own.
+        coupling: the largest sum of |y| |w| over the states, y being the row of the inverse for the vector w.
+        exact_blocks: 0: no block is known exactly.
     """
 
     M: Matrix
@@ -51,7 +51,7 @@ class ResidueModes:
 
     @cached_property
     def inverse(self) -> np.ndarray:
-        """Of the basis, shape (n, n)."""
+        """Inverse of the basis, shape (n, n)."""
         return self.coordinates(np.eye(self.shapes.shape[1]))
 
     def modal_output(self, output: Matrix) -> np.ndarray:
@@ -66,7 +66,7 @@ class ResidueModes:
         return result
 
     def coordinates(self, states: np.ndarray) -> np.ndarray:
-        """inverse @ states, of shape (n, any) or (n,); once more of what is left of the states, which their rounding is."""
+        """inverse @ states, of shape (n, any) or (n,), with one step of refinement."""
         result = self.residues(states)
         return result + self.residues(states - self.states(result))
 

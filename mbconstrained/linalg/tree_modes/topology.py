@@ -1,4 +1,4 @@
-"""M x'' + C x' + K x = 0, all symmetric, of sparse topology: its zeros and vectors without a large dense matrix.
+"""M x'' + C x' + K x = 0, all symmetric, of sparse topology: its eigenvalues and vectors without a large dense matrix.
 
 Meant are chains, trees, rings, ladders, beams (``elimination``). Coordinates without mass have no x''. The zeros of a small model
 are those of a dense generator, those of a large one are found from those of its two halves (divide and conquer: Bini, Gemignani and
@@ -51,7 +51,7 @@ class SparseTopology:
     Attributes:
         M: shape (m, m), of x_m, the first coordinates.
         C, K: shape (m + d, m + d).
-        width: of the widest front: 1 for a chain or a tree, 2 for a ring or a ladder.
+        width: width of the widest front: 1 for a chain or a tree, 2 for a ring or a ladder.
     """
 
     M: Matrix
@@ -95,8 +95,7 @@ def _modes_of(M: Matrix, C: Matrix, K: Matrix) -> ResidueModes | None:
 
 
 def _keeps_digits(P: SparseQuadratic) -> bool:
-    """Whether the slowest motion is more than rounding of K x: that of a long beam is not, but for chains with their
-    differences."""
+    """Whether the slowest motion exceeds rounding errors of K x: not for long beams, but for chains, by differences."""
     x = np.random.default_rng(0).standard_normal((P.size, 1))
     solver = P.together
     factors = solver.factored(np.zeros(1))
@@ -107,7 +106,7 @@ def _keeps_digits(P: SparseQuadratic) -> bool:
 
 
 def _zeros(P: SparseQuadratic, tolerance: float) -> Zeros | None:
-    """All of them, from approximate ones: those of its halves together where it is large."""
+    """All eigenvalues, from approximate ones: those of both halves where the model is large."""
     start = _dense(P) if P.zero_count <= DENSE else _of_halves(P)
     return None if start is None else zeros_near(P.newton, start, tolerance, LEFT if tolerance == HALVES else 0.0)
 
@@ -145,7 +144,7 @@ def _dense(P: SparseQuadratic) -> np.ndarray | None:
 
 
 def _modes(P: SparseQuadratic, zeros: Zeros, M: Matrix, C: Matrix) -> ResidueModes | None:
-    """The vectors of all zeros, None where one is hardly separated from others or its equation is not met."""
+    """The vectors of all eigenvalues; None where one is nearly multiple or has a large residual."""
     upper, real, pairs = zeros.upper.copy(), zeros.real.copy(), len(zeros.upper)
     shapes, signs, worst = np.empty((P.size, P.zero_count)), np.empty(len(real)), 0.0
     for s, at in _chunks(upper, real, max(1, CHUNK // P.size, P.zero_count // PART)):
@@ -195,6 +194,6 @@ def _vectors(P: SparseQuadratic, s: np.ndarray) -> tuple[np.ndarray, np.ndarray,
 
 
 def _is_complete(result: ResidueModes) -> bool:
-    """Whether modal coordinates are recovered from their sum: then there are as many modes as states."""
+    """Whether modal coordinates are recovered from their sum, which means that there are as many modes as states."""
     sample = np.random.default_rng(0).choice([-1.0, 1.0], size=(result.shapes.shape[1], 2))
     return bool(np.abs(result.residues(result.states(sample)) - sample).max() <= MODE_SUM_ERROR)

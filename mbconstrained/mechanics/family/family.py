@@ -29,16 +29,16 @@ def family(
     static_force=None,
     units=None,
 ) -> Family:
-    """S mechanical systems of one structure and different numbers, such as the samples of a tolerance study.
+    """Create S mechanical systems of one structure with different constants, such as the samples of a tolerance study.
 
     The structure (constraints, massless coordinates, which equation has which order) is decided once, for the first system. Modes,
     motions and frequency responses are computed in stacks of matrices; each has an error estimate, and systems that fall short of
     1e-12, or of the structure, are solved one by one (``MechanicalSystem``).
 
     Args:
-        mass, damping, stiffness: as of ``MechanicalSystem``, of shape (n, n), common to all, or (S, n, n).
+        mass, damping, stiffness: as in ``MechanicalSystem``, of shape (n, n), common to all, or (S, n, n).
         constraints: common to all.
-        names, force, units: as of ``MechanicalSystem``, common to all.
+        names, force, units: as in ``MechanicalSystem``, common to all.
         static_force: a constant force, shape (n,) or (S, n).
 
     Returns:
@@ -102,7 +102,7 @@ class Family(SystemStack):
 
         Args:
             displacement, velocity: x and x' at 0-, shape (n,) or by name, common to all; or (S, n).
-            force: f in addition to that of the systems, as of ``MechanicalSystem.solve``.
+            force: f in addition to that of the systems, as in ``MechanicalSystem.solve``.
 
         Returns:
             A ``FamilyMotion``, a function of time.
@@ -127,7 +127,7 @@ class Family(SystemStack):
 
         Args:
             frequencies_hz: shape (F,).
-            inputs, outputs, quantity, relative_to: as of ``MechanicalSystem.frequency_response``.
+            inputs, outputs, quantity, relative_to: as in ``MechanicalSystem.frequency_response``.
 
         Returns:
             A ``FamilyFrequencyResponse``.
@@ -138,7 +138,7 @@ class Family(SystemStack):
         """The RMS values of all systems under the same random excitation.
 
         Args:
-            excitation, outputs, quantity, options: as of ``MechanicalSystem.random_response``.
+            excitation, outputs, quantity, options: as in ``MechanicalSystem.random_response``.
 
         Returns:
             A ``FamilyRandomResponse``.

@@ -29,8 +29,8 @@ class FamilyFrequencyResponse(Displayed):
         values: complex, shape (S, outputs, inputs, F).
         error_estimate: relative to the largest value of each row, shape (S, outputs, inputs).
         inputs, outputs: names.
-        quantity: what is given.
-        units: of the entries, shape (outputs, inputs).
+        quantity: quantity of the response.
+        units: units of the entries, shape (outputs, inputs).
         alone: places of the systems that were solved one by one.
     """
 
@@ -52,7 +52,7 @@ class FamilyFrequencyResponse(Displayed):
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """How many systems were solved one by one, and values that are not accurate; those at a pole on the axis are infinite."""
+        """Notices on systems solved one by one and on inaccurate values; values at a pole on the imaginary axis are infinite."""
         worst = self.error_estimate.max(initial=0.0, where=np.isfinite(self.error_estimate))
         return (*one_by_one(self.alone, len(self.family), LINE_ACCURACY), *doubts_of("the responses of a system", worst))
 

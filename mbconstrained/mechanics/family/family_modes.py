@@ -24,7 +24,7 @@ class FamilyModes(Displayed):
         family: the systems.
         eigenvalues: in 1/s as ``Modes.eigenvalues``, ascending by modulus, shape (S, P); NaN where a system has fewer.
         shapes: the largest entry of each 1, shape (S, n, P).
-        error_estimate: of the eigenvalues, relative, shape (S, P).
+        error_estimate: error estimate of the eigenvalues, relative, shape (S, P).
         alone: places of the systems that were solved one by one.
     """
 
@@ -48,7 +48,7 @@ class FamilyModes(Displayed):
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """How many systems were solved one by one, and eigenvalues that are not accurate."""
+        """Notices on systems that were solved one by one and on inaccurate eigenvalues."""
         worst = np.nanmax(self.error_estimate, initial=0.0)
         return (*one_by_one(self.alone, len(self.family)), *doubts_of("the eigenvalues of a system", worst))
 
@@ -109,7 +109,7 @@ def family_modes(family: SystemStack) -> FamilyModes:
 
 @dataclass(frozen=True, eq=False)
 class _Stack:
-    """Poles of the systems that they serve, and the shapes of their eigenvalues 0, one for each."""
+    """Poles of systems that the stacked method serves, and the shapes of their eigenvalues 0, one for each."""
 
     poles: StackedPoles
     serve: np.ndarray

@@ -150,7 +150,7 @@ class FamilyMotion(Displayed):
         """The RMS values of each system over a span of time, by integrals of the closed form.
 
         Args:
-            span, order, combinations: as of ``extrema``.
+            span, order, combinations: as in ``extrema``.
 
         Returns:
             One for each system.
@@ -165,7 +165,7 @@ class FamilyMotion(Displayed):
     def _of_each(
         self, span: tuple[float, float], order: int, combinations: np.ndarray | None, what: Callable[..., Any]
     ) -> list[Any]:
-        """A functional of the function of each system and of its more accurate values, None where it has them itself."""
+        """A functional of the functions of each system and of their more accurate values, or None where these have it themselves."""
         count, served = len(self), self._served
         own = np.eye(self.family.base.size) if self.outputs is None else np.eye(self.family.base.size)[list(self.outputs)]
         matrix = own if combinations is None else real_array(combinations, "combinations", shape=(None, self.family.base.size))
@@ -207,7 +207,7 @@ class FamilyMotion(Displayed):
 
     @cached_property
     def _served(self) -> np.ndarray | None:
-        """Which systems have the structure and a start that meets the constraints; None where none can be served."""
+        """Which systems have the common structure and a consistent start; None where stacks serve no system."""
         base, equations = self.family.base, self.family.equations
         moving = [row.signal for row in base.rows if row.signal is not None]
         if equations is None or any(row.order for row in base.rows):
@@ -221,11 +221,11 @@ class FamilyMotion(Displayed):
         return equations.serve & (gap <= noise_of(size, n)).all(axis=(1, 2))
 
     def _moved_flows(self, at: slice) -> list[StackedFlow]:
-        """Flows of some systems with moved entries, and with moved generators."""
+        """Flows of some systems with perturbed entries, and with perturbed generators."""
         return [self._flow(at, MOVED_DATA), *(replace(self._flow(at), moved=SQUARED, trial=trial) for trial in range(TRIALS))]
 
     def _flow(self, at: slice, moved: float = 0.0) -> StackedFlow:
-        """The flow of some systems; of systems with moved entries where a factor is given."""
+        """The flow of some systems, with entries perturbed by a factor where one is given."""
         base = self.family.base
         matrices = self.family.matrices(at)
         equations: Any = self.family.equations
@@ -251,6 +251,6 @@ class FamilyMotion(Displayed):
 
 
 def _moved(matrix: np.ndarray, units: float) -> np.ndarray:
-    """The stack with each entry moved by so many times its rounding error, symmetric where it was."""
+    """The stack with each entry perturbed by a multiple of its rounding error, symmetric where the entries are."""
     signs = np.random.default_rng(0).choice([-1.0, 1.0], matrix.shape[1:])
     return matrix * (1.0 + units * EPS * (np.triu(signs) + np.triu(signs, 1).T))

@@ -40,9 +40,9 @@ class FamilyRandomResponse(Displayed):
     Attributes:
         family: the systems.
         rms: shape (S, p); infinite where the variance is.
-        error_estimate: of the RMS values, relative, shape (S, p).
+        error_estimate: error estimate of the RMS values, relative, shape (S, p).
         outputs: names.
-        units: of the outputs.
+        units: units of the outputs.
         alone: places of the systems that were solved one by one.
         excitation: the arguments of ``MechanicalSystem.random_response``.
     """
@@ -70,7 +70,7 @@ class FamilyRandomResponse(Displayed):
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """How many systems were solved one by one, and finite values that are not accurate."""
+        """Notices on systems that were solved one by one and on inaccurate finite values."""
         worst = self.error_estimate.max(initial=0.0, where=np.isfinite(self.rms))
         return (*one_by_one(self.alone, len(self.family), STACKED_VARIANCE), *doubts_of("RMS values of a system", worst))
 

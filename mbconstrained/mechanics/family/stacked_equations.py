@@ -61,7 +61,7 @@ class StackedEquations:
         return result
 
     def of(self, members) -> StackedEquations:
-        """Those of some models, by a slice or an array of places."""
+        """The equations of some models, selected by a slice or an array of indices."""
         M, C, K, T, L, Y = (each[members] for each in (self.M, self.C, self.K, self.T, self.L, self.Y))
         return StackedEquations(M, C, K, T, L, Y, self.free, self.masses, self.serve[members])
 

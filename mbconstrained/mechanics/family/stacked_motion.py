@@ -21,7 +21,7 @@ from ...signals.bohl import BohlFunction
 from ...signals.restarts import FreeRestarts
 from .stacked_equations import StackedEquations
 
-#: So many times are computed together on an even grid.
+#: Number of times computed together on an even grid.
 WIDTH = 16
 
 #: Terms of the exponential that bounds the entries of e^(G h) where |G| h is 1.
@@ -36,9 +36,9 @@ class StackedFlow:
         generator: G, shape (S, N, N).
         output: P, shape (S, n, N).
         start: z at 0+, shape (S, N).
-        states: of the force, the last of z, at its knots, shape (v, K).
-        knots: where they restart, the first is 0, shape (K,).
-        moved: by how many rounding errors of squarings the generator is moved.
+        states: states of the force, the last of z, at its knots, shape (v, K).
+        knots: times of restart, beginning with 0, shape (K,).
+        moved: perturbation of the generator, in rounding errors of squarings.
         trial: which pattern of signs these have.
     """
 
@@ -110,9 +110,9 @@ class StackedFlow:
         return values
 
     def _rounding(self, G: np.ndarray) -> np.ndarray:
-        """Of squarings, which begin where E = e^(G h) has entries of order 1: each entry of E E has the rounding errors of that of |E| |E|, in each h.
+        """Rounding errors of repeated squaring of E = e^(G h), per step h: those of |E| |E| for each product E E.
 
-        What constant and sampled forces are made of has none.
+        The states of constant and sampled forces have none.
         """
         norm = np.linalg.norm(G, 1, axis=(1, 2))[:, None, None]
         steps = np.abs(G) / np.where(norm > 0, norm, 1.0)

@@ -16,7 +16,7 @@ import numpy as np
 from ...ground.tolerances import EPS, FORM_ROUNDING, PROVED_ACCURACY
 from .stacked_equations import StackedEquations
 
-#: So many models are computed together: their matrices stay in the cache.
+#: Number of models computed together, whose matrices fit into the cache.
 TOGETHER = 256
 
 #: Jacobi's iteration of damped shapes ends after so many steps: general eigenvectors take no longer.
@@ -47,7 +47,7 @@ class StackedPoles:
     serve: np.ndarray
 
     def of(self, members) -> StackedPoles:
-        """Those of some models, by a slice or an array of places."""
+        """The poles of some models, selected by a slice or an array of indices."""
         return StackedPoles(*(getattr(self, each.name)[members] for each in fields(self)))
 
 
@@ -64,7 +64,7 @@ def _chunks(count: int) -> Iterator[slice]:
 
 
 def _padded(array: np.ndarray, name: str, width: int) -> np.ndarray:
-    """With places for so many poles."""
+    """An array padded to this number of poles."""
     axis = {"shapes": 2, "direct": None, "serve": None}.get(name, 1)
     if axis is None or array.shape[axis] == width:
         return array
@@ -79,7 +79,7 @@ def _part(equations: StackedEquations, at: slice) -> tuple[StackedEquations, np.
 
 
 def _symmetric(equations: StackedEquations) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None:
-    """Of models that all oscillate in each mode; None where one does not."""
+    """Poles and vectors of models in which every mode oscillates; None where a mode does not."""
     M, C, K = equations.M, equations.C, equations.K
     diagonal = M.diagonal(axis1=1, axis2=2)
     if not (diagonal > 0).all():
@@ -138,7 +138,7 @@ def _damped(D: np.ndarray, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 def _general(equations: StackedEquations) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Of any models, by the eigenvectors of their generators."""
+    """Poles and vectors of any models, by the eigenvectors of their generators."""
     G, m = equations.generator, equations.masses
     G[~np.isfinite(G).all(axis=(1, 2))] = 0.0
     values, vectors = np.linalg.eig(G)
@@ -182,7 +182,7 @@ def _refined(part, M: np.ndarray, C: np.ndarray, K: np.ndarray) -> StackedPoles:
 
 
 def _step(residual: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Real for real poles."""
+    """Newton step of the poles; real for real poles."""
     return np.where(weights == 2, residual, np.where(weights == 1, residual.real, 0.0))
 
 
@@ -197,7 +197,7 @@ def _residual(rows, X, s, M, C, K) -> np.ndarray:
 
 
 def _errors(equations, s, weights, X, rows, given, unit: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
-    """Of poles and shapes: rounding errors of the forms, and what is left of the equations in the direction of all other modes.
+    """Errors of poles and shapes: rounding errors of the forms, and residuals in the direction of all other modes.
 
     An error c_j x_j of x_k has c_j = y_j^T A(s_k) x_k / (s_k - s_j) to first order, and the same holds of y_k; the product of both
     changes s_k. A pole has the rounding errors of y_k^T A(s_k) x_k in the given matrices, in units of EPS.

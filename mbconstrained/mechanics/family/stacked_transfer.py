@@ -22,7 +22,7 @@ class StackedTransfer:
     """H(s) of S models, from m inputs to p outputs.
 
     Attributes:
-        poles: of the models.
+        poles: poles of the models.
         outputs: shape (p, n).
         motions: of the coordinates by prescribed motions alone, shape (n, m).
         loads: coefficients of 1, s, s^2 in what acts on the coordinates, each of shape (S, n, m).
@@ -39,7 +39,7 @@ class StackedTransfer:
 
     @classmethod
     def of(cls, family: SystemStack, at: slice, harmonic: Harmonic, levels) -> StackedTransfer | None:
-        """Of some systems of a family with the inputs and outputs of a harmonic response; None of what poles do not give."""
+        """Transfer functions of some systems of a family for a harmonic response; None where poles do not give it."""
         n, k = family.base.size, len(family.base.rows)
         B, C = harmonic.inputs, harmonic.outputs
         if family.poles is None or B.shape[0] != n + k or C[:, n:].any() or harmonic.imaginary is not None:
@@ -78,7 +78,7 @@ class StackedTransfer:
         return total * s ** (self.order - self.levels[:, None])
 
     def _terms(self):
-        """For each power of s the residues, a bound of their size by the largest entries of the shapes, and the part without poles."""
+        """For each power of s: residues, a bound of their size by the largest entries of the shapes, and the part without poles."""
         poles = self.poles
         X = self.outputs @ poles.shapes
         largest = np.abs(self.outputs).sum(axis=1)[:, None] * np.abs(poles.shapes).max(axis=1, keepdims=True)

@@ -44,12 +44,12 @@ class SystemStack(Displayed):
 
     @cached_property
     def equations(self) -> StackedEquations | None:
-        """In stacks of matrices; None where the structure needs rank decisions, which are made for each system."""
+        """Equations in stacks of matrices; None where the structure needs rank decisions, which are made for each system."""
         return stacked_equations(*self.matrices(slice(None)), self.base.position_form().null_space)
 
     @cached_property
     def poles(self) -> StackedPoles | None:
-        """Poles and residues in stacks; None where ``equations`` are."""
+        """Poles and residues in stacks; None without stacked ``equations``."""
         return None if self.equations is None else stacked_poles(self.equations, *self.matrices(slice(None)))
 
     def matrices(self, at: slice | int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -57,11 +57,11 @@ class SystemStack(Displayed):
         return self.mass[at], self.damping[at], self.stiffness[at]
 
     def is_free(self, shapes: np.ndarray, of: Literal["stiffness", "damping"]) -> np.ndarray:
-        """Which systems have neither springs nor dampers, as requested, against some motions, to rounding errors of the entries.
+        """Return which systems have no springs, or no dampers, that resist some motions, up to rounding errors of the entries.
 
         Args:
             shapes: displacements that satisfy the constraints, shape (n, z).
-            of: which of the matrices.
+            of: the matrices to check.
 
         Returns:
             Truth values, shape (S,).

@@ -89,7 +89,7 @@ def _outputs(C, D, n, p):
 
 
 def _check_regular(F, A) -> None:
-    """F must have full rank: equations of its null space have no derivative."""
+    """Check that F has full rank: equations of its null space have no derivative."""
     rank, n = compress_rows(Noisy.rounded(F)).decision.rank, len(F)
     if rank == n:
         return
@@ -120,12 +120,12 @@ class ScaledPencil:
         A, F, B: the scaled matrices, entries known to a unit in the last place; an identity F is known exactly.
         through: F_s^-1 B_s, shape (n, p), and ``input_space``, a basis W_1 of the same space, orthonormal where there is an F:
             that space, the states that the inputs act on, is known far better than F^-1 where F is ill-conditioned.
-        input_space_noise: how well it is known, as an angle.
+        input_space_noise: its uncertainty, as an angle.
         equation, state, input, rate: e and d, shape (n,), c, shape (p,), and rate: powers of two.
         explicit: True where F is the identity.
         dropped: the number of entries of A and B that count as rounding errors and are zero here.
         weak: shape (n, n), True for small entries of A on no cycle: units could make them of any size, so that they cannot be distinguished from rounding errors.
-        known: how well A and F are known, relative to their size.
+        known: uncertainty of A and F, relative to their size.
     """
 
     A: np.ndarray
@@ -145,7 +145,7 @@ class ScaledPencil:
 
     @property
     def solved(self) -> ScaledPencil:
-        """The pencil with its equations solved for F x': better known where F makes equations nearly dependent."""
+        """The pencil with its equations solved for F x': more accurate where F makes equations nearly dependent."""
         inverse = np.linalg.inv(self.F)
         A, F, B = (inverse @ matrix for matrix in (self.A, self.F, self.B))
         loss = [
@@ -193,7 +193,7 @@ def _descriptor(A, B, F) -> ScaledPencil:
 
 
 def _input_space(F, B, known: float = EPS) -> tuple[np.ndarray, float]:
-    """An orthonormal basis of the states w with F w in the span of B, and how well it is known."""
+    """An orthonormal basis of the states w with F w in the span of B, and its accuracy."""
     n, p = B.shape
     if not p:
         return B, 0.0
@@ -209,7 +209,7 @@ def _weak(A) -> np.ndarray:
 
 
 def _without_rounding(A, B):
-    """Zeros for entries within rounding of others of their row and column in the given units, and in the fitted ones as well.
+    """Matrices with entries set to zero that are rounding errors of their row and column in both the given and the fitted units.
 
     What is on no cycle of A the fit would bring near 1 whatever it is: there the given units decide alone.
     """
@@ -228,7 +228,7 @@ def _is_rounding(both) -> np.ndarray:
 
 
 def _on_no_cycle(A) -> np.ndarray:
-    """Which entries couple parts of A that do not couple back."""
+    """Which entries couple parts of A in one direction only."""
     part = connected_components(A != 0, directed=True, connection="strong")[1]
     return part[:, None] != part
 

@@ -1,4 +1,4 @@
-"""Whether a system has a mechanical normal form: the two conditions, as distances to systems that fail them.
+"""Existence of a mechanical normal form: the two conditions, as distances to systems that violate them.
 
 With Q_2 an orthonormal basis of the complement of the inputs, and W_1 one of the states F^-1 B that they act on,
 
@@ -40,14 +40,14 @@ REFINEMENTS = 6
 
 @dataclass(frozen=True)
 class Margin:
-    """One condition: the distance to failing it.
+    """Margin of one condition: the distance to violating it.
 
     Attributes:
         rank, needed: the rank, and the one needed, of [B, A B] or [A - lambda I, B].
-        distance: in the scaled units; infinite where nothing could fail.
+        distance: distance in the scaled units; infinite where the condition cannot fail.
         bound: the bound below which it counts as zero: the noise times its safety.
         size: |A| in the same units.
-        eigenvalue: where the distance is least, in 1/s.
+        eigenvalue: the lambda of the smallest distance, in 1/s.
     """
 
     rank: int
@@ -59,7 +59,7 @@ class Margin:
 
     @property
     def ratio(self) -> float:
-        """The distance in units of what counts as zero."""
+        """The distance in units of its bound."""
         return self.distance / self.bound if self.distance else 0.0
 
     @property
@@ -69,7 +69,7 @@ class Margin:
 
     @property
     def holds(self) -> bool:
-        """Whether the condition does."""
+        """Whether the condition is satisfied."""
         return self.rank == self.needed
 
     @property
@@ -84,12 +84,12 @@ class Margin:
 
 @dataclass(frozen=True)
 class NormalFormExistence:
-    """Both conditions of a pair that has a normal form.
+    """Margins of both conditions of a pair that has a normal form.
 
     Attributes:
         inputs: the margin of rank [B, A B] = 2 p.
         eigenvalues: the margin of rank [A - lambda I, B] >= n/2 + p over all real lambda.
-        rests_on: how many weak entries of A there are without which it would not exist.
+        rests_on: number of weak entries of A on which the existence depends.
     """
 
     inputs: Margin
@@ -98,7 +98,7 @@ class NormalFormExistence:
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """A warning for each condition that holds by a narrow margin only, and where entries decide that may be rounding."""
+        """A warning for each condition with a narrow margin, and for decisive entries that may be rounding errors."""
         if self.rests_on:
             text = (
                 f"the normal form rests on {counted(self.rests_on, 'entry', 'entries')} of A that are very small relative to others of "
@@ -122,7 +122,7 @@ class NormalFormExistence:
 
 
 def existence(pair: ScaledPencil) -> NormalFormExistence:
-    """Both margins."""
+    """Margins of both conditions."""
     try:
         margins = _margins(pair)
     except NoNormalForm:
@@ -168,7 +168,7 @@ def _basis(matrix) -> tuple[np.ndarray, float]:
 
 
 def _margin(needed: int, values, count: int, noise, size, eigenvalue=None) -> Margin:
-    """The margin of the count-th singular value; the rank is ``needed`` less the ones that do not count."""
+    """The margin of the count-th singular value; the rank is ``needed`` less the number of negligible ones."""
     bound = NOISE_SAFETY * noise
     missing = int((values[:count] <= COUNTED_DISTANCE * bound).sum())
     distance = float(values[count - 1]) if count else np.inf

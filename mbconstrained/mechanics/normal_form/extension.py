@@ -47,7 +47,7 @@ class TransformationFamily:
     null: np.ndarray
 
     def rows(self, free) -> np.ndarray:
-        """X^T for the free numbers (n/2, n - 2 p)."""
+        """X^T for the free parameters (n/2, n - 2 p)."""
         return self.particular + free.reshape(len(self.particular), -1) @ self.null.T
 
     def transformation(self, free) -> np.ndarray:
@@ -84,7 +84,7 @@ def well_conditioned_rows(pair: ScaledPencil) -> np.ndarray:
 
 
 def _best(solutions: TransformationFamily, own, units) -> np.ndarray:
-    """The free numbers of the best start, improved; ``own`` where the gain is too small."""
+    """The free parameters of the best start, improved; ``own`` where the gain is too small."""
     starts, steps = (STARTS, STEPS) if len(solutions.A) < LARGE else (STARTS_OF_LARGE, STEPS_OF_LARGE)
     start = min([own, *_starts(solutions, starts)], key=lambda free: _condition(free.ravel(), solutions)[0])
     best = _improved(_improved(start, solutions, steps), solutions, steps, *units)
@@ -93,15 +93,14 @@ def _best(solutions: TransformationFamily, own, units) -> np.ndarray:
 
 
 def _without_rounding(rows) -> np.ndarray:
-    """Zeros for entries below the noise of their row and column, so that sparse systems stay sparse."""
+    """Entries below the noise of their row and column set to zero, so that sparse systems stay sparse."""
     size = np.abs(rows)
     noise = NOISE_SAFETY * EPS * np.minimum(size.max(axis=1, keepdims=True), size.max(axis=0, initial=0.0))
     return np.where(size <= noise, 0.0, rows)
 
 
 def _starts(solutions: TransformationFamily, count: int) -> Iterator[np.ndarray]:
-    """Orthonormal rows for the coordinates without input; those with one need a part as well: without, as in the printed
-    Eq. 11, T may be singular whatever the others are."""
+    """Orthonormal rows for the coordinates, also for those with inputs, without which T may be singular (Eq. 11 as printed)."""
     half, free = len(solutions.particular), solutions.null.shape[1]
     random = np.random.default_rng(half)
     lengths = np.linalg.norm(solutions.particular, axis=1, keepdims=True)

@@ -63,7 +63,7 @@ class NormalForm(Displayed):
 
     @property
     def inputs(self) -> int:
-        """p."""
+        """Number p of inputs."""
         return self.input_matrix.shape[1]
 
     @property
@@ -73,22 +73,22 @@ class NormalForm(Displayed):
 
     @property
     def damping(self) -> np.ndarray:
-        """-A^_22, likewise."""
+        """-A^_22, shape (n/2, n/2), of unit mass, not symmetric in general."""
         return -self.state_matrix[self.size :, self.size :]
 
     @property
     def condition(self) -> float:
-        """The condition of T in the 2-norm."""
+        """The condition number of T in the 2-norm."""
         return float(np.linalg.cond(self.transformation))
 
     @property
     def freedom(self) -> int:
-        """(n/2) (n - 2 p): T may be changed by Q_1 that keeps the inputs, and by more."""
+        """Dimension (n/2) (n - 2 p) of the changes of T by Q_1 that keep the inputs."""
         return self.size * (2 * self.size - 2 * self.inputs)
 
     @property
     def is_unique(self) -> bool:
-        """True for p = n/2: there is no other T."""
+        """True for p = n/2: T is unique."""
         return self.freedom == 0
 
     def system(self, names: Sequence[str] | None = None, units=None) -> MechanicalSystem:
@@ -98,8 +98,8 @@ class NormalForm(Displayed):
         machine, and its modes have no energy shares.
 
         Args:
-            names: of the n/2 coordinates; q1, q2, ... by default.
-            units: of each, "m", "rad" or "1", by name or in order; "1" by default.
+            names: names of the n/2 coordinates; q1, q2, ... by default.
+            units: units of each, "m", "rad" or "1", by name or in order; "1" by default.
 
         Returns:
             The model.
@@ -144,7 +144,7 @@ class NormalForm(Displayed):
         return np.linalg.solve(self.transformation, np.concatenate(parts))
 
     def force(self, u) -> ImpulsiveSmooth:
-        """The force on the n/2 coordinates that the inputs u are, an ImpulsiveSmooth with p rows or a constant vector (p,)."""
+        """Force of the inputs u on the n/2 coordinates; u is an ImpulsiveSmooth with p rows or a constant vector (p,)."""
         if not isinstance(u, ImpulsiveSmooth):
             u = step(real_array(u, "u", shape=(self.inputs,)))
         if u.size != self.inputs:
@@ -170,7 +170,7 @@ def _assembled(data: StateSpaceData, rows: np.ndarray, existence: NormalFormExis
 
 
 def _lower_multiplier(data: StateSpaceData, rows) -> tuple[np.ndarray, np.ndarray]:
-    """X^T A F^-1 and its rounding."""
+    """X^T A F^-1 and its rounding error."""
     lower = rows @ data.A
     doubt = EPS * np.abs(rows) @ np.abs(data.A)
     if data.F is None:
@@ -205,13 +205,13 @@ def _evidence(data, left, T, state, inputs, existence) -> tuple[Evidence, ...]:
     )
 
 
-# From (A, B, C, D) to the normal form.
+# Transformation of (A, B, C, D) to the normal form.
 
 OUT_OF_RANGE = "the normal form leaves the range of float64; choose units of time and of inputs in which A and B are near 1"
 
 
 def mechanical_normal_form(A, B, C=None, D=None, descriptor=None, method: str = "extension") -> NormalForm:
-    """A transformation x^ = T x that turns F x' = A x + B u, y = C x + D u into second-order equations of motion.
+    """Transform F x' = A x + B u, y = C x + D u into second-order equations of motion by x^ = T x.
 
     x^ = (q, q') obeys q'' = A^_21 q + A^_22 q' + [0; I_p] u: unit masses, -A^_21 is the stiffness, -A^_22 the damping, and the
     inputs are forces on the last p coordinates. T exists if and only if rank [B, A B] = 2 p and rank [A - lambda I, B] >= n/2 + p
@@ -260,7 +260,7 @@ def mechanical_normal_form(A, B, C=None, D=None, descriptor=None, method: str = 
 
 
 def _in_given_units(rows_of: Callable[[ScaledPencil], np.ndarray]) -> Callable[[ScaledPencil], np.ndarray]:
-    """The rows X^T of a route that works in the units of the pair."""
+    """The rows X^T in the given units, from a method that works in the units of the pair."""
 
     def rows(pair: ScaledPencil) -> np.ndarray:
         own_rows, p = rows_of(pair), len(pair.input)

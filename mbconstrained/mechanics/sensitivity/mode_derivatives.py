@@ -43,21 +43,21 @@ class MultiplierForm:
 
     @staticmethod
     def of(system: EquationsOfMotion) -> MultiplierForm:
-        """With every row at position level."""
+        """The multiplier form of a system with every row at position level."""
         scale = float(max(np.abs(system.stiffness).max(), np.abs(system.mass).max()))
         rows = scale * system.constraint_matrix
         matrices = np.array([system.stiffness, system.damping, system.mass])
         return MultiplierForm(_bordered_by(matrices, rows), system.size, scale)
 
     def slope(self, system: EquationsOfMotion, parameter: Parameter) -> Slope:
-        """The derivatives of the same with respect to a parameter."""
+        """The derivatives of the multiplier form with respect to a parameter."""
         rows, _ = parameter.constraint_rows(system)
         matrices = _bordered_by(parameter.matrices(system.size), self.scale * rows)
         power, row, column = np.nonzero(matrices)
         return Slope(power, row, column, matrices[power, row, column], len(matrices[0]))
 
     def vectors(self, system: EquationsOfMotion, value: complex, shapes: np.ndarray) -> np.ndarray:
-        """(u, lambda) of shapes: the forces of the rows are those that the shapes need."""
+        """(u, lambda) of shapes with the constraint forces that they need."""
         if len(self.base[0]) == self.size:
             return shapes
         forces = self.at(value)[: self.size, : self.size] @ shapes
@@ -74,11 +74,11 @@ class MultiplierForm:
 
 @dataclass(frozen=True, eq=False)
 class Slope:
-    """L_p(s) of one parameter by its entries, which are few.
+    """L_p(s) of one parameter by its few nonzero entries.
 
     Attributes:
-        power: of s, shape (e,).
-        row, column, entry: of each.
+        power: power of s, shape (e,).
+        row, column, entry: indices and value of each.
         size: n + k.
     """
 
@@ -90,7 +90,7 @@ class Slope:
 
     @property
     def absolute(self) -> Slope:
-        """The same of absolute values."""
+        """The slope with absolute values of the entries."""
         return replace(self, entry=np.abs(self.entry))
 
     @property
@@ -162,7 +162,7 @@ class Eigenspace:
         self.vectors = self.vectors @ basis
 
     def _left_error(self, left: np.ndarray, change: np.ndarray) -> np.ndarray:
-        """Of Y: its last refinement, and what errors of s and X leave in the matrix of its equations."""
+        """Error of Y: its last refinement, and the effect of errors of s and X on the matrix of its equations."""
         moved = self.form.derivative(self.value).T @ left
         border = np.full((left.shape[1],) * 2, (np.abs(moved) * np.abs(self.vectors).max()).sum(axis=0))
         amplified, _ = self.solved(np.vstack([self.value * moved, border]), transposed=True)
@@ -215,7 +215,7 @@ def _is_hermitian(matrix: np.ndarray) -> bool:
 
 
 def _eigenvalues(matrix: np.ndarray, phase: complex) -> np.ndarray:
-    """Those of a matrix, along the phase where matrix / phase is Hermitian."""
+    """Eigenvalues of a matrix, along the phase where matrix / phase is Hermitian."""
     if len(matrix) == 1:
         return matrix[0]
     turned = matrix / phase
@@ -224,18 +224,18 @@ def _eigenvalues(matrix: np.ndarray, phase: complex) -> np.ndarray:
 
 
 def _condition(matrix: np.ndarray, phase: complex) -> float:
-    """That of the eigenvectors."""
+    """Condition number of the eigenvectors."""
     return 1.0 if len(matrix) == 1 or _is_hermitian(matrix / phase) else float(np.linalg.cond(np.linalg.eig(matrix)[1]))
 
 
 @dataclass(frozen=True, eq=False)
 class ModeDerivatives:
-    """How the eigenvalue of one mode moves with each parameter.
+    """Derivatives of the eigenvalue of one mode with respect to each parameter.
 
     Attributes:
         mode: the mode.
-        branches: for each parameter one branch for each of the multiplicity.
-        splittings: of a defective eigenvalue for each parameter that moves it, by the place of the parameter.
+        branches: for each parameter as many branches as the multiplicity.
+        splittings: splittings of a defective eigenvalue, by the index of the parameter.
         errors: for each parameter an estimate of the largest error of the coefficients of its branches.
     """
 
@@ -262,7 +262,7 @@ def mode_derivatives(
 
 
 def _defective(mode: Mode, form: MultiplierForm, slopes, doubts, vectors) -> ModeDerivatives:
-    """The splitting by each parameter."""
+    """The splitting of a defective eigenvalue by each parameter."""
     rate = float(np.sqrt(np.abs(form.base[0]).max() / (np.abs(form.base[2]).max() or 1.0))) or 1.0
     size, branches, splittings = np.abs(form.base).max(axis=(1, 2)) @ rate ** np.arange(3), [], {}
     left = scipy.linalg.svd(form.at(mode.eigenvalue).T)[2][-vectors.shape[1] :].conj().T

@@ -19,7 +19,7 @@ MATRICES = ("stiffness", "damping", "mass", "force")
 #: Factors of central differences of order 8 (Fornberg 1988): f' = sum of w_i (f(p + i h) - f(p - i h)) / h.
 CENTRAL_WEIGHTS = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
 
-#: The same of order 6.
+#: Weights of the central difference of order 6.
 LOWER_WEIGHTS = (3 / 4, -3 / 20, 1 / 60, 0.0)
 
 #: Factors of the eighth difference, of f(p) and of f(p + i h) + f(p - i h): what is left of a smooth function is noise, which is larger
@@ -45,15 +45,15 @@ class Assembled(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Parameter:
-    """A number of a system, with the derivatives of its equations; those left out are zero.
+    """A parameter of a system, with the derivatives of its equations; omitted ones are zero.
 
     Attributes:
-        name: of the parameter.
+        name: name of the parameter.
         value: p in its unit.
         stiffness, damping, mass: dK/dp, dC/dp, dM/dp, shape (n, n).
-        force: of the static force, shape (n,).
-        rows: by the names of constraint rows the derivatives of the coefficients, shape (n,), and of the value.
-        unit: of p.
+        force: derivative of the static force, shape (n,).
+        rows: derivatives of the coefficients, shape (n,), and of the value of constraint rows, by name.
+        unit: unit of p.
         error: estimates of the errors of these derivatives, as a parameter of the same form; None: rounding errors.
     """
 
@@ -69,16 +69,16 @@ class Parameter:
 
     @staticmethod
     def of_function(name: str, value: float, build: Callable[[float], Assembled], unit: str = "") -> Parameter:
-        """The derivatives of a function that makes a system, as of a robot whose equilibrium moves with the parameter.
+        """Return the derivatives of a function that returns a system, such as a robot whose equilibrium depends on the parameter.
 
         Central differences of order 8 of the matrices: where these are smooth their errors are near 1e-13. Their estimates
         are the distance to differences of order 6 and the noise in the eighth difference. Whatever is computed from them is in closed form.
 
         Args:
-            name: of the parameter.
+            name: name of the parameter.
             value: p.
             build: makes the system at a value of p near this one.
-            unit: of p.
+            unit: unit of p.
 
         Returns:
             The parameter.
@@ -118,7 +118,7 @@ class Parameter:
         return np.array([row for row, _ in rows]).reshape(len(rows), system.size), np.array([value for _, value in rows])
 
     def with_damping(self, mass: float, stiffness: float) -> Parameter:
-        """The same with C + a M + b K in the place of C.
+        """Return the parameter with C + a M + b K in the place of C.
 
         Args:
             mass, stiffness: a in 1/s and b in s.
@@ -131,7 +131,7 @@ class Parameter:
 
 
 def _pairs(build: Callable[[float], Assembled], value: float, step: float, again: int = 2) -> tuple[float, list]:
-    """A step with which there is a system at all values, and the parts of those above and below p."""
+    """A step for which the system exists on both sides of p, and the parts of the systems above and below p."""
     try:
         return step, [[_parts(build(value + sign * i * step)) for sign in (1, -1)] for i in range(1, 1 + len(CENTRAL_WEIGHTS))]
     except InputError:  # as where a robot collapses under a tenth more mass
@@ -141,19 +141,19 @@ def _pairs(build: Callable[[float], Assembled], value: float, step: float, again
 
 
 def _parts(system: Assembled) -> dict[str, np.ndarray]:
-    """All numbers of the equations by name; each row with its value."""
+    """The entries of the equations by name; each row with its value."""
     parts = {"stiffness": system.stiffness, "damping": system.damping, "mass": system.mass, "force": system.static_force}
     return parts | {row.name: np.append(row.coefficients, row.value) for row in system.rows}
 
 
 def _of_parts(name: str, value: float, parts: Mapping[str, np.ndarray]) -> Parameter:
-    """A parameter from derivatives of all numbers of the equations."""
+    """A parameter from derivatives of the entries of the equations."""
     K, C, M, force = (parts[key] for key in MATRICES)
     return Parameter(name, value, K, C, M, force, {key: (row[:-1], row[-1]) for key, row in parts.items() if key not in MATRICES})
 
 
 def entry_parameters(system: Assembled) -> Iterator[Parameter]:
-    """The entries of M, C and K that are not zero; of a symmetric matrix both of a pair together."""
+    """Parameters for the nonzero entries of M, C and K; for symmetric matrices one for each pair."""
     for what in ("stiffness", "damping", "mass"):
         matrix = getattr(system, what)
         symmetric = is_symmetric(matrix)

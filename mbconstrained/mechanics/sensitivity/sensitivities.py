@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ...frequency.frequency_response import FrequencyResponse
     from ..motion import Motion
 
-#: So many modes have a column in a table, and so many parameters a line.
+#: Number of modes with a column in a table, and of parameters with a line.
 MOST_COLUMNS, MOST_LINES = 4, 30
 
 #: Decimals of a table, unless a smaller number would be 0.
@@ -53,7 +53,7 @@ class DefectiveEigenvalue:
 
     @property
     def text(self) -> str:
-        """The branches in one line.
+        """The branches as one line of text.
 
         >>> from mbconstrained import MechanicalSystem
         >>> critical = MechanicalSystem([[1.0]], [[4.0]], [[4.0]])  # s = -2 twice: d^2 = -e
@@ -83,7 +83,7 @@ class Sensitivities(Displayed):
     Attributes:
         system: the system.
         modes: its modes.
-        parameters: with the derivatives of the equations.
+        parameters: parameters with the derivatives of the equations.
 
     >>> from mbconstrained import LumpedModel
     >>> model = LumpedModel()
@@ -105,12 +105,12 @@ class Sensitivities(Displayed):
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """Derivatives that are not accurate."""
+        """Notices on inaccurate derivatives."""
         return doubts_of("the derivatives", self.error_estimate)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the P parameters, in the order of the rows of all derivatives."""
+        """Names of the P parameters, in the order of the rows of all derivatives."""
         return tuple(parameter.name for parameter in self.parameters)
 
     def parameter(self, name: str) -> Parameter:
@@ -131,7 +131,7 @@ class Sensitivities(Displayed):
 
     @cached_property
     def of_modes(self) -> tuple[ModeDerivatives, ...]:
-        """For each mode how its eigenvalue moves with each parameter: derivatives, or exponents and coefficients."""
+        """Derivatives of the eigenvalue of each mode with respect to each parameter; exponents and coefficients for defective ones."""
         slopes = [self._form.slope(self.system, parameter) for parameter in self.parameters]
         doubts = [None if one.error is None else self._form.slope(self.system, one.error) for one in self.parameters]
         with short_work(2 * self.system.size):
@@ -149,7 +149,7 @@ class Sensitivities(Displayed):
 
     @property
     def defective(self) -> tuple[DefectiveEigenvalue, ...]:
-        """The eigenvalues without derivatives, with what takes their place."""
+        """Eigenvalues without derivatives, with the exponents and coefficients in their place."""
         return tuple(
             DefectiveEigenvalue(number, self.names[place], splitting)
             for number, each in enumerate(self.of_modes)
@@ -159,7 +159,7 @@ class Sensitivities(Displayed):
 
     @property
     def errors(self) -> np.ndarray:
-        """Estimates of the absolute errors of ``eigenvalues``, shape (P, m); of the coefficients where these are infinite.
+        """Estimates of the absolute errors of ``eigenvalues``, shape (P, m); for defective ones those of the coefficients.
 
         The given matrices are taken as exact; the derivatives of parameters have rounding errors, or their own ``error``.
         """
@@ -168,7 +168,7 @@ class Sensitivities(Displayed):
 
     @property
     def error_estimate(self) -> float:
-        """The largest error relative to the largest derivative by the same parameter, of coefficients to them; at least EPS."""
+        """Largest error relative to the largest derivative by the same parameter, for coefficients to them; at least EPS."""
         columns = [[abs(branch.coefficient) for branch in branches] for each in self.of_modes for branches in zip(*each.branches)]
         sizes = np.array(columns, dtype=float).reshape(-1, len(self.parameters)).T
         defective = np.isinf(self.eigenvalues)
@@ -179,7 +179,7 @@ class Sensitivities(Displayed):
 
     @cached_property
     def _oscillating(self) -> np.ndarray:
-        """The places of the eigenvalues of ``modes.natural_frequencies``."""
+        """Indices of the eigenvalues of ``modes.natural_frequencies``."""
         return np.flatnonzero(self.modes.eigenvalues.imag)
 
     @property
@@ -192,7 +192,7 @@ class Sensitivities(Displayed):
 
     @property
     def frequencies_hz(self) -> np.ndarray:
-        """The same in Hz per unit."""
+        """Derivatives of the natural frequencies, in Hz per unit of the parameter."""
         return self.natural_frequencies / (2 * np.pi)
 
     @property
@@ -205,7 +205,7 @@ class Sensitivities(Displayed):
 
     @property
     def logarithmic(self) -> np.ndarray:
-        """(p / w) dw/dp of the natural frequencies, per cent per per cent, shape (P, m)."""
+        """Logarithmic derivatives (p / w) dw/dp of the natural frequencies, per cent per per cent, shape (P, m)."""
         values = np.array([parameter.value for parameter in self.parameters])
         return self.natural_frequencies * values[:, None] / self.modes.natural_frequencies
 
@@ -213,7 +213,7 @@ class Sensitivities(Displayed):
         """du/dp of the oscillating modes, shape (n, m); the largest entry of each u is 1 and stays 1.
 
         Args:
-            name: of the parameter.
+            name: name of the parameter.
 
         Raises:
             InputError: an unknown name; a multiple eigenvalue, whose shapes are not unique.
@@ -228,10 +228,11 @@ class Sensitivities(Displayed):
         return np.array(columns).reshape(-1, self.system.size).T
 
     def table(self, names: Sequence[str] | None = None) -> TextTable:
-        """Who matters: natural frequencies in per cent, damping ratios in hundredths, for each per cent of a parameter, largest first.
+        """Ranking of the parameters: change of natural frequencies (%) and damping ratios (0.01) per 1 % of a parameter, largest
+        first.
 
         Args:
-            names: of the parameters; all by default.
+            names: names of the parameters; all by default.
         """
         chosen = [self.names.index(self.parameter(name).name) for name in (self.names if names is None else names)]
         shown = min(MOST_COLUMNS, len(self._oscillating))
@@ -257,8 +258,8 @@ class Sensitivities(Displayed):
         """dx/dp of a motion from given values at 0-, in closed form: A(s) x_p = f_p - A_p(s) x, whose right-hand side is a Bohl function.
 
         Args:
-            name: of the parameter.
-            displacement, velocity, force: as of ``MechanicalSystem.solve``; they do not depend on the parameter.
+            name: name of the parameter.
+            displacement, velocity, force: as in ``MechanicalSystem.solve``; they do not depend on the parameter.
 
         Returns:
             A ``Motion`` of 2 n coordinates: those of the system, then their derivatives, named "d(x1)/d(k)".
@@ -279,8 +280,8 @@ class Sensitivities(Displayed):
         """dH/dp = -H A_p H of a frequency response.
 
         Args:
-            name: of the parameter.
-            frequencies_hz, inputs, outputs, options: as of ``MechanicalSystem.frequency_response``, but for inverse quantities.
+            name: name of the parameter.
+            frequencies_hz, inputs, outputs, options: as in ``MechanicalSystem.frequency_response``, but for inverse quantities.
 
         Returns:
             A ``FrequencyResponse`` whose ``values`` are dH/dp, with an error estimate.
@@ -300,8 +301,8 @@ class Sensitivities(Displayed):
         """The derivatives of RMS values under random excitation, E[x x_p] / RMS, by the same exact integrals.
 
         Args:
-            name: of the parameter.
-            excitation, outputs, quantity, options: as of ``MechanicalSystem.random_response``.
+            name: name of the parameter.
+            excitation, outputs, quantity, options: as in ``MechanicalSystem.random_response``.
 
         Returns:
             Shape (p,), one for each output.
@@ -319,7 +320,7 @@ class Sensitivities(Displayed):
         return covariance[:count, count:].diagonal() / np.sqrt(covariance.diagonal()[:count])
 
     def _outputs(self, given, parameter: Parameter, quantity: str) -> tuple[list[str], list[str]]:
-        """The outputs and their derivatives among those of the system of both; of reactions the rows change places."""
+        """The outputs and their derivatives in the system of twice the size; for reactions the rows change places."""
         is_reaction = quantity == "reaction"
         own = _names(given, [row.name for row in self.system.rows] if is_reaction else self.system.names)
         derived = [*derivative_names(own, parameter)]
@@ -331,7 +332,7 @@ def _names(given, every: Sequence[str]) -> list[str]:
 
 
 def _moved(key, system: EquationsOfMotion, parameter: Parameter):
-    """An input of the system as one of the system of both: forces act on the second half of the coordinates."""
+    """An input of the system as one of the system of twice the size, in which forces act on the second half of the coordinates."""
     if isinstance(key, tuple):
         return tuple(_moved(one, system, parameter) for one in key)
     is_force = key in system.names and key not in [row.name for row in system.rows]
@@ -345,7 +346,7 @@ def _entry(value: float) -> str:
 
 
 def sensitivities(system: EquationsOfMotion, parameters=None) -> Sensitivities:
-    """The sensitivities to all parameters of a system, or to chosen ones."""
+    """The sensitivities of a system to all parameters, or to selected ones."""
     system._refuse_sparse("sensitivities")
     given = [parameters] if isinstance(parameters, (str, Parameter)) else parameters
     own = [one for one in given or () if isinstance(one, Parameter)]

@@ -1,4 +1,4 @@
-"""Damped modes, refined from the undamped ones: in a small space for all at once, then each by itself where that is not enough.
+"""Damped modes, refined from undamped ones: in a common small space, then one by one where that is not sufficient.
 
 In the space of the undamped modes s^2 + s X^T C X + W^2 is a small quadratic eigenproblem. Each of its pairs (s, x) starts
 Newton's method, first in that space with the directions that damping couples to it (``mixed``): one real factorization, already there, for all
@@ -74,13 +74,13 @@ class SlowBody:
     noise: float
 
     def pairs(self) -> list[Pair]:
-        """Its modes."""
+        """The eigenpairs of the body."""
         values = _roots(self.stiffness, self.damping)
         return [Pair(value, self.shape + (value if value.imag else value.real) * self.response, of_body=True) for value in values]
 
 
 def is_modal(pencil: ReducedPencil, undamped: UndampedModes) -> bool:
-    """Whether C X = M X diag: damping leaves the undamped shapes alone, and does not couple them."""
+    """Whether damping is modal: C X = M X diag, without coupling of the undamped shapes."""
     X, sizes = undamped.vectors, abs(pencil.damping)
     for x in X.T if pencil.damping.nnz else ():
         forces = pencil.damping @ x
@@ -91,7 +91,7 @@ def is_modal(pencil: ReducedPencil, undamped: UndampedModes) -> bool:
 
 
 def damped_modes(pencil: ReducedPencil, undamped: UndampedModes) -> DampedModes:
-    """All zeros that the undamped modes lead to."""
+    """All eigenvalues that the undamped modes lead to."""
     modal, body = is_modal(pencil, undamped), None
     quadratic = QuadraticPencil(pencil, undamped)
     if modal:
@@ -118,7 +118,7 @@ def modal_rates(pencil: ReducedPencil, undamped: UndampedModes) -> np.ndarray:
 
 
 def _modal(pencil: ReducedPencil, undamped: UndampedModes) -> list[Pair]:
-    """Each undamped shape with the two roots of s^2 + z s + w^2."""
+    """The eigenpairs of undamped shapes under modal damping: two roots of s^2 + z s + w^2 each."""
     pairs = []
     for w2, x, rate in zip(undamped.values, undamped.vectors.T, modal_rates(pencil, undamped)):
         if not w2 and not rate:
@@ -129,7 +129,7 @@ def _modal(pencil: ReducedPencil, undamped: UndampedModes) -> list[Pair]:
 
 
 def _roots(w2: float, rate: float) -> list[complex]:
-    """Of s^2 + z s + w^2, not both zero; of a complex pair the upper one."""
+    """Roots of s^2 + z s + w^2, not both zero; of a complex pair the upper one."""
     half, under = rate / 2, w2 - rate**2 / 4
     if under > 0:
         return [complex(-half, under**0.5)]
@@ -189,7 +189,7 @@ def _slow_body(quadratic: QuadraticPencil, forces: np.ndarray, damped: np.ndarra
 
 
 def _settled(quadratic: QuadraticPencil, pair: Pair, room: float) -> Pair:
-    """The pair, followed where that makes its residual smaller and does not lead to another zero."""
+    """The pair after Newton's method, where that makes its residual smaller and does not lead to another eigenvalue."""
     if pair.residual.is_rounding:
         return pair
     refined = _followed(quadratic, pair, room)
@@ -198,7 +198,7 @@ def _settled(quadratic: QuadraticPencil, pair: Pair, room: float) -> Pair:
 
 
 def _shown(basis: np.ndarray, pairs: list[Pair]) -> list[Pair]:
-    """The pairs on the free coordinates from those in a basis."""
+    """The pairs on the free coordinates, from those in a basis."""
     coordinates = np.array([pair.vector for pair in pairs], dtype=complex).reshape(len(pairs), basis.shape[1]).T
     return [replace(pair, vector=x) for pair, x in zip(pairs, combined(basis, coordinates).T)]
 
@@ -208,7 +208,7 @@ def _padded(x, size) -> np.ndarray:
 
 
 def _projected(C: np.ndarray, w2: np.ndarray, at_zero: int) -> list[Pair]:
-    """The pairs of s^2 + s C + W^2 without so many next to 0."""
+    """The pairs of s^2 + s C + W^2, without a given number of those nearest to 0."""
     m, unit = len(w2), float(np.abs(w2).max(initial=0.0)) ** 0.5 or 1.0
     state = np.block([[np.zeros((m, m)), unit * np.eye(m)], [-np.diag(w2) / unit, -C]])
     values, turn = scipy.linalg.eig(state)
@@ -268,7 +268,7 @@ def _neighbours(pairs: list[Pair]) -> list[list[Pair]]:
 
 
 def _unmixed(quadratic: QuadraticPencil, group: list[Pair]) -> list[Pair]:
-    """The pairs with residuals, solved again in their own space with P(s_0 + d) = P(s_0) + d P'(s_0) where that is better."""
+    """The pairs with residuals, solved in their common space with P(s_0 + d) = P(s_0) + d P'(s_0) where that is better."""
     given = [replace(pair, residual=quadratic.residual(pair.value, pair.vector)) for pair in group]
     middle = np.mean([pair.value for pair in group])
     X = np.array([pair.vector for pair in group]).T
@@ -288,7 +288,7 @@ def _worst(group: list[Pair]) -> float:
 
 
 def _sorted(pairs: list[Pair]) -> list[Pair]:
-    """Ascending; of neighbours with one zero and one shape the second has not converged to its own."""
+    """Pairs in ascending order; a second pair with the eigenvalue and shape of its neighbour has not converged."""
     pairs = sorted(pairs, key=lambda pair: (abs(pair.value), pair.value.real))
     for one, two in pairwise(pairs):
         if one.value and two.value and abs(one.value - two.value) <= EPS**0.5 * abs(two.value):
@@ -342,7 +342,7 @@ class _Factors:
 
 
 def _mixed_space(pencil: ReducedPencil, undamped: UndampedModes, moving: np.ndarray, forces: np.ndarray) -> _MixedSpace:
-    """The space for the moving ones of the undamped shapes."""
+    """The mixed space of the undamped shapes that move."""
     X, w2 = undamped.vectors[:, moving], undamped.values[moving]
     unit = float(np.abs(w2).max(initial=0.0)) ** 0.5 or 1.0  # the projected matrices are of one size then
     Y = unit * _caused(pencil, undamped, forces)
@@ -353,7 +353,7 @@ def _mixed_space(pencil: ReducedPencil, undamped: UndampedModes, moving: np.ndar
 
 
 def _caused(pencil: ReducedPencil, undamped: UndampedModes, forces: np.ndarray) -> np.ndarray:
-    """An orthonormal basis, in the energy of K - shift M, of the response to forces outside of the undamped shapes."""
+    """An orthonormal basis, in the energy of K - shift M, of the response to forces outside the undamped shapes."""
     basis = _outside(pencil, undamped, forces[:, np.linalg.norm(forces, axis=0) > 0])
     for _ in range(2):  # twice, as directions are nearly dependent
         image = times(pencil.stiffness, basis) - undamped.shift * times(pencil.mass, basis)
@@ -366,7 +366,7 @@ def _caused(pencil: ReducedPencil, undamped: UndampedModes, forces: np.ndarray) 
 
 
 def _outside(pencil: ReducedPencil, undamped: UndampedModes, forces: np.ndarray) -> np.ndarray:
-    """(K - shift M)^-1 times real forces, without the parts of force and response along the undamped shapes."""
+    """(K - shift M)^-1 times real forces, with the parts of force and response along the undamped shapes removed."""
     X = undamped.vectors
     response = undamped.factors.solve(forces - times(pencil.mass, X @ (X.T @ forces)))
     return response - X @ (X.T @ times(pencil.mass, response))

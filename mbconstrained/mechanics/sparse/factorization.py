@@ -26,7 +26,7 @@ class Factorization:
 
     Attributes:
         lower_upper: SuperLU's factors of P.
-        negative: how many eigenvalues of the pencil lie below s; None where it could not be counted.
+        negative: number of eigenvalues of the pencil below s; None where it could not be counted.
         reach: P^-1 L^T, shape (r, k); None without rows.
         schur: the factors of L P^-1 L^T.
         rows: L.

@@ -20,7 +20,7 @@ import scipy.linalg
 from ...ground.tolerances import EPS, NOISE_SAFETY, RITZ_RESIDUAL, noise_of
 from .sparse_matrices import times
 
-#: So many vectors at once: large enough for products of matrices to pay, and for frequencies of this multiplicity.
+#: Block size: large enough for products of matrices to pay, and for frequencies of this multiplicity.
 BLOCK = 6
 
 #: The basis is restarted when it has this many vectors for each requested one, and some more.
@@ -40,7 +40,7 @@ class RitzPairs:
     Attributes:
         values: descending.
         vectors: X, shape (r, m).
-        residuals: of each pair in the norm of M, divided by its value.
+        residuals: residuals of each pair in the norm of M, divided by its value.
         exhausted: whether there are no others.
     """
 
@@ -56,7 +56,7 @@ def largest_pairs(apply: Callable, mass, requested: int, locked: np.ndarray, blo
 
 
 def first_values(apply: Callable, mass, steps: int) -> np.ndarray:
-    """Estimates of the largest values from below, descending, by so many blocks."""
+    """Estimates of the largest values from below, descending, by a given number of blocks."""
     lanczos = _Lanczos(apply, mass, BLOCK * steps, np.zeros((mass.shape[0], 0)), BLOCK)
     fresh = lanczos._random()
     for _ in range(steps):
@@ -67,7 +67,7 @@ def first_values(apply: Callable, mass, steps: int) -> np.ndarray:
 
 
 def _product(mass) -> Callable:
-    """M x for columns x, quick where M is diagonal."""
+    """M x for columns x, fast where M is diagonal."""
     entries = mass.tocoo()
     if (entries.row == entries.col).all():
         diagonal = mass.diagonal()[:, None]
@@ -133,7 +133,7 @@ class _Lanczos:
         return padded, fresh
 
     def _orthogonalized(self, image) -> tuple[np.ndarray, np.ndarray]:
-        """Twice is enough, and once for the older vectors, to which the recurrence leaves nothing but rounding."""
+        """Vectors orthogonalized twice against recent and once against older vectors, for which the recurrence suffices."""
         total = np.zeros((self.count, image.shape[1]))
         for begin in (self.recent, 0):
             weighed = self.weighed(image)
@@ -161,7 +161,7 @@ class _Lanczos:
         return image, coupling
 
     def _random(self) -> np.ndarray:
-        """A new block in the range of P^-1 M, M-orthogonal to all there is; no columns if the space is exhausted."""
+        """A random block in the range of P^-1 M, M-orthogonal to the basis; no columns if the space is exhausted."""
         start = self.apply(self.weighed(self.generator.standard_normal((self.size, min(self.block, self.size)))))
         norms = self._norms(start)
         self.scale = max(self.scale, float(norms.max()))

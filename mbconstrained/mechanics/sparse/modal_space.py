@@ -35,8 +35,8 @@ class ModeSpace:
         input_shapes: the columns of G that are not zero, shape (r, d), and
         input_places: the states that they act on, shape (d,).
         rate_errors: the errors of the eigenvalues by rounding of M, C, K, for each column of W, in 1/s.
-        supports: what springs of a free body leave of their sums, which counts as rounding error, for each column, in 1/s^2.
-        shape_errors: those of the columns relative to their sizes, by the residuals of undamped shapes.
+        supports: restoring stiffness of free bodies from rounding errors of springs, for each column, in 1/s^2.
+        shape_errors: errors of the columns relative to their sizes, by the residuals of undamped shapes.
         modal: whether y are displacements and velocities of undamped shapes, M-orthonormal.
         left_out: the number of modes that did not converge.
     """
@@ -53,7 +53,7 @@ class ModeSpace:
     left_out: int = 0
 
     def relative_errors(self, times: np.ndarray) -> np.ndarray:
-        """Those of the columns of W with their amplitudes at times (T,) by rounding, shape (w, T)."""
+        """Relative errors of the columns of W with their amplitudes at times (T,) by rounding, shape (w, T)."""
         drifted = np.minimum(np.multiply.outer(self.supports, times**2) / 2, 1.0)  # 1 - cos of that frequency
         return np.multiply.outer(self.rate_errors, times) + drifted + self.shape_errors[:, None] + NOISE_SAFETY * EPS
 
@@ -88,7 +88,7 @@ class ModeSpace:
 
 
 def mode_space(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
-    """The space of undamped modes, or of the damped ones that they lead to."""
+    """The space of undamped modes, or of the damped modes computed from them."""
     if asymmetry(pencil.damping)[0]:
         raise InputError(
             "damping: it is not symmetric; the motion of large sparse systems needs symmetric damping; its modes can be had, and "
@@ -114,7 +114,7 @@ def _modal(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
 
 
 def _mixed(pencil: ReducedPencil, undamped: UndampedModes) -> np.ndarray:
-    """How far undamped shapes are mixed with each other, relative to their sizes: X^T (K X - M X W) over the differences of W."""
+    """Mixing of the undamped shapes relative to their sizes: X^T (K X - M X W) over the differences of W."""
     X, w2 = undamped.vectors, undamped.values
     residuals = X.T @ (times(pencil.stiffness, X) - times(pencil.mass, X) * w2)
     gaps = np.abs(w2[:, None] - w2)
@@ -123,7 +123,7 @@ def _mixed(pencil: ReducedPencil, undamped: UndampedModes) -> np.ndarray:
 
 
 def _supports(pencil: ReducedPencil, X: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """|x^T K x| of free bodies; rounding errors of assembled entries leave as much."""
+    """Restoring stiffness |x^T K x| of free bodies, as large as the rounding errors of assembled entries."""
     supports = np.zeros(X.shape[1])
     for place in np.flatnonzero(free):
         x = X[:, place]
@@ -259,7 +259,7 @@ class Amplitudes:
 
 
 def _units(block, J) -> np.ndarray:
-    """What displacement and velocity of a mode are measured in: 1 and the larger rate of the two."""
+    """Scales of displacement and velocity of a mode: 1 and the larger rate of the two."""
     if len(block) == 1 or block[0, 1] != 1.0 or block[0, 0]:
         return np.ones(len(block))
     rate = max(abs(block[1, 0]) ** 0.5, abs(block[1, 1]), float(np.abs(np.diag(J)).max()), float(np.abs(J).max()))

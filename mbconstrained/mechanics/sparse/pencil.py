@@ -34,7 +34,7 @@ MOST_BORDERED = 200
 
 @dataclass(frozen=True, eq=False)
 class ReducedPencil:
-    """M, C, K as N^T . N on r free coordinates y with x = N y + x_0, and the long rows L y = 0 that are not eliminated.
+    """M, C, K as N^T . N on r free coordinates y with x = N y + x_0, and the long rows L y = 0 that remain.
 
     Attributes:
         mass, damping, stiffness: shape (r, r), sparse.
@@ -43,7 +43,7 @@ class ReducedPencil:
         rows: L, shape (k, r).
         row_values: the values of L y, shape (k,).
         constraints: all constraint rows as given.
-        names: of the n coordinates.
+        names: names of the n coordinates.
         free: the place of each of y among the n coordinates, shape (r,).
         independent: the places of the constraint rows that are not redundant.
         notices: one for each redundant row.
@@ -70,7 +70,7 @@ class ReducedPencil:
 
     @cached_property
     def rounding(self) -> float:
-        """The relative errors of the entries: those of given ones, unless rows with other factors than whole numbers are eliminated."""
+        """Relative errors of the entries: those of the given ones, unless rows with fractional factors are eliminated."""
         return EPS if is_whole(self.basis) else RIGID_BODY_FORCE
 
     @cached_property
@@ -83,7 +83,7 @@ class ReducedPencil:
         return float(stiffness.max() / mass.max()) if stiffness.any() and (mass > 0).any() else 1.0
 
     def described(self, places) -> str:
-        """Names of some free coordinates in words."""
+        """Names of some free coordinates, as text."""
         return ", ".join(f'"{self.names[self.free[place]]}"' for place in places)
 
     def shifted(self, shift: float, counted: bool = True) -> Factorization:
@@ -136,7 +136,7 @@ def is_whole(matrix) -> bool:
 
 
 def _projected(N, matrix) -> scipy.sparse.csc_array:
-    """N^T matrix N; with whole numbers in N a sum counts as long as it is more than the rounding errors of its terms."""
+    """N^T matrix N; for whole numbers in N a sum is kept while it exceeds the rounding errors of its terms."""
     if N.shape[0] == N.shape[1]:
         return scipy.sparse.csc_array(matrix)
     product = scipy.sparse.csc_array(N.T @ matrix @ N)
@@ -158,7 +158,7 @@ def _redundant(name: str, others: Sequence[int], rows: SparseRows) -> Notice:
 
 
 def _independent(pencil: ReducedPencil, kept: np.ndarray) -> ReducedPencil:
-    """The pencil without long rows that follow from others; these are few, and so dense products of them are small."""
+    """The pencil without redundant long rows; there are few, so that their dense products are small."""
     if not pencil.rows.shape[0]:
         return pencil
     given = scipy.sparse.linalg.norm(pencil.constraints.matrix[kept], axis=1)
@@ -227,7 +227,7 @@ def _counts(A, size) -> np.ndarray:
 
 
 def _single(A, lengths, longest) -> tuple[np.ndarray, np.ndarray]:
-    """Rows with a large enough entry in a coordinate that only they have, and this coordinate."""
+    """Rows with a large enough entry in a coordinate that occurs in no other row, and this coordinate."""
     if not A.nnz:
         return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
     row = np.repeat(np.arange(A.shape[0]), lengths)
@@ -240,7 +240,7 @@ def _single(A, lengths, longest) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _one_by_one(rows: SparseRows, places: Sequence[int], counts) -> tuple[dict[int, tuple[Row, float]], dict[int, tuple[int, ...]]]:
-    """For each pivot, in the order of elimination, its row without it and the value; and the redundant rows."""
+    """For each pivot, in the order of elimination, its row without the pivot and its value; and the redundant rows."""
     A = rows.matrix
     solved: dict[int, tuple[Row, float]] = {}
     owner: dict[int, int] = {}
@@ -297,7 +297,7 @@ def _check_value(rows: SparseRows, place: int, value, others) -> None:
 
 
 def _with_single(A, values, single, pivots, basis, offset) -> tuple[scipy.sparse.csc_array, np.ndarray]:
-    """The rows of N for coordinates that only one row has, all at once: they are in no other expression."""
+    """The rows of N for coordinates that occur in one row only, all at once."""
     if not len(single):
         return basis, offset
     rows = scipy.sparse.coo_array(A[single])
@@ -312,7 +312,7 @@ def _with_single(A, values, single, pivots, basis, offset) -> tuple[scipy.sparse
 
 
 def _null_space(solved, free, size) -> tuple[scipy.sparse.csc_array, np.ndarray]:
-    """The expressions, each without the pivots before it, solved backwards for the free coordinates alone."""
+    """The expressions, solved backwards for the free coordinates alone."""
     column = np.full(size, -1)
     column[free] = np.arange(len(free))
     offset, done = np.zeros(size), {}

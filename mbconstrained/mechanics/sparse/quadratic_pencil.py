@@ -38,8 +38,8 @@ class Residual:
     Attributes:
         forces: it, shape (r,), and its
         norm, besides those of
-        terms: of the sum of the sizes of its terms,
-        inertia: of s^2 M x, and
+        terms: terms of the sum of the sizes of its terms,
+        inertia: inertia of s^2 M x, and
         damping: of s C x.
     """
 
@@ -56,7 +56,7 @@ class Residual:
 
     @property
     def is_rounding(self) -> bool:
-        """Whether no correction makes it smaller."""
+        """Whether the residual is rounding error, which no correction reduces."""
         return self.norm <= 2 * EPS * self.terms + RITZ_RESIDUAL * self.inertia
 
     @property
@@ -73,7 +73,7 @@ class Pair:
     Attributes:
         resting: whether it is a rigid body without damping (two states).
         converged: whether Newton's method ended at its own zero.
-        residual: of P(value) vector, once it is known.
+        residual: residual of P(value) vector, once it is known.
         of_body: whether it is a mode of a softly supported body.
     """
 
@@ -86,14 +86,14 @@ class Pair:
 
 
 def gap(values: np.ndarray, place: int) -> float:
-    """How far the nearest other one of some zeros lies, conjugates included."""
+    """Distance from an eigenvalue to the nearest other one, conjugates included."""
     others = np.delete(values, place)
     distances = np.abs(np.concatenate([others, np.conj(values)]) - values[place])
     return float(distances[distances > 0].min(initial=abs(values[place])))
 
 
 def newton(quadratic, estimate: Pair, room: float) -> Pair:
-    """The pair that Newton's method makes of an estimate.
+    """The pair to which Newton's method converges from an estimate.
 
     With a value wrong by a part p of the gap the vector was wrong by p^(1/2), and is by p^(3/2) after a step.
     """
@@ -154,7 +154,7 @@ class QuadraticPencil:
 
     @cached_property
     def order(self) -> np.ndarray:
-        """In which the coordinates are eliminated."""
+        """The order of elimination of the coordinates."""
         return self._narrow[0] if self.is_narrow else np.argsort(self.undamped.factors.lower_upper.perm_c)
 
     @cached_property
@@ -174,7 +174,7 @@ class QuadraticPencil:
 
     @cached_property
     def _diagonals(self) -> tuple[np.ndarray, int]:
-        """Where the entries of the pattern are in LAPACK's storage of diagonals, column after column, and how long that is."""
+        """Positions of the entries of the pattern in LAPACK's band storage, column by column, and the length of that storage."""
         whole, band = self._pattern[0], self._narrow[1]
         column = np.repeat(np.arange(whole.shape[0]), np.diff(whole.indptr))
         return 2 * band + whole.indices + 3 * band * column, (3 * band + 1) * whole.shape[0]
@@ -222,7 +222,7 @@ class QuadraticPencil:
 
 
 def _product(matrix, x: np.ndarray) -> np.ndarray:
-    """A real sparse matrix times a vector that may be complex, for which it need not become complex itself."""
+    """A real sparse matrix times a vector that may be complex, without conversion of the matrix."""
     return matrix @ x.real + 1j * (matrix @ x.imag) if x.dtype.kind == "c" else matrix @ x
 
 
@@ -235,7 +235,7 @@ class _Ordered:
     kind: type
 
     def solve(self, right: np.ndarray) -> np.ndarray:
-        """One or several right sides in the order of the coordinates."""
+        """Solve for one or several right sides in the order of the coordinates."""
         solved = self.factors.solve(np.asfortranarray(right[self.order]).astype(self.kind))
         solution = np.empty_like(solved)
         solution[self.order] = solved
@@ -244,7 +244,7 @@ class _Ordered:
 
 @dataclass(frozen=True, eq=False)
 class _Banded:
-    """Factors of a matrix with few diagonals, by LAPACK."""
+    """Factors of a banded matrix, by LAPACK."""
 
     factors: np.ndarray
     pivots: np.ndarray

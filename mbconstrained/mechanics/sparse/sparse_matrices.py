@@ -57,7 +57,7 @@ def asymmetry(matrix: scipy.sparse.csc_array) -> tuple[float, tuple[int, int]]:
 
 
 def symmetric(matrix: scipy.sparse.csc_array, what: str, names) -> scipy.sparse.csc_array:
-    """Its symmetric part, where no more than rounding is lost."""
+    """The symmetric part of a matrix, where no more than rounding is lost."""
     largest, (row, column) = asymmetry(matrix)
     if largest:
         raise InputError(
@@ -72,7 +72,7 @@ FEW_ROWS = 5000
 
 
 def times(matrix, columns: np.ndarray) -> np.ndarray:
-    """A sparse real matrix times dense columns, one by one: SciPy's product with many at once is several times slower."""
+    """A sparse real matrix times dense columns, one by one: several times faster than SciPy's product with many columns."""
     if matrix.shape[0] <= FEW_ROWS:
         return np.asfortranarray(matrix @ columns)
     product = np.empty((matrix.shape[0], columns.shape[1]), dtype=np.result_type(matrix.dtype, columns.dtype), order="F")
@@ -101,7 +101,7 @@ def quadratic_form(matrix, x: np.ndarray, rounding: float = EPS) -> float:
 
 
 def combined(basis: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
-    """Real columns times complex coordinates, for which they need not become complex themselves."""
+    """Real columns times complex coordinates, without conversion of the columns."""
     product = np.empty((len(basis), coordinates.shape[1]), dtype=complex, order="F")
     product.real, product.imag = basis @ coordinates.real, basis @ coordinates.imag
     return product

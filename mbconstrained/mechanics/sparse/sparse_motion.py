@@ -41,7 +41,7 @@ class SparseMotion(SystemMotion, Displayed):
         shapes: W and X side by side, shape (n, w + s).
         offset: x_0, a displacement with the values of all constraint rows, shape (n,).
         rest_norm: (2 E)^(1/2) in J^(1/2), an upper bound of the energy norm of x_rest for all times.
-        truncation: the same, relative to the energy norm of all that moves.
+        truncation: the bound relative to the energy norm of the whole motion.
         bounded: whether the bound is valid for all times, as damping and stiffness supply no energy; otherwise at t = 0 only.
         notices: the size of the rest, jumps of massless coordinates, redundant rows.
     """

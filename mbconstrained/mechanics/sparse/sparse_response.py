@@ -35,7 +35,7 @@ ORDERS = 3
 #: Rounding errors of a sum in extended precision, in units of EPS and of its terms.
 SUM_ROUNDING = 4 * float(np.finfo(np.longdouble).eps) / EPS
 
-#: So many columns and rows are multiplied at a time in extended precision: no second array as large as all vectors.
+#: Number of columns and rows multiplied at a time in extended precision, without a second array as large as all vectors.
 COLUMNS, ROWS = 16, 8192
 
 #: Static corrections whose part outside of the others is smaller than this, relative to them, are rounding errors.
@@ -45,7 +45,7 @@ DEPENDENT = EPS**0.5
 def sparse_harmonic(
     system: EquationsOfMotion, inputs, outputs, order: int, quantity: str, modal_damping, loss_factor, count: int
 ) -> Harmonic:
-    """The reduced equations with the bound."""
+    """The reduced equations with the bound of the remainder."""
     places = {name: i for i, name in enumerate(system.names)}
     for what, chosen in (("inputs", inputs), ("outputs", outputs)):
         if chosen is None:
@@ -69,7 +69,7 @@ def sparse_harmonic(
 
 
 def _projected(matrix, W: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """W^T A W with the digits of extended precision, rounded once, and the sizes of the terms that its entries are sums of.
+    """W^T A W, accumulated in extended precision and rounded once, and the sizes of the terms of its entries.
 
     Lanczos vectors are no eigenvectors, and K V is not quite what V was solved for: only with these products the method is Galerkin's, whose
     error is of second order. In float64 the terms of a chain of soft and stiff springs would hide its softest modes.
@@ -88,7 +88,7 @@ def _projected(matrix, W: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _remainder(matrix, columns: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """A S - B, with the digits that cancel."""
+    """A S - B, in extended precision."""
     extended = matrix.astype(np.longdouble)
     parts = [(extended @ own.astype(np.longdouble) - other).astype(float) for own, other in zip(columns.T, right.T)]
     return np.column_stack(parts)
@@ -139,7 +139,7 @@ class _Reduced:
 
 @dataclass(frozen=True, eq=False)
 class _Residuals(LeftOut):
-    """Norms of residuals by a Gram matrix of what they are combinations of."""
+    """Norms of residuals by the Gram matrix of the vectors that they combine."""
 
     reduced: _Reduced
     coefficients: np.ndarray
@@ -148,7 +148,7 @@ class _Residuals(LeftOut):
 
     @cached_property
     def limit(self) -> float:
-        """W^2: below is no mode that is left out, in 1/s^2."""
+        """W^2 in 1/s^2: no omitted mode lies below."""
         undamped, last = self.reduced.undamped, float(self.reduced.undamped.values[-1])
         return max(last, undamped.below or last) if undamped.computed_below == len(undamped.values) else last
 
@@ -159,7 +159,7 @@ class _Residuals(LeftOut):
 
     @cached_property
     def _gram(self) -> tuple[np.ndarray, np.ndarray]:
-        """The Gram matrix in (K - shift M)^-1, and the sizes of its terms; what solutions leave corrects it to second order."""
+        """The Gram matrix in (K - shift M)^-1, corrected to second order by residuals, and the sizes of its terms."""
         reduced, X = self.reduced, self.reduced.undamped.vectors
         parts = [reduced.inertia] if reduced.damped is None else [reduced.inertia, reduced.damped]
         columns = np.hstack([reduced.sources, *parts, reduced.unequal])
@@ -171,7 +171,7 @@ class _Residuals(LeftOut):
         return (gram + gram.T) / 2, np.abs(columns).T @ np.abs(solved) + np.abs(along) @ np.abs(inner).T
 
     def bound(self, omega: np.ndarray) -> np.ndarray:
-        """Of |C A^-1 B| without the factor (i w)^p, shape (p, m, F)."""
+        """Bound of |C A^-1 B| without the factor (i w)^p, shape (p, m, F)."""
         reduced, sizes, (gram, terms) = self.reduced, [], self._gram
         modes, shift = len(reduced.undamped.values), reduced.undamped.shift
         structural = 1.0 if self.imaginary is None else 1 + 1j * self.imaginary[0, 0] / self.coefficients[0, 0, 0]

@@ -45,7 +45,7 @@ class StaticCorrection:
         return forces - times(pencil.mass, turned + along @ generator) - times(pencil.damping, along)
 
     def followed(self, forces: np.ndarray, blocks) -> np.ndarray:
-        """X for D and the diagonal blocks of J, one column of a block after the other in its Schur form."""
+        """X for D and the diagonal blocks of J, one column of a block after another in its Schur form."""
         correction = np.zeros(forces.shape)
         if not blocks:
             return correction
@@ -67,7 +67,7 @@ class StaticCorrection:
         return columns
 
     def solved(self, s: complex, right: np.ndarray, size: float = 0.0) -> np.ndarray:
-        """x with P(s) x = right, refined; right is known to rounding errors of this size."""
+        """x with P(s) x = right, refined; right has rounding errors of this size."""
         solve, size = self._solver(s), max(np.linalg.norm(right), size)
         solution, rest, before = np.zeros(right.shape, dtype=complex), self._residual(right.astype(complex)), np.inf
         for _ in range(MOST_STEPS):
@@ -128,7 +128,7 @@ class Remainder:
 
     Attributes:
         norm: of its energy norm sqrt(2 E).
-        relative: the same, relative to all that moves.
+        relative: the bound relative to the norm of the whole motion.
         passive: whether it is valid for all times.
         jumps: whether coordinates without mass jump at the start.
     """
@@ -171,7 +171,7 @@ def _norm(pencil: ReducedPencil, x, v) -> float:
 
 
 def _rough(pencil: ReducedPencil, x, v) -> float:
-    """The same of the sizes: rounding errors are this times that of a number."""
+    """Energy norm of the absolute values: times the unit roundoff it bounds the rounding errors of the norm."""
     x, v = np.abs(x), np.abs(v)
     return float(v @ (abs(pencil.mass) @ v) + x @ (abs(pencil.stiffness) @ x)) ** 0.5
 
@@ -186,7 +186,7 @@ def _norms(pencil: ReducedPencil, followed, generator, jumps) -> np.ndarray:
 
 
 def _relaxed(pencil: ReducedPencil, rest: np.ndarray) -> tuple[np.ndarray, bool]:
-    """The displacement with massless, undamped coordinates in equilibrium between the springs, and whether they moved."""
+    """The displacement with massless, undamped coordinates in equilibrium between the springs, and whether any of them changed."""
     empty = np.diff(pencil.mass.indptr) + np.diff(pencil.damping.indptr) == 0
     if not empty.any() or pencil.rows.shape[0]:
         return rest, False

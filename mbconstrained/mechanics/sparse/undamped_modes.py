@@ -32,7 +32,7 @@ GUARD = 4
 #: Rows that are turned at a time: no second array as large as all vectors.
 CHUNK = 8192
 
-#: How often modes that the count misses are looked for.
+#: Number of searches for modes that the count misses.
 ROUNDS = 12
 
 #: Missing modes are copies of others: they are computed in blocks as wide as their number, at most this.
@@ -44,10 +44,10 @@ TOO_CLOSE, BETTER_SHIFT = 1e-3, 0.1
 #: Modes of so soft supports relative to the shift have values in which nothing may cancel.
 SOFT = 0.01
 
-#: How far below an estimate of the lowest growing mode, which lies above it, the shift is tried.
+#: Distance below an estimate of the lowest growing mode, which is above it, at which the shift is tried.
 MARGINS = (0.05, 0.5, 2.0)
 
-#: How often the shift is improved.
+#: Number of improvements of the shift.
 MOST_SHIFTS = 4
 
 #: Blocks of the first look at the spectrum.
@@ -65,7 +65,7 @@ class UndampedModes:
             the sum of the sizes of its terms.
         shift, factors: K - shift M, below all values.
         below: the w^2 up to which modes were counted; None where no count was to be had.
-        counted: how many lie below it.
+        counted: number of eigenvalues below it.
         computed_below: the number of computed ones below it.
         complete: whether the system has no other finite modes.
     """
@@ -91,7 +91,7 @@ def undamped_modes(pencil: ReducedPencil, count: int) -> UndampedModes:
 
 
 def _lowest_modes(pencil: ReducedPencil, count: int) -> UndampedModes:
-    """The ``count`` modes of lowest w^2, or all there are."""
+    """The ``count`` modes of lowest w^2, at most all that exist."""
     _check_mass(pencil)
     dense = pencil.size <= DENSE or 3 * count > pencil.size
     shift, factors = _settled(pencil, *pencil.below_all())
@@ -170,7 +170,7 @@ def _computed(pencil: ReducedPencil, shift, factors, wanted, locked, block: int 
 
 
 def _purified(pencil: ReducedPencil, factors, values, vectors) -> tuple[np.ndarray, np.ndarray]:
-    """The vectors multiplied once more by P^-1 M, which sets massless coordinates right, of norm 1 in M."""
+    """The vectors multiplied once more by P^-1 M, which corrects massless coordinates, with norm 1 in M."""
     kept = values > 0
     values, vectors = values[kept], vectors[:, kept]
     for begin in range(0, len(values), 8):
@@ -181,7 +181,7 @@ def _purified(pencil: ReducedPencil, factors, values, vectors) -> tuple[np.ndarr
 
 
 def _dense(pencil: ReducedPencil, shift, factors, wanted) -> tuple[np.ndarray, np.ndarray, bool]:
-    """The same by one dense decomposition; as many finite modes as M has rank."""
+    """Values and vectors by one dense decomposition; as many finite modes as M has rank."""
     mass, shifted = pencil.mass.toarray(), (pencil.stiffness - shift * pencil.mass).toarray()
     free = scipy.linalg.null_space(pencil.rows.toarray()) if pencil.rows.shape[0] else np.eye(pencil.size)
     mass, shifted = free.T @ mass @ free, free.T @ shifted @ free
@@ -197,7 +197,7 @@ def _dense(pencil: ReducedPencil, shift, factors, wanted) -> tuple[np.ndarray, n
 
 
 def _orthonormal(pencil: ReducedPencil, vectors: np.ndarray) -> np.ndarray:
-    """In place M-orthonormal, each corrected by those of lower frequency only: these are known best."""
+    """Orthonormalize in place with respect to M, each vector corrected by those of lower frequency only: these are most accurate."""
     gram = vectors.T @ times(pencil.mass, vectors)
     try:
         turn = scipy.linalg.solve_triangular(scipy.linalg.cholesky((gram + gram.T) / 2), np.eye(len(gram)))
@@ -227,7 +227,7 @@ def _boundary(values, shift, count, exhausted) -> tuple[float | None, int]:
 
 
 def _counted(pencil: ReducedPencil, values, below, inside, factors) -> int | None:
-    """How many modes lie below; another place in the same gap is tried where the pivots are not accurate enough."""
+    """The number of modes below; another shift in the same gap is tried where the pivots are not accurate enough."""
     if below is None or factors.negative is None:
         return None
     if not inside:
@@ -264,7 +264,7 @@ def _evidence(pencil: ReducedPencil, values, vectors, shift) -> tuple[np.ndarray
 
 
 def _is_rigid(pencil: ReducedPencil, x: np.ndarray, forces: np.ndarray, sizes: np.ndarray) -> bool:
-    """Whether forces are rounding errors of their terms, coordinate by coordinate, so that soft parts count next to stiff ones.
+    """Whether forces are rounding errors of their terms, coordinate by coordinate, so that soft parts count as much as stiff ones.
 
     The energy of the shape must be rounding error too: forces of a soft support are spread over all masses.
     """

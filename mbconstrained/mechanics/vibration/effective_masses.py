@@ -20,11 +20,11 @@ class EffectiveMasses(Displayed):
     """Shares of the modes without damping in the motion under a base that moves along each of d directions.
 
     Attributes:
-        directions, units: of the base's motion, and of its masses ("kg"; "kg m^2" of a base that turns).
-        frequencies_hz: of the modes, shape (m,).
+        directions, units: directions and units of the base's motion, and of its masses ("kg"; "kg m^2" of a base that turns).
+        frequencies_hz: frequencies of the modes, shape (m,).
         participation_factors: Gamma = u^T h with u^T M u = 1, shape (m, d).
         masses: Gamma^2, shape (m, d).
-        totals: of all motions relative to the base, shape (d,); what the modes do not sum to belongs to free and unstable motions.
+        totals: totals of all motions relative to the base, shape (d,), including those of free and unstable motions.
     """
 
     directions: tuple[str, ...]
@@ -59,7 +59,7 @@ class EffectiveMasses(Displayed):
         return TextTable("Effective modal masses", ("mode", "Hz", *titles), tuple(rows), note)
 
     def as_json(self) -> dict:
-        """The same as plain data."""
+
         return {
             "directions": list(self.directions),
             "units": list(self.units),
@@ -72,7 +72,7 @@ class EffectiveMasses(Displayed):
 def effective_masses(
     system: EquationsOfMotion, directions: Sequence[str], units: Sequence[str], loads: np.ndarray
 ) -> EffectiveMasses:
-    """From the inertial loads h of unit accelerations of the base.
+    """Effective masses from the inertial loads h of unit accelerations of the base.
 
     sum of Gamma_i^2 = h^T V (V^T M V)^+ V^T h,      V a basis of the motions that the constraint rows allow
     """

@@ -39,10 +39,10 @@ MODE_ROUNDING = 16.0
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a response gives.
+    """Quantity of a frequency response.
 
     Attributes:
-        order: of the derivative of the outputs: 0 displacement, 1 velocity, 2 acceleration.
+        order: order of the derivative of the outputs: 0 displacement, 1 velocity, 2 acceleration.
         inverse: whether forces by motions are given.
     """
 
@@ -88,7 +88,7 @@ def frequency_response(
 
 
 def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to=None, count=None) -> Harmonic:
-    """The matrices of one response; arguments as of ``frequency_response``."""
+    """The matrices of one response; the arguments are those of ``frequency_response``."""
     if quantity not in QUANTITIES:
         raise InputError(
             f"quantity: found {quantity!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(quantity), QUANTITIES)}"
@@ -161,7 +161,7 @@ def with_element_forces(system, equations, elements: Mapping[str, ElementForce],
 
 
 def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count) -> Harmonic:
-    """Of sparse matrices."""
+    """The harmonic equations of sparse matrices, in their modes."""
     from ..sparse.sparse_response import sparse_harmonic
 
     chosen = QUANTITIES[quantity]
@@ -179,7 +179,7 @@ def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, rel
 
 
 def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Channel]) -> None:
-    """Quantities that do not fit their inputs or outputs."""
+    """Raise an InputError for quantities that do not fit their inputs or outputs."""
     if not inputs or not outputs:
         missing = "springs and dampers with names" if quantity == "force" else "constraint rows"
         raise InputError(f"{quantity}: this system has no {missing}")

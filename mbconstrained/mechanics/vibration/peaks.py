@@ -20,7 +20,7 @@ from ..element_matrix import mass_normalized
 from ..equations import EquationsOfMotion
 from .effective_masses import EffectiveMasses, effective_masses, loads_of_rows
 
-#: What the peaks may be of: the displacements and their derivatives, forces of constraint rows, elongations and forces of springs and dampers.
+#: Quantities of peaks: displacements, their derivatives, forces of constraint rows, elongations and forces of springs and dampers.
 QUANTITIES = ("displacement", "velocity", "acceleration", "reaction", "elongation", "force")
 
 COMBINATIONS = ("CQC", "SRSS")
@@ -31,7 +31,7 @@ class Peaks(Displayed):
     """The largest and the smallest value of each function over a time, with the times at which they occur.
 
     Attributes:
-        names, units: of the functions.
+        names, units: names and units of the functions.
         quantity: "displacement", "velocity", "acceleration", "reaction", "elongation" or "force".
         extrema: values and times.
     """
@@ -51,7 +51,7 @@ class Peaks(Displayed):
         """Both extrema of each function with their times.
 
         Args:
-            shown: the unit that stands for one of SI, and the factor of values in it.
+            shown: maps an SI unit to the displayed unit and the factor of its values.
 
         Returns:
             One row for each function.
@@ -123,7 +123,7 @@ def peaks(
 
 
 def _functions(motion: MotionFunctions, of: str) -> tuple[BohlFunction, tuple[str, ...], tuple[str, ...], np.ndarray]:
-    """The functions, their names and units, and constants that are added to them."""
+    """The functions with names and units, and the constants added to them."""
     system = motion.system
     if of == "reaction":
         rows = system.rows
@@ -149,14 +149,14 @@ class ModalCombination(Displayed):
     """Peaks under a moving base, estimated mode by mode from a response spectrum.
 
     Attributes:
-        names: of the coordinates.
+        names: names of the coordinates.
         base_motion: frequencies, participation factors and effective masses.
-        frequencies_hz, damping_ratios: of the modes, shape (m,).
+        frequencies_hz, damping_ratios: frequencies and damping ratios of the modes, shape (m,).
         participation_factors: Gamma_i = u_i^T M r with u_i^T M u_i = 1, shape (m,).
         effective_masses: Gamma_i^2, shape (m,).
         total_mass: r^T M r of all motions that the base allows: the sum of the effective masses of all modes.
         modal_displacements: Gamma_i S_a(f_i) / w_i^2 u_i, relative to the base, shape (n, m).
-        correlation: of the modes, shape (m, m).
+        correlation: correlation of the modes, shape (m, m).
     """
 
     names: tuple[str, ...]
@@ -167,22 +167,22 @@ class ModalCombination(Displayed):
 
     @property
     def frequencies_hz(self) -> np.ndarray:
-        """Of the modes."""
+        """Natural frequencies of the modes in Hz."""
         return self.base_motion.frequencies_hz
 
     @property
     def participation_factors(self) -> np.ndarray:
-        """Of the modes."""
+        """Participation factors of the modes."""
         return self.base_motion.participation_factors[:, 0]
 
     @property
     def effective_masses(self) -> np.ndarray:
-        """Of the modes (kg)."""
+        """Effective masses of the modes in kg."""
         return self.base_motion.masses[:, 0]
 
     @property
     def total_mass(self) -> float:
-        """Of all modes (kg)."""
+        """Total mass in kg."""
         return float(self.base_motion.totals[0])
 
     def _summary(self) -> str:

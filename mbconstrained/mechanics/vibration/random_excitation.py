@@ -18,7 +18,7 @@ from ..channels import Channel, channels, chosen_by_name, coordinate_channels, r
 from ..equations import EquationsOfMotion
 from .harmonic_equations import saddle_point, with_element_forces
 
-#: What the outputs may be, and the order of the derivative of the displacements; None of forces.
+#: Quantities of outputs, and their orders of derivative of the displacements; None for forces.
 QUANTITIES = {"displacement": 0, "velocity": 1, "acceleration": 2, "reaction": None, "force": None}
 
 
@@ -92,7 +92,7 @@ def _element_forces(system: EquationsOfMotion, outputs, equations, loss_factor):
 
 
 def _inputs(system: EquationsOfMotion, spectra: SpectralMatrix) -> tuple[list[Channel], list[int]]:
-    """The channels of the random inputs, and the levels of all rows: those of random motions have the level of their spectrum."""
+    """The channels of the random inputs, and the levels of all rows; random motions have the level of their spectrum."""
     levels, inputs = [row.order for row in system.rows], []
     for name, spectrum in zip(spectra.names, spectra.spectra):
         channel = _input(system, name, spectrum.of)

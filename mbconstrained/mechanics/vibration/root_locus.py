@@ -27,11 +27,11 @@ class RootLocus(Displayed):
     """The eigenvalues over a parameter p; a column belongs to one branch.
 
     Attributes:
-        name, unit: of the parameter.
+        name, unit: name and unit of the parameter.
         values: p, ascending, shape (P,).
         eigenvalues: s in 1/s, conjugates included, shape (P, m).
         slopes: ds/dp, shape (P, m).
-        break_points: where two eigenvalues coalesce: ``parameter``, ``eigenvalue`` and ``shape``.
+        break_points: points of coalescence of two eigenvalues: ``parameter``, ``eigenvalue`` and ``shape``.
         stability_limits: p at which the real part of an eigenvalue changes its sign.
     """
 
@@ -104,7 +104,7 @@ def root_locus_of(
 
 
 def _linear(at: Callable[[float], np.ndarray], low: float, high: float) -> MatrixFamily | None:
-    """The family of matrices that are linear in p as far as values between both ends show; None of others."""
+    """The family of matrices, where they depend linearly on the parameter according to values between both ends; None otherwise."""
     first, last = at(low), at(high)
     noise = noise_of(np.abs([first, last]).max(axis=(0, 2, 3), initial=0.0))[:, None, None]
     for share in INNER:
@@ -132,7 +132,7 @@ def _ascending(values) -> np.ndarray:
 
 
 def _basis(system: EquationsOfMotion, parameter: Parameter) -> np.ndarray:
-    """V of coordinates that satisfy the rows, which must not change."""
+    """V of coordinates that satisfy the rows, which must not depend on the parameter."""
     if any(row.any() for row, _ in parameter.rows.values()):
         raise InputError(f"{parameter.name}: constraint rows change with it; a root locus needs constant rows")
     return system.position_form().null_space

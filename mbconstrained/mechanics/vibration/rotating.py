@@ -32,7 +32,7 @@ class CriticalSpeed(Displayed):
         speed: W in rad/s.
         order: n.
         eigenvalue: s with Im s = n W (1/s).
-        shape: of the mode at this speed, shape (n,), the largest entry 1.
+        shape: shape of the mode at this speed, shape (n,), the largest entry 1.
         whirl: see ``Campbell.whirl``.
     """
 
@@ -60,7 +60,7 @@ class Campbell(Displayed):
         speeds: W in rad/s, shape (S,).
         eigenvalues: s in 1/s, of complex pairs the one above the real axis, shape (S, m); one for each real one.
         slopes: ds/dW, shape (S, m).
-        shapes: of the modes, shape (S, n, m), the largest entry of each 1.
+        shapes: shapes of the modes, shape (S, n, m), the largest entry of each 1.
         evaluations: at how many speeds eigenvalues were computed, the given ones included.
     """
 
@@ -86,7 +86,7 @@ class Campbell(Displayed):
 
     @property
     def damped_frequencies(self) -> np.ndarray:
-        """Im s in rad/s, what meets the lines n W at critical speeds, shape (S, m)."""
+        """Damped frequencies Im s in rad/s, which intersect the lines n W at critical speeds, shape (S, m)."""
         return self.eigenvalues.imag
 
     @property
@@ -97,7 +97,7 @@ class Campbell(Displayed):
 
     @property
     def stability_margins(self) -> np.ndarray:
-        """The least -Re s of all modes at each speed (1/s), shape (S,): negative where the motion grows."""
+        """Smallest -Re s of all modes at each speed (1/s), shape (S,): negative where the motion grows."""
         return -self.eigenvalues.real.max(axis=1, initial=-np.inf) + 0.0
 
     @cached_property
@@ -111,7 +111,7 @@ class Campbell(Displayed):
 
     @property
     def directions(self) -> tuple[str, ...]:
-        """Of each mode: "forward", "backward", "planar", or "mixed" where it changes with the speed."""
+        """Whirl direction of each mode: "forward", "backward", "planar", or "mixed" where it changes with the speed."""
         result = []
         for column in self.whirl.T:
             senses = {direction(value) for value in column} - {"planar"}
@@ -119,10 +119,10 @@ class Campbell(Displayed):
         return tuple(result)
 
     def critical_speeds(self, order: float = 1.0) -> tuple[CriticalSpeed, ...]:
-        """Those within the range of speeds, with shapes and damping, ascending; see ``MechanicalSystem.critical_speeds``.
+        """Return the critical speeds within the range of speeds, ascending (``MechanicalSystem.critical_speeds``).
 
         Args:
-            order: n.
+            order: order n of the excitation.
         """
         low, high = self.speeds[[0, -1]]
         return tuple(point for point in critical_points(self.system, order) if low <= point.speed <= high)
@@ -152,7 +152,7 @@ class Campbell(Displayed):
 
 
 def direction(whirl: float) -> str:
-    """The word for a value of ``Campbell.whirl``.
+    """Name of the whirl direction for a value of ``Campbell.whirl``.
 
     >>> direction(0.5), direction(-1.0), direction(1e-12)
     ('forward', 'backward', 'planar')
@@ -161,7 +161,7 @@ def direction(whirl: float) -> str:
 
 
 def whirl_of(system: EquationsOfMotion, shapes: np.ndarray) -> np.ndarray:
-    """See ``Campbell.whirl``."""
+    """Whirl of shapes, as defined in ``Campbell.whirl``."""
     form_matrix = system.gyroscopic if system.whirl_matrix is None else system.whirl_matrix
     if form_matrix is None:
         return np.zeros(shapes.shape[1])
@@ -203,7 +203,7 @@ def campbell(system: EquationsOfMotion, speeds) -> Campbell:
 
 
 def critical_points(system: EquationsOfMotion, order: float = 1.0) -> list[CriticalSpeed]:
-    """See ``MechanicalSystem.critical_speeds``; each with its mode, ascending."""
+    """Critical speeds as defined in ``MechanicalSystem.critical_speeds``, each with its mode, ascending."""
     order = real_number(order, "order", minimum=0.0)
     if not order:
         raise InputError("order: found 0; expected a positive number, 1 for unbalance")
@@ -218,7 +218,7 @@ def critical_points(system: EquationsOfMotion, order: float = 1.0) -> list[Criti
 
 
 def _points_within(system: EquationsOfMotion, order: float, within: float | None) -> list[CriticalSpeed]:
-    """The critical speeds of equations that are linear in the speed, those of the interval of a speed."""
+    """The critical speeds of equations that are linear in the speed, within an interval of speeds."""
     family, V = rotor_family(system, within)
     points = []
     for places in family.parts:

@@ -1,4 +1,4 @@
-"""The equations of a rotor at constant speed W, M x'' + (C + W G) x' + (K + W N) x = f, and those of bearings that change with W."""
+"""The equations of a rotor at constant speed W, M x'' + (C + W G) x' + (K + W N) x = f, with speed-dependent bearings."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def at_speed(system: Rotor, speed: float) -> Rotor:
 
 
 def check_rotor(system: EquationsOfMotion, *speeds: float) -> None:
-    """A system of arrays that depends on a speed."""
+    """Raise an InputError unless the system has dense arrays and depends on a speed."""
     system._refuse_sparse("rotation")
     if not system.turns:
         raise InputError(
@@ -83,7 +83,7 @@ def rotor_slopes(system: EquationsOfMotion, speed: float) -> np.ndarray:
 
 
 def speed_ranges(system: EquationsOfMotion) -> list[tuple[float, float]]:
-    """The intervals in which the matrices are linear in the speed: one of all speeds without tables, else those that all tables cover."""
+    """The intervals in which the matrices are linear in the speed: all speeds without tables, else those that all tables cover."""
     if not system.speed_tables:
         return [(0.0, np.inf)]
     low, high = (pick(table.speeds[end] for table in system.speed_tables) for pick, end in ((max, 0), (min, -1)))

@@ -39,15 +39,15 @@ HARMONICS = 50
 
 @dataclass(frozen=True, repr=False, eq=False)
 class SteadyState(Displayed):
-    """x(t) = Re sum of displacement_amplitudes e^{i w t}, once all free motion has decayed; lambda alike.
+    """Steady state x(t) = Re sum of displacement_amplitudes e^{i w t}, after all free motion has decayed; lambda likewise.
 
     Attributes:
-        names, rows: of the coordinates and of the constraint rows.
+        names, rows: names and rows of the coordinates and of the constraint rows.
         frequencies_hz: w / (2 pi), ascending, shape (L,); 0 for the mean.
         displacement_amplitudes: complex, shape (n, L).
         reaction_amplitudes: complex, shape (k, L).
         error_estimate: the largest relative error of the amplitudes at each frequency, relative to the largest of them, shape (L,).
-        units: of the coordinates and of the reactions, by name.
+        units: units of the coordinates and of the reactions, by name.
         period: T in s of records; None for harmonic loads.
         motion: the motion in one period in closed form, where all loads repeat with it; None where values in time are sums of harmonics.
 
@@ -196,7 +196,7 @@ def _repeats(omegas, period: float) -> bool:
 
 
 def _periodic_motion(system: EquationsOfMotion, force: ImpulsiveSmooth | None, period: float) -> Motion | None:
-    """The motion whose values just before the end of a period are those at its start; None where none is determined."""
+    """The motion whose values just before the end of a period equal those at its start; None where it is not determined."""
     n = system.size
     forced = system.solve(force=force)
     end = np.array([forced.displacement(period), forced.velocity(period)])
@@ -214,7 +214,7 @@ def _periodic_motion(system: EquationsOfMotion, force: ImpulsiveSmooth | None, p
 
 
 def _spectrum(signal: ImpulsiveSmooth, period: float | None, harmonics: int) -> Iterator[tuple[float, np.ndarray]]:
-    """w and F of f(t) = Re sum of F e^{i w t}, F of shape (r,)."""
+    """Angular frequencies w and amplitudes F of f(t) = Re sum of F e^{i w t}, F of shape (r,)."""
     for part in signal.exact_parts:
         data = part.data
         if part.derivatives == 0 and isinstance(data, ExactTerm) and not data.power and not data.rate:

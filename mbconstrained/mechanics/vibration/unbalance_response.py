@@ -28,7 +28,7 @@ from .rotor_equations import check_rotor, rotor_family
 #: Half bandwidths of a resonance at which peaks are searched, besides the given speeds.
 NEAR_RESONANCE = np.array([-4.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 4.0])
 
-#: The same of an undamped one, as parts of its speed.
+#: Distances from an undamped critical speed, as parts of it.
 NEAR_POLE = np.array([-0.02, -0.002, 0.002, 0.02])
 
 
@@ -40,7 +40,7 @@ class UnbalancePeak:
         coordinate: its name.
         speed: W in rad/s.
         amplitude: in m or rad; infinite at an undamped resonance, where no steady state exists.
-        unit: of the amplitude.
+        unit: unit of the amplitude.
     """
 
     coordinate: str
@@ -58,7 +58,7 @@ class UnbalanceResponse(Displayed):
         order: n of the frequency n W; 1 for unbalance.
         speeds: W in rad/s, shape (S,).
         values: x complex, in m or rad, shape (S, n); infinite at an undamped resonance.
-        peaks: of all coordinates between the first and the last speed, by coordinate, ascending.
+        peaks: peaks of all coordinates between the first and the last speed, by coordinate, ascending.
     """
 
     system: EquationsOfMotion
@@ -151,7 +151,7 @@ class SteadyStates:
 
 
 def with_resonances(speeds: np.ndarray, critical: Sequence[CriticalSpeed]) -> np.ndarray:
-    """The speeds and others near critical ones, where an amplitude changes fast."""
+    """The speeds, with further ones near critical speeds, where amplitudes change fast."""
     near = [one.speed * (1 + (one.damping_ratio * NEAR_RESONANCE if _is_damped(one) else NEAR_POLE)) for one in critical]
     places = np.unique(np.concatenate([speeds, *near]))
     return places[(places > 0) & (places >= speeds[0]) & (places <= speeds[-1])]
@@ -162,7 +162,7 @@ def _is_damped(point: CriticalSpeed) -> bool:
 
 
 def _peaks(steady: SteadyStates, speeds: np.ndarray, critical: list[CriticalSpeed]):
-    """The maxima between speeds and places near critical speeds at which the amplitude first grows and then falls."""
+    """The maxima between speeds, and near critical speeds at which the amplitude first grows and then falls."""
     from scipy.optimize import brentq
 
     system, poles = steady.system, [point.speed for point in critical if not _is_damped(point)]

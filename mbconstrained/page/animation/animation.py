@@ -27,7 +27,7 @@ class Arrow:
             None for a vector given by its components along the axes of the body's frame, with which it turns.
         unit: such as "N" or "N m s".
         turns: whether it is a moment.
-        point: where it begins, in the frame of the body.
+        point: start of the arrow in the frame of the body.
     """
 
     body: str
@@ -47,7 +47,7 @@ class ForceArrows:
     """Arrows of one force over time.
 
     Attributes:
-        name: of the force.
+        name: name of the force.
         values, rates: at the times of the animation, shape (T,), or (3, T) where its arrows have no direction of their own.
         arrows: each with its factor: a force that two bodies exert on each other is 1 on one and -1 on the other.
     """
@@ -59,7 +59,7 @@ class ForceArrows:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """One for each row of the values."""
+        """One name for each row of the values."""
         name = f"force: {self.name}"
         return (name,) if self.values.ndim == 1 else tuple(f"{name} {axis}" for axis in "xyz")
 
@@ -94,12 +94,12 @@ class DrawnEvent:
 
 @dataclass(frozen=True)
 class Overlay:
-    """What is drawn over the model.
+    """Overlay of an animation.
 
     Attributes:
         events: jumps and impulses, in the order of time.
-        forces: shown all the time.
-        description: what the forces are, for the line over the picture.
+        forces: forces shown at all times.
+        description: description of the forces, for the line over the picture.
     """
 
     events: tuple[DrawnEvent, ...] = ()

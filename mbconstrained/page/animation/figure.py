@@ -1,4 +1,4 @@
-"""The figure of an animation: bodies, links, bounds, point of view and overlay, as the plain data that the page's script draws."""
+"""The figure of an animation: bodies, links, bounds, view and overlay, as plain data for the page's script."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def _event_frames(drawing: Drawing, frames: KeyFrames, event: DrawnEvent) -> Key
 
 
 def invisible_errors(drawing: Drawing, names: tuple[str, ...], figure: dict) -> tuple[np.ndarray, tuple[float, float]]:
-    """The largest errors that a figure does not show.
+    """The largest errors that are invisible in a figure.
 
     A coordinate that moves no body is listed with its value, or is the length of an arrow: its error must be 0. What a path
     turns is assumed to reach as far as the picture.
@@ -207,7 +207,7 @@ def _bounds(drawing: Drawing, poses: BodyPoses, corners: list[np.ndarray], unit:
 
 
 def _view(drawing: Drawing, extent: np.ndarray) -> dict:
-    """The view of the drawing itself, or one in which most is seen.
+    """The view of the drawing, or an automatic one in which most is visible.
 
     Solids are viewed across the plane in which they lie where they are flat, from a corner otherwise.
     """
@@ -224,8 +224,7 @@ def _view(drawing: Drawing, extent: np.ndarray) -> dict:
 
 
 def _view_of_shapes(drawing: Drawing, width: float) -> dict:
-    """From the side and a little above: less from the side for a long chain, more where something moves away from the viewer;
-    where wheels stand behind each other, from a corner, to the left or right, so that none hides another."""
+    """View from the side and slightly above, adapted to long chains, motion towards the viewer and wheels behind each other."""
     turn = matrix_of(drawing.turn)
     places = np.array([body.rest for body in drawing.bodies] or [(0.0, 0.0, 0.0)]) @ turn.T
     across, depth = (places - places.mean(axis=0))[:, :2].T
@@ -267,7 +266,7 @@ def _link_data(link: DrawnLink, drawing: Drawing, poses: BodyPoses, posts: dict,
 
 
 def _link_ends(link: DrawnLink, poses: BodyPoses, start_point, end_point) -> list[np.ndarray]:
-    """Where both ends are, each (3, T): turned with the body where they are fixed in its frame."""
+    """Positions of both ends, each (3, T): turned with the body where they are fixed in its frame."""
     ends = []
     for name, point, fixed in ((link.start, start_point, link.start_point), (link.end, end_point, link.end_point)):
         column = np.array(point, dtype=float)[:, None]
@@ -276,7 +275,7 @@ def _link_ends(link: DrawnLink, poses: BodyPoses, start_point, end_point) -> lis
 
 
 def _attachment(body: DrawnBody, offset: Vector, towards: np.ndarray, posts: dict) -> list[float]:
-    """Where the link meets the body, relative to its middle: on the side that faces the other end, or on a post."""
+    """Attachment of a link to a body, relative to its middle: on the side that faces the other end, or on a post."""
     if body.shape == "solids":
         return list(offset)
     frame = matrix_of(body.rest_turn)  # in which the body has its size and its posts
@@ -291,14 +290,14 @@ def _attachment(body: DrawnBody, offset: Vector, towards: np.ndarray, posts: dic
 
 
 class Stored:
-    """Data of the page that are stored once, however often they are used."""
+    """Data stored once in a page, with multiple uses."""
 
     def __init__(self) -> None:
         self.items: list = []
         self._numbers: dict[str, int] = {}
 
     def number(self, data) -> int:
-        """The place of the data among the items."""
+        """Index of the data among the stored items."""
         key = json.dumps(data)
         if key not in self._numbers:
             self._numbers[key] = len(self.items)
@@ -307,7 +306,7 @@ class Stored:
 
 
 def _mesh_data(solid: Solid, images: Stored) -> dict:
-    """A mesh; its vertices have 16 bits across its extent, which is at most that of the picture, and faces as many as they need."""
+    """A mesh; its vertices have 16 bits across its extent, at most that of the picture, and its faces the necessary number of bits."""
     vertices, faces = solid.vertices, solid.faces
     size = 2 if len(vertices) <= np.iinfo(np.uint16).max + 1 else 4
     corners = track(vertices.T, INVISIBLE * np.ptp(vertices, axis=0))

@@ -81,7 +81,7 @@ class KeyFrames:
         return coarse, track(rates, np.array([rate_error])) or packed(rates, kind)
 
     def as_packed(self) -> dict:
-        """The same in seven digits and without rates, which the page then estimates as ``slopes`` does."""
+        """Plain data in seven digits and without rates, which the page estimates as ``slopes`` does."""
         values = [float(row[0]) if (row == row[0]).all() else packed(row) for row in self.values]
         return {"bytes": 4, "values": values, **self._shared()}
 

@@ -1,4 +1,4 @@
-"""Forces, jumps and impulses as plain data for the page's script, and how far their arrows reach."""
+"""Forces, jumps and impulses as plain data for the page's script, with the extent of their arrows."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ VISIBLE_JUMP = 1e-3
 def overlay_data(
     overlay: Overlay, frames: KeyFrames, poses: BodyPoses, event_poses: Sequence[BodyPoses], unit: float
 ) -> tuple[dict, list[np.ndarray]]:
-    """Forces, jumps and impulses for the page's script, and how far their arrows reach."""
+    """Forces, jumps and impulses for the page's script, with the extent of their arrows."""
     numbers = {name: i for i, name in enumerate(poses)}
     forces, events, points = [], [], []
     lengths = _lengths(_largest_forces(overlay.forces))
@@ -89,7 +89,7 @@ def _lengths(largest: dict[str, float]) -> dict[str, float]:
 
 
 def _typeset(text: str) -> str:
-    """With raised powers of units and true minus signs."""
+    """A text with raised powers of units and true minus signs."""
     return re.sub(r"(?<![\w.])-(?=\d)", "−", raised(text))
 
 

@@ -1,4 +1,4 @@
-"""Automatic drawings: of a lumped model its chains of masses, trains of wheels and what joins them, of any other its coordinates."""
+"""Automatic drawings: chains of masses and trains of wheels of a lumped model, or boxes and discs for coordinates."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ PITCH, WIDTH, GAP = 0.95, 5.6, 0.8
 def lumped_drawing(
     elements: Iterable[Element], names, values=None, scale=None, turn_scale=None, directions=None, stack=None
 ) -> Drawing:
-    """A drawing of a lumped model that shows what is joined to what; distances are schematic, motion is to scale.
+    """A drawing of a lumped model and its connections; distances are schematic, motion is to scale.
 
     A body stands at its place in the layout plus its displacement from the state in which all springs and rods have
     their lengths, so that a spring is drawn longer by as much as it is stretched.
@@ -99,7 +99,7 @@ def lumped_drawing(
 
 
 def _at_zero(body: DrawnBody, natural: dict, scale: float) -> DrawnBody:
-    """From its place in the layout to that for all coordinates zero."""
+    """The body at the position for all coordinates zero, from its position in the layout."""
     shift = sum((natural[name] * np.array(move) for name, move in body.moves.items()), np.zeros(3))
     return replace(body, rest=tuple(body.rest - scale * shift))
 
@@ -133,7 +133,7 @@ def _motion(names, values) -> dict[str, np.ndarray]:
 
 
 def _chain(group: list[str], joints: list[DrawnJoint], massless: frozenset[str], pulleys: list[Pulley], spots) -> Piece:
-    """From left to right; on a rope, from the rope down; carrying a pulley, down to it."""
+    """Chain from left to right; on a rope, from the rope downwards; carrying a pulley, down to it."""
     roped = next((name for name in group if any(name in (pulley.start, pulley.end) for pulley in pulleys)), None)
     if roped:
         return Chain(walk(group, joints, roped), massless, joints, wall=False).piece().hanging()
@@ -216,7 +216,7 @@ _NAME = re.compile(r"(ground |top |roof |\d+(st|nd|rd|th) )?(floor|storey|story|
 
 
 def are_storeys(names: Sequence[str]) -> bool:
-    """Whether these are names of storeys, two at least.
+    """Whether these are names of storeys, at least two.
 
     >>> are_storeys(["floor 1", "floor_2", "roof"]), are_storeys(["floor 1", "cart"])
     (True, False)
@@ -249,7 +249,7 @@ def columns(order: Sequence[str]) -> list[DrawnJoint]:
 
 
 def _joined(joint: DrawnJoint, low: str, high: str, back: float, *, far: bool) -> list[DrawnLink]:
-    """A connection of two storeys, so much further back."""
+    """A connection of two storeys, displaced backwards."""
     bottom, top = (0.05 if low == GROUND else SLAB[2] / 2), -SLAB[2] / 2
     kind = "rod" if joint.kind in ("spring", "rod") and not far else joint.kind
     lines = [(-COLUMN, -COLUMN), (COLUMN, COLUMN)] if kind == "rod" else [(-0.7 * COLUMN, 0.7 * COLUMN)]

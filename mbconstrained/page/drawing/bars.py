@@ -1,4 +1,4 @@
-"""Rigid bars that are displaced and turn: each lies across, with what its points are attached to below it.
+"""Rigid bars that translate and rotate: each is horizontal, with the elements of its points below it.
 
 A bar is a ``RigidBar``, or an inertia and a mass of which constraint rows x_point - x - d q = 0 make one. A rotor is a bar in each of
 two planes and is drawn as one shaft, with what its points are attached to in the plane z below it, in the plane y behind it.
@@ -56,7 +56,7 @@ class Bar:
 
     @property
     def places(self) -> dict[str, float]:
-        """The distances of all that elements may be attached to, the centre of mass too."""
+        """Distances of all attachment points, including the centre of mass."""
         return {self.name: 0.0, **self.points}
 
 
@@ -114,7 +114,7 @@ def bar_length(bars: Iterable[Bar]) -> float:
 def bar_pieces(
     bars: Sequence[Bar], sliding: Sequence[str], joints: list[DrawnJoint], massless: frozenset[str], unit: float, turn: float = 1.0
 ) -> list[Piece]:
-    """The pieces of the bars with all that is attached to their points."""
+    """The pieces of the bars with the elements attached to their points."""
     rigid = {name: bar for bar in bars for name in bar.places}
     attached = groups(sliding, (joint.ends for joint in joints))
     pairs = [(one, bar.name) for bar in bars for one in bar.points]
@@ -156,7 +156,7 @@ class _Layout:
         return Piece(tuple(kept), tuple(links))
 
     def _in_both_planes(self, body: DrawnBody) -> DrawnBody:
-        """A point of a rotor is displaced in both planes; that in the plane z has its name."""
+        """A point of a rotor, displaced in both planes; the point in the plane z has its name."""
         bar = self.rigid.get(body.name)
         if bar is None or bar.rotor is None:
             return body
@@ -166,7 +166,7 @@ class _Layout:
         return replace(body, moves={body.name: moves[body.name]} | moves, label=label)
 
     def _stack(self) -> None:
-        """The first bar at the bottom, preferably one on the ground; each further one above one that it is joined to.
+        """The bars in a stack, preferably with one on the ground at the bottom; each further one above a connected one.
 
         The first rotor is on the right of all bars that are not above one, each further rotor on the right of the one before.
         """
@@ -199,7 +199,7 @@ class _Layout:
         return min(places) - OVERHANG, max(places) + OVERHANG
 
     def _above(self, bar: Bar) -> np.ndarray | None:
-        """The place of a bar above one that has a place and is joined to it; None where there is none."""
+        """The position of a bar above a placed one that is connected to it; None without one."""
         for part in self.parts:
             below = next((name for name in part if name in self.places), None)
             own = next((name for name in part if name in bar.places), None)
@@ -240,18 +240,18 @@ class _Layout:
         )
 
     def _surface(self, point: str) -> np.ndarray:
-        """The place of a point at the side of its bar that faces what it is attached to: the lower one, in the plane y the far one."""
+        """The position of a point at the side of its bar that faces its attachment: the lower one, in the plane y the far one."""
         bar = self.rigid[point]
         in_disc = bar.rotor and abs(self.unit * bar.places[point]) < (WIDTH + BALL) / 2
         return self.places[point] + self._outwards(point) * ((DISC if in_disc else HEIGHT / 2) + BALL / 2)
 
     def _outwards(self, point: str) -> np.ndarray:
-        """The direction from a point to what it is attached to."""
+        """The direction from a point to its attachment."""
         plane = self.rigid[point].plane
         return np.multiply(DIRECTIONS[plane], 1.0 if plane == "y" else -1.0)
 
     def _chain(self, part: list[str], point: str) -> Piece:
-        """The bodies that stand between the ground and a point, or hang from it, upwards; in the plane y those behind a point."""
+        """The bodies between the ground and a point, or suspended from it, upwards; in the plane y those behind a point."""
         behind = self.rigid[point].plane == "y"
         joints = [self._from_left(joint, GROUND in joint.ends, behind) for joint in self.joints]
         order = walk(part, joints, point)
@@ -267,7 +267,7 @@ class _Layout:
         return replace(joint, start=joint.end, end=joint.start)
 
     def _between(self, part: list[str]) -> Piece:
-        """Bodies between two bars, or two points of one: at the middle of what they are joined to; those of a shaft next to it."""
+        """Bodies between two bars, or two points of one: in the middle of their attachments; those of a shaft next to it."""
         bodies, places = [], {}
         planes = [self.rigid[name].plane for name in part if name in self.rigid and self.rigid[name].rotor]
         plane = planes[0] if planes else "z"

@@ -1,4 +1,4 @@
-"""A drawing: bodies and links in space, and how the coordinates move and turn them. Pure data, no viewer.
+"""A drawing: bodies and links in space, moved and turned by the coordinates. Pure data, no viewer.
 
 Axes: x to the right, y away from the viewer, z up. A body is at
 
@@ -43,7 +43,7 @@ class Solid:
 
     Attributes:
         kind: "box", "cylinder" (axis z), "sphere" or "mesh".
-        size: of a box its extents along x, y, z; of a cylinder its radius and length; of a sphere its radius.
+        size: size of a box its extents along x, y, z; of a cylinder its radius and length; of a sphere its radius.
         placement: shape (4, 4), from the solid's frame to the body's, a rotation and a translation.
         color: "#rrggbb", or None for that of the body.
         opacity: from 0 to 1.
@@ -215,14 +215,14 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class SliderPosing:
-    """How sliders pose a robot: by q = columns s, each link by the product exp(S_1 q_1) ... exp(S_n q_n) of its own coordinates.
+    """Sliders for the posture of a robot: q = columns s, each link by the product exp(S_1 q_1) ... exp(S_n q_n).
 
     Attributes:
-        names, units, limits: of the r sliders s; the limits are those of both directions.
+        names, units, limits: names, units and symmetric limits of the r sliders s.
         columns: shape (n, r).
         twists: S_i, velocity at the origin and rate of rotation, shape (6, n).
-        moving: by link, the places of its own coordinates.
-        rest: by link, its pose in the posture.
+        moving: by link, the indices of its own coordinates.
+        rest: by link, the pose in the posture.
     """
 
     names: tuple[str, ...]

@@ -104,7 +104,7 @@ class Chain:
         return "left" if first and self.wall else "below"
 
     def _height(self, name: str) -> float:
-        """High enough for the links on its busier side."""
+        """Height sufficient for the links on the side with most of them."""
         if name in self.massless:
             return BALL
         i = self.number[name]

@@ -1,4 +1,4 @@
-"""Pieces of a drawing, bodies and links with fixed relative positions, and how levers, racks and ropes join them."""
+"""Pieces of a drawing, bodies and links with fixed relative positions, and their connections by levers, racks and ropes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FARTHEST_PIVOT = 4.0
 
 @dataclass(frozen=True)
 class Piece:
-    """Bodies and links around an origin of their own."""
+    """Bodies and links around a local origin."""
 
     bodies: tuple[DrawnBody, ...]
     links: tuple[DrawnLink, ...] = ()
@@ -102,7 +102,7 @@ def _next(whole: Piece, waiting: list[Piece], mates: Sequence[Mate]) -> tuple[Pi
 
 
 def stacked(pieces: Iterable[Piece], mates: Sequence[Mate]) -> Piece:
-    """All pieces as one: those that move sideways one below the other, in several columns when there are many; others side by side."""
+    """All pieces as one: those that move sideways one below another, in several columns when there are many; others side by side."""
     hanging, lying = [], []
     for piece in _assembled(pieces, mates):
         upwards = any(move[2] for body in piece.bodies for move in body.moves.values())

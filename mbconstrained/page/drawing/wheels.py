@@ -38,7 +38,7 @@ class Train:
 
     Args:
         names: the bodies.
-        massless: those that are joints without inertia.
+        massless: names of joints without inertia.
         joints, gears: of the model; those of other bodies are ignored.
         racked: the bodies with a rack below them.
     """
@@ -71,7 +71,7 @@ class Train:
         return Piece(tuple(bodies), (*inner, *(link for anchor in anchors for link in anchor.links)))
 
     def _is_next(self, gear: Gear) -> bool:
-        """Whether one of its shafts has a position and the other has none."""
+        """Whether one of its shafts has a position and the other does not."""
         return (self.shaft_of[gear.start] in self.axes) != (self.shaft_of[gear.end] in self.axes)
 
     def _mesh(self, gear: Gear) -> None:
@@ -107,7 +107,7 @@ class Train:
         return self.wheels[-1]
 
     def _along(self, name: str) -> np.ndarray:
-        """From the first body of its shaft, which is next to the ground and furthest from the viewer."""
+        """Offset from the first body of its shaft, which is next to the ground and furthest from the viewer."""
         return np.array([0.0, -PITCH * self.shaft_of[name].index(name), 0.0])
 
     def _middle(self, name: str) -> np.ndarray:

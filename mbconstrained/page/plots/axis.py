@@ -55,13 +55,13 @@ class Axis:
     scale: Scale = "linear"
 
     def shares(self, values: np.ndarray) -> np.ndarray:
-        """Where values are on the axis.
+        """Positions of values on the axis, from 0 at its low end to 1 at its high end.
 
         Args:
-            values: of any shape; on a logarithmic axis those below its low end are at that end.
+            values: values of any shape; on a logarithmic axis those below its low end are at that end.
 
         Returns:
-            From 0 at its low end to 1 at its high end, of the same shape.
+            Positions of the same shape.
 
         >>> axis_of(1.0, 100.0, scale="log").shares(np.array([1.0, 10.0, 0.0]))
         array([0. , 0.5, 0. ])
@@ -135,7 +135,7 @@ def _log_axis(low: float, high: float, widen: bool) -> Axis:
 
 
 def power_label(value: float) -> str:
-    """A number as a logarithmic axis writes it.
+    """Label of a number on a logarithmic axis.
 
     >>> power_label(200.0), power_label(2e6)
     ('200', '2·10⁶')

@@ -35,10 +35,10 @@ MOST_LINES = 4000
 
 @dataclass(frozen=True)
 class ResponseLook:
-    """How a response is plotted.
+    """Style of the plots of a response.
 
     Attributes:
-        kinds: of "bode", "parts" and "nyquist".
+        kinds: a selection of "bode", "parts" and "nyquist".
         amplitude: the vertical axis of amplitudes, "log", "linear" or "dB".
         unwrapped: whether phases go on beyond 180 degrees.
         axis, factor: unit of the horizontal axis, and its value for 1 Hz.
@@ -55,7 +55,7 @@ class ResponseLook:
 
 @dataclass(frozen=True, eq=False)
 class _Entry:
-    """One response among those of a plot: its place, its name, and its factor of the unit shown."""
+    """One response of a plot: its indices, its name, and its factor of the displayed unit."""
 
     i: int
     j: int
@@ -182,7 +182,7 @@ def _with(entries: list[_Entry], sizes: dict[int, float]) -> list[tuple[_Entry, 
 
 
 def _phase(drawn: _Drawn, entries: list[_Entry]) -> Callable[[_Entry, np.ndarray, np.ndarray], np.ndarray]:
-    """Phases in degrees; beyond 180 where they are to go on, by the turns at the lines."""
+    """Phases in degrees, continued beyond 180 by the number of turns at the lines where requested."""
 
     def principal(H: np.ndarray) -> np.ndarray:
         angles = np.degrees(np.angle(H))

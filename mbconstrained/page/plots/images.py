@@ -77,7 +77,7 @@ _STYLE = {
 
 
 def new_axes() -> Axes:
-    """Axes in a figure of their own, as Matplotlib's interactive window or a notebook shows them."""
+    """Axes in a new figure, for Matplotlib's interactive window or a notebook."""
     from matplotlib import pyplot
 
     return pyplot.figure(layout="constrained").add_subplot()

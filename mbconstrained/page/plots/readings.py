@@ -1,4 +1,4 @@
-"""Functions of time as a page stores them: from these its script reads and draws curves at any time, with a bound of the error.
+"""Functions of time as stored in a page, from which its script evaluates and draws curves at any time, with an error bound.
 
 A function is a polynomial on each of some panels. A panel has its values at the Chebyshev points of the second kind, from
 which the barycentric formula gives all others (Trefethen, Approximation Theory and Approximation Practice, chapter 5). The
@@ -62,12 +62,12 @@ INSIDE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """Functions as a page stores them.
+    """Functions of time as stored in a page.
 
     Attributes:
-        edges: of the k panels, shape (k + 1,), ascending.
+        edges: edges of the k panels, shape (k + 1,), ascending.
         degrees: shape (k,).
-        exponents: of the steps, by function and panel, shape (r, k).
+        exponents: exponents of the steps, by function and panel, shape (r, k).
         codes: values in steps, panel after panel in the order of time, shape (r, N).
     """
 
@@ -130,7 +130,7 @@ def readings_of(functions: TimeFunctions, start: float, end: float, largest: flo
 
 
 def drawn_times(functions: TimeFunctions, start: float, end: float, units: Sequence[str]) -> np.ndarray:
-    """Times between which straight lines follow the curves, so that their fastest visible part is seen.
+    """Times between which straight lines follow the curves, so that their fastest visible part is resolved.
 
     An interval is divided where a curve leaves the straight line between its ends by more than ``FOLLOWED`` of the height of its plot, at two
     places inside it that are no multiples of each other. Of a motion of too many periods they are spread, each at another phase: the extremes
@@ -170,7 +170,7 @@ def drawn_times(functions: TimeFunctions, start: float, end: float, units: Seque
 
 
 def _resolved(functions: TimeFunctions, start: float, end: float, breaks: np.ndarray, fineness: float, largest: float) -> Readings:
-    """All panels, from a few to as many as are necessary."""
+    """Panels of the functions, refined until the error is below the fineness."""
     first = np.linspace(start, end, FIRST_PANELS + 1) if len(breaks) <= FEW_BREAKS else [start, end]
     edges = np.union1d(first, breaks)
     some = np.append(np.linspace(start, end, SAMPLES), edges[:: len(edges) // SAMPLES + 1])
@@ -267,7 +267,7 @@ def interpolation(degree: int, points: np.ndarray) -> np.ndarray:
 
 
 def _exponents(sizes: np.ndarray, fineness: float, floor: float) -> np.ndarray:
-    """Of steps that are powers of two: the largest value in so many steps, but none smaller than the noise."""
+    """Exponents of steps that are powers of two: the largest value divided by the fineness, but no step below the noise."""
     return np.frexp(np.maximum(np.maximum(sizes, np.finfo(float).tiny * fineness) / fineness, floor))[1]
 
 

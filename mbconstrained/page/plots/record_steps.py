@@ -1,4 +1,4 @@
-"""Functions of a motion under a long record as a page stores them: by the samples of the record and the step from one to the next.
+"""Functions of a motion under a long record as stored in a page: by the samples of the record and the propagation between them.
 
 Between two samples a function is a polynomial whose values at the Chebyshev points are linear, those of energies quadratic, in the
 state at the first of them and in both samples; so is the state at the second one, linear. With even gaps the matrices are the same
@@ -49,10 +49,10 @@ class RecordSteps:
 
     Attributes:
         start, gap: time of the first sample and time between samples, s.
-        samples: of the forces, shape (m, K + 1).
-        matrix: of a step, from coordinates, three samples and 1 to the next coordinates, shape (p, p + 3 m + 1).
+        samples: samples of the forces, shape (m, K + 1).
+        matrix: matrix of a step, from coordinates, three samples and 1 to the next coordinates, shape (p, p + 3 m + 1).
         exact: the coordinates at the samples, shape (p, K).
-        computed: the same as the page computes them.
+        computed: the values as the page computes them.
     """
 
     start: float
@@ -73,11 +73,10 @@ class RecordSteps:
         return self.start + self.count * self.gap
 
     def features(self, coordinates: np.ndarray, gaps: np.ndarray) -> np.ndarray:
-        """What values in some gaps follow from."""
+        """Features from which the values in some gaps are computed."""
         return np.vstack([coordinates[:, gaps], self.samples[:, gaps], self.samples[:, gaps + 1], np.ones(len(gaps))])
 
     def as_data(self) -> dict:
-        """Plain data for the page."""
         return {
             "start": self.start,
             "gap": self.gap,
@@ -137,7 +136,7 @@ def _coordinates(states: np.ndarray) -> np.ndarray | None:
 
 
 def _independent(force: np.ndarray) -> np.ndarray:
-    """The rows of a force from whose values at both ends of a gap the others follow: of a record its values, as these have its slopes."""
+    """The independent rows of a force, from whose values at both ends of a gap the others follow, such as slopes of a record."""
     kept = [row for row in range(len(force)) if np.ptp(force[row]) > 0]
     some = _some(force.shape[1] - 1, 2 * len(kept))
     for row in reversed(kept.copy()):
@@ -150,13 +149,13 @@ def _independent(force: np.ndarray) -> np.ndarray:
 
 
 def _some(count: int, unknowns: int) -> np.ndarray:
-    """Ascending numbers below a count: enough to identify unknowns from."""
+    """Ascending indices below a count, enough to identify unknowns."""
     number = min(count, max(FITTED, REDUNDANCY * unknowns))
     return np.sort(np.random.default_rng(count).choice(count, number, replace=False))
 
 
 def _fitted(inputs: np.ndarray, outputs: np.ndarray) -> np.ndarray:
-    """The matrix X with X inputs = outputs, by least squares of rows of one size."""
+    """The matrix X with X inputs = outputs, by least squares with scaled rows."""
     sizes = np.abs(inputs).max(axis=1, initial=0.0)
     sizes[sizes == 0] = 1.0
     solution = np.linalg.lstsq((inputs / sizes[:, None]).T, outputs.T, rcond=NEGLIGIBLE)[0]
@@ -185,7 +184,7 @@ class RecordReadings:
         place: the number of the steps among those of the page.
         rows: the matrices to the values at the points of the polynomials, shape (degree + 1, r, features).
         quadratic: whether the features are the products of two.
-        bounds: of the errors, as exponents of two by function and block, shape (r, blocks).
+        bounds: bounds of the errors, as exponents of two by function and block, shape (r, blocks).
         largest: the largest value of any function.
     """
 
@@ -197,7 +196,6 @@ class RecordReadings:
     largest: float
 
     def as_data(self) -> dict:
-        """Plain data for the page."""
         return {
             "steps": self.place,
             "degree": len(self.rows) - 1,

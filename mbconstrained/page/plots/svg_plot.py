@@ -82,7 +82,7 @@ class PlotFunctions:
             self.sets.append(self._parts(_selected(functions, rows), float(start), float(end)))
 
     def _parts(self, functions: TimeFunctions, start: float, end: float) -> tuple[Readings | RecordReadings, ...]:
-        """By the steps of their record and before and after it by panels, or all by panels."""
+        """Readings by the steps of a record, with panels before and after them, or by panels alone."""
         record = functions.record
         if record is not None:
             key = id(record), start, end
@@ -99,14 +99,13 @@ class PlotFunctions:
         return (readings_of(functions, start, end),)
 
     def place(self, plot: Plot, curve: Curve) -> tuple[int, int]:
-        """Where the function of a curve is."""
+        """Position of the function of a curve."""
         if curve.function is None:
             return self._places[id(plot), id(curve.values)]
         functions, row = curve.function
         return self._places[id(functions), plot.times[0], plot.times[-1], row]
 
     def as_data(self) -> dict[str, list]:
-        """Plain data for the page."""
         return {
             "records": [steps.as_data() for steps in self.records],
             "sets": [[part.as_data() for part in parts] for parts in self.sets],
@@ -122,7 +121,7 @@ def _selected(functions: TimeFunctions, rows: list[int]) -> TimeFunctions:
 
 
 def plot_figures(plots: tuple[Plot, ...], functions: PlotFunctions | None = None) -> str:
-    """All plots, in pairs side by side where the window is wide enough; the last of an odd number takes the whole width."""
+    """All plots, in pairs side by side where the window is wide enough; the last of an odd number takes the full width."""
     paired, functions = len(plots) - len(plots) % 2, functions or PlotFunctions(plots)
     figures = "\n".join(_figure(plot, functions, " wide" if i >= paired else "") for i, plot in enumerate(plots))
     note = f'\n<p class="note plot-help">{HELP}</p>' if functions.sets else ""
@@ -139,7 +138,7 @@ def _figure(plot: Plot, functions: PlotFunctions, wide: str) -> str:
 
 
 def _svg(plot: Plot) -> str:
-    """The picture alone; its data attributes describe the axes to the script."""
+    """The picture alone; its data attributes describe the axes for the script."""
     times, phase = plot.times, plot.across is not None
     across, up = plot.axes
     shown = plot.curves[:MOST_SHOWN]
@@ -173,7 +172,7 @@ def _svg(plot: Plot) -> str:
 
 
 def _coinciding(rows: np.ndarray) -> list[bool]:
-    """Of each curve in the order of drawing, whether it lies on one that is drawn before it."""
+    """Which curves, in the order of drawing, coincide with an earlier one."""
     near = COINCIDE * CELLS
     return [any(np.abs(row - other).max() < near for other in rows[:i]) for i, row in enumerate(rows)]
 
@@ -183,7 +182,7 @@ def _cells(axis: Axis, values: np.ndarray) -> np.ndarray:
 
 
 def _scale(name: str, axis: Axis, unit: str) -> str:
-    """For the script: ends of the axis, the power of ten of its labels, the kind of its scale, the unit."""
+    """Data attributes for the script: ends of the axis, the power of ten of its labels, the kind of its scale, the unit."""
     ends = f"{axis.low!r} {axis.high!r} {axis.exponent} {axis.scale}"
     return f'data-{name}="{ends}" data-{name}-unit="{html.escape(shortened(raised(unit), AXIS_NAME))}"'
 
@@ -205,7 +204,7 @@ def _grid(across: Axis, up: Axis) -> str:
 
 
 def _guides(plot: Plot, across: Axis, up: Axis) -> list[str]:
-    """The lines, in a picture of their own whose part is shown like that of the curves."""
+    """The guide lines, in a separate picture with the view of the curves."""
     ends = [place for guide in plot.guides if (place := guide.ends(across, up))]
     lines = "".join(
         f'<path class="guide" d="M{CELLS * a:.0f} {CELLS * (1 - b):.0f}L{CELLS * c:.0f} {CELLS * (1 - d):.0f}"/>'

@@ -64,7 +64,7 @@ class Branches:
         parameters: p, shape (P,).
         values, slopes: s and ds/dp, shape (P, m).
         shapes: x, shape (P, n, m).
-        evaluations: how many spectra were computed.
+        evaluations: number of computed spectra.
     """
 
     parameters: np.ndarray
@@ -93,7 +93,7 @@ class SpectrumPoint:
         return self.coupling.diagonal()
 
     def ordered(self, order: np.ndarray) -> SpectrumPoint:
-        """The same with its eigenvalues in another order, shape (m,)."""
+        """The point with its eigenvalues in another order, shape (m,)."""
         return SpectrumPoint(self.parameter, self.spectrum.ordered(order), self.coupling[np.ix_(order, order)])
 
 
@@ -125,7 +125,7 @@ class FamilyPart:
 
     Attributes:
         basis, stiffness: of ``modal_coordinates``, where they are used.
-        evaluations: how many spectra were computed.
+        evaluations: number of computed spectra.
     """
 
     def __init__(self, family: MatrixFamily, places: np.ndarray | None, parameters: np.ndarray):
@@ -144,7 +144,7 @@ class FamilyPart:
         return matrices[:, self.places[:, None], self.places]
 
     def chain(self, parameters: np.ndarray) -> list[SpectrumPoint]:
-        """A point for each parameter, every branch in its place."""
+        """A point for each parameter, with every branch at its index."""
         points = [self.point(float(parameters[0]))]
         if self.is_constant:
             return points * len(parameters)
@@ -170,7 +170,7 @@ class FamilyPart:
         return self.basis is not None
 
     def refined(self, point: SpectrumPoint, branch: int) -> complex:
-        """An eigenvalue with what rounding errors of other ones take away (``refined_values``)."""
+        """An eigenvalue, refined by ``refined_values``."""
         s = point.spectrum
         right, left = s.right[:, [branch]], s.left[[branch]]
         if self.basis is not None:
@@ -178,11 +178,11 @@ class FamilyPart:
         return complex(refined_values(list(self.block(self.family.at(point.parameter))), s.values[[branch]], right, left)[0])
 
     def shapes(self, point: SpectrumPoint) -> np.ndarray:
-        """In the coordinates of the family, shape (n, m)."""
+        """Shapes in the coordinates of the family, shape (n, m)."""
         return point.spectrum.right if self.basis is None else self.basis @ point.spectrum.right
 
     def _connected(self, a: SpectrumPoint, b: SpectrumPoint, resolution: float) -> np.ndarray:
-        """The places at b of the branches at a."""
+        """The indices at b of the branches at a."""
         if a.values.size != b.values.size:
             raise InputError(
                 f"the number of finite eigenvalues changes from {a.values.size} to {b.values.size} between the values "
@@ -206,7 +206,7 @@ def _congruent(matrix: np.ndarray, basis: np.ndarray) -> np.ndarray:
 
 
 def _assigned(a: SpectrumPoint, b: SpectrumPoint) -> tuple[np.ndarray, bool]:
-    """The places at b of the branches at a, and whether no other assignment is possible."""
+    """The indices at b of the branches at a, and whether the assignment is unique."""
     half, noise = (b.parameter - a.parameter) / 2, a.spectrum.noise + b.spectrum.noise
     with np.errstate(invalid="ignore", over="ignore"):
         distance = np.abs((a.values + half * a.slopes)[:, None] - (b.values - half * b.slopes))
@@ -226,7 +226,7 @@ def _assigned(a: SpectrumPoint, b: SpectrumPoint) -> tuple[np.ndarray, bool]:
 
 
 def _may_veer(a: SpectrumPoint, b: SpectrumPoint, noise: float) -> bool:
-    """Whether two coupled branches change places between both points."""
+    """Whether two coupled branches are exchanged between both points."""
     first, last = (point.values[:, None] - point.values for point in (a, b))
     places = np.argwhere(np.triu((first * last.conj()).real < 0, 1))
     if not len(places):

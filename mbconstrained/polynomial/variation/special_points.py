@@ -1,4 +1,4 @@
-"""Special values of the parameter on branches of eigenvalues: where a condition on s holds, and where two eigenvalues coalesce.
+"""Special values of the parameter on branches of eigenvalues: roots of a condition on s, and coalescence of two eigenvalues.
 
 A break point is a defective double eigenvalue. With vectors b and c of the smallest singular value of A(s; p),
 
@@ -108,7 +108,7 @@ def _part(family: MatrixFamily, places: np.ndarray) -> MatrixFamily:
 
 
 def _of_part(family: MatrixFamily, parameters: np.ndarray, values: np.ndarray) -> list[BreakPoint]:
-    """Those of coupled coordinates."""
+    """Break points of coupled coordinates."""
     points: list[BreakPoint] = []
     for i, j in zip(*np.triu_indices(values.shape[1], 1)):
         squares, middles = (values[:, i] - values[:, j]) ** 2, (values[:, i] + values[:, j]) / 2

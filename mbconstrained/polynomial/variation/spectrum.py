@@ -31,8 +31,8 @@ class VariedSpectrum:
         values: s, shape (m,).
         right, left: x as columns, shape (n, m), and y^T as rows, shape (m, n).
         velocity: s x, also where s = 0 and x is the motion of a free body at constant velocity.
-        states, rows: the same of the first-order equations, rows @ states = I, shape (k, m) and (m, k).
-        noise: what rounding errors move an eigenvalue by (1/s).
+        states, rows: vectors of the first-order equations, rows @ states = I, shape (k, m) and (m, k).
+        noise: changes of the eigenvalues by rounding errors (1/s).
     """
 
     values: np.ndarray
@@ -60,8 +60,8 @@ class VariedSpectrum:
         """The vectors combined.
 
         Args:
-            states: what multiplies right vectors, shape (m, m).
-            rows: what multiplies left vectors.
+            states: factor of right vectors, shape (m, m).
+            rows: factor of left vectors.
 
         Returns:
             The spectrum with these vectors.
@@ -70,7 +70,7 @@ class VariedSpectrum:
         return VariedSpectrum(self.values, right, velocity, rows @ self.left, self.states @ states, rows @ self.rows, self.noise)
 
     def ordered(self, order: np.ndarray) -> VariedSpectrum:
-        """The same in another order, shape (m,)."""
+        """The spectrum in another order, shape (m,)."""
         right, velocity, states = (matrix[:, order] for matrix in (self.right, self.velocity, self.states))
         return VariedSpectrum(self.values[order], right, velocity, self.left[order], states, self.rows[order], self.noise)
 
@@ -78,7 +78,7 @@ class VariedSpectrum:
         """The vectors of equal eigenvalues combined so that they are limits of those for p + dp, and all couplings.
 
         Args:
-            slope: as of ``derivative_matrix``.
+            slope: as in ``derivative_matrix``.
 
         Returns:
             The spectrum, and the couplings, their diagonal the derivatives.
@@ -179,7 +179,7 @@ def _decoupled(S: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float
 
 
 def _by_pairs(A: PolynomialMatrix) -> VariedSpectrum:
-    """From the finite Jordan pair (C, J, B), which exists for singular M: right vectors C V, left ones V^-1 B."""
+    """Spectrum by the finite Jordan pair (C, J, B), which exists for singular M: right vectors C V, left ones V^-1 B."""
     pair = A.jordan_pairs().finite
     values, states, rows, noise = _decoupled(pair.J)
     right = pair.C @ states
@@ -187,7 +187,7 @@ def _by_pairs(A: PolynomialMatrix) -> VariedSpectrum:
 
 
 def refined_values(coefficients: Sequence[np.ndarray], values: np.ndarray, right: np.ndarray, left: np.ndarray) -> np.ndarray:
-    """s - y^T A(s) x / (y^T A'(s) x), the sums with the digits of long double: what cancels in K x keeps its digits.
+    """s - y^T A(s) x / (y^T A'(s) x), summed in long double, in which cancelling terms of K x keep their digits.
 
     The error is of the second order in those of both vectors (Lancaster 1961, the generalized Rayleigh quotient).
     """

@@ -1,1 +1,1 @@
-"""One file for each method that evaluates a response."""
+"""Methods that evaluate a response, one file for each."""

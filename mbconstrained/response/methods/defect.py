@@ -38,7 +38,7 @@ UNIT = float(np.finfo(Extended).eps)
 
 @dataclass(frozen=True, eq=False)
 class Rounding:
-    """What A(d/dt) x = f lost of the data that it was made of.
+    """Rounding errors of A(d/dt) x = f relative to the data from which it was computed.
 
     Attributes:
         coefficients: bounds of the errors of A_0, A_1, ..., shape (r, r) each.
@@ -66,7 +66,7 @@ class Defect:
     before: Defect | None = None
 
     def allows(self, place: np.ndarray, order: int, times: np.ndarray, allowed: np.ndarray) -> np.ndarray:
-        """At which times the errors of the derivative of this order of place @ z, by its modes, are surely as small as allowed."""
+        """The times at which the errors of this derivative of place @ z, by its modes, are guaranteed as small as allowed."""
         sure, covered = np.zeros(len(times), dtype=bool), self.covers(times)
         pieces, since = self.flow.states.restarts.located(times)
         with np.errstate(all="ignore"):
@@ -76,20 +76,20 @@ class Defect:
         return sure
 
     def covers(self, times: np.ndarray) -> np.ndarray:
-        """At which times anything bounds the errors of the sums of modes: truth values, shape (T,)."""
+        """The times at which the errors of the sums of modes are bounded: truth values, shape (T,)."""
         if self._modes is None:
             return np.zeros(len(times), dtype=bool)
         return self.follows_force | (self.flow.states.restarts.located(times)[0] == 0)
 
     @cached_property
     def in_whole_pieces(self) -> Defect | None:
-        """That of the flow without first moments of later forces, which any derivative shares; None where no force is delayed."""
+        """The defect of the flow without first moments of later forces, common to all derivatives; None where no force is delayed."""
         later = len(self.flow.knots) > 1 and self.flow.force.smooth.state_count and self.flow.first_moments
         return Defect(replace(self.flow, first_moments=False), self.rounding) if later else None
 
     @property
     def follows_force(self) -> bool:
-        """Whether the errors of the states of the force are known at its knots: those of constant forces are, next to their sizes."""
+        """Whether the errors of the states of the force are known at its knots, as those of constant forces are."""
         smooth, lost = self.flow.force.smooth, self._force_rounding
         known = not smooth.generator.any() and not lost[smooth.restarts.states == 0].any()
         return len(smooth.restarts.knots) == 1 or known
@@ -106,7 +106,7 @@ class Defect:
 
     @cached_property
     def _pieces(self) -> list[Defect]:
-        """Of all pieces, each with what the pieces before leave."""
+        """The defects of all pieces, each with the errors that the pieces before leave."""
         pieces = [self]
         for piece in range(1, len(self.flow.states.restarts.knots)):
             pieces.append(Defect(self.flow, self.rounding, piece, pieces[-1]))
@@ -139,7 +139,7 @@ class Defect:
     # Sums of modes.
 
     def _late(self, place, order, times, allowed) -> np.ndarray:
-        """Whether the errors of the sums of modes are as small as allowed."""
+        """Whether the errors of the sums of modes are within the allowed ones."""
         end = float(times.max())
         constant, linear, rest = self._envelope(place, order, end)
         rates = self._modes.rates
@@ -172,8 +172,7 @@ class Defect:
         return constant, linear, float(rest.max(initial=0.0))
 
     def _amplitudes(self, Q: np.ndarray, end: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """The error of the states in the coordinates of the modes: what the start and the residual cause of first order, by the rates
-        of the rows, by those of the columns and growing with time (two matrices), and what is of second order, without growth."""
+        """Errors of the states in modal coordinates, to first order from the start and the residual, by their rates."""
         modes, n, v = self._modes, len(self._own), self._modes.sizes
         first, second, secular, most = modes.responses(self._folded_residual, Q, end)
         start, driven = Q[:n, :n] @ self._modal_start, first @ v
@@ -190,7 +189,7 @@ class Defect:
         return C
 
     def _direct(self, place, order: int) -> np.ndarray:
-        """What the residual itself adds to derivatives, the sum of C J^(k - 1 - i) E J^i v, i < k, and to algebraic coordinates."""
+        """Contribution of the residual to derivatives, the sum of C J^(k - 1 - i) E J^i v, i < k, and to algebraic coordinates."""
         n, right, total = len(self.flow.start), [self._largest], np.zeros(len(place))
         if order:
             left, steps = np.abs(self.flow.modal_output(place)[:, :n]), np.abs(self._modes.J)
@@ -216,7 +215,7 @@ class Defect:
 
     @cached_property
     def _modes(self) -> BoundedModes | None:
-        """None where a bound of e^(J t) is not known."""
+        """Bounds of the modes; None where no bound of e^(J t) is known."""
         if self.before is None:
             return BoundedModes.of(self.flow.states.blocks, self._start)
         return replace(self.before._modes, sizes=np.hypot.reduceat(np.abs(self._start), self.before._modes.starts))
@@ -237,7 +236,7 @@ class Defect:
 
     @cached_property
     def _residuals(self) -> tuple[np.ndarray, np.ndarray]:
-        """Of the modes and their sizes, and bounds with all rounding errors; copies of the force's states count with these."""
+        """Residuals of the modes with their sizes, and bounds with all rounding errors, copies of force states included."""
         same = self.before is not None and (self._copies, self._resting) == (self.before._copies, self.before._resting)
         if same and not self._force_rounding.any():
             return self.before._residuals
@@ -259,7 +258,7 @@ class Defect:
 
     @cached_property
     def _resting(self) -> list[slice]:
-        """Blocks of which no state moves."""
+        """Blocks whose states are all constant."""
         return [at for at in block_slices(self.flow.states.blocks) if not self._start[at].any()]
 
     def _with_rounding(self, total: np.ndarray, size: np.ndarray, lost: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -271,7 +270,7 @@ class Defect:
         return self._residual_of(self._states, self._modes.J) if self.before is None else self.before._residuals_of_states
 
     def _residual_of(self, states: np.ndarray, generator: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """A_0 P Z + A_1 P Z J + A_2 P Z J^2 - F Z_v, the sizes of its terms, and bounds of what the data have lost."""
+        """A_0 P Z + A_1 P Z J + A_2 P Z J^2 - F Z_v, the sizes of its terms, and bounds of the rounding errors of the data."""
         flow, n = self.flow, len(self.flow.start)
         given = [full(A) for A in flow.reduction.given]
         A, x, step = np.concatenate(given, axis=1), full(flow.output) @ states, np.abs(generator)
@@ -291,12 +290,12 @@ class Defect:
 
     @cached_property
     def _copies(self) -> list[tuple[slice, slice]]:
-        """States of the force that are evaluated together with a mode that they resonate with, and the same states alone."""
+        """States of the force evaluated together with a mode that they resonate with, and the same states alone."""
         v = self._start
         return [(copy, original) for copy, original in self.flow.copies if v[copy].any() and np.array_equal(v[copy], v[original])]
 
     def _driven(self, left: np.ndarray, residuals: tuple[np.ndarray, np.ndarray], generator: np.ndarray) -> np.ndarray:
-        """|left B R|: what residuals (r, N) of all rows add to left @ w', those of algebraic rows through their derivatives.
+        """|left B R|: contribution of residuals (r, N) of all rows to left @ w', those of algebraic rows through their derivatives.
 
         Errors of several rows that belong together cancel in the products, as in a quotient of Rayleigh; what is known of them by
         bounds alone does not.
@@ -322,7 +321,7 @@ class Defect:
 
     @cached_property
     def _modal_residual(self) -> np.ndarray:
-        """E = |X^-1 B R|, how the residual of each mode drives each mode, shape (n, N)."""
+        """E = |X^-1 B R|, the excitation of each mode by the residual of each mode, shape (n, N)."""
         if self.before is not None and self._residuals is self.before._residuals:
             return self.before._modal_residual
         return self._driven(self._inverse, self._residuals, self._modes.J)
@@ -369,7 +368,7 @@ class Defect:
     # The Taylor series.
 
     def of_series(self, place: np.ndarray, order: int, times: np.ndarray) -> np.ndarray:
-        """A bound of the error of the same by the Taylor series of the flow."""
+        """A bound of the error of place @ z by the Taylor series of the flow."""
         start = self.flow.taylor_start(modal=True)
         output, G = np.abs(place), np.abs(full(self.flow.generator))
         for _ in range(order):

@@ -1,4 +1,4 @@
-"""The error of a sum of modes to first order: the response of the equations to the residual that the sum leaves in them.
+"""The error of a sum of modes to first order: the response of the equations to their residual.
 
 The values C e^(J t) v, put into A(d/dt) x = f as it was given, leave a residual R e^(J t) v, and at t = 0 they differ from the start
 by d. In the coordinates of the modes X of w' = S w + B f the error is the solution of
@@ -51,14 +51,14 @@ class DefectResponse:
 
     @classmethod
     def of(cls, flow: Flow, end: float) -> DefectResponse | None:
-        """That of a flow."""
+        """The defect response of a flow."""
         few = flow.reduction.state_count + flow.force.smooth.state_count <= MOST_STATES
         if not few or len(flow.knots) - 1 > PROVED_RESTARTS or (flow.impulsive is not None and flow.impulsive[:, 1:].any()):
             return None
         return cls(flow, end)
 
     def most_times(self, usual: int) -> int:
-        """How many times are worth computing: fewer where each takes an exponential of very many states."""
+        """The number of times worth computing: fewer where each takes an exponential of very many states."""
         if self._diagonal is not None:
             return usual
         return int(np.clip(usual * (EXPONENTIAL_STATES / len(self._J)) ** 3, FEWEST, usual))
@@ -87,7 +87,7 @@ class DefectResponse:
         return np.abs(C[:, :n] @ e) + total
 
     def _rounding(self, C: np.ndarray, order: int, v: np.ndarray, t: float) -> float:
-        """Of the terms of the sum, as independent errors; those of its phase move an oscillation by parts of its amplitude."""
+        """Rounding errors of the terms of the sum, as independent errors, with phase errors of oscillations."""
         sizes = np.abs(block_states(self.flow.states.blocks, v[:, None], np.array([t]))[:, 0])
         amplitudes, pairs = sizes.copy(), self._pairs
         amplitudes[pairs] = amplitudes[pairs + 1] = np.hypot(sizes[pairs], sizes[pairs + 1])
@@ -105,7 +105,7 @@ class DefectResponse:
         return (turn[:n, :n] @ (np.exp(zeros[:n] * t) * (back[:n, :n] @ start) + driven @ v)).real
 
     def _coordinates_by_blocks(self, piece: int, start: np.ndarray, t: float) -> np.ndarray:
-        """The same where eigenvectors do not separate the modes: the integral is a block of an exponential (Van Loan 1978)."""
+        """The coordinates where eigenvectors do not separate the modes: the integral is a block of an exponential (Van Loan 1978)."""
         n, v, driven = len(start), self._starts[:, piece], self._drives(piece)[1]
         # The drive has the size of J there, so that rounding errors of e^(J t) do not hide it.
         unit = np.abs(driven).max(initial=0.0) / (np.abs(self._J).max() or 1.0) or 1.0
@@ -115,7 +115,7 @@ class DefectResponse:
 
     @cached_property
     def _errors_at_starts(self) -> list[np.ndarray]:
-        """e at the start of each piece: what came before, and by how much v differs from the states there."""
+        """e at the start of each piece: the error of the piece before, and the difference of v from the states there."""
         flow, starts = self.flow, self._starts
         result = [self._mismatch(starts[:, 0], flow.start)]
         for piece, h in enumerate(flow.states.restarts.gaps[: starts.shape[1] - 1].tolist()):
@@ -164,7 +164,7 @@ class DefectResponse:
 
     @cached_property
     def _own_states(self) -> tuple[np.ndarray, np.ndarray]:
-        """Z of the states of A(s), and what that is rounded by; velocities are those of the displacements, Z J."""
+        """Z of the states of A(s), and its rounding errors; velocities are those of the displacements, Z J."""
         n, m = len(self.flow.start), len(self.flow.reduction.second)
         high, low = self._states[:n].copy(), np.zeros((n, len(self._J)))
         high[m : 2 * m], low[m : 2 * m] = accurate_product(high[:m], self._J)
@@ -194,7 +194,7 @@ class DefectResponse:
 
     @cached_property
     def _residual(self) -> tuple[np.ndarray, np.ndarray]:
-        """R = A_0 C + A_1 C J + A_2 C J^2 - F, C = P Z as it is evaluated, in the rows of A(s), shape (r, N), as a sum of two parts."""
+        """R = A_0 C + A_1 C J + A_2 C J^2 - F, C = P Z as evaluated, in the rows of A(s), shape (r, N), as a sum of two parts."""
         flow, n = self.flow, len(self.flow.start)
         A, high = np.concatenate([full(matrix) for matrix in flow.reduction.given], axis=1), full(flow.output) @ self._states
         columns, rests = [high], [np.zeros(high.shape)]
@@ -235,7 +235,7 @@ class DefectResponse:
 
 
 def _simple(block: np.ndarray, end: float) -> np.ndarray:
-    """A block moved by so little that its eigenvalues are simple, where they are not, and e^(J t) until the end is the same."""
+    """A block perturbed slightly to make its eigenvalues simple, without effect on e^(J t) until the end."""
     size, count = np.abs(block).max(), len(block)
     if count == 1 or not size or (count == 2 and block[0, 0] == block[1, 1] and block[0, 1] == -block[1, 0]):
         return block

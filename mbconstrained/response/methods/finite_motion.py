@@ -43,7 +43,7 @@ class _Coupled:
     Attributes:
         own, of_force: which states of both.
         block: [[T_b, D_bk / unit], [0, J_k]].
-        unit: of y_b, so that D_bk has the size of the eigenvalues and the block no larger norm than these.
+        unit: unit of y_b, so that D_bk has the size of the eigenvalues and the block no larger norm than these.
     """
 
     own: slice
@@ -52,7 +52,7 @@ class _Coupled:
     unit: float
 
     def start(self, inputs: np.ndarray) -> np.ndarray:
-        """From rest, for states (m, K) of the force."""
+        """The start from rest, for states (m, K) of the force."""
         return np.vstack([np.zeros((self.own.stop - self.own.start, inputs.shape[1])), inputs[self.of_force]])
 
 
@@ -65,7 +65,7 @@ class FinitePart:
         output: x from the states before they were decoupled, shape (r, n), dense or sparse.
         driven: the effect of the force on them and on x.
         start: the states at 0+, shape (n,).
-        jumps: of the states at the later knots of the force, shape (n, K).
+        jumps: jumps of the states at the later knots of the force, shape (n, K).
         time, columns: the units of time and of x.
     """
 
@@ -84,7 +84,7 @@ class _Forced:
 
     Attributes:
         X: zero for pairs that are never separated, shape (n, m).
-        coupled: those pairs.
+        coupled: coupled pairs.
         separated: the pairs that are coupled in the first moments of the force only; none where there are no such moments.
     """
 
@@ -94,7 +94,7 @@ class _Forced:
 
     @staticmethod
     def of(X, coupled, separated, early, inputs) -> _Forced:
-        """Of the pairs, with which pieces belong to first moments and the states that begin them."""
+        """The states of the given pairs, with the pieces that belong to first moments and the states that begin them."""
         if not early.any():
             return _Forced(X, tuple(coupled), ())
         if not inputs[:, ~early].any():
@@ -102,12 +102,12 @@ class _Forced:
         return _Forced(X, tuple(coupled), tuple(separated))
 
     def blocks(self, driven: Driven, forcing) -> tuple[np.ndarray, ...]:
-        """Those of all states after y."""
+        """The blocks of all states after y."""
         own = tuple(driven.generator[of, of] for of in block_slices(forcing))
         return (*own, *(own if self.separated else ()), *(pair.block for pair in self._pairs))
 
     def copies(self, forcing) -> list[tuple[slice, slice]]:
-        """Which of all states are copies of states of the force, and of which."""
+        """Pairs of states: copies of states of the force, and the states that they copy."""
         n, m = self.X.shape
         copies = [(_moved(of, n + m), _moved(of, n)) for of in block_slices(forcing)] if self.separated else []
         begin = n + (2 * m if self.separated else m)
@@ -117,7 +117,7 @@ class _Forced:
         return copies
 
     def output(self, own: np.ndarray, through: np.ndarray) -> np.ndarray:
-        """x of y and these states, from what y and w add to it."""
+        """The output x of y and these states."""
         follows = own @ self.X
         columns = [through, follows] if self.separated else [through + follows]
         return np.hstack([own, *columns, *(_padded(pair.unit * own[:, pair.own], len(pair.block)) for pair in self._pairs)])
@@ -255,7 +255,7 @@ MUCH_SMALLER = 8.0
 
 
 def first_moments(force: BohlFunction, knots: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
-    """Knots, with those added at which the first moments end, and which of the pieces that begin there belong to them."""
+    """Knots, including those at which the first moments end, and which of the pieces beginning there belong to them."""
     nothing = knots, np.zeros(len(knots), dtype=bool)
     if len(knots) == 1 or not 0 < reach < np.inf:
         return nothing
@@ -273,7 +273,7 @@ def first_moments(force: BohlFunction, knots: np.ndarray, reach: float) -> tuple
 
 
 def _beginnings(sizes: np.ndarray) -> np.ndarray:
-    """The places at which something begins.
+    """The places at which a piece begins.
 
     >>> _beginnings(np.array([0.0, 1.0, 2.0, 0.5, 40.0, 0.0, 0.0, 1e-3])).tolist()
     [1, 4, 7]

@@ -11,7 +11,7 @@ from ...linalg.blocks import block_matrix
 
 @dataclass(frozen=True, eq=False)
 class BoundedModes:
-    """J and v with what bounds e^(J t) v. An oscillating pair is one row of the bounds, which has the norms of both of its states.
+    """J and v with the bounds of e^(J t) v. An oscillating pair is one row of the bounds, with the norms of both states.
 
     Attributes:
         J: block diagonal, shape (N, N).
@@ -35,14 +35,14 @@ class BoundedModes:
 
     @classmethod
     def of(cls, blocks: tuple[np.ndarray, ...], v: np.ndarray) -> BoundedModes | None:
-        """Of e^(J t) v.
+        """Bounds of e^(J t) v.
 
         Args:
-            blocks: those of J.
+            blocks: diagonal blocks of J.
             v: shape (N,).
 
         Returns:
-            Its bounds; None where a block is not quasi upper triangular, or has a pair of two real eigenvalues.
+            The bounds; None where a block is not quasi upper triangular, or has a pair of two real eigenvalues.
         """
         if not blocks:
             return None
@@ -94,8 +94,7 @@ class BoundedModes:
         return total
 
     def responses(self, E: np.ndarray, Q: np.ndarray, end: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Y, Z, S and X: a term E e^(J t) v makes motions of at most (Y + t S) |v| e^(a t), a the rates of the rows, and
-        (Z + t S) |v| e^(b t), b those of the columns, and in any case of t X |v| times the larger one.
+        """Y, Z, S and X, bounds of motions caused by a term E e^(J t) v.
 
         By the length of time, or by the difference of the eigenvalues: e^(T t) Y - Y e^(J t) with T Y - Y J = E.
 

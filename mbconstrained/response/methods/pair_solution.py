@@ -1,4 +1,4 @@
-"""The solution read off the Jordan pairs of A(s): its function of time, its evidence and its notices."""
+"""The solution by the Jordan pairs of A(s): its function of time, evidence and notices."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class PairSolution:
         Args:
             problem: A(d/dt) x = f with values at 0-.
             method: the Jordan pairs, with the reason.
-            pairs: those of A(s).
+            pairs: Jordan pairs of A(s).
 
         Returns:
             A ``PairSolution``.
@@ -64,11 +64,11 @@ class PairSolution:
         return cls(method, pairs, function, coupling, start.jump, start.impulses, later.events)
 
     def sums(self, count: int, times: np.ndarray | None = None) -> tuple[np.ndarray, list[np.ndarray], np.ndarray, float]:
-        """As ``response_notices.modal_sums``.
+        """Rows and states whose products are the derivatives, as ``response_notices.modal_sums``.
 
         Args:
-            count: how many derivatives.
-            times: other ones than those of the test, shape (T,).
+            count: number of derivatives.
+            times: times in place of the default ones, shape (T,).
 
         Returns:
             Times, rows, states and the rate of the fastest motion.
@@ -77,7 +77,7 @@ class PairSolution:
 
     @property
     def is_precise(self) -> bool:
-        """Whether it was computed with more digits than float64."""
+        """Whether the solution was computed with more digits than float64."""
         return self.pairs.form.companion.is_precise
 
     @property
@@ -87,13 +87,13 @@ class PairSolution:
 
     @property
     def dropped_near_bound(self) -> bool:
-        """Whether rank decisions are doubtful, and only since entries that they dropped are near their bounds."""
+        """Whether the only doubtful rank decisions are those with dropped entries near their bounds."""
         doubtful = [decision for decision in self.pairs.form.decisions if not decision.clear]
         return bool(doubtful) and all(decision.smallest_kept >= CLEAR_KEPT for decision in doubtful)
 
     @property
     def as_written(self) -> JordanPairs | None:
-        """The pairs of the data as they are written, where some of them counted as zero at s = 0."""
+        """The pairs of the given data, without entries set to zero at s = 0."""
         return self.pairs.as_written
 
     @property

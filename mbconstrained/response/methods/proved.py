@@ -1,4 +1,4 @@
-"""Values of small models that are right to ``PROVED_ACCURACY`` of their own size at each time, however the model is graded.
+"""Values of small models that are accurate to ``PROVED_ACCURACY`` of their own size at each time, however the model is graded.
 
 The float64 values are kept at the times at which a bound of their error (``response.methods.defect``) allows it; all others come from the
 exact engine, poles and residues of A(s)^-1 in balls, as many digits as the value at that time needs. The choice depends on the
@@ -39,9 +39,9 @@ class ProvedFunction(BohlFunction):
     """matrix @ x^(order) of a small model.
 
     Attributes:
-        rough: the same in float64.
+        rough: the function in float64.
         exact: returns the exact response that x belongs to.
-        order: of the derivative.
+        order: order of the derivative.
         matrix: shape (p, r); None for x itself.
         finite_count: the number of finite zeros of A(s).
         defect: bounds the error of the float64 values; None where nothing does.
@@ -93,12 +93,12 @@ class ProvedFunction(BohlFunction):
 
     @property
     def summed_from(self) -> np.ndarray:
-        """As ``BohlFunction``."""
+        """First time of evaluation by modes, as in ``BohlFunction``."""
         return self.rough.summed_from
 
     @property
     def is_provable(self) -> bool:
-        """Whether the exact data determine a motion of as many states; one that only rounding errors have is not the answer."""
+        """Whether the exact data determine a motion with the same number of states, not one caused by rounding errors."""
         try:
             return self.exact().matrix.determinant.degree() == self.finite_count
         except SingularPolynomialMatrix:
@@ -122,7 +122,7 @@ class ProvedFunction(BohlFunction):
         return values
 
     def _sums_of_modes(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Values, and the places of the times at which they are not surely right to ``PROVED_ACCURACY``."""
+        """Values, and the indices of the times at which they are not guaranteed to ``PROVED_ACCURACY``."""
         if (whole := self._in_whole_pieces) is None:
             values = self.rough.by_modes(times)  # type: ignore[attr-defined]  # a defect is that of a FlowFunction
             return values, np.flatnonzero(~self._surely(values, times))
@@ -138,19 +138,19 @@ class ProvedFunction(BohlFunction):
 
     @cached_property
     def _in_whole_pieces(self) -> ProvedFunction | None:
-        """The same without first moments of later forces, which take longer than all else; None where none is delayed."""
+        """The function without first moments of later forces, which take longer than the rest; None where no force is delayed."""
         if (whole := self.defect.in_whole_pieces) is None:
             return None
         rough = self.rough.of(whole.flow)  # type: ignore[attr-defined]
         return ProvedFunction(rough, self.exact, self.finite_count, whole, self.order, self.matrix)
 
     def _surely(self, values: np.ndarray, times: np.ndarray, accuracy: float = PROVED_ACCURACY) -> np.ndarray:
-        """At which times the sums of modes are right to so much of the largest value."""
+        """Which sums of modes are guaranteed to this accuracy relative to the largest value."""
         allowed = accuracy * np.maximum(values.max(axis=0), -values.min(axis=0))
         return self.defect.allows(self.rough.place, self.rough.order, times, allowed)  # type: ignore[attr-defined]
 
     def _begun(self, values: np.ndarray, times: np.ndarray, doubtful: np.ndarray) -> np.ndarray:
-        """At the first of the doubtful times the Taylor series may be right: values by it, and what is still doubtful."""
+        """Replace values at the first doubtful times by the Taylor series, and return the indices that remain doubtful."""
         start = self.defect.flow.taylor_start(modal=True)
         early = doubtful[times[doubtful] < start.end]
         if not len(early):
@@ -188,7 +188,6 @@ class ProvedFunction(BohlFunction):
         return self._with(self.rough.mapped(matrix), self.order, matrix)
 
     def rows(self, indices) -> BohlFunction:
-        """Some of its rows, in this order."""
         indices = np.asarray(indices, dtype=int)
         return self._with(self.rough.rows(indices), self.order, self._through[indices])
 
@@ -205,7 +204,7 @@ class ProvedFunction(BohlFunction):
 
 
 def proved_event(exact: ExactResponse, event: Event, initial: np.ndarray) -> Event:
-    """An event with the exact jumps and impulses, where float64 has some: which values jump at all, rounded starts do not decide."""
+    """An event with the exact jumps and impulses, where float64 has some: rounded starts do not decide which values jump."""
     jump, impulses = exact.event(event.time)
     if event.time:
         before = np.array([exact.rounded(np.array([event.time]), order)[0][:, 0] for order in range(len(jump))]) - jump

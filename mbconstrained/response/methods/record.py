@@ -33,7 +33,7 @@ SHORT, TERMS = 4.0, 27
 #: A longer gap has at most so many parts that are short.
 PARTS = 64
 
-#: So many numbers of one table are computed at once.
+#: Number of entries of a table computed at once.
 TABLE = 200_000
 
 #: A part this many times smaller than the whole is far below its rounding.
@@ -48,7 +48,7 @@ GROUP = 16
 #: Up to so many modes of all knots are kept, 32 MB: reading them takes a tenth less of the time of all values than computing them.
 KEPT = 2_000_000
 
-#: So many groups are computed at once.
+#: Number of groups computed at once.
 TOGETHER = 64
 
 
@@ -66,14 +66,14 @@ class FunctionOfFlow(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class RecordFlow:
-    """A flow whose short gaps one table serves.
+    """A flow whose short gaps share one table.
 
     Attributes:
         flow: the motion and its force.
-        modes: those of S.
+        modes: modes of S.
         middle: half of the longest short gap or part of a gap, s.
         long: which pieces are longer, the last one being endless.
-        parts: how many the longest of the other gaps has.
+        parts: number of parts of the longest of the other gaps.
     """
 
     flow: Flow
@@ -84,7 +84,7 @@ class RecordFlow:
 
     @staticmethod
     def of(flow: Flow) -> RecordFlow | None:
-        """None where gaps are few, or long relative to the motion."""
+        """The record flow of a flow; None where gaps are few, or long relative to the motion."""
         gaps, states = flow.force.smooth.restarts.gaps, flow.force.smooth.restarts.states
         if (
             len(gaps) < FEWEST_KNOTS or flow.force.later or not len(states) or not len(flow.start)
@@ -106,12 +106,12 @@ class RecordFlow:
 
     @cached_property
     def gaps(self) -> np.ndarray:
-        """Between the knots, s."""
+        """Gaps between the knots in s."""
         return shared_gaps(self.flow.knots, self.flow.force.smooth.restarts.gaps)
 
     @cached_property
     def states(self) -> tuple[np.ndarray, np.ndarray]:
-        """The modes at every knot, complex, shape (K, p), and the states of what is left, shape (q, K)."""
+        """The modes at every knot, complex, shape (K, p), and the remaining states, shape (q, K)."""
         first, rest = self.modes.split(self.flow.reduction.decoupled.coordinates(self.flow.start))
         return self._modes_from(first), self._rest_from(rest)
 
@@ -136,7 +136,7 @@ class RecordFlow:
         return states
 
     def _scan(self, states, gaps, inputs) -> None:
-        """From the first state of a run of short gaps to the others, in place."""
+        """Propagate the first state of a run of short gaps to the others, in place."""
         if not len(gaps):
             return
         factors = np.empty((len(gaps), states.shape[1]), dtype=complex)
@@ -154,12 +154,12 @@ class RecordFlow:
         return factors * self._across[0][number], gained + factors * begun
 
     def _part(self, since) -> tuple[np.ndarray, np.ndarray]:
-        """Which part of a gap it is, and the time since this began."""
+        """The index of the part of a gap, and the time since its beginning."""
         number = np.minimum((since / (2 * self.middle)).astype(int), self.parts - 1)
         return number, since - 2 * self.middle * number
 
     def _at_part(self, modes, inputs, number) -> tuple[np.ndarray, np.ndarray]:
-        """The modes and the states of the force from the beginning of gaps to that of parts of them."""
+        """The modes and the states of the force from the beginning of gaps to that of their parts."""
         if self.parts == 1:
             return modes, inputs
         factors, gained, moved = self._across
@@ -169,11 +169,11 @@ class RecordFlow:
         return modes, np.einsum("tm,tmn->tn", inputs, moved[number])
 
     def values(self, function: FunctionOfFlow, times: np.ndarray) -> np.ndarray:
-        """Of a function of this flow, shape (r, T).
+        """Values of a function of this flow, shape (r, T).
 
         Args:
             function: rows of the motion.
-            times: in s, shape (T,), in any order.
+            times: times in s, shape (T,), in any order.
 
         Returns:
             Shape (r, T).
@@ -207,7 +207,7 @@ class RecordFlow:
         return driven
 
     def _between(self, piece, since) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Within short gaps: modes, states of the force with powers of time, one row for each, and the rest."""
+        """Within short gaps: modes, states of the force with powers of time, one row for each, and the remaining states."""
         number, left = self._part(since)
         rest, table = self.states[1], self._powers(left)
         begun, inputs = self._at_part(self._modes_at(piece), self._inputs[piece], number)
@@ -218,7 +218,7 @@ class RecordFlow:
         return modes, self._products(table, inputs), rest
 
     def _at_knots(self, piece, since) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The same at knots: modes, states of the force, and the rest."""
+        """Modes, states of the force and remaining states at knots."""
         return self._modes_at(piece).view(float), self._inputs[piece], self.states[1][:, piece]
 
     def _modes_at(self, piece) -> np.ndarray:
@@ -226,7 +226,7 @@ class RecordFlow:
         return self.states[0][piece]
 
     def _alone(self, number: int, function: FunctionOfFlow) -> FunctionOfFlow:
-        """A piece as a motion of its own."""
+        """A piece as a separate motion."""
         modes, rest = self._modes_at(np.array([number]))[0], self.states[1][:, number]
         return function.alone(self.flow.after(number, self.modes.states(modes, rest)))
 
@@ -283,8 +283,9 @@ class RecordFlow:
 
     @cached_property
     def _across(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """From the beginning of a gap to each of its parts: e^{s tau} of the modes, shape (parts, p), their response to unit states of
-        the force, (parts, m, p), and these states themselves, (parts, m, m), one row for each."""
+        """Propagation to the parts of a gap: e^{s tau}, shape (parts, p), the response to unit states of the force, (parts,
+        m, p), and these states, (parts, m, m), one row for each.
+        """
         m, length = self._inputs.shape[1], 2 * self.middle
         times, blocks = length * np.arange(self.parts), self.flow.force.smooth.blocks
         factors = np.exp(np.multiply.outer(times, self.modes.rates))
@@ -305,7 +306,7 @@ class RecordFlow:
         return np.einsum("tm,tk->tmk", inputs, table).reshape(len(table), -1)
 
     def _chunks(self, places: np.ndarray) -> Iterator[np.ndarray | slice]:
-        """Some of ascending places at a time; a slice where they follow one another."""
+        """Chunks of ascending indices; a slice where they are consecutive."""
         width = max(1, TABLE // max(self.flow.generator.shape[0], 1))
         for begin in range(0, len(places), width):
             yield as_slice(places[begin : begin + width])
@@ -319,7 +320,7 @@ def record_of(flow: Flow) -> RecordFlow | None:
 
 
 class EvenRecord(RecordFlow):
-    """A flow whose gaps are all short and of one length; the first of ``states`` are those of each group of knots."""
+    """A flow with short gaps of one length; the first of ``states`` are those of each group of knots."""
 
     def _modes_from(self, first) -> np.ndarray:
         gained = (self._each[GROUP - 1 :: -1, None] * self._gap_response).reshape(-1, len(first))
@@ -337,7 +338,7 @@ class EvenRecord(RecordFlow):
 
     @cached_property
     def _every(self) -> np.ndarray | None:
-        """The modes at all knots, shape (K or somewhat more, p); None of a long record."""
+        """The modes at all knots, shape (K or slightly more, p); None for a long record."""
         groups, p = self.states[0].shape
         if groups * GROUP * p > KEPT:
             return None

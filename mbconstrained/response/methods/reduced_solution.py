@@ -55,11 +55,11 @@ class ReducedSolution:
         return cls(method, FlowFunction(flow, flow.output, 0, method.evaluations), flow.jump, flow.events)
 
     def sums(self, count: int, times: np.ndarray | None = None) -> tuple[np.ndarray, list[Matrix], np.ndarray, float]:
-        """As ``response_notices.modal_sums``; of many states that powers serve those of the reduced equations, at 0+ only.
+        """Rows and states as ``response_notices.modal_sums``; for many states evaluated by powers at 0+ only.
 
         Args:
-            count: how many derivatives.
-            times: other ones than those of the test, shape (T,).
+            count: number of derivatives.
+            times: times in place of the default ones, shape (T,).
 
         Returns:
             Times, rows, states and the rate of the fastest motion.
@@ -82,7 +82,7 @@ class ReducedSolution:
 
     @cached_property
     def evidence(self) -> tuple[Evidence, ...]:
-        """Conditions and residual of the reduction and of its modes; of many states that powers serve these are not computed."""
+        """Conditions and residual of the reduction and of its modes; not computed for many states evaluated by powers."""
         reduction = self.method.flow.reduction
         text = "largest condition of the masses, dampers and algebraic equations that were divided by, brought to one size"
         condition = Evidence("condition", reduction.largest_condition, text)
@@ -144,7 +144,7 @@ class FlowFunction(BohlFunction):
 
     @property
     def modal(self) -> BohlFunction:
-        """The same as a sum of modes: each is differentiated by itself, slow ones lose nothing relative to fast ones."""
+        """The function as a sum of modes, each differentiated separately so that slow ones lose no accuracy relative to fast ones."""
         function = BohlFunction(self.flow.modal_output(self.place), self.blocks, self.start)
         return function.derivative(self.order) if self.order else function
 
@@ -183,7 +183,7 @@ class FlowFunction(BohlFunction):
 
     @property
     def summed_from(self) -> np.ndarray:
-        """As ``BohlFunction``: a problem whose states cancel in its modes is not solved by them (``response.choose``)."""
+        """First time of evaluation by modes, never: problems with cancelling modes are not solved by them (``response.choose``)."""
         return np.full(self.size, np.inf)
 
     def _values(self, times) -> np.ndarray:
@@ -225,7 +225,7 @@ class FlowFunction(BohlFunction):
         return FlowFunction(flow, self.place, self.order, "many")
 
     def of(self, flow: Flow) -> FlowFunction:
-        """The same of other modes of the same motion."""
+        """The function by other modes of the same motion."""
         return FlowFunction(flow, self.place, self.order, self.evaluations)
 
     def derivative(self, order: int = 1) -> BohlFunction:
@@ -233,7 +233,7 @@ class FlowFunction(BohlFunction):
         return self._with(self.place, self.order + whole_number(order, "order"))
 
     def differential(self, *matrices: np.ndarray) -> BohlFunction:
-        """matrices[0] @ y + matrices[1] @ y' + ..., of the same states."""
+        """matrices[0] @ y + matrices[1] @ y' + ..., with the same states."""
         place, total = self.place, of_like_kind(matrices[0], self.place) @ self.place
         for matrix in matrices[1:]:
             place = place @ self.flow.generator
@@ -246,7 +246,7 @@ class FlowFunction(BohlFunction):
         return self._with(of_like_kind(matrix, self.place) @ self.place, self.order)
 
     def rows(self, indices) -> BohlFunction:
-        """Some of its rows, in this order."""
+
         return self._with(self.place[np.asarray(indices, dtype=int)], self.order)
 
     def __mul__(self, factor: float) -> BohlFunction:

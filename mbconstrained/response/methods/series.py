@@ -1,4 +1,4 @@
-"""A response just after t = 0+: its Taylor series, and a function that is evaluated by it as long as it is the more accurate.
+"""Taylor series of a response just after t = 0+, and a function that uses it while it is more accurate than the modes.
 
 From rest a coordinate far from the force begins like t^p, a tiny difference of modes that are not small:
 their sum cancels, the series (``response.methods.taylor``) does not.
@@ -33,7 +33,7 @@ SQUARINGS = 10
 #: The range of float64 ends here.
 LARGEST = float(np.finfo(float).max)
 
-#: Where the two are compared, in spans: two times per factor of two, down to the rounding error of the span.
+#: Points of comparison, in spans: two times per factor of two, down to the rounding error of the span.
 PLACES = 2.0 ** (-np.arange(2 * 52) / 2)
 
 #: Of these the ones up to rate t = 1.
@@ -42,7 +42,7 @@ EARLY = slice(int((PLACES > 1 / REACH).sum()), None)
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Series:
-    """sum over k of c_k t^k for 0 <= t <= span, each coefficient with its rounding noise.
+    """The sum over k of c_k t^k for 0 <= t <= span, each coefficient with its rounding noise.
 
     Attributes:
         span: in s; the series has converged up to here.
@@ -85,11 +85,10 @@ class Series:
         return Series(self.span, matrix @ self.coefficients, np.abs(matrix) @ self._errors)
 
     def rows(self, indices) -> Series:
-        """Some of its rows, in this order."""
         return Series(self.span, self.coefficients[indices], self.noise[indices])
 
     def within(self, span: float) -> Series:
-        """The same series over a shorter span."""
+        """The series over a shorter span."""
         powers = (span / self.span) ** np.arange(self.coefficients.shape[1])
         return Series(span, self.coefficients * powers, self.noise * powers)
 
@@ -117,7 +116,7 @@ class Series:
 
 @dataclass(frozen=True, repr=False)
 class ResponseFunction(BohlFunction):
-    """A Bohl function that is evaluated by its Taylor series as long as that is the more accurate of the two.
+    """A Bohl function that is evaluated by its Taylor series while that is more accurate than the sum of modes.
 
     Attributes:
         series: its Taylor series at t = 0+.
@@ -126,7 +125,7 @@ class ResponseFunction(BohlFunction):
     series: Series
 
     def _values(self, times) -> np.ndarray:
-        """As of ``BohlFunction``, each row by its series before the time ``switch`` of the row."""
+        """Values, each row by its series before the time ``switch`` of the row."""
         values = super()._values(times)
         if not times.size or times.min() >= self.series.span:
             return values
@@ -139,7 +138,7 @@ class ResponseFunction(BohlFunction):
 
     @cached_property
     def switch(self) -> np.ndarray:
-        """Before which time each row is evaluated by its series, in s, shape (r,)."""
+        """Time in s before which each row is evaluated by its series, shape (r,)."""
         series, table = self.series, _powers_of_places(self.series.coefficients.shape[1])
         places = series.span * PLACES
         with np.errstate(over="ignore", invalid="ignore"):  # infinite values do not enter: no comparison with them is true
@@ -152,7 +151,7 @@ class ResponseFunction(BohlFunction):
 
     @property
     def summed_from(self) -> np.ndarray:
-        """As ``BohlFunction``."""
+        """First time of evaluation by modes, as in ``BohlFunction``."""
         return self.switch
 
     def derivative(self, order: int = 1) -> ResponseFunction:
@@ -165,7 +164,6 @@ class ResponseFunction(BohlFunction):
         return with_series(super().mapped(matrix), self.series.mapped(matrix))
 
     def rows(self, indices) -> ResponseFunction:
-        """Some of its rows, in this order."""
         indices = np.asarray(indices, dtype=int)
         return with_series(super().rows(indices), self.series.rows(indices))
 
@@ -184,7 +182,7 @@ class ResponseFunction(BohlFunction):
 
 
 def with_series(function: BohlFunction, series: Series) -> ResponseFunction:
-    """The function together with its series, which ends where the function restarts for the first time."""
+    """The function together with its series, which ends at the first restart of the function."""
     knots = function.restarts.knots
     if len(knots) > 1 and knots[1] < series.span:
         series = series.within(float(knots[1]))
@@ -205,7 +203,7 @@ def series_of(function: BohlFunction, longest: float) -> Series:
 
 
 def growth(bounds: np.ndarray, begun: np.ndarray) -> tuple[float, int]:
-    """Perron root of the states that are reached from the first ones, and the number of steps to reach all of them."""
+    """Perron root of the states that are reachable from the first ones, and the number of steps to reach all of them."""
     pattern, steps, last = bounds > 0, 0, begun
     while (last := pattern[:, last].any(axis=1) & ~begun).any():
         begun, steps = begun | last, steps + 1
@@ -225,7 +223,7 @@ def _perron_root(matrix: np.ndarray) -> float:
 
 
 def span_of(rate: float, otherwise: float) -> float:
-    """As far as the series may serve; a finite series, with no growth at all, serves at all times."""
+    """The span of a series; a finite series without growth serves at all times."""
     return REACH / rate if rate > 0 else otherwise
 
 

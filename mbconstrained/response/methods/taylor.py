@@ -1,4 +1,4 @@
-"""The Taylor series of a response at t = 0+ from its equations, not from its modes.
+"""Taylor series of a response at t = 0+ from its equations instead of its modes.
 
 With z = Z w the pencil's staircase form reads
 
@@ -38,7 +38,7 @@ def taylor_series(form: WeierstrassForm, initial: np.ndarray, jump: np.ndarray, 
 
 
 def _series(form: WeierstrassForm, stack, f, size, more) -> Series:
-    """The same, all coefficients from the equations; with as many more as differentiation loses."""
+    """The series with all coefficients from the equations, and ``more`` coefficients for differentiation."""
     equations = _Equations(form, f)
     state = equations.state_at_zero(form, stack, f)
     rate, steps = growth(np.abs(equations.slope.data), state.data != 0)
@@ -116,7 +116,7 @@ class _Equations:
 
     @staticmethod
     def _given(form, stack, f) -> Noisy:
-        """The loads on w, a column for each power of s, from as many below 1/s as there are powers of N to as many above the last."""
+        """The loads on w, a column for each power of s, from those below 1/s to those above the last."""
         loads, chains = form.split.left[:, len(stack) - form.companion.size :], len(form.split.deficiencies)
         given = Noisy.exact(np.zeros((len(stack), 2 * chains + 1 + max(len(f.impulses), 1))))
         if len(f.start):
@@ -147,7 +147,7 @@ def _side_by_side(left: Noisy, right: Noisy) -> Noisy:
 
 
 def _with_known_values(series: Series, initial, jump) -> Series:
-    """With the values at 0- that do not jump in place of the coefficients: they are more accurate.
+    """The series with the coefficients of values at 0- that do not jump replaced by these values, which are more accurate.
 
     Where a coefficient differs by more than its noise, a jump was lost in the noise of its own computation.
     """

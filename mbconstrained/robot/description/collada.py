@@ -154,7 +154,7 @@ def _indices(values: np.ndarray) -> np.ndarray:
 
 
 def _opacity(model: Element) -> float:
-    """From <transparent>, 1 by default, and the factor <transparency>."""
+    """Opacity from <transparent>, 1 by default, and the factor <transparency>."""
     factor, transparent = _numbers(model.find("transparency/float")), model.find("transparent")
     share = float(factor[0]) if factor.size else 1.0
     if transparent is None:

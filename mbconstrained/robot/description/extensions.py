@@ -57,7 +57,7 @@ def _is_drake(element: Element) -> bool:
 
 
 def acts(element: Element) -> str | None:
-    """The first word in an element for something that may act on the motion."""
+    """The first word in an element for something that may affect the motion."""
     if element.tag == "plugin":
         words = [element.get("filename", ""), element.get("name", ""), *(local_name(part) for part in element.iter())]
         return next((word for word in words if _PLUGIN_ACTS.search(word)), None)
@@ -175,12 +175,12 @@ class _UrdfFrames:
         raise InputError(f'{where}: there is no link or frame "{short(name)}"')
 
     def body(self, name: str, where: str) -> str:
-        """The body of a frame, as of ``Frames``."""
+        """The body of a frame, as in ``Frames``."""
         body, _ = self.anchor(name, where)
         return WORLD if body == GROUND else body
 
     def place(self, name: str, where: str):
-        """The SE3 of a frame, as of ``Frames``."""
+        """The SE3 of a frame, as in ``Frames``."""
         return self.places[self.body(name, where)] * self.anchor(name, where)[1] if name != "__model__" else placement((0, 0, 0))
 
 
@@ -295,7 +295,7 @@ def _read_gazebo(element: Element, urdf: _UrdfFrames, content: Content) -> None:
 
 
 def _read_plugin(element: Element, urdf: _UrdfFrames, content: Content) -> None:
-    """Name a plugin; one that couples joints which a <mimic> couples has no effect of its own."""
+    """Note a plugin; one that couples joints which a <mimic> couples has no further effect."""
     word = acts(element)
     followers = [part.text.strip() for part in element.iter("mimicJoint") if part.text]
     coupled = followers and all(name in urdf.joints and urdf.joints[name].find("mimic") is not None for name in followers)
@@ -314,7 +314,7 @@ _KNOWN = {
 
 
 def _others(root: Element) -> Iterator[tuple[str, bool]]:
-    """What is not read in the other elements, and whether it may act on the motion."""
+    """Unread parts of the other elements, and whether they may affect the motion."""
     for child in root:
         if child.tag not in _KNOWN["robot"].split() and not _is_drake(child):
             yield f"<{short(local_name(child))}>", acts(child) is not None
@@ -354,7 +354,7 @@ _MASSES = {"boundmass": "0", "boundinertia": "0", "settotalmass": "-1", "inertia
 
 
 def _of_mujoco(element: Element) -> Iterator[tuple[str, bool]]:
-    """Settings of an element <mujoco> that change the motion, and elements that a URDF has not."""
+    """Settings of an element <mujoco> that change the motion, and elements that a URDF does not have."""
     for child in element.iter():
         if child.tag == "compiler":
             for key, usual in _MASSES.items():

@@ -25,7 +25,7 @@ from .urdf import HIDDEN, number, numbers, short
 #: The body of an SDF that does not move.
 WORLD = "world"
 
-#: So many parts that are not read are named in a notice, the others are counted.
+#: Number of unread parts named in a notice; the others are counted.
 MOST_NAMED_PARTS = 12
 
 #: The loop that closes with a joint of a kind.
@@ -47,7 +47,7 @@ UNLIMITED = 1e16
 
 @dataclass
 class Content:
-    """Loops, springs, gears and motors of a description while it is read, and the parts that are not read.
+    """Loops, springs, gears and motors of a description during reading, and the parts that are omitted.
 
     Attributes:
         word: the format, for messages.
@@ -72,16 +72,16 @@ class Content:
     notices: list[Notice] = field(default_factory=list)
 
     def leave_out(self, part: str, acts: bool) -> None:
-        """Name a part that is not read, and whether it may act on the motion."""
+        """Note an omitted part, and whether it may affect the motion."""
         (self.doubted if acts else self.noted).append(part)
 
     def add_spring(self, joint: str, stiffness: float, rest: float) -> None:
-        """A spring of a joint; without stiffness there is none."""
+        """Add a spring of a joint, unless its stiffness is zero."""
         if stiffness:
             self.joint_stiffness[joint], self.joint_rest[joint] = stiffness, rest
 
     def model_file(self, **values) -> ModelFile:
-        """The description with all that was read."""
+        """The description with all parts that were read."""
         notices = list(self.notices)
         if self.usual:
             text = "links that give no mass or no inertia have those of the format, 1 kg and 1 kg m^2"
@@ -140,11 +140,11 @@ class JointAxis:
     """One axis of a joint.
 
     Attributes:
-        direction: in the frame of the joint.
-        limits: lower and upper (rad, m).
-        damping, friction, stiffness, rest: of the joint (SI).
-        mimic: leader, multiplier and offset, of a joint that follows.
-        leader_axis: of a leader with two axes.
+        direction: direction in the frame of the joint.
+        limits: lower and upper limit (rad, m).
+        damping, friction, stiffness, rest: constants of the joint (SI).
+        mimic: leader, multiplier and offset of a joint that follows.
+        leader_axis: axis of a leader that has two.
     """
 
     direction: np.ndarray
@@ -187,14 +187,14 @@ class Joint:
 
     @property
     def closes(self) -> bool:
-        """Whether there is a loop for it."""
+        """Whether the joint closes a loop."""
         if self.kind == "universal":
             first, second = (axis.direction for axis in self.axes)
             return bool(abs(first @ second) < RIGHT_ANGLE)
         return self.kind in LOOPS
 
     def reversed(self) -> Joint:
-        """The same from child to parent, with the same values of its coordinates."""
+        """The joint from child to parent, with the same values of its coordinates."""
         turned = [JointAxis(**{**vars(axis), "direction": -axis.direction}) for axis in reversed(self.axes)]
         return Joint(**{**vars(self), "parent": self.child, "child": self.parent, "axes": turned})
 
@@ -206,17 +206,17 @@ class Frames(Protocol):
         """The SE3 of a frame where all joints are at 0."""
 
     def body(self, name: str, where: str) -> str:
-        """The body that a frame is fixed in, or WORLD."""
+        """The body to which a frame is fixed, or WORLD."""
 
 
 def text_of(element: Element | None, tag: str, usual: str = "") -> str:
-    """The text of a child, or the usual one."""
+    """The text of a child, or the default."""
     child = None if element is None else element.find(tag)
     return usual if child is None or child.text is None else child.text.strip()
 
 
 def is_true(text: str) -> bool:
-    """Whether a text is true in an SDF."""
+    """Whether a text means true in an SDF."""
     return text.strip().lower() in ("1", "true")
 
 
@@ -303,7 +303,7 @@ _SINGLE = "pose inertial mass inertia ixx ixy ixz iyy iyz izz parent child axis 
 
 
 def leave_out_repeated(element: Element, place: str, content: Content) -> None:
-    """Name elements that stand twice, of which the first is read, and units, which an SDF has not."""
+    """Note repeated elements, of which the first is read, and units, which an SDF does not have."""
     for part in (element, *(below for child in element if child.tag in _SINGLE for below in child.iter())):
         tags = Counter(child.tag for child in part)
         for tag in _SINGLE:
@@ -340,7 +340,7 @@ def _leave_out_of_joint(element: Element, name: str, kind: str, content: Content
 
 
 def amount(text: str) -> float:
-    """The size of the largest of the numbers of a text; true is 1, and what is no number 0."""
+    """The size of the largest of the numbers of a text; true is 1, and text without a number is 0."""
     sizes = [abs(float(part)) for part in re.findall(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.])", text[:200])]
     return max(sizes, default=float(text.strip().lower() == "true"))
 

@@ -1,4 +1,4 @@
-"""Masses of links: payloads, other masses and inertias than those of the URDF, and notices on those that no body has."""
+"""Masses of links: payloads, masses and inertias in place of those of the URDF, and notices on physically impossible ones."""
 
 from __future__ import annotations
 
@@ -92,12 +92,12 @@ def replace_masses(robot: Element, masses: Mapping[str, float], inertias: Mappin
 #: The triangle inequality of principal moments holds to this share, the digits that descriptions are rounded to.
 ROUNDED_TRIANGLE = 1e-2
 
-#: So many links are named in a notice, the others are counted.
+#: Number of links named in a notice; the others are counted.
 MOST_NAMED_LINKS = 3
 
 
 def description_notices(robot: Element) -> tuple[Notice, ...]:
-    """What a description contains that no body has, and what of it is not used; one notice for all links or joints of a kind."""
+    """Notices on physically impossible or unused contents of a description; one for all links or joints of a kind."""
     notices = []
     if any(link.get("name") == RENAMED_GROUND for link in robot.findall("link")):
         text = f'the link "{GROUND}" is called "{RENAMED_GROUND}" here, since "{GROUND}" is what does not move'
@@ -119,7 +119,7 @@ def description_notices(robot: Element) -> tuple[Notice, ...]:
 
 
 def _inertia_notices(robot: Element) -> list[Notice]:
-    """Inertias that no body has: rounded zeros and broken triangle inequalities are noted, negative moments doubted."""
+    """Notices on impossible inertias: rounded zeros and violated triangle inequalities are noted, negative moments doubted."""
     principal = {}
     for link in robot.findall("link"):
         if (inertia := link.find("inertial/inertia")) is not None:

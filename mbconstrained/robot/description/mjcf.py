@@ -56,7 +56,7 @@ _PLACEHOLDERS = (1.0, 2.0)
 
 
 def _compile(texts: dict[str, str], most: int) -> None:
-    """Compile "main.xml", run it once, and save the model: the work of a process of its own."""
+    """Compile "main.xml", run it once, and save the model: executed in a separate process."""
     import mujoco
 
     for name, text in texts.items():
@@ -114,7 +114,7 @@ def _package(folder: Path) -> Path:
 
 
 class _MjcfFiles:
-    """The texts of an MJCF file with its includes, all names of files checked; ``missing`` names meshes that are not there."""
+    """The texts of an MJCF file with its includes, with validated names of files; ``missing`` names absent meshes."""
 
     def __init__(self, path: Path, package_dirs: tuple[Path, ...]):
         self._roots = (_package(path.parent.resolve()), *package_dirs)
@@ -136,7 +136,7 @@ class _MjcfFiles:
         )
 
     def _checked(self, path: Path, depth: int) -> Element:
-        """A model whose files have absolute paths; textures and skins, which are not drawn, are taken out."""
+        """A model whose files have absolute paths; textures and skins, which are not drawn, are removed."""
         if depth > DEEPEST_MODEL:
             raise InputError(f"mjcf: models contain each other more than {DEEPEST_MODEL} deep")
         folder = path.parent.resolve()
@@ -233,7 +233,7 @@ def _compiled(texts: str, _times: tuple):
 
 @contextmanager
 def quiet():
-    """Warnings of MuJoCo, which goes to the terminal and a file with them, are dropped."""
+    """Suppress the warnings that MuJoCo writes to the terminal and to a file."""
     import mujoco
 
     before = mujoco.get_mju_user_warning()
@@ -245,7 +245,7 @@ def quiet():
 
 
 def _reason(text: str, files: Mapping[str, str]) -> str:
-    """A message of MuJoCo on one line, with the element instead of its line in the text that MuJoCo was given."""
+    """A message of MuJoCo on one line, with the element in place of the line of the text given to MuJoCo."""
     place = re.search(r",? ?(?:id \d+, )?line (\d+)", text)
     if place is None:
         return " ".join(text.split())[:300] or "unknown"
@@ -278,7 +278,7 @@ def _rows(model, name: str, count: int) -> np.ndarray:
 
 
 def _polynomials(model, name: str, count: int) -> np.ndarray:
-    """Coefficients of the first and of higher powers, which stand in one array or in two."""
+    """Coefficients of the first and of higher powers, which are in one array or in two."""
     return np.hstack([_rows(model, name, count), _rows(model, f"{name}poly", count)])
 
 
@@ -302,7 +302,7 @@ class _Reader:
     comparable: bool = True
 
     def model_file(self, path: Path, missing: list[str], undrawn: frozenset[int]) -> ModelFile:
-        """All that is read."""
+        """The description with all parts that were read."""
         mj = self.mj
         if mj.nbody == 1 or not (mj.nv or self.free_base):
             what = "body" if mj.nbody == 1 else "joint that moves"
@@ -349,7 +349,7 @@ class _Reader:
         )
 
     def _name_all(self) -> None:
-        """Names of bodies and joints that are distinct, also where the file has none."""
+        """Distinct names of bodies and joints, also where the file has none."""
         mj = self.mj
         self.bodies, used = [], {GROUND, "universe"}
         for number, name in enumerate(_names(mj, "body", mj.nbody)):
@@ -362,7 +362,7 @@ class _Reader:
             self.joints.append(name or _distinct(f"{self.bodies[mj.jnt_bodyid[number]]} joint", used))
 
     def _check_numbers(self) -> None:
-        """Raise an InputError where numbers of the mechanics are not finite, or their squares may not be."""
+        """Raise an InputError where mechanical constants are not finite, or their squares may not be."""
         mj, counts = (
             self.mj,
             {"body": self.bodies, "jnt": self.joints, "tendon": [], "actuator": [], "site": [], "eq": [], "dof": []},
@@ -543,7 +543,7 @@ class _Reader:
         return float(self.mj.qpos0[self.mj.jnt_qposadr[joint]])
 
     def _loop(self, number: int, kind: str, data: np.ndarray, first: int, second: int, name: str) -> Iterator[Loop]:
-        """The anchors are where MuJoCo has computed them, in body1 and body2."""
+        """Loop with the anchors that MuJoCo has computed, in body1 and body2."""
         import mujoco
 
         mj = self.mj
@@ -689,7 +689,7 @@ class _Reader:
         return -self.mj.actuator_biasprm[number][1:3] * is_affine
 
     def _strange_actuator(self, number: int) -> str:
-        """What is not read of an actuator with stiffness or damping; an empty text where all is."""
+        """Unread settings of an actuator with stiffness or damping; empty without any."""
         mj = self.mj
         bias = _kinds("mjtBias", "mjBIAS_")[mj.actuator_biastype[number]]
         gain = _kinds("mjtGain", "mjGAIN_")[mj.actuator_gaintype[number]]
@@ -730,7 +730,7 @@ class _Reader:
         return np.concatenate([*q, np.array(qpos)[quaternion_places(self.mj)]])
 
     def _others(self) -> None:
-        """Notices on the rest of the model that has stiffness, mass or coupling."""
+        """Notices on the other parts of the model that have stiffness, mass or coupling."""
         mj, left, notes = self.mj, self.left_out, self.notes
         plugins = np.flatnonzero(np.array(mj.body_plugin) >= 0)
         left += [f"the plugin of {_some([self.bodies[body] for body in plugins])}"] * bool(len(plugins))

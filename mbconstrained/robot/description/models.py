@@ -23,7 +23,7 @@ DOWNWARDS = (0.0, 0.0, -9.81)
 
 @dataclass(frozen=True, eq=False)
 class ModelFile:
-    """A pinocchio model with what the file that it was read from gives besides.
+    """A pinocchio model with the further data of its file.
 
     Attributes:
         model: of pinocchio.
@@ -32,12 +32,12 @@ class ModelFile:
         loops, gears: ``Loop`` and ``JointGear``.
         joint_stiffness, joint_rest: by joint.
         states: configurations q by name.
-        notices: on what was left out.
+        notices: notices on what was left out.
         springs, tendons, motors: ``Bushing``, ``Tendon``, and ``Motor`` by joint.
         lift: by body a point (m) at which a force compensates the weight of a mass (kg).
         compiled: the ``MjModel`` of an MJCF file, to compare with; None where it has elastic parts that are not read.
-        drawn: the same, with shapes.
-        links: of its bodies, by number.
+        drawn: the model with shapes.
+        links: links of its bodies, by number.
         undrawn: geoms whose mesh is missing.
         description, folder: the element <robot> of a URDF or an SDF, and the folder of the file.
     """
@@ -68,7 +68,7 @@ class ModelFile:
 
 
 def is_model(given) -> bool:
-    """Whether this is a pinocchio model; pinocchio is imported only where it may be one."""
+    """Whether an object is a pinocchio model; pinocchio is imported only where it may be one."""
     if isinstance(given, str) or not type(given).__module__.startswith("pinocchio"):
         return False
     import pinocchio
@@ -82,7 +82,7 @@ def has_free_base(model) -> bool:
 
 
 def described(model) -> Element:
-    """The names, masses and joints of a pinocchio model as the element <robot> of a URDF; its shapes are not there."""
+    """The names, masses and joints of a pinocchio model as the element <robot> of a URDF, without shapes."""
     import pinocchio
 
     robot, first = Element("robot", name=str(model.name) or "robot"), {}

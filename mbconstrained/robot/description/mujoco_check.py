@@ -1,4 +1,4 @@
-"""Masses, forces, stiffness, damping and loops of a robot from an MJCF file compared with MuJoCo's own at a posture."""
+"""Comparison of masses, forces, stiffness, damping and loops of a robot from an MJCF file with those of MuJoCo at a posture."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from .mjcf import MOST_NAMED, quaternion_places, quiet, read_mjcf
 
 
 def compared_with_mujoco(robot: RobotModel, posture: Posture) -> tuple[Notice, ...]:
-    """Compare the robot as its file has it, without what was added to it, with MuJoCo at the joints of a posture."""
+    """Compare the robot of the file, without additions, with MuJoCo at the joint values of a posture."""
     source = read_mjcf(robot.source.path, False, robot.package_dirs)
     if source.compiled is None or not source.model.nv:
         return ()
@@ -57,7 +57,7 @@ def compared_with_mujoco(robot: RobotModel, posture: Posture) -> tuple[Notice, .
 
 
 def _agree(what: str, ours: np.ndarray, theirs: np.ndarray, names: Sequence[str], tolerance: float, noise: float) -> None:
-    """Raise where an entry differs by more than the tolerance of what its row and its column have."""
+    """Raise an error where an entry differs by more than the tolerance times the scale of its row and column."""
     size = np.maximum(np.abs(ours), np.abs(theirs))
     excess = np.abs(ours - theirs) - tolerance * np.sqrt(np.outer(size.max(axis=1), size.max(axis=0))) - noise
     if excess.max(initial=0.0) > 0:
@@ -133,7 +133,7 @@ class _Twin:
         return np.array(columns).T
 
     def compare_loops(self, ours: Balance) -> None:
-        """Raise where rows of the equalities of MuJoCo and those of the robot do not span the same space, or are open."""
+        """Raise an error where the equality rows of MuJoCo and the loops of the robot span different spaces, or are open."""
         rates, lengths = self._move(self.q), ours.load.lengths
         theirs = self.data.efc_J.reshape(-1, self.model.nv)[: self.data.ne] @ rates * lengths
         for what, rows, others in (("here", theirs, ours.scaled_jacobian), ("in MuJoCo", ours.scaled_jacobian, theirs)):
@@ -146,7 +146,7 @@ class _Twin:
             raise InputError(f"mjcf: equalities are open by {gap:.3g} in MuJoCo and by {own:.3g} (m, rad) here{_ADVICE}")
 
     def contacts(self) -> tuple[Notice, ...]:
-        """A note on bodies that touch, which the equations do not have."""
+        """A note on contacts between bodies, which the equations do not contain."""
         self.model.opt.disableflags = self._touching
         self._move(self.q)
         links, geoms = self.robot.source.links, self.model.geom_bodyid

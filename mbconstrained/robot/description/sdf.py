@@ -132,7 +132,7 @@ class _SdfReader:
         self.links = self.models = 0
 
     def included(self, uri: str, folder: Path | None) -> Path:
-        """The file of a model by its address."""
+        """The file of a model by its URI."""
         where = f"sdf, include {short(uri)!a}"
         kind, _, rest = uri.rpartition("://")
         if kind not in ("", "model", "file", "package") or "\0" in rest or not rest.strip("/."):
@@ -171,7 +171,7 @@ def _model_file(place: Path) -> Path | None:
 
 
 class _Scope:
-    """The frames of a model or a world, by the names that they have in it.
+    """The frames of a model or a world, by their local names.
 
     Attributes:
         element: <model> or <world>.
@@ -292,7 +292,7 @@ class _Scope:
         return place
 
     def _base(self, name: str, where: str) -> str:
-        """The frame that another one is given in."""
+        """The frame in which another one is given."""
         if (nested := self._scope_of(name)) is not None:
             return next(key for key, child in self.children.items() if child is nested[0])
         if name not in self._frames:
@@ -306,7 +306,7 @@ class _Scope:
         return element.get("attached_to", "") if element.tag == "frame" else ""
 
     def _step(self, name: str, where: str):
-        """The SE3 of a frame in that frame."""
+        """The SE3 of a frame in its base frame."""
         if (nested := self._scope_of(name)) is not None:
             child, rest = nested
             return child.local(rest, where)
@@ -315,7 +315,7 @@ class _Scope:
         return pose_of(element, f'{self.where}, <{element.tag}> "{short(name)}"')[0] if pose is None else pose
 
     def pose(self):
-        """The SE3 of the frame of the model in the frame that its pose is given in."""
+        """The SE3 of the frame of the model in the base frame of its pose."""
         given = self.include is not None and self.include.find("pose") is not None
         place, _ = pose_of(self.include if given and self.include is not None else self.element, self.where)
         frame = self.element.get("placement_frame", "")
@@ -388,7 +388,7 @@ class _Scope:
         return body_name(f"{self.prefix}{name}")
 
     def check_frames(self) -> None:
-        """Raise an InputError where what the frames or the canonical link name does not exist."""
+        """Raise an InputError where a frame or the canonical link refers to a name that does not exist."""
         if not self.is_world and self.element.get("canonical_link"):
             self.body("", self.where)
         for frame in self.element.findall("frame"):
@@ -398,14 +398,14 @@ class _Scope:
             self.local(name, where)
 
     def all(self) -> Iterator[_Scope]:
-        """This one and all nested ones."""
+        """This scope and all nested ones."""
         yield self
         for child in self.children.values():
             yield from child.all()
 
 
 def body_name(name: str) -> str:
-    """The name of a link here."""
+    """Full name of a link."""
     return RENAMED_GROUND if name == GROUND else name
 
 
@@ -458,7 +458,7 @@ class _Assembly:
             self._add_gear(gear)
 
     def _name_leaders(self) -> None:
-        """Name the coordinates that others follow: a leader with two axes has two."""
+        """Name the coordinates of leaders: a leader with two axes has two."""
         joints = {joint.name: joint for joint in self.joints}
         for joint in self.joints:
             for axis in joint.axes:
@@ -475,7 +475,7 @@ class _Assembly:
         return (GROUND if body == WORLD else body), self.places[body].inverse() * scope.place(name, where)
 
     def _add_tree(self, bodies: Mapping[str, tuple[_Scope, Element]], base: str, geared: set[str]) -> None:
-        """Joints of a spanning tree: fixed joints, joints for which there is no loop, joints with springs, then others by their order."""
+        """Joints of a spanning tree: fixed joints, those without an equivalent loop, those with springs, then others in order."""
         leaders = {axis.mimic[0] for joint in self.joints for axis in joint.axes if axis.mimic is not None}
         leaders |= {name.rpartition(" ")[0] for name in leaders}  # joints with two axes
         followers = {joint.name for joint in self.joints if any(axis.mimic for axis in joint.axes)}
@@ -651,7 +651,7 @@ _KNOWN = {
 
 
 def _leave_out(element: Element, scope: _Scope, content: Content) -> None:
-    """Name what is not read in a model or world and in its links."""
+    """Note the omitted parts of a model or world and of its links."""
     static = scope.is_static
     for child in element:
         if "}" in child.tag or ":" in child.tag:

@@ -27,11 +27,11 @@ class SemanticDescription:
     rotors: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def state(self, name: str, joints: Collection[str], base: str | None) -> dict[str, float | tuple[float, ...]]:
-        """The values of the joints that move, as a guess.
+        """The values of the moving joints, as a guess.
 
         Args:
-            name: of the state.
-            joints: those that move.
+            name: name of the state.
+            joints: the moving joints.
             base: the name of a free base, which takes the pose of a joint that is not among them; None of a fixed one.
 
         Returns:

@@ -1,4 +1,4 @@
-"""URDF texts, checked before pinocchio reads them, so that errors name the element and the remedy.
+"""URDF texts, validated before pinocchio reads them, so that errors name the element and the remedy.
 
 A URDF is data: nothing in it is executed or fetched. Mesh files are not opened here (``visuals``).
 """
@@ -99,7 +99,7 @@ RENAMED_GROUND = f"{GROUND} link"
 
 
 def _rename_ground(root: Element) -> None:
-    """Give a link "ground" another name, in its element and in the joints."""
+    """Rename a link "ground", in its element and in the joints."""
     for element, key in [(e, "name") for e in root.findall("link")] + [
         (e, "link") for joint in root.findall("joint") for tag in ("parent", "child") for e in joint.findall(tag)
     ]:
@@ -137,7 +137,7 @@ def mimics_of(root: ElementTree.Element) -> tuple[Mimic, ...]:
 
 
 def of_first_leader(mimic: Mimic, by_follower: Mapping[str, Mimic]) -> Mimic:
-    """The same as a gear to the first joint of a train of gears, q = r (r' q' + o') + o."""
+    """The mimic joint as a gear to the first joint of a chain of mimic joints, q = r (r' q' + o') + o."""
     passed = [mimic.follower]
     while (before := by_follower.get(mimic.leader)) is not None:
         if before.follower in passed:
@@ -204,7 +204,7 @@ LEAST, LARGEST = 1e-100, 1e100
 
 
 def number(text, where: str, minimum: float | None = None) -> float:
-    """One number of a size of at most LARGEST, 0 below LEAST.
+    """A number whose magnitude is at most LARGEST; magnitudes below LEAST become 0.
 
     >>> number(" 2.5 ", "mass")
     2.5
@@ -234,7 +234,7 @@ def numbers(text, count: int, where: str, minimum: float | None = None) -> list[
 
 
 def short(text) -> str:
-    """A text as it is quoted in a message: printable and never long."""
+    """A text as quoted in messages: printable and short."""
     text = "".join(c if c.isprintable() else "?" for c in str(text))
     return text if len(text) <= 60 else text[:57] + "..."
 
@@ -252,7 +252,7 @@ _UNLIMITED = ("continuous", "fixed", "floating", "planar", "ball")
 
 
 def skeleton(robot: Element) -> str:
-    """The XML text of a robot with masses and joints alone, every number checked."""
+    """The XML text of a robot with masses and joints alone, every number validated."""
     tree = Element("robot", name=str(robot.get("name") or "robot"))
     for link in robot.findall("link"):
         copy = SubElement(tree, "link", name=link.get("name"))
@@ -320,7 +320,7 @@ def axis_of(joint: Element, where: str) -> list[float]:
 
 
 def _limits(joint: Element, where: str) -> dict[str, float]:
-    """Limits; those that are left out are 0, and a joint whose limits both are 0 has none."""
+    """Limits of a joint; omitted ones are 0, and a joint with both at 0 has none."""
     limit = joint.find("limit")
     keys = ("lower", "upper", "effort", "velocity")
     values = {key: number("0" if limit is None else limit.get(key, "0"), f"{where}, limit, {key}") for key in keys}

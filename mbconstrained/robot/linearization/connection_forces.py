@@ -32,7 +32,7 @@ class ConnectionForces:
     Attributes:
         connections: the loops, then springs and bushings.
         places: by name of a connection its rows: three forces, then three torques where it can have any.
-        names, units: of the rows.
+        names, units: names and units of the rows.
         rest: at the posture, shape (k,).
         displacement, velocity: by the coordinates of the system, shape (k, n).
         multipliers: by those of its constraint rows, shape (k, m).
@@ -99,12 +99,12 @@ def connection_forces(posture: Posture, size: int, rows: Sequence[str]) -> Conne
 
 
 def foot_limits(posture: Posture, forces: ConnectionForces, values, sizes: Mapping[str, float], error: float) -> np.ndarray:
-    """How far feet are outside of their limits, positive where ``foot_notices`` has notices of them."""
+    """Violation of the limits of feet, positive where ``foot_notices`` reports it."""
     return limit_values(posture.balance, _wrenches(forces, values), sizes, max(error, CONE_TOLERANCE))
 
 
 def _wrenches(forces: ConnectionForces, values: np.ndarray) -> dict[str, np.ndarray]:
-    """Force and torque by connection, shape (6, T)."""
+    """Force and torque of each connection, shape (6, T)."""
     wrenches = {name: np.zeros((6, values.shape[1])) for name in forces.places}
     for name, rows in forces.places.items():
         wrenches[name][: rows.stop - rows.start] = values[rows]

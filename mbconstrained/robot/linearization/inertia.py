@@ -40,7 +40,7 @@ def momentum(posture: Posture) -> np.ndarray:
 
 
 def inertia_ellipsoids(robot: RobotModel) -> dict[str, np.ndarray]:
-    """As ``Robot.inertia_ellipsoids``: semi-axes a, b, c with m (b^2 + c^2) / 5 the moment about the first, at least THINNEST."""
+    """Inertia ellipsoids as in ``Robot.inertia_ellipsoids``, with semi-axes a, b, c of at least THINNEST: m (b^2 + c^2) / 5 = I_1."""
     ellipsoids = {}
     for joint, name in robot.link_frames.heaviest_links().items():
         inertia = robot.model.inertias[joint]
@@ -57,7 +57,7 @@ def inertia_ellipsoids(robot: RobotModel) -> dict[str, np.ndarray]:
 
 
 def _motions(posture: Posture) -> Iterator[tuple[int, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
-    """Of each body its joint, centre of mass, velocity of that (3, nv), rotation in its own axes (3, nv), and these axes."""
+    """Joint, centre of mass, its velocity (3, nv), angular velocity in principal axes (3, nv), and these axes, for each body."""
     model, kinematics = posture.robot.model, posture.balance.kinematics
     for joint in range(1, model.njoints):
         R = kinematics.rotations[joint]

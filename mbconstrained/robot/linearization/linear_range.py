@@ -1,4 +1,4 @@
-"""How far the linear motion of a robot carries: it is put into the nonlinear equations, which leave a residual force.
+"""Range of validity of the linear motion of a robot: its residual force in the nonlinear equations.
 
     r(t) = N(q)^T [M(q) a + c(q, v) + g(q) + D(q) v + tau(q) - f(t)],    q = q0 (+) (d + e),  J(q) N(q) = 0,
 
@@ -57,14 +57,14 @@ SLOWEST_PERIODS, HORIZON_TIMES = 2.0, 400
 
 @dataclass(frozen=True, repr=False)
 class LinearRange(Displayed):
-    """How far a linear motion of a robot carries.
+    """Range of validity of a linear motion of a robot.
 
     Attributes:
-        deviation: largest residual force of the nonlinear equations relative to the largest force of the linear motion; 0 of a motion
-            that they follow, and 1 or more of one that has nothing to do with theirs. An estimate: the error accumulates where a
+        deviation: largest residual force of the nonlinear equations relative to the largest force of the linear motion; 0 for a
+            motion that satisfies them, 1 or more for one unrelated to theirs. An estimate: the error accumulates where a
             motion is long, and resonance enlarges it.
-        time: of the largest residual (s).
-        coordinate, unit, amplitude: what moves furthest, and how far (m, rad).
+        time: time of the largest residual (s).
+        coordinate, unit, amplitude: coordinate of the largest displacement, and this (m, rad).
         limit: the amplitude at which the same motion, made smaller or larger, has a deviation of 10 %; infinite where it has none up
             to 1.5 rad or 1.5 times the size of the robot.
     """
@@ -78,7 +78,7 @@ class LinearRange(Displayed):
 
     @property
     def text(self) -> str:
-        """A sentence on the deviation and on the amplitude up to which it is small."""
+        """Text of the deviation and of the amplitude up to which it is small."""
         goes = f"{self.coordinate} goes {self.amplitude:.3g} {self.unit} from the posture"
         deviation = f"{100 * self.deviation:.2g} %" if self.deviation < 1 else "100 % or more"
         reached = f"; {self.limit_text}" if self.limit_text else ""
@@ -91,7 +91,7 @@ class LinearRange(Displayed):
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """One where the deviation is above 10 %."""
+        """A notice where the deviation is above 10 %."""
         return (Notice(NoticeKind.LARGE_MOTION, self.text),) if self.deviation > LARGEST_DEVIATION else ()
 
     def _summary(self) -> str:
@@ -105,7 +105,7 @@ def linear_range(motion: Motion, posture: Posture, times=None) -> LinearRange:
 
 
 def _horizon(motion: Motion) -> np.ndarray:
-    """From 0 to a few of the slowest periods or time constants, beyond the last event of the forces."""
+    """Times from 0 to some of the slowest periods or time constants, beyond the last event of the forces."""
     rates = np.abs(motion.system.modes().eigenvalues)
     slow = rates[rates > EPS**0.5 * rates.max(initial=0.0)].min(initial=np.inf)
     end = SLOWEST_PERIODS * 2 * np.pi / slow if np.isfinite(slow) else 1.0
@@ -160,21 +160,21 @@ class _Deviation:
         return norm, max(norm(force[:, place]) for force in forces for place in range(len(self.times))), fastest
 
     def _other_forces(self) -> np.ndarray:
-        """Forces that are linear in the motion: of motors and their gears, controls, and dampers of joints, shape (n, T)."""
+        """Forces that are linear in the motion: those of motors and their gears, controls, and dampers of joints, shape (n, T)."""
         at_rest, system, motors = self.posture.balance, self.system, self.system.size - self._links
         own = (at_rest.stiffness(self.posture.multipliers), _damping(at_rest), at_rest.mass)
         every = zip((system.stiffness, system.damping, system.mass), own, self.motion)
         return sum((whole - np.pad(links, (0, motors))) @ x for whole, links, x in every)
 
     def _deviation(self, place: int, share: float) -> float:
-        """The norm of the residual of this share of the motion that is not linear in it, relative to the forces of that share."""
+        """Norm of the nonlinear residual of this share of the motion, relative to the forces of that share."""
         if place not in self._linear:
             small = LINEAR_SHARE / max(1.0, float(self.relative.max()))
             self._linear[place] = self._residual(place, small) / small
         return self._norm(self._residual(place, share) - share * self._linear[place]) / (share * self.scale)
 
     def _residual(self, place: int, share: float) -> np.ndarray:
-        """N^T r, shape (n - m,)."""
+        """Residual force N^T r, shape (n - m,)."""
         posture, motors = self.posture, self.system.size - self._links
         load, tree = posture.balance.load, posture.robot.tree
         d, v, a = share * self.motion[:, : self._links, place]
@@ -198,7 +198,7 @@ class _Deviation:
         return self._N.T @ (whole - independent.T @ (independent @ whole))
 
     def _closed(self, step: np.ndarray) -> _Place:
-        """The place near q0 (+) step whose rows have the gaps of the posture and J step: zero of loops, a motion of a moving base."""
+        """The configuration near q0 (+) step that closes loops as the posture does, or follows the motion of a moving base."""
         at_rest = self.posture.balance
         place = _Place.at(at_rest, step)
         if not at_rest.load.has_rows:
@@ -223,13 +223,13 @@ class _Place:
 
     @classmethod
     def at(cls, at_rest: Balance, moved: np.ndarray) -> _Place:
-        """At a step from the posture."""
+        """The state at a step from the posture."""
         tree, q = at_rest.tree, at_rest.configuration
         return cls(moved, Balance(tree, at_rest.load, tree.moved(q, moved)), tree.moved_derivative(q, moved))
 
 
 def _worth_looking_at(motion: np.ndarray) -> list[int]:
-    """Places of the largest displacements and velocities of each coordinate, and some between, at most ``MOST_TIMES``."""
+    """Times of the largest displacements and velocities of each coordinate, and some between, at most ``MOST_TIMES``."""
     count = motion.shape[2]
     flat = np.abs(motion).reshape(-1, count)
     relative = flat / np.maximum(flat.max(axis=1, keepdims=True), np.finfo(float).tiny)
@@ -246,7 +246,7 @@ def _damping(balance: Balance) -> np.ndarray:
 
 
 def _energy_metric(inertia: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
-    """W with W A W^T = I for A that has in each direction the larger one of |K| and M w^2."""
+    """W with W A W^T = I, where A is in each direction the larger of |K| and M w^2."""
     units = np.sqrt(np.abs(np.diag(inertia)) + np.abs(np.diag(stiffness)))
     units = np.where(units > 0, units, 1.0)
     values, vectors = np.linalg.eigh(stiffness / np.outer(units, units))
@@ -260,7 +260,7 @@ def _energy_metric(inertia: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
 
 
 def _share(deviation: Callable[[float], float], whole: float, largest: float) -> float:
-    """The share of the motion with a deviation of 10 %, by Brent's method in logarithms; infinite where there is none up to the largest."""
+    """The share of the motion with a deviation of 10 %, by Brent's method in logarithms; infinite beyond the largest share."""
     from scipy.optimize import brentq
 
     def excess(power: float) -> float:

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
 
 class LinearizedRobot(MechanicalSystem):
-    """Small motions of a robot, M d'' + D d' + K d = f + J^T lambda, J d = 0; made by ``Robot.linearize``.
+    """Small motions of a robot, M d'' + D d' + K d = f + J^T lambda, J d = 0; returned by ``Robot.linearize``.
 
     The coordinates d are deviations from the posture, q = q0 (+) d, named after the joints; a flexible joint adds the angle
     of its motor behind the gear, "<joint> motor". Multipliers are changes of the loop forces, in the frames of the loops.
@@ -129,26 +129,25 @@ class LinearizedRobot(MechanicalSystem):
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """Of the posture, of the matrices and of the constraint rows."""
+        """Notices on the posture, on the matrices and on the constraint rows."""
         return (*self.posture.notices, *self._notices, *super().notices)
 
     def range_notices(self, motion: Motion) -> tuple[Notice, ...]:
-        """One on a motion beyond the linear range."""
+        """Return a notice on a motion beyond the linear range."""
         return self.linear_range(motion).notices
 
     def linear_range(self, motion: Motion, times=None) -> LinearRange:
-        """How far a motion of the robot carries: the linear motion is put into the nonlinear equations, whose residual force relative
-        to the forces of the motion is an estimate of its relative error.
+        """Return the range of validity of a motion: its residual force in the nonlinear equations estimates the relative error.
 
             r = N(q)^T [M(q) a + c(q, v) + g(q) + D(q) v + tau(q) - f],    q = q0 (+) d, loops closed
 
         Args:
-            motion: of this robot, from ``solve``.
-            times: in s, shape (T,); without them two periods of the slowest eigenvalue.
+            motion: motion of this robot, from ``solve``.
+            times: times in s, shape (T,); two periods of the slowest eigenvalue by default.
 
         Returns:
-            A ``LinearRange``: ``deviation``, the coordinate that moves furthest with its ``amplitude`` (m, rad), and ``limit``, the
-            amplitude at which the deviation is 10 %.
+            A ``LinearRange``: ``deviation``, the coordinate of the largest displacement with its ``amplitude`` (m, rad), and
+            ``limit``, the amplitude at which the deviation is 10 %.
 
         >>> from mbconstrained import Robot
         >>> urdf = '''<robot name="pendulum"><link name="base"/><link name="rod"><inertial><mass value="2"/>
@@ -165,7 +164,7 @@ class LinearizedRobot(MechanicalSystem):
         return linear_range(motion, self.posture, times)
 
     def named_directions(self, side: Side) -> Mapping[str, tuple[np.ndarray, str]]:
-        """Those of the inputs, or of the outputs, with units."""
+        """Return the directions of the inputs or outputs by name, with units."""
         directions, units = (self.inputs, self.input_units) if side == "inputs" else (self.outputs, self.output_units)
         return {**{name: (direction, units[name]) for name, direction in directions.items()}, **super().named_directions(side)}
 
@@ -200,7 +199,7 @@ class LinearizedRobot(MechanicalSystem):
     def prescribe(
         self, motions: Mapping[str, ImpulsiveSmooth | float] | Sequence[str] | str, level: Level = "position"
     ) -> LinearizedRobot:
-        """The same robot with prescribed motions: signals that joints, points or a moving base follow.
+        """Return the robot with prescribed motions: joints, points or a moving base follow signals.
 
         The multiplier of a row is the force or torque that its motion needs, in addition to that at rest.
 
@@ -239,10 +238,10 @@ class LinearizedRobot(MechanicalSystem):
         return self._with_rows(rows.values())
 
     def without_rows(self, names: Iterable[str]) -> LinearizedRobot:
-        """The same robot without some of its constraint rows, such as those of a moving base that another motion replaces.
+        """Return the robot without some of its constraint rows, such as those of a moving base that another motion replaces.
 
         Args:
-            names: of rows; names of none are left out.
+            names: names of rows; unknown names are ignored.
 
         Returns:
             A ``LinearizedRobot``.
@@ -260,13 +259,13 @@ class LinearizedRobot(MechanicalSystem):
         return bare.with_constraints(*rows)
 
     def frequency_response(self, frequencies_hz="auto", inputs=None, outputs=None, *arguments, **named) -> FrequencyResponse:
-        """As of every mechanical system, with inputs and outputs of its own: joints and points.
+        """Return the frequency response between coordinates, constraint rows, joints and points.
 
         Args:
-            frequencies_hz: in Hz, or "auto".
+            frequencies_hz: frequencies in Hz, or "auto".
             inputs: names of coordinates, rows and ``inputs``, or a mapping from new names to joints and ``PointMotion``: forces
                 and torques that act there.
-            outputs: names of coordinates, rows and ``outputs``, or such a mapping: what moves.
+            outputs: names of coordinates, rows and ``outputs``, or such a mapping: measured motions.
             arguments, named: see ``MechanicalSystem.frequency_response``.
 
         Returns:
@@ -288,8 +287,7 @@ class LinearizedRobot(MechanicalSystem):
         return frequency_response(system, frequencies_hz, _chosen(inputs), _chosen(outputs), *arguments, **named)
 
     def random_response(self, excitation: Mapping, outputs=None, quantity: str = "displacement", **options) -> RandomResponse:
-        """As of every mechanical system, with outputs as of ``frequency_response``, such as the vibration of the tool of a robot on a
-        base that moves at random.
+        """Return the stationary random response, for example the vibration of the tool of a robot on a randomly moving base.
 
         Args:
             excitation: spectra by names of coordinates, rows ("motion of base x") and ``inputs``.
@@ -316,10 +314,10 @@ class LinearizedRobot(MechanicalSystem):
         )
 
     def to_state_space(self, inputs=None, outputs=None) -> StateSpace:
-        """As of every mechanical system, with inputs and outputs of its own: joints and points.
+        """Return the state space between joints and points as inputs and outputs.
 
         Args:
-            inputs, outputs: names, or mappings, as of ``frequency_response``; without them all coordinates.
+            inputs, outputs: names, or mappings, as in ``frequency_response``; all coordinates by default.
 
         Returns:
             The ``StateSpace``.
@@ -360,12 +358,12 @@ class LinearizedRobot(MechanicalSystem):
         return effective_masses(self, names, units, np.pad(links, ((0, 0), (0, len(self._flexible)))).T)
 
     def with_points(self, inputs=None, outputs=None) -> LinearizedRobot:
-        """The same robot with other inputs and outputs.
+        """Return the robot with other inputs and outputs.
 
         Args:
-            inputs: a mapping from names of your own to joints and ``PointMotion``: forces and torques that act there; anything
-                else leaves the inputs.
-            outputs: likewise, what moves.
+            inputs: a mapping from names of your own to joints and ``PointMotion``: forces and torques that act there; anything else
+                keeps the inputs.
+            outputs: a mapping of the same form: measured motions.
 
         Returns:
             The robot.
@@ -378,7 +376,7 @@ class LinearizedRobot(MechanicalSystem):
         return system
 
     def without_motors(self) -> WithoutMotors:
-        """The same motion with the motors of flexible joints eliminated: a polynomial matrix of degree 4."""
+        """Return the equations without the motors of flexible joints: a polynomial matrix of degree 4."""
         from ..flexible_joint import WithoutMotors
 
         return WithoutMotors(self, self.flexible_joints)
@@ -391,7 +389,7 @@ class LinearizedRobot(MechanicalSystem):
         return np.diag([*np.zeros(len(self.posture.robot.coordinates)), *values])
 
     def _gears(self, values: Sequence[float]) -> np.ndarray:
-        """Each value between a motor and its link: [v, -v; -v, v]."""
+        """Each value as a matrix between a motor and its link: [v, -v; -v, v]."""
         count = len(self.posture.robot.coordinates)
         stretch = np.zeros((len(self._flexible), count + len(self._flexible)))
         for motor, (link, _) in enumerate(self._flexible):
@@ -484,7 +482,7 @@ def _by_distinct_names(parts: list[tuple[str, np.ndarray]]) -> dict[str, np.ndar
 
 
 def _chosen(channels):
-    """The names of a mapping, and what else names channels."""
+    """The names of a mapping, and the other names of channels."""
     return list(channels) if isinstance(channels, Mapping) else channels
 
 

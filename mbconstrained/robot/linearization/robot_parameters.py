@@ -1,4 +1,4 @@
-"""The numbers of a robot as parameters: stiffness and damping of joints and connections, masses of links and payloads.
+"""The constants of a robot as parameters: stiffness and damping of joints and connections, masses of links and payloads.
 
 Those of joints stand in the matrices as they are, but for the stiffness of a spring with a rest: like masses and connections between
 bodies it moves the equilibrium. Then the equilibrium is searched again, from the posture, and the robot is linearized there
@@ -35,7 +35,7 @@ Linearize = Callable[["Posture"], "MechanicalSystem"]
 
 
 def robot_parameters(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
-    """One parameter for each number that is not zero."""
+    """One parameter for each nonzero constant."""
     yield from _joints(posture, linearize)
     yield from _flexible_joints(posture.robot)
     yield from _connections(posture, linearize)
@@ -56,7 +56,7 @@ def _joints(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
 
 
 def _flexible_joints(robot: RobotModel) -> Iterator[Parameter]:
-    """A gear has no part in the statics of the links: its matrix is [1, -1; -1, 1] between link and motor."""
+    """Stiffness and damping of gears: [1, -1; -1, 1] between link and motor, without effect on the statics of the links."""
     count = len(robot.coordinates)
     for number, (name, joint) in enumerate(robot.flexible_joints.items()):
         stretch = np.zeros(count + len(robot.flexible_joints))
@@ -82,7 +82,7 @@ def _connections(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
 
 
 def _masses(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
-    """Inertias of bodies are linear in each mass: by joint the ten numbers of pinocchio for 1 kg."""
+    """Masses of links; the inertia of a body is linear in each of them: by joint the ten inertial parameters of pinocchio for 1 kg."""
     robot = posture.robot
     for name, mass, slopes in (*_links(robot), *_payloads(robot)):
         if slopes:
@@ -90,7 +90,7 @@ def _masses(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
 
 
 def _links(robot: RobotModel) -> Iterator[tuple[str, float, dict[int, np.ndarray]]]:
-    """Of the links of a URDF, by the description with another mass."""
+    """Masses of the links of a URDF, by the description with another mass."""
     if robot.source.model is not None:
         return
     own = _inertias(robot, {})
@@ -146,7 +146,7 @@ def _with_masses(
 
 
 def _again(posture: Posture, robot: RobotModel, load: Load) -> Posture:
-    """The equilibrium of a robot that differs a little, near the posture; the same coordinates keep their values."""
+    """The equilibrium of a slightly changed robot, near the posture; the constrained coordinates keep their values."""
     free = ~np.isin(robot.coordinates, list(posture.torques))
     state = equilibrium(Search(robot.tree, load, free, names=robot.coordinates), posture.configuration)
     balance = state.balance

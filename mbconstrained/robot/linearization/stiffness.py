@@ -38,7 +38,7 @@ def stiffness_parts(posture: Posture) -> list[tuple[str, np.ndarray]]:
 
 
 def _of_loads(posture: Posture) -> np.ndarray:
-    """The stiffness of the loads that keep joints with several degrees of freedom in place, which have a potential -F . p - T . theta.
+    """Stiffness of the loads that keep joints with several degrees of freedom in place, with potential -F . p - T . theta.
 
     A force F keeps its direction while the body turns, and T belongs to the rotation vector theta from the posture (semitangential):
     along the axes of the body they change by F x theta and T x theta / 2.
@@ -58,7 +58,7 @@ def _of_loads(posture: Posture) -> np.ndarray:
 
 
 def stiffness_rounding(posture: Posture) -> np.ndarray:
-    """Rounding errors of K: of each contribution, with the largest multiplier in every loop, since one equation gives them all."""
+    """Rounding errors of K, from each contribution; for loops from the largest multiplier, since one equation gives all of them."""
     balance, load = posture.balance, posture.balance.load
     sizes = balance.entry_sizes
     largest = np.abs(posture.multipliers * load.row_lengths).max(initial=0.0) / load.row_lengths
@@ -84,7 +84,7 @@ def symmetric_stiffness(posture: Posture, K: np.ndarray) -> tuple[np.ndarray, tu
 
 
 def instability(posture: Posture) -> tuple[Notice, ...]:
-    """A notice where the energy falls along a motion that the loops allow: without damping the equilibrium is unstable.
+    """A notice where the energy decreases along a motion that the loops allow: without damping the equilibrium is unstable.
 
     Flexible joints count as their spring in series with the position gain of their motor.
     """
@@ -117,7 +117,7 @@ def lost_springs(parts: Sequence[tuple[str, np.ndarray]], noise: np.ndarray) -> 
 
 
 def cleaned(part: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """The matrix without entries that are rounding errors of the largest: a zero stiffness must be zero, or a free motion oscillates."""
+    """The matrix without rounding errors of its largest entry: a zero stiffness must be zero, or a free motion oscillates."""
     scaled = np.abs(part / sizes)
     return np.where(scaled > noise_of(scaled.max(initial=0.0), len(part)), part, 0.0)
 

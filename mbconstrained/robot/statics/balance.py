@@ -55,7 +55,7 @@ class Load:
 
     @cached_property
     def row_lengths(self) -> np.ndarray:
-        """The same for the rows of loops, shape (m,)."""
+        """Units of the rows of loops, shape (m,)."""
         return np.where(np.array(self.row_units) == "m", self.size, 1.0)
 
     @cached_property
@@ -101,7 +101,7 @@ class Balance:
 
     @cached_property
     def stiffnesses(self) -> tuple[np.ndarray, ...]:
-        """The derivatives of its terms, each of shape (nv, nv)."""
+        """The derivatives of the forces, each of shape (nv, nv)."""
         springs = [element.stiffness for element in self.elastic]
         applied = [-value * self._row_change(motion, anchor) for motion, (anchor, value) in self.load.point_forces.items()]
         gravity = self.tree.gravity_stiffness(self.configuration)
@@ -110,12 +110,12 @@ class Balance:
 
     @cached_property
     def elastic(self) -> list[Elastic]:
-        """Of the springs and bushings."""
+        """Contributions of the springs and bushings."""
         return [elastic(item.connection, item.pose(self.kinematics), item.rest_length) for item in self.load.springs]
 
     @cached_property
     def tendons(self) -> list[StretchedTendon]:
-        """Of the tendons."""
+        """Contributions of the tendons."""
         return [StretchedTendon(item, self.kinematics) for item in self.load.tendons]
 
     @cached_property
@@ -147,17 +147,17 @@ class Balance:
 
     @cached_property
     def scaled_gaps(self) -> np.ndarray:
-        """phi in rad or relative to the robot's size, so that rows compare, shape (m,)."""
+        """phi in rad or relative to the robot's size, so that rows are comparable, shape (m,)."""
         return self.gaps / self.load.row_lengths
 
     @cached_property
     def scaled_jacobian(self) -> np.ndarray:
-        """J in coordinates and rows that compare, shape (m, nv)."""
+        """J in comparable coordinates and rows, shape (m, nv)."""
         return self.jacobian * self.load.lengths / self.load.row_lengths[:, None]
 
     @property
     def widest_gap(self) -> tuple[str, float, str]:
-        """Name of the row that is furthest open, by how much (m, rad), and the unit."""
+        """Name of the row with the largest gap, the gap (m, rad), and the unit."""
         worst = int(np.abs(self.scaled_gaps).argmax())
         return self.load.row_names[worst], abs(self.gaps[worst]), self.load.row_units[worst]
 
@@ -189,7 +189,7 @@ class Balance:
 
     @cached_property
     def entry_sizes(self) -> np.ndarray:
-        """sqrt(M_ii M_jj): what entries of M, D and K are measured by so that they compare, shape (nv, nv)."""
+        """sqrt(M_ii M_jj): the scale of the entries of M, D and K, shape (nv, nv)."""
         return np.outer(self.sizes, self.sizes)
 
     def row(self, motion: PointMotion, anchor: Anchor) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""What feet on the ground can carry at rest and in motion: forces within friction cones, centres of pressure within soles.
+"""Limits of feet on the ground at rest and in motion: forces within friction cones, centres of pressure within soles.
 
 Where statics leaves open how feet share the load, it is only reported that a foot slips if no share keeps all of them in place.
 """
@@ -23,7 +23,7 @@ SIDES = 64
 #: Most times at which all shares of the load are tried.
 MOST_TRIED = 400
 
-#: What a foot does outside of a limit.
+#: Text for a foot that exceeds a limit.
 LIFTS, SLIPS, TIPS = "lifts off", "slips", "tips over"
 PLURALS = {LIFTS: "lift off", SLIPS: "slip", TIPS: "tip over"}
 
@@ -50,13 +50,14 @@ class Contact:
         return self.wrench if self.places is None else (self.wrench @ multipliers[self.places])[:, None]
 
     def of(self, wrench: np.ndarray) -> np.ndarray:
-        """The same from a wrench on body2 in the directions of the ground, both of shape (6, T)."""
+        """Contact force from a wrench on body2 in the directions of the ground, both of shape (6, T)."""
         on_foot = self.support.on_foot(wrench)
         return np.vstack([on_foot[:3], self.frame.T @ on_foot[3:]])
 
     def rows(self) -> dict[str, np.ndarray]:
-        """What may not be negative, for units of the multipliers, by limit: the normal force, the distances from the sides of the
-        pyramid inside the cone (N), the moments about the edges of the sole (N m)."""
+        """Nonnegative quantities by limit, per unit of the multipliers: normal force (N), distances from the sides of the pyramid
+        inside the cone (N), moments about the edges of the sole (N m).
+        """
         normal = self.support.unit_normal
         across = np.linalg.svd(normal[None])[2][1:]
         angles = np.arange(SIDES) * 2 * np.pi / SIDES
@@ -71,13 +72,13 @@ class Contact:
 
 @dataclass(frozen=True, eq=False)
 class Exceeded:
-    """Feet outside of one of their limits.
+    """Feet that exceed one of their limits.
 
     Attributes:
         contacts: one foot; several where it is open how they share the load, of which some are outside with every share.
         limit: LIFTS, SLIPS or TIPS.
         worst, first: places of the worst time and of the first one.
-        excess: how far outside, comparable between feet.
+        excess: excess over the limit, comparable between feet.
         text: the worst value.
     """
 
@@ -90,14 +91,14 @@ class Exceeded:
 
 
 def contact_notices(state: Equilibrium, free: np.ndarray) -> Iterator[Notice]:
-    """Notices on feet whose force at rest pulls or leaves the friction cone, or whose centre of pressure leaves the sole."""
+    """Notices on feet whose force at rest is tensile or leaves the friction cone, or whose centre of pressure leaves the sole."""
     feet = [(contact, contact.at_rest(state.multipliers)) for contact in _contacts(state.balance)]
     exceeded = _exceeded(state.balance, free, state.multipliers[:, None], feet, CONE_TOLERANCE)
     yield from (Notice(NoticeKind.STATIC_LOAD, text) for text in _sentences(exceeded))
 
 
 def limit_values(balance: Balance, wrenches: Mapping[str, np.ndarray], sizes: Mapping[str, float], tolerance: float) -> np.ndarray:
-    """How far feet are outside of their limits beyond a tolerance, positive outside; by foot the limits in their order."""
+    """Excess of feet over their limits beyond a tolerance, positive outside; by foot, the limits in their order."""
     rows = []
     for contact in _contacts(balance):
         name = contact.support.name
@@ -114,8 +115,8 @@ def moving_contact_notices(
     wrenches: Mapping[str, np.ndarray],
     error: float,
 ) -> Iterator[Notice]:
-    """The same of feet during a small motion, with the times of the worst value and of the first; feet that leave their limits at
-    rest are left out.
+    """Notices on feet during a small motion, with the times of the worst value and of the first, except feet that exceed their
+    limits at rest.
     """
     rest, motion = slice(0, 1), slice(1, None)
     feet = [(contact, contact.of(wrenches[contact.support.name])) for contact in _contacts(balance)]
@@ -138,7 +139,7 @@ def _contacts(balance: Balance) -> Iterator[Contact]:
 
 
 def _contact(balance: Balance, item: Attached, places: slice | None, wrench: np.ndarray) -> Contact:
-    """From the wrench on body2 in the frame on body1."""
+    """The contact of a wrench on body2 in the frame on body1."""
     frame = balance.kinematics.frame(item.first)[0]
     on_foot = item.connection.on_foot(wrench)
     return Contact(item.connection, places, np.vstack([frame @ on_foot[:3], on_foot[3:]]), frame)
@@ -151,7 +152,7 @@ def _exceeded(
     feet: Sequence[tuple[Contact, np.ndarray]],
     tolerance: float,
 ) -> list[Exceeded]:
-    """Feet outside of their limits; those of loops of which it is open how they share the load only where every share is outside."""
+    """Feet that exceed their limits; where the load sharing of loops is undetermined, only if every share exceeds them."""
     J = balance.scaled_jacobian[:, free].T
     is_open = rows_of(J.T).rank < len(multipliers)
     exceeded, together = [], []
@@ -170,7 +171,7 @@ def _exceeded(
 
 
 def _outside(contact: Contact, limits: Sequence[Limit]) -> Iterator[Exceeded]:
-    """Where a foot pulls, and before that slips, or tips over: either of them may come first, and one does not exclude the other."""
+    """Events in which a foot lifts off, or before that slips, or tips over: either may be first, and both may occur."""
     before = len(limits[0].excess)
     for limit in limits:
         outside = limit.outside & (np.arange(len(limit.outside)) < before)
@@ -182,7 +183,7 @@ def _outside(contact: Contact, limits: Sequence[Limit]) -> Iterator[Exceeded]:
 
 @dataclass(frozen=True, eq=False)
 class Limit:
-    """What a foot needs over time: how far it is outside of a limit, from where on it is outside; a sentence on the value at a place."""
+    """Excess of a foot over a limit as a function of time, with the threshold and a sentence on the value at an index."""
 
     name: str
     excess: np.ndarray
@@ -191,12 +192,12 @@ class Limit:
 
     @property
     def outside(self) -> np.ndarray:
-        """Where it is, shape (T,)."""
+        """Which times exceed the limit, shape (T,)."""
         return self.excess > self.least
 
 
 def _limits(contact: Contact, wrench: np.ndarray, tolerance: float, size: float | None = None) -> list[Limit]:
-    """Pull of the ground (N), tangential force beyond friction (N), place of the centre of pressure relative to the sole.
+    """Tensile normal force (N), tangential force beyond friction (N), position of the centre of pressure relative to the sole.
 
     The tolerance is relative to the size, by default the largest force.
     """
@@ -226,7 +227,7 @@ def _limits(contact: Contact, wrench: np.ndarray, tolerance: float, size: float 
 
 
 def _sentences(exceeded: Sequence[Exceeded], times: np.ndarray | None = None) -> Iterator[str]:
-    """One for each limit: the foot that is furthest outside, and how many others there are; times, in s, of a motion."""
+    """One sentence for each limit: the foot with the largest excess, and the number of others; with times in s for a motion."""
     for limit in (LIFTS, SLIPS, TIPS):
         outside = [one for one in exceeded if one.limit == limit]
         if not outside:
@@ -255,7 +256,7 @@ _LACKING = {
 def _of_every_share(
     balance: Balance, J: np.ndarray, multipliers: np.ndarray, contacts: tuple[Contact, ...], places: Sequence[int], tolerance: float
 ) -> list[Exceeded]:
-    """Limits that feet exceed at some of the places with all multipliers that load the free coordinates alike, J^T lambda = force.
+    """Limits that feet exceed for all multipliers with the same load on the free coordinates, J^T lambda = force.
 
     A linear program for each limit: least z >= 0 with rows @ lambda + z >= 0, those of the limits before it that are kept without z. None
     is of use after one in which feet lift off.

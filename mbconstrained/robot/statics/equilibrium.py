@@ -49,7 +49,7 @@ class Search:
         load: the loads and connections.
         free: which coordinates may move, shape (nv,).
         rounded: advice on rounded angles for loops that stay slightly open, or an empty string.
-        names: of the coordinates, for messages.
+        names: names of the coordinates, for messages.
     """
 
     tree: Tree
@@ -63,7 +63,7 @@ class Search:
         return Balance(self.tree, self.load, q)
 
     def moved(self, balance: Balance, step: np.ndarray) -> Balance:
-        """The balance at q (+) step, the step shortened where it is long."""
+        """The balance at q (+) step, with a long step shortened."""
         furthest = np.abs(step / (LARGEST_STEP * self.load.lengths)).max(initial=0.0)
         return self.at(self.tree.moved(balance.configuration, step / max(1.0, furthest)))
 
@@ -105,7 +105,7 @@ class Rows:
         return self.left @ (self.right @ force / self.values)
 
     def reached(self, gaps: np.ndarray) -> np.ndarray:
-        """The part of gaps that motions can close."""
+        """The part of the gaps that motions can close."""
         return self.left @ (self.left.T @ gaps)
 
 
@@ -123,7 +123,7 @@ class Equilibrium:
 
     Attributes:
         balance: of forces, there.
-        rows: of the loops.
+        rows: rows of the loops.
         multipliers: lambda of all rows of all loops, those of least norm, shape (m,).
         residual: largest unbalanced force relative to the largest force, both in comparable units.
         gap: largest opening of a loop that motions could close, in rad or relative to the robot's size.
@@ -174,7 +174,7 @@ def equilibrium(search: Search, q: np.ndarray) -> Equilibrium:
 
 
 def _followed(search: Search, start: Equilibrium, step) -> Equilibrium:
-    """The best state of a sequence of steps, which ends where they are in vain."""
+    """The best state of a sequence of steps, which ends when they fail."""
     state, best, since = start, start, 0
     least, is_open = start.misfit, 0
     for _ in range(MOST_STEPS):
@@ -225,7 +225,7 @@ def _downhill_step(state: Equilibrium, free: np.ndarray) -> np.ndarray:
 
 
 def _linear(state: Equilibrium, free: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of the free coordinates, in comparable units: K, the unbalanced forces, and the shortest step onto the loops."""
+    """K, the unbalanced forces, and the shortest step onto the loops, for the free coordinates in comparable units."""
     balance, load = state.balance, state.balance.load
     lengths = load.lengths[free]
     K = balance.stiffness(state.multipliers)[np.ix_(free, free)] * np.outer(lengths, lengths)
@@ -234,7 +234,7 @@ def _linear(state: Equilibrium, free: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 
 def _whole(part: np.ndarray, load: Load, free: np.ndarray) -> np.ndarray:
-    """A step of all coordinates (m, rad) from that of the free ones in comparable units."""
+    """A step of all coordinates (m, rad) from one of the free coordinates in comparable units."""
     step = np.zeros(len(free))
     step[free] = part * load.lengths[free]
     return step
@@ -261,7 +261,7 @@ def _check(state: Equilibrium, search: Search) -> None:
 
 
 def _unbalanced(state: Equilibrium, search: Search) -> str:
-    """The coordinate with the largest force without balance, both in comparable units, and that force."""
+    """The coordinate with the largest unbalanced force in comparable units, and that force."""
     left = np.where(search.free, state.balance.force - state.balance.jacobian.T @ state.multipliers, 0.0)
     worst = int(np.abs(left * search.load.lengths).argmax())
     unit = "N m" if search.load.units[worst] == "rad" else "N"

@@ -1,4 +1,4 @@
-"""The rank of the rows of loops, and whether it stays the same along the motion.
+"""The rank of the rows of loops, and whether it is constant along the motion.
 
 Rows are dependent in many good mechanisms: a planar loop closed in space, a parallelogram with a third crank.
 Multipliers are then not unique, but motions are, as long as the rank stays the same along the motion. If m^T J = 0 for
@@ -35,11 +35,11 @@ from .equilibrium import Rows, rows_of
 
 @dataclass(frozen=True)
 class LoopRows:
-    """Which rows of the loops are independent.
+    """Independent rows of the loops.
 
     Attributes:
-        kept: their places among all rows, ascending.
-        notices: on dependent rows, and on those that are kept by a narrow margin.
+        kept: indices of the independent rows, ascending.
+        notices: notices on dependent rows, and on rows that are independent by a narrow margin.
     """
 
     kept: tuple[int, ...]
@@ -62,18 +62,18 @@ def loop_rows(balance: Balance, nearest: Balance, rounded: str, with_all_digits:
 
 
 def implied_rows(balance: Balance, kept: Sequence[int]) -> tuple[str, ...]:
-    """The names of the rows that were left out because others imply them, so that it is open how they share forces."""
+    """The names of the redundant rows, for which the sharing of forces is undetermined."""
     empty, names = _empty(balance), balance.load.row_names
     return tuple(name for row, name in enumerate(names) if row not in kept and not empty[row])
 
 
 def _empty(balance: Balance) -> np.ndarray:
-    """Which rows no coordinate enters, shape (m,)."""
+    """Which rows have no coordinates, shape (m,)."""
     return np.abs(balance.scaled_jacobian).max(axis=1, initial=0.0) <= LOOP_RANK
 
 
 def _narrow(rows: Rows, open_by: float, rounded: str, with_all_digits: Callable[[], Balance]) -> list[Notice]:
-    """Notices on an unclear rank, rounded data among the reasons.
+    """Notices on an unclear rank, with rounded data among the reasons.
 
     They leave loops open by as much as rows are independent, or make them independent where angles with all digits do not.
     """
@@ -133,7 +133,7 @@ def _second(balance: Balance, combination: np.ndarray) -> np.ndarray:
 
 
 def _redundant(rows: dict[str, bool]) -> list[Notice]:
-    """Notices on the dependent rows, by name; True marks a row that no coordinate enters, which the joints satisfy alone."""
+    """Notices on the dependent rows, by name; True marks a row without coordinates, which the joints alone satisfy."""
     reasons = {
         True: "the joints satisfy {it} by themselves",
         False: "other rows imply {it}; multipliers of a motion are those of the remaining rows, those at rest have the least norm",

@@ -1,1 +1,1 @@
-"""From the tables of a scene to its equations. Read ``equations`` and ``forces``, then the model of a kind."""
+"""Construction of the equations from the tables of a scene. Read ``equations`` and ``forces``, then the model of a kind."""

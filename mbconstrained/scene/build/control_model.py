@@ -57,7 +57,7 @@ class TransferFunction:
 
     @property
     def acting(self) -> RationalFunction:
-        """From rest without the common factor, which does not act then."""
+        """The fraction that acts: from rest without the common factor."""
         return self.fraction.reduced if self.start is None else self.fraction
 
     @property
@@ -71,7 +71,7 @@ class TransferFunction:
         return scalar_force(self.acting.numerator, self.input)
 
     def response(self) -> Response | None:
-        """y from rest; None where it starts from other values, as any equations do."""
+        """y from rest; None where it starts from other values and is solved as other equations are."""
         if self.start is not None:
             return None
         return transfer_function_response(self.numerator, self.denominator, self.input)
@@ -104,7 +104,7 @@ class ControlScene:
         return self.system.solve(self.start, self.input)
 
     def output_values(self, times: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
-        """The outputs, which are the last coordinates, or come from the states where the normal form is solved.
+        """The outputs: the last coordinates, or computed from the states where the normal form is solved.
 
         Args:
             times: shape (T,), in s.
@@ -119,14 +119,14 @@ class ControlScene:
 
     @cached_property
     def transfers(self) -> tuple[tuple[str, str, Transfer | None], ...]:
-        """(input, output, G) of every pair; None where rounding hides the zeros of G, or they are not looked for."""
+        """(input, output, G) of every pair; None where rounding errors hide the zeros of G, or they are not computed."""
         if self.transfer_function is not None:
             return ((self.inputs.names[0], self.outputs.names[0], rational_transfer(self.transfer_function.fraction)),)
         return tuple((u, y, self._transfer(y, u)) for y in self.outputs.names for u in self.inputs.names)
 
     @property
     def looks_for_zeros(self) -> bool:
-        """Whether the zeros of G are looked for, which takes long for many states or pairs."""
+        """Whether the zeros of G are computed, which takes long for many states or pairs."""
         pairs = len(self.inputs.names) * len(self.outputs.names)
         return self.system is None or (len(self.system.states) <= MOST_STATES and pairs <= MOST_PAIRS)
 
@@ -172,7 +172,7 @@ def transfer_function_scene(table, folder: Path, file_name: str) -> ControlScene
 
 
 def state_space_scene(table, folder: Path, file_name: str) -> ControlScene:
-    """Read a scene of kind "state-space", as it is."""
+    """Read a scene of kind "state-space", without transformation."""
     model, matrices = table.model, {}
     for key in MATRICES:
         source = getattr(model, key)

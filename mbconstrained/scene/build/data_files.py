@@ -21,7 +21,7 @@ def _data_file(folder: Path, name: str) -> Path:
 
 
 def entries_of(source, folder: Path) -> np.ndarray:
-    """The entries of a matrix, those that are expressions of parameters as such."""
+    """The entries of a matrix, with expressions of parameters unevaluated."""
     if isinstance(source, np.ndarray):
         return source
     matrix = full_matrix(read_matrix(_data_file(folder, source.file), source.array), source.file)

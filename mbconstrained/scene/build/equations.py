@@ -1,4 +1,4 @@
-"""From the tables of a scene to its equations: matrices, initial values, force, with names and units."""
+"""Equations of a scene from its tables: matrices, initial values, force, with names and units."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from .control_model import ControlScene
     from .robot_model import RobotScene
 
-#: What entries are between coordinates in m, between one in m and one in rad, and between coordinates in rad.
+#: Quantities of entries between coordinates in m, between one in m and one in rad, and between coordinates in rad.
 ENTRY_UNITS = {
     "mass": ("kg", "kg*m/rad", "kg*m^2"),
     "damping": ("N*s/m", "N*s/rad", "N*m*s/rad"),
@@ -76,7 +76,7 @@ class Equations:
 
     @property
     def coordinates_called(self) -> str:
-        """What the coordinates are to those who wrote the scene."""
+        """Name of the coordinates in reports: coordinates, output, or states and outputs."""
         if not self.has_outputs_among_coordinates:
             return "coordinates"
         return "output" if self.control.transfer_function else "states and outputs"
@@ -89,7 +89,7 @@ class Equations:
 
     @property
     def form_notices(self) -> tuple[Notice, ...]:
-        """What makes the mechanical normal form doubtful, where there is one."""
+        """Notices on a doubtful mechanical normal form, where there is one."""
         return self.control.form.notices if self.control and self.control.form else ()
 
     @property
@@ -128,18 +128,18 @@ class Equations:
 
     @cached_property
     def right_hand_side(self) -> ImpulsiveSmooth:
-        """What stands on the right of A(d/dt) x: forces, static offsets and constraint values."""
+        """The right-hand side of A(d/dt) x: forces, static offsets and constraint values."""
         force = zero(len(self.coordinates.names)) if self.force is None else self.force
         return force if self.system is None else self.system.constrained_form().force(self.system.force + force)
 
     @property
     def is_free(self) -> bool:
-        """Whether nothing stands on the right."""
+        """Whether the right-hand side is zero."""
         return self.right_hand_side.is_zero
 
     @property
     def start_fits(self) -> bool:
-        """Whether the values at 0- go on without a jump or an impulse."""
+        """Whether the values at 0- continue without a jump or an impulse."""
         start = start_of(self.polynomial_matrix.jordan_pairs().form, self.initial, self.right_hand_side)
         jumps = any(beyond_noise(jump, old, jump + old).size for jump, old in zip(start.jump, self.initial))
         return not (jumps or any(impulse.any() for impulse in start.impulses))
@@ -237,7 +237,7 @@ def _matrices(table, folder: Path, file_name: str) -> Equations:
 
 
 def _check_kinds(model, coordinates: Coordinates, file_name: str) -> None:
-    """Parameters and texts with units in a mass matrix are masses, and so on, between coordinates in m and rad; otherwise units mix."""
+    """Check that entries with units are masses in a mass matrix and so on, between coordinates in m and rad."""
     known = [i for i, unit in enumerate(coordinates.units) if unit in FORCE_UNITS]
     for key, units in ENTRY_UNITS.items():
         entries = getattr(model, key)
@@ -277,7 +277,7 @@ def _mechanical(table, system, coordinates, folder, file_name, model=None, robot
 
 
 def _turning(speed: float | None, system: MechanicalSystem, file_name: str) -> tuple[MechanicalSystem, MechanicalSystem | None]:
-    """The system at the speed of the model, and the rotor at rest; None where nothing turns."""
+    """The system at the speed of the model, and the rotor at rest; None without rotation."""
     if not system.turns:
         if speed is not None:
             with at(file_name, "model.speed"):
@@ -290,7 +290,7 @@ def _turning(speed: float | None, system: MechanicalSystem, file_name: str) -> t
 
 
 def _damped(table, system: MechanicalSystem, file_name: str) -> MechanicalSystem:
-    """The system with the damping that the model has as a whole; damping of base excitation is that of the relative motion."""
+    """The system with the damping of the model as a whole; for base excitation damping acts on the relative motion."""
     model = table.model
     if (rayleigh := model.rayleigh_damping) is not None:
         relative = rayleigh.relative
@@ -307,7 +307,7 @@ def _damped(table, system: MechanicalSystem, file_name: str) -> MechanicalSystem
 
 
 def _is_shaken(random) -> bool:
-    """Whether supports have random motions."""
+    """Whether supports move randomly."""
     return random is not None and any(entry.of != "force" for entry in random.input)
 
 
@@ -354,7 +354,7 @@ def _coordinates(model, count: int, file_name: str) -> Coordinates:
 def consistent_values(
     initial: np.ndarray, table, system: MechanicalSystem | None, coordinates: Coordinates, file_name: str
 ) -> np.ndarray:
-    """The values at 0-, those omitted from the [initial] table chosen so that the constraint rows hold.
+    """The values at 0-, with those omitted from the [initial] table chosen to satisfy the constraint rows.
 
     Rows A x^(level) = b at position level hold for positions, and with the derivative of b for velocities (0 where b is constant),
     where those at velocity level join them. Omitted values remain 0 where the rows hold with 0, and in coordinates of no row.
@@ -388,7 +388,7 @@ def _completed(values: np.ndarray, known: np.ndarray, system: MechanicalSystem, 
 
 
 def _holds(A: np.ndarray, x: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Whether each row of A x = b holds but for rounding error, in units in which the entries of A are of one size."""
+    """Which rows of A x = b hold to rounding errors, in units in which the entries of A are of one size."""
     _, columns = _scales(A)
     size = np.abs(A * columns).max(axis=1, initial=0.0) * np.abs(x / columns).max(initial=0.0)
     return np.abs(A @ x - b) <= CONSISTENT_ROWS * (size + np.abs(b))

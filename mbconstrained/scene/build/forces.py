@@ -1,4 +1,4 @@
-"""From the [[force]] and [[motion]] tables to signals with units: forces on coordinates and inputs, and prescribed motions."""
+"""Forces and prescribed motions of the [[force]] and [[motion]] tables as signals with units."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class SceneForce:
     """The force of one [[force]] table at one of its places.
 
     Attributes:
-        name: of the coordinate or input.
-        unit: of the displacement along which the force works.
+        name: name of the coordinate or input.
+        unit: unit of the displacement along which the force works.
         direction: the generalized forces of a unit force, shape (r,).
         signal: the force over time, one row.
     """

@@ -21,7 +21,7 @@ LARGEST = 200  # coordinates: larger models show rigid-body modes in their eigen
 
 
 def free_motion_notices(system: MechanicalSystem) -> tuple[Notice, ...]:
-    """One notice for each group of coordinates that move freely together: the rigid-body modes visible in the elements.
+    """Notices on unconstrained groups of coordinates that move together: the rigid-body modes visible in the elements.
 
     None for large models, and none where a matrix may have lost digits.
 
@@ -43,7 +43,7 @@ def free_motion_notices(system: MechanicalSystem) -> tuple[Notice, ...]:
 
 
 def _directions(given: np.ndarray | ElementMatrix) -> np.ndarray | None:
-    """What elements or matrix rows hold, each row of a size of one; None where digits are lost."""
+    """Directions of elements or matrix rows, each of unit size; None where digits are lost."""
     if isinstance(given, ElementMatrix):
         rows = given.directions[given.constants != 0]
     else:
@@ -56,7 +56,7 @@ def _directions(given: np.ndarray | ElementMatrix) -> np.ndarray | None:
 
 
 def _null_projection(rows: np.ndarray) -> np.ndarray:
-    """The orthogonal projection onto what all rows leave alone."""
+    """The orthogonal projection onto the null space of the rows."""
     _, sizes, right = np.linalg.svd(rows, full_matrices=True)
     rank = int((sizes > noise_of(sizes.max(initial=0.0), max(rows.shape))).sum())
     return right[rank:].T @ right[rank:]

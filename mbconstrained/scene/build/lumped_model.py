@@ -1,4 +1,4 @@
-"""From the tables of a lumped scene to a LumpedModel."""
+"""LumpedModel from the tables of a lumped scene."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..quantities.quantities import quantity
 
 
 def lumped_model(table, file_name: str) -> LumpedModel:
-    """The model: bodies first, in the order of the file, then what joins them."""
+    """The model: bodies first, in the order of the file, then the elements between them."""
     model = LumpedModel()
     for key, number, entry in table.elements:
         owner = f' (of "{entry.name}")' if entry.name else ""

@@ -1,4 +1,4 @@
-"""Records in files with units: what ``mbconstrained.read_record`` and the [[force]] tables of scenes read."""
+"""Records in files with units, for ``mbconstrained.read_record`` and the [[force]] tables of scenes."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from ..quantities.quantities import LARGEST, LEAST, Expressed, any_quantity, qua
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Record(Displayed):
-    """A record over time, in SI.
+    """Record over time, in SI.
 
     Attributes:
         times: shape (T,), in s, ascending; two samples at one time are a jump.
         values: shape (T,).
-        unit: of the values in SI; an empty text where it is unknown.
-        name: of the column, channel or function in the file.
+        unit: unit of the values in SI; an empty text where it is unknown.
+        name: name of the column, channel or function in the file.
     """
 
     times: np.ndarray = field(repr=False)
@@ -57,14 +57,14 @@ def read_record(
     header: int = 0,
     array: str | None = None,
 ) -> Record:
-    """A record in a file: factor * values + offset over time, in SI; nothing is resampled.
+    """Read a record from a file: factor * values + offset over time, in SI; nothing is resampled.
 
     Read are text with columns of numbers, with comma, semicolon, tab or blanks between them, a decimal point or comma, header and
     comment lines (any ending); recordings of ground motion of PEER (.AT2, .VT2, .DT2), K-NET, ESM and ITACA; .wav; universal files
     (.uff, .unv: functions of data set 58; needs pyuff); and arrays in .npy, .npz, .mat, .mtx and .op4.
 
     Args:
-        path: of the file.
+        path: path of the file.
         column: of the values, by its number from 1 or by its name in the header; 2 by default, 1 with a step. Of .wav the channel, of a
             universal file the function.
         time: the column of the times; 1 by default.
@@ -142,7 +142,7 @@ def record_in_si(
 
 
 def _unit_of(kind: Dimension | None) -> str:
-    """The SI unit of a kind, also of a product, in which radians may be written or not."""
+    """The SI unit of a kind, also of a product, with optional radians."""
     if kind is None:
         return ""
     return next((unit for unit in KINDS if unit != "1" and same_kind(kind, unit)), "") or unit_of(kind)
@@ -167,7 +167,7 @@ def _named(key: str, unit) -> str | None:
 
 
 def _readable(text: str) -> str | None:
-    """What a file writes as a unit, where it is one."""
+    """The unit written in a file, where it is a known one."""
     if not text or text == "1":
         return None
     try:

@@ -23,17 +23,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RobotData:
-    """The content of a robot.toml, checked.
+    """The validated content of a robot.toml.
 
     Attributes:
         path: the robot.toml.
         table: its content.
-        names: of the links and joints in its URDF.
+        names: names of the links and joints in its URDF.
         semantics: the states of its SRDF or MJCF.
         package_dirs: folders in which package://NAME/... is looked up.
         locks: joints that the files name as locked, with their values in SI.
-        locked: the same with those that follow them.
-        unit_texts: how many quantities were written with a unit.
+        locked: values of the locked joints and of those that follow them.
+        unit_texts: number of quantities written with a unit.
         place: the file in messages.
     """
 
@@ -55,21 +55,21 @@ class RobotData:
 
     @property
     def title(self) -> str:
-        """What the robot is; the name of the folder where the file does not say."""
+        """Title of the robot; by default the name of the folder."""
         return self.table.title or self.name
 
     @property
     def source(self) -> str:
-        """Where the robot comes from."""
+        """Source of the robot."""
         return self.table.source
 
     @property
     def licence(self) -> str:
-        """Its licence."""
+        """Licence of the robot."""
         return self.table.licence
 
     def with_locked(self, locks: Mapping[str, float]) -> RobotData:
-        """The same with more joints frozen.
+        """The data with more joints locked.
 
         Raises:
             InputError: a joint follows another, which moves.
@@ -98,7 +98,7 @@ class RobotData:
 
 
 def read_robot(path: str | Path, *, package_dirs: Sequence[str | Path] = (), locked: Mapping[str, float] | None = None):
-    """A robot and the content of its file.
+    """Read a robot and the content of its file.
 
     Args:
         path: a folder with a robot.toml, or the robot.toml.
@@ -121,7 +121,7 @@ def read_robot(path: str | Path, *, package_dirs: Sequence[str | Path] = (), loc
 
 
 def robot_data(path: Path, data: dict, place: str, package_dirs: Sequence[str | Path] = ()) -> RobotData:
-    """Check the tables of a robot.toml and the names in its URDF; pinocchio is not needed for it."""
+    """Validate the tables of a robot.toml and the names in its URDF, without pinocchio."""
     from ..schema.robot_tables import RobotFile
 
     table = validated(data, place, RobotFile)
@@ -142,7 +142,7 @@ def robot_data(path: Path, data: dict, place: str, package_dirs: Sequence[str | 
 
 
 def robot_of(data: RobotData) -> Robot:
-    """The robot of checked data."""
+    """The robot of validated data."""
     from ...robot.robot import Robot
 
     values = robot_arguments(data.table, data.names, data.place)
@@ -155,7 +155,7 @@ def robot_of(data: RobotData) -> Robot:
 
 
 def _semantics(name: str | None, folder: Path, place: str, states: Mapping[str, dict]) -> SemanticDescription:
-    """Of the SRDF file, if there is one, with states of an MJCF."""
+    """The content of the SRDF file, if there is one, with states of an MJCF."""
     from ...robot.description.srdf import SemanticDescription, read_srdf
 
     with at(place, "srdf"):

@@ -1,4 +1,4 @@
-"""From a scene of kind "robot" to its equations: the robot's file, an equilibrium, small motions about it."""
+"""Equations of a scene of kind "robot": the robot's file, an equilibrium, small motions about it."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ class RobotScene:
     """A robot in its posture, as a system in small deviations from it.
 
     Attributes:
-        data: what stands in its file.
+        data: content of its file.
         robot, posture, system: of the models' floor; the system knows inputs and outputs by name.
         inputs: the joint or PointMotion of each input, by its name.
-        forces: that act all the time, as of ``Robot.equilibrium``.
+        forces: constant forces, as in ``Robot.equilibrium``.
     """
 
     data: RobotData
@@ -70,7 +70,7 @@ def robot_scene(model, changed: dict, folder: Path, file_name: SceneName, lap: C
 
 
 def _posture_arguments(data: RobotData, own: dict) -> dict:
-    """The posture of the robot's file where the scene does not say otherwise."""
+    """The posture of the robot's file, with the changes of the scene."""
     posture = data.posture
     merged = {key: {**posture[key], **own[key]} for key in ("guess", "forces")}
     return data.unlocked({**merged, "hold": own.get("hold", posture["hold"])})

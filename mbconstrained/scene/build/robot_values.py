@@ -1,4 +1,4 @@
-"""The names in a URDF, and the values of a robot.toml or a scene that belong to them, with the units of their joints."""
+"""The names in a URDF, and their values in a robot.toml or a scene, with the units of the joints."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ JOINT_UNITS = {"revolute": "rad", "continuous": "rad", "prismatic": "m"}
 
 @dataclass(frozen=True)
 class UrdfNames:
-    """What a URDF names.
+    """Names in a URDF.
 
     Attributes:
         path: the file.
-        links: their names.
-        units: of the joints with one degree of freedom and the coordinates of others, "rad" or "m", by name.
+        links: names of the links.
+        units: units of the joints with one degree of freedom and of the coordinates of others, "rad" or "m", by name.
         several: the coordinates of joints with several degrees of freedom, by joint.
         mimics: joints that follow others.
         meshes: file names of the meshes that are drawn, as they stand in the URDF, each with its link.
@@ -69,10 +69,10 @@ class UrdfNames:
         return self.units[name]
 
     def check_body(self, name: str, *others: str) -> None:
-        """See that there is such a link.
+        """Check that the link exists.
 
         Args:
-            name: of the link.
+            name: name of the link.
             others: names that may stand there as well.
 
         Raises:
@@ -84,7 +84,7 @@ class UrdfNames:
 
 
 def names_of_urdf(path: Path, base: str = "fixed", package_dirs: Sequence[Path] = ()) -> UrdfNames:
-    """Look through a URDF, an SDF, or an MJCF file, which MuJoCo compiles. Collision geometry is not looked at."""
+    """Names in a URDF, an SDF, or an MJCF file, which MuJoCo compiles; collision geometry is ignored."""
     from ...robot.description.mjcf import is_mjcf, read_mjcf
     from ...robot.description.models import described, has_free_base
     from ...robot.description.sdf import read_description
@@ -144,7 +144,7 @@ def _triple(value, of_ball: bool) -> tuple[float, ...]:
 
 
 def _given(entry, *left_out: str) -> dict:
-    """What stands in a table, ready for a function of the same names."""
+    """The entries of a table as arguments of a function with the same names."""
     values = {key: getattr(entry, key) for key in type(entry).model_fields if key in entry.model_fields_set and key not in left_out}
     return {key: tuple(value) if isinstance(value, list) else value for key, value in values.items() if value is not None}
 
@@ -211,7 +211,7 @@ def _body_forces(entries, names: UrdfNames) -> dict:
 
 
 def _guess(values: Mapping, names: UrdfNames, free_base: bool) -> dict:
-    """The values of joints and coordinates; of a joint with several degrees of freedom all at once, as of a free base."""
+    """The values of joints and coordinates; for a joint with several degrees of freedom all at once, as for a free base."""
     several = {name: value for name, value in values.items() if name in names.several and (free_base or name != BASE)}
     guess = joint_values({name: value for name, value in values.items() if name not in several}, names, PLACE)
     for name, value in several.items():
@@ -240,7 +240,7 @@ def posing(table, names: UrdfNames, base: str, semantics: SemanticDescription) -
 
 
 def robot_arguments(table, names: UrdfNames, place: str) -> dict:
-    """What a robot.toml gives in addition to its URDF."""
+    """Arguments of the robot from a robot.toml, in addition to its URDF."""
     from ...robot.connections import BodySpring, Bushing, Loop
     from ...robot.description.masses import Payload
     from ...robot.tangent import JointGear

@@ -1,1 +1,1 @@
-"""From files to plain tables. Read ``reading``, then ``includes``; ``messages`` knows the place of every entry."""
+"""Plain tables from files. Read ``reading``, then ``includes``; ``messages`` knows the location of every entry."""

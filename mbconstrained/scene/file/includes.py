@@ -1,4 +1,4 @@
-"""Scenes that include others: the tables of several files merged, each entry with the file from which it comes.
+"""Scenes that include others: the merged tables of several files, each entry with its file.
 
 Included files come first, in the order in which they are named, the including file last: arrays of tables grow, for everything
 else the last value counts. A file included by several others is read once. The robot.toml of a robot comes first of all: the table
@@ -55,7 +55,7 @@ def robot_tables(path: Path) -> tuple[dict, str]:
 
 
 def with_robot_file(data: dict, name: SceneName, folder: Path) -> SceneName:
-    """Merge the robot.toml of a scene into its table [robot], which comes last; in place."""
+    """Merge the robot.toml of a scene into its table [robot], in place; entries of the scene take precedence."""
     model, changes = data.get("model"), data.get("robot", {})
     if not isinstance(model, dict) or model.get("kind") != "robot" or not isinstance(model.get("robot"), str):
         return name
@@ -83,14 +83,14 @@ def robot_name(name: SceneName, file: str) -> SceneName:
 
 
 class _Files:
-    """The files of a scene, those that are included before those that include them."""
+    """The files of a scene, included ones before those that include them."""
 
     def __init__(self, path: Path):
         self.folder, self.main = path.parent, path.name
         self.files: dict[Path, tuple[str, dict]] = {}  # by path: the name in messages, and the tables
 
     def read(self, path: Path, includers: tuple[Path, ...]) -> None:
-        """Read a file and before it what it includes."""
+        """Read a file after the files that it includes."""
         name = self._name(path) if includers else self.main
         data = parse(read_text(path, INCLUDED) if includers else read_text(path), name)
         given = data.pop("include", [])
@@ -102,7 +102,7 @@ class _Files:
         self.files[path.resolve()] = name, data
 
     def together(self) -> tuple[dict, SceneName]:
-        """The tables of all files as one."""
+        """The merged tables of all files."""
         if len(self.files) == 1:
             return next(iter(self.files.values()))[1], SceneName(self.main)
         data: dict = {}
@@ -117,7 +117,7 @@ class _Files:
         return Path(os.path.relpath(path, self.folder)).as_posix()
 
     def _others(self, path: Path, given, includers: tuple[Path, ...]):
-        """The files that one names, but for those that are there already."""
+        """The files included by one, except those already read."""
         given = [given] if isinstance(given, str) else given
         if not isinstance(given, list):
             raise InputError(f"found {shown(given)}; {EXPECTED}")
@@ -145,7 +145,7 @@ def _path(folder: Path, name) -> Path:
 
 
 def _lead_from(data: dict, folder: str) -> None:
-    """Make the names of data files, which are relative to the file that they stand in, relative to the scene."""
+    """Make the names of data files relative to the scene instead of their own file."""
     model = data.get("model")
     if folder == "." or not isinstance(model, dict):
         return
@@ -184,7 +184,7 @@ def _is_array_of_tables(value: Any) -> bool:
 
 
 def _check_bodies(data: dict, name: SceneName) -> None:
-    """A body that two files have."""
+    """Raise an InputError for a body defined in two files."""
     places: dict[tuple[str, str], tuple[str, Place]] = {}
     for table, key in BODIES:
         for number, entry in enumerate(_list(_entry(data.get(table), key)), 1):

@@ -1,4 +1,4 @@
-"""Messages about the entries of a scene: the file, the place in it, the value found, the value expected.
+"""Messages about the entries of a scene: the file, the location, the value found, the value expected.
 
 An entry may come from the scene file, from a file that it includes, or from the command line; ``SceneName`` records which.
 """
@@ -23,7 +23,7 @@ _PART = re.compile(r'\.?"([^"]+)"|\.?([^\s.\[\]:]+)|\[(\d+)\]')
 
 
 class EntryError(InputError):
-    """A wrong entry of a table. The key identifies the file from which the entry comes.
+    """A wrong entry of a table, with the file of the entry.
 
     Attributes:
         key: of the entry.
@@ -36,7 +36,7 @@ class EntryError(InputError):
 
 
 class SceneName(str):
-    """The name of a scene file, with the origins of the entries that come from elsewhere.
+    """The name of a scene file, with the origins of the entries from other files.
 
     Attributes:
         origins: file and place there, by place in the merged tables; entries without an own origin share that of their table.
@@ -59,7 +59,7 @@ class SceneName(str):
         return result
 
     def located(self, text: str, key: str | None = None, other: str | None = None) -> tuple[str, str]:
-        """The file that a message concerns, and the message with its leading place as in that file.
+        """The file that a message concerns, and the message with its location in that file.
 
         Args:
             text: begins with a place in the merged tables.
@@ -84,13 +84,13 @@ class SceneName(str):
         return str(self), text + self._with_settings(whole)
 
     def _with_settings(self, place: Place) -> str:
-        """The names given with --set on which the values at a place, or in the table there, depend."""
+        """The names given with --set on which the entry or table at a location depends."""
         near = (names for other, names in self.settings.items() if all(a == b for a, b in zip(place, other)))
         names = dict.fromkeys(name for each in near for name in each)
         return f" (with {' and '.join(f'{ORIGIN} {name}' for name in names)})" if place and names else ""
 
     def file_of(self, place: Place) -> tuple[str, Place]:
-        """The file from which an entry comes, and its place there."""
+        """The file of an entry, and its location there."""
         for count in range(len(place), 0, -1):
             if place[:count] in self.origins:
                 file, there = self.origins[place[:count]]
@@ -99,7 +99,7 @@ class SceneName(str):
 
 
 def _located(file_name: str, text: str, problem: Exception | None = None) -> tuple[str, str]:
-    """``SceneName.located``, also for a plain file name; the problem may have the attributes of an ``EntryError``."""
+    """``SceneName.located``, also for a plain file name and problems with the attributes of an ``EntryError``."""
     if not isinstance(file_name, SceneName):
         return file_name, text
     return file_name.located(text, getattr(problem, "key", None), getattr(problem, "other", None))
@@ -107,7 +107,7 @@ def _located(file_name: str, text: str, problem: Exception | None = None) -> tup
 
 @contextmanager
 def at(file_name: str, where: str = "") -> Iterator[None]:
-    """Put the file and the place, if any, before the message of an InputError raised inside."""
+    """A context that adds the file and the location, if any, to the message of an InputError."""
     try:
         yield
     except SceneError:
@@ -120,7 +120,7 @@ def at(file_name: str, where: str = "") -> Iterator[None]:
 
 @contextmanager
 def named(name: str) -> Iterator[None]:
-    """Put a name before the message of an InputError about its value."""
+    """A context that adds a name to the message of an InputError about its value."""
     try:
         yield
     except InputError as problem:
@@ -141,7 +141,7 @@ def together(file_name: str, problems: Sequence[str | tuple[str, Exception | Non
 
 
 def place(location: tuple, data) -> str:
-    """A place of pydantic as users write it.
+    """A location of pydantic in the notation of users.
 
     >>> place(("model", "lumped", "mass", 1, "mass"), {"model": {"kind": "lumped", "mass": [{}, {"name": "cart"}]}})
     'model.mass[2].mass (of "cart")'
@@ -165,7 +165,7 @@ def _entry(data, part):
 
 
 def written(place: Place) -> str:
-    """A place as users write it.
+    """A location in the notation of users.
 
     >>> written(("model", "mass", 1, "mass"))
     'model.mass[1].mass'
@@ -174,7 +174,7 @@ def written(place: Place) -> str:
 
 
 def parts_of(text: str) -> Place:
-    """The keys and numbers of a written place.
+    """The keys and numbers of a location.
 
     >>> parts_of("model.mass[1].mass"), parts_of('robot.joint_damping."crank pivot"')
     (('model', 'mass', 1, 'mass'), ('robot', 'joint_damping', 'crank pivot'))
@@ -183,7 +183,7 @@ def parts_of(text: str) -> Place:
 
 
 def _parts(text: str) -> tuple[list, list[int]]:
-    """Keys and numbers at the beginning of a text, and after how many characters each ends."""
+    """Keys and numbers at the beginning of a text, and the position at which each ends."""
     parts, ends = [], [0]
     while text[:8] != "the file" and (match := _PART.match(text, ends[-1])):
         parts.append(match[1] or match[2] or int(match[3]))
@@ -192,7 +192,7 @@ def _parts(text: str) -> tuple[list, list[int]]:
 
 
 def shown(value, longest: int = 60) -> str:
-    """A value as messages quote it."""
+    """A value as quoted in messages."""
     text = getattr(value, "text", value)  # an expression of parameters shows as written
     if isinstance(text, str):
         text = quoted(text[: longest + 1])

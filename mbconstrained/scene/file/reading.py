@@ -1,4 +1,4 @@
-"""From a file to plain tables; every error of the file itself becomes one message."""
+"""Plain tables from a file; every error of the file itself becomes one message."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _DOTTED = re.compile(rf"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \
 
 
 class FileKind(NamedTuple):
-    """What messages say of a kind of file: what it has at least, and what one is that is too large."""
+    """Texts about a kind of file: its minimal content, and what a too large one is."""
 
     least: str
     large: str
@@ -30,7 +30,7 @@ SCENE = FileKind(
 
 
 def read_text(path: Path, kind: FileKind = SCENE) -> str:
-    """The text of a scene file, or of another file that is written like one."""
+    """The text of a scene file, or of another file in the same format."""
     content = _content(path)
     if len(content) > LARGEST_SCENE:
         raise SceneError(f"{path.name}: the file has more than {LARGEST_SCENE:,} bytes, {kind.large}")
@@ -104,14 +104,14 @@ _BOTH = "[{0}] and [[{0}]] stand in one file; write double brackets, [[{0}]], on
 
 
 def _is_both(text: str, table: str) -> bool:
-    """Whether a table is written with single and with double brackets."""
+    """Whether a table is used with single and with double brackets."""
     name = rf"[ \t]*{re.escape(table)}[ \t]*"  # blanks of one line only: across empty lines each start would search all of them
     heads = (rf"^[ \t]*{brackets}[ \t\r]*(#.*)?$" for brackets in (rf"\[{name}\]", rf"\[\[{name}\]\]"))
     return all(re.search(head, text, re.MULTILINE) for head in heads)
 
 
 def _readable(problem: tomllib.TOMLDecodeError, text: str) -> str:
-    """The parser's sentence in plain words, with the line it speaks of."""
+    """The parser's sentence in plain words, with its line."""
     if text.lstrip().startswith(("{", "<")):
         return 'it looks like JSON or XML; a scene has tables, [model], and below them lines such as kind = "lumped"'
     message, _, place = str(problem).partition(" (at ")

@@ -37,7 +37,7 @@ def with_time(unit: str, power: int) -> str:
 
 @dataclass(frozen=True)
 class Coordinates:
-    """Names of coordinates with their SI units, and the units in which tables show their values."""
+    """Names of coordinates with their SI units, and their displayed units."""
 
     names: tuple[str, ...]
     units: tuple[str, ...]
@@ -47,7 +47,7 @@ class Coordinates:
         """The number of a coordinate, from 0.
 
         Args:
-            name: of the coordinate.
+            name: name of the coordinate.
             others: names that may stand there as well.
 
         Returns:
@@ -64,20 +64,19 @@ class Coordinates:
 
     @property
     def listed(self) -> str:
-        """All names with their units, but for the unit 1."""
+        """Names of all coordinates with their units, except the unit 1."""
         units = (self.shown.of(unit)[0] for unit in self.units)
         return ", ".join(name if unit == "1" else f"{name} ({unit})" for name, unit in zip(self.names, units))
 
     def as_json(self) -> list[dict[str, str]]:
-        """Names and units as plain data."""
         return [{"name": name, "unit": unit} for name, unit in zip(self.names, self.units)]
 
     def derivative_unit(self, index: int, order: int) -> str:
         """The unit of a derivative of a coordinate.
 
         Args:
-            index: of the coordinate.
-            order: of the derivative.
+            index: index of the coordinate.
+            order: order of the derivative.
 
         Returns:
             The unit, e.g. m/s^2.
@@ -86,7 +85,7 @@ class Coordinates:
 
 
 def beyond_noise(jump: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """The jumps that are more than rounding errors."""
+    """The jumps that exceed rounding errors."""
     size = max(np.abs(values).max(initial=0.0) for values in (before, after))
     return np.flatnonzero(np.abs(jump) > noise_of(size, len(jump)))
 
@@ -137,7 +136,7 @@ class SceneRow(NamedTuple):
     Attributes:
         factors: by name of a coordinate, perhaps expressions of parameters.
         value: the right-hand side, perhaps an expression.
-        unit: of the sum of factor times coordinate, "m", "rad" or "1"; None where its terms have several.
+        unit: unit of the sum of factor times coordinate, "m", "rad" or "1"; None where its terms have several.
     """
 
     factors: dict[str, float]
@@ -169,7 +168,7 @@ def constraint_row(table, coordinates: Coordinates) -> SceneRow:
 
 
 def _common_kinds(rows: Mapping[str, Any], kinds: Mapping[str, Dimension | None], own: Mapping[str, str]) -> list[Dimension]:
-    """The kinds that terms of a row have."""
+    """The common dimensions of the terms of a row."""
     common = [dimension(own[name]) for name, kind in kinds.items() if kind is None]
     for name, kind in kinds.items():
         if kind is None:

@@ -1,4 +1,4 @@
-"""Kinds of quantities: what a unit measures, with a name for messages."""
+"""Dimensions: kinds of quantities with a name for messages."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def described(kind: Dimension, otherwise: str = "another kind of quantity") -> s
 
 
 def meant(unit: str, expected: str | None) -> str:
-    """The unit that is meant: g alone is the standard acceleration of gravity where an acceleration is expected, not a gram.
+    """The intended unit: g alone is the standard acceleration of gravity where an acceleration is expected, not a gram.
 
     >>> meant("g", "m/s^2"), meant("g", "kg")
     ('gn', 'g')
@@ -115,7 +115,7 @@ def meant(unit: str, expected: str | None) -> str:
 
 
 def advice(text: str, number: float, kind: Dimension, unit: str) -> str:
-    """A hint where cycles per second and radians per second, or masses and weights, are confused.
+    """A hint where hertz and radians per second, or masses and weights, are confused.
 
     >>> advice("3 Hz", 3.0, dimension("Hz"), "rad/s")
     '; an angular frequency is 2 pi times the frequency: write "18.8496 rad/s", or frequency = "3 Hz"'

@@ -54,7 +54,7 @@ class Expression:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of the parameters in it, each once."""
+        """The distinct names of its parameters."""
         return tuple(dict.fromkeys(node.id for node in ast.walk(self.tree) if isinstance(node, ast.Name)))
 
     @property
@@ -63,7 +63,7 @@ class Expression:
         return sum(isinstance(node, ast.expr) for node in ast.walk(self.tree))
 
     def replaced(self, expressions: Mapping[str, Expression]) -> Expression:
-        """The same with expressions in place of names."""
+        """The expression with expressions in place of names."""
 
         def of(node: ast.expr) -> ast.expr:
             if isinstance(node, ast.Name):
@@ -105,7 +105,7 @@ def read_expression(text: str) -> Expression:
 
 
 def _admitted(node: ast.expr, source: str, names: list[str], text: str) -> ast.expr:
-    """The tree with the names of the parameters and the texts of the numbers."""
+    """The parsed tree with the names of the parameters and the texts of the numbers."""
     if isinstance(node, ast.Name):
         return ast.Name(names[int(node.id[1:])])
     if isinstance(node, ast.Constant):

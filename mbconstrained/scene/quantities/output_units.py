@@ -1,4 +1,4 @@
-"""Units of the page, of tables and of CSV files that a scene chooses instead of those of SI."""
+"""Units of the page, of tables and of CSV files that a scene selects in place of SI units."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _SHOWN = {"gn": "g"}
 
 @dataclass(frozen=True)
 class OutputUnits:
-    """Units that stand for those of SI of the same kind; derivatives and products follow, so that mm brings mm/s and kN brings kN m.
+    """Units in place of SI units of the same kind; derivatives and products follow, so that mm implies mm/s and kN implies kN m.
 
     Accelerations remain in m/s^2 unless they have a unit of their own, such as mm/s^2 or g.
 
@@ -36,7 +36,7 @@ class OutputUnits:
     units: tuple[str, ...] = ()
 
     def of(self, unit: str) -> tuple[str, float]:
-        """The unit that stands for one of SI.
+        """The unit in place of an SI unit, with its factor.
 
         Args:
             unit: as texts write it, products with a blank.
@@ -57,7 +57,7 @@ class OutputUnits:
         return unit, 1.0
 
     def of_ratio(self, unit: str) -> tuple[str, float]:
-        """The same of the unit of a response, something by something else, such as m/N or N/(m/s^2).
+        """The unit in place of that of a response, a ratio such as m/N or N/(m/s^2), with its factor.
 
         >>> OutputUnits(("mm", "kN")).of_ratio("m/N")
         ('mm/kN', 1000000.0)
@@ -69,11 +69,11 @@ class OutputUnits:
         return f"{above}/({below})" if any(sign in below for sign in " /") else f"{above}/{below}", up / down
 
     def text(self, value: float, unit: str) -> str:
-        """A value in SI as a text with the unit that stands for its own.
+        """A value in SI as a text in the selected unit.
 
         Args:
             value: in the unit.
-            unit: of SI.
+            unit: unit of SI.
 
         Returns:
             Number and unit.
@@ -97,7 +97,7 @@ def output_units(value) -> tuple[str, ...]:
 
 
 def _alike(one: str, other: str) -> bool:
-    """Whether both measure the same; a torque in N m is no energy."""
+    """Whether both units measure the same quantity; a torque in N m is no energy."""
     is_energy = [name.endswith("J") for name in (one, other)]
     return is_energy[0] == is_energy[1] and dimension(one) == dimension(other.replace(" ", "*"))
 

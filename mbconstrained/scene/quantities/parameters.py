@@ -1,4 +1,4 @@
-"""The [parameters] of a scene: quantities with names, and the texts "=…" elsewhere in the scene that use them."""
+"""The [parameters] of a scene: named quantities, and the texts "=…" that use them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MOST_BITS = 20_000  # of a numerator or denominator: more come of powers of powe
 
 @dataclass(frozen=True)
 class Measured:
-    """An exact number with its kind of quantity: expressions calculate with it, and refuse to add kg to m.
+    """An exact number with its dimension: expressions calculate with it, and refuse to add kg to m.
 
     Attributes:
         value: in SI.
@@ -70,7 +70,7 @@ class Measured:
         return self
 
     def _common(self, other: Measured, does: str) -> Dimension | None:
-        """The kind of a sum."""
+        """The dimension of a sum."""
         one, two = self.dimension, other.dimension
         if one is None or two is None:
             return one or two
@@ -106,12 +106,12 @@ class Parameters:
 
     @property
     def units(self) -> dict[str, str]:
-        """SI units by name, an empty text where it is not known."""
+        """SI units by name, an empty text where unknown."""
         return {name: "" if kind is None else unit_of(kind) for name, kind in self.dimensions.items()}
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """One notice for each parameter that is not used."""
+        """Notices on unused parameters."""
         text = 'the parameter "{}" is used nowhere in the scene; write "={}" where it belongs, or leave it out'
         return tuple(Notice(NoticeKind.OMITTED, text.format(name, name)) for name in self.unused)
 
@@ -129,7 +129,7 @@ def with_parameters(data: dict, file_name: str) -> tuple[dict, Parameters]:
 
 
 class _Reported(InputError):
-    """A parameter is wrong, which was reported where it stands."""
+    """A wrong parameter that has been reported at its definition."""
 
 
 class _Substitution:
@@ -220,7 +220,7 @@ class _Substitution:
         return value
 
     def _written_out(self, expression: Expression) -> Expression:
-        """The expression in parameters that are no expressions themselves."""
+        """The expression in terms of parameters that are not expressions themselves."""
         result = expression.replaced(self.trees)
         if (size := result.size) > MOST_PARTS:
             raise InputError(f"it has {size} parts with those of its parameters; expected at most {MOST_PARTS}")

@@ -30,7 +30,7 @@ _QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*
 
 
 def quantity(value, unit: str) -> float:
-    """The value in the given SI unit: a finite number as it stands, or a text with a unit of the same kind.
+    """The value in the given SI unit: a finite number, or a text with a unit of the same kind.
 
     Angles count as a kind of their own, so "2 Hz" is no angular velocity and "300 rpm" no frequency: the factor
     2 pi between them is never guessed.
@@ -50,7 +50,7 @@ def quantity(value, unit: str) -> float:
 
 
 def any_quantity(value) -> tuple[float, Dimension | None]:
-    """A quantity of any kind in SI, and its kind: None for a plain number, which may be anything in SI; expressions stay as they are.
+    """A quantity of any kind in SI, and its dimension: None for a plain number; expressions stay unevaluated.
 
     >>> any_quantity(2)
     (2.0, None)
@@ -72,7 +72,7 @@ def in_range(number, text: str) -> float:
 
 
 def expected(unit: str) -> str:
-    """What a quantity of this unit looks like, for messages.
+    """Description of the expected quantity for messages.
 
     >>> expected("kg")
     'a mass, e.g. "10 kg", or a number in kg'
@@ -84,7 +84,7 @@ def expected(unit: str) -> str:
 
 
 def unit_name(value) -> str:
-    """The name of a unit, written in one way; "1" for a plain number.
+    """The name of a unit in normal form; "1" for a plain number.
 
     >>> unit_name("N m"), unit_name("1")
     ('N*m', '1')
@@ -107,12 +107,12 @@ def _finite(number, value, unit: str) -> float:
     if not math.isfinite(number):
         raise InputError(f"found {shown(value)}; expected a finite number" + (f": {expected(unit)}" if unit != "1" else ""))
     if number and not LEAST <= abs(number) <= LARGEST:
-        raise InputError(f"found {shown(value)}; expected 0 or a size between {LEAST:g} and {LARGEST:g}: no machine has others")
+        raise InputError(f"found {shown(value)}; expected 0 or a size between {LEAST:g} and {LARGEST:g}")
     return number
 
 
 def _checked(value: Expressed, unit: str) -> Expressed:
-    """An expression of parameters whose kind, as far as it is known, is that of the unit."""
+    """An expression of parameters whose dimension, as far as it is known, is that of the unit."""
     if unit != "1" and value.dimension is not None and not same_kind(value.dimension, unit):
         kind = described(value.dimension, ANOTHER)
         named = "; a number in an expression has no unit: give what has one a name in [parameters]"
@@ -138,7 +138,7 @@ def _in_si(number: str, unit: str) -> float:
 
 
 def _other_case(number: str, unit_text: str, unit: str) -> str:
-    """Seconds and siemens differ in a letter's size."""
+    """Hint for a letter of the wrong case: seconds and siemens differ in it only."""
     small = unit_text.lower()
     fits = small != unit_text and not unknown_name(small) and same_kind(dimension(small), unit)
     return f'; did you mean "{number} {small}"?' if fits else ""
@@ -158,7 +158,7 @@ def _split(text: str, wanted: str) -> tuple[str, str]:
 
 
 def _how_to_write(text: str) -> str:
-    """What is wrong with a text that is no number with a unit."""
+    """Hint for a text that is not a number with a unit."""
     if re.match(r"\s*[+-]?\d+,\d", text):
         return f"decimals have a point: {quoted(text.replace(',', '.', 1))}"
     if re.fullmatch(r"\s*[+-]?[\d.]+([eE][+-]?\d+)?\s*", text):
@@ -167,13 +167,13 @@ def _how_to_write(text: str) -> str:
 
 
 def _normal_unit(text: str) -> str:
-    """One way of writing: ** and superscripts become ^, a dot or a space between two units becomes *."""
+    """Normal form of a unit: ** and superscripts become ^, a dot or a space between two units becomes *."""
     text = text.replace("**", "^").replace("·", "*").replace("²", "^2").replace("³", "^3").replace("°", "deg")
     return re.sub(r"\s+", "*", re.sub(r"\s*([*/^])\s*", r"\1", text))
 
 
 def count_texts(data) -> int:
-    """How many texts in tables and arrays look like a number with a unit."""
+    """The number of texts in tables and arrays that look like a number with a unit."""
     if isinstance(data, str):
         return int(len(data) <= LONGEST_QUANTITY and bool(_QUANTITY.fullmatch(data)))
     if isinstance(data, dict):
@@ -182,7 +182,7 @@ def count_texts(data) -> int:
 
 
 def measured(value) -> float:
-    """A quantity of any kind that keeps its text and its kind, to be checked where its unit is known; a plain number as it is.
+    """A quantity of any kind with its text and dimension, to be checked where its unit is known; a plain number unchanged.
 
     >>> entry = measured("3 N/mm")
     >>> entry, entry.text
@@ -193,7 +193,7 @@ def measured(value) -> float:
 
 
 class Expressed(float):
-    """The value of an expression with the default values of its parameters, or of a text with a unit, in SI; it calculates as a number.
+    """The value of an expression with the default values of its parameters, or of a text with a unit, in SI; a float.
 
     Attributes:
         text: as it stands in the scene, that of an expression with its "=".

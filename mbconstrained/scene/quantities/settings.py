@@ -1,4 +1,4 @@
-"""Values from the command line: of parameters by name, of other entries by their place in the scene."""
+"""Values from the command line: of parameters by name, of other entries by their location in the scene."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ PLACES = "time.end, model.mass[1].mass or model.mass.cart.mass"
 
 @dataclass(frozen=True)
 class Setting:
-    """A value that was set.
+    """A value set on the command line.
 
     Attributes:
-        name: of the parameter, or the place.
-        value: what it is now, as it could stand in the file.
-        before: what it was; None where nothing stood there.
+        name: name of the parameter, or the place.
+        value: the new value, as it could be written in the file.
+        before: the previous value; None without one.
     """
 
     name: str
@@ -34,7 +34,7 @@ class Setting:
 
     @property
     def notice(self) -> Notice:
-        """That it was set."""
+        """Notice that the value was set."""
         was = "which the file leaves out" if self.before is None else f"instead of {_plainly(self.before)} in the file"
         return Notice(NoticeKind.OVERRIDE, f"{self}, {was}")
 
@@ -43,7 +43,7 @@ class Setting:
 
 
 def value_of(text: str):
-    """What a text on the command line stands for: a number, true, an array …, or else the text itself.
+    """The value of a text on the command line: a number, true, an array …, or else the text itself.
 
     >>> value_of("3"), value_of("3 N/mm"), value_of("true"), value_of('["x1", "q1"]')
     (3, '3 N/mm', True, ['x1', 'q1'])
@@ -56,7 +56,7 @@ def value_of(text: str):
 
 
 def with_settings(data: dict, name: SceneName, settings: Mapping[str, Any]) -> tuple[SceneName, tuple[Setting, ...]]:
-    """Set values in the tables of a scene, in place, before they are checked."""
+    """Set values in the tables of a scene, in place, before validation."""
     changes, origins, set_by = [], dict(name.origins), dict(name.settings)
     for key, value in settings.items():
         with at(ORIGIN, key if key.isprintable() else quoted(key)):
@@ -67,7 +67,7 @@ def with_settings(data: dict, name: SceneName, settings: Mapping[str, Any]) -> t
 
 
 def with_values(name: SceneName, changes: Sequence[Setting], uses: Mapping[Place, Collection[str]]) -> SceneName:
-    """The name, which also knows the values that come of parameters that were set."""
+    """The name of the scene with the values that depend on parameters that were set."""
     names = [setting.name for setting in changes]
     dependent = {place: tuple(each for each in names if each in used) for place, used in uses.items()}
     return SceneName(
@@ -76,7 +76,7 @@ def with_values(name: SceneName, changes: Sequence[Setting], uses: Mapping[Place
 
 
 def _set_parameter(data: dict, name: str, value) -> tuple[Setting, tuple] | None:
-    """The parameter of this name set; None where it is a place that is named."""
+    """The parameter of this name set; None where the name is a location."""
     parameters = data.get("parameters")
     parameters = parameters if isinstance(parameters, dict) else {}
     if name not in parameters and (len(parts_of(name)) > 1 or name in TEXTS):
@@ -91,7 +91,7 @@ def _set_parameter(data: dict, name: str, value) -> tuple[Setting, tuple] | None
 
 
 def _of_the_kind(value, before):
-    """The value, of the same kind as the one before; a plain number gets its SI unit."""
+    """The value in the kind of the previous one; a plain number gets its SI unit."""
     if not _is_quantity(value) or not isinstance(before, str) or not _is_quantity(before):
         return value  # what it is instead is judged as if it stood in the file
     _, kind = any_quantity(value)
@@ -110,7 +110,7 @@ def _is_quantity(value) -> bool:
 
 
 def _set_at(data: dict, name: str, value) -> tuple[Setting, tuple]:
-    """The value at a place set; missing tables are added, and the place of the first of them is returned."""
+    """The value at a location set; missing tables are added, and the location of the first of them is returned."""
     place: tuple = ()
     new_tables: list[tuple] = []
     *tables, last = parts_of(name)
@@ -131,7 +131,7 @@ def _set_at(data: dict, name: str, value) -> tuple[Setting, tuple]:
 
 
 def _key(data: dict | list, part, place: tuple):
-    """The key of a table; the number of an entry of an array, which may be called by its name."""
+    """The key of a table; the index of an entry of an array, which may be given by its name."""
     if isinstance(data, dict):
         if isinstance(part, int) and not data:
             raise InputError(f"the scene has no [[{written(place)}]], so no entry {part}; write it into the file first")

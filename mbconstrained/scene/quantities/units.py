@@ -1,4 +1,4 @@
-"""The units that a scene may use, by pint, which is imported at the first unit; spellings that are not in this table are refused."""
+"""The units of scenes, by pint, which is imported at the first unit; spellings not in this table are refused."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class Unit(NamedTuple):
     """A unit with its spellings.
 
     Attributes:
-        of: what it measures.
+        of: the quantity that it measures.
         symbols: its symbols, separated by blanks; the first is that of the tables.
         definition: in units above it, as pint reads it.
         prefixes: symbols of the SI prefixes that it may have.
@@ -142,7 +142,7 @@ def unknown_name(unit: str) -> str:
 
 
 def instead_of(name: str) -> str:
-    """What to write instead of a name that is not accepted.
+    """Hint for a name that is not accepted.
 
     >>> instead_of("Nms")
     '"Nms" may be read as N*ms or N*m*s; write one of them'
@@ -167,7 +167,7 @@ _COMMON = ("mm", "cm", "um", "km", "kN", "mN", "MN", "ms", "us", "kHz", "kPa", "
 
 
 def _products(name: str, most: int = 3) -> list[str]:
-    """The products of at most so many mechanical units whose symbols stand together in a name."""
+    """Products of at most this many mechanical units whose symbols are joined in a name."""
     readings = [name] if name in _FACTORS else []
     for head in _FACTORS if most > 1 else ():
         if name.startswith(head):

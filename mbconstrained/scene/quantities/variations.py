@@ -29,11 +29,11 @@ _PERCENT = re.compile(r"([-+]?[\d.eE+-]+)\s*%")
 
 @dataclass(frozen=True)
 class Values:
-    """Given values, each of which is combined with those of other parameters.
+    """Given values, combined with all values of other parameters.
 
     Attributes:
         values: numbers in SI, or texts.
-        unit: of the numbers in SI; an empty string for plain numbers and texts.
+        unit: unit of the numbers in SI; an empty string for plain numbers and texts.
     """
 
     values: tuple[Any, ...]
@@ -55,7 +55,6 @@ class Values:
         return min(self.values), max(self.values)
 
     def as_data(self) -> dict:
-        """Plain data."""
         return {"values": list(self.values), "unit": self.unit}
 
 
@@ -66,7 +65,7 @@ class Distribution:
     Attributes:
         kind: "uniform", "normal" or "lognormal".
         first, second: the ends of a uniform distribution; or mean and standard deviation, of a lognormal one those of the value itself.
-        low, high: where it is truncated.
+        low, high: limits of the truncation.
         unit: in SI; an empty string for plain numbers.
     """
 
@@ -79,7 +78,7 @@ class Distribution:
 
     @cached_property
     def _whole(self):
-        """Without truncation."""
+        """The distribution without truncation."""
         from scipy import stats
 
         if self.kind == "uniform":
@@ -95,7 +94,7 @@ class Distribution:
 
     @property
     def mass(self) -> float:
-        """The probability of what is left by truncation."""
+        """The probability within the truncation."""
         low, high = self._limits
         return high - low
 
@@ -115,12 +114,11 @@ class Distribution:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Of a uniform distribution its ends, of others the quantiles of 5 and 95 %."""
+        """The ends of a uniform distribution, the quantiles of 5 and 95 % of others."""
         low, high = self.inverse(np.array([0.0, 1.0] if self.kind == "uniform" else [0.05, 0.95])).tolist()
         return low, high
 
     def as_data(self) -> dict:
-        """Plain data."""
         limits = [None if math.isinf(end) else end for end in (self.low, self.high)]
         return {"distribution": self.kind, "parameters": [self.first, self.second], "truncated": limits, "unit": self.unit}
 
@@ -133,7 +131,7 @@ def linspace(start, stop, count: int) -> Values:
 
     Args:
         start, stop: numbers in SI or texts with a unit.
-        count: of values.
+        count: count of values.
 
     Returns:
         The values.
@@ -149,7 +147,7 @@ def linspace(start, stop, count: int) -> Values:
 
 
 def variation_of(given) -> Variation:
-    """The variation that a text, a list, or an array of numbers stands for.
+    """The variation given by a text, a list, or an array of numbers.
 
     >>> variation_of("1..3 N/mm:3")
     Values(values=(1000.0, 2000.0, 3000.0), unit='N/m')

@@ -1,4 +1,4 @@
-"""Aliasing: times too coarse for the motion, so that curves through them show a slower motion that does not exist."""
+"""Aliasing: times too coarse for the motion, so that curves show a slower motion that does not exist."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ ALIKE = 1e-3
 
 
 def following_times(result: SceneAnswer) -> np.ndarray:
-    """Equidistant times, as many as the fastest visible motion needs, from the default number to ``MOST_TIMES``."""
+    """Equidistant times that resolve the fastest visible motion, from the default number to ``MOST_TIMES``."""
     time = result.scene.table.time
     fastest = _fastest_visible(result, 2 * math.pi / (FOLLOWED * time.spacing))
     if fastest is None:
@@ -89,7 +89,7 @@ def _fastest_visible(result: SceneAnswer, slowest: float) -> tuple[float, str, s
 
 
 def _angular_frequencies(result: SceneAnswer) -> list[float]:
-    """Of the zeros and the forces, the highest first."""
+    """Angular frequencies of the eigenvalues and the forces, in descending order."""
     zeros = {abs(zero.value.imag) for zero in result.finite_pair.zeros}
     smooth = result.motion.force.smooth  # prescribed motions, too
     used = [np.abs(smooth.coefficients[:, at]).any() for at in block_slices(smooth.blocks)]
@@ -127,13 +127,13 @@ def _visible_frequency(result: SceneAnswer, descending: list[float]) -> tuple[fl
 
 
 def _amplitudes(parts: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Of the oscillations in the coordinates, by frequency and coordinate."""
+    """Amplitudes of the oscillations in the coordinates, by frequency and coordinate."""
     factors = np.linalg.lstsq(parts, values.T, rcond=ALIKE)[0][3:]
     return np.hypot(*factors.reshape(2, -1, len(values)))
 
 
 def _stretches(result: SceneAnswer, period: float) -> Iterator[tuple[float, float]]:
-    """Where the motion is looked at for what has this period: beginnings and lengths, in s; as long again behind each."""
+    """Stretches of time to search for oscillations of this period: beginnings and lengths, in s, each followed by an equal one."""
     time, force = result.scene.table.time, result.scene.equations.force
     whole = time.end - time.start
     length = min(PERIODS * period, whole / 2)
@@ -155,6 +155,6 @@ def _distinct(descending: Iterable[float]) -> Iterator[float]:
 
 
 def _parts(angular: np.ndarray, share: np.ndarray, length: float) -> np.ndarray:
-    """A parabola, cosines and sines, one column each, at shares of a stretch of time."""
+    """A parabola, cosines and sines, one column each, at fractions of a stretch of time."""
     phases = np.outer(length * share, angular)
     return np.hstack([np.vander(share, 3), np.cos(phases), np.sin(phases)])

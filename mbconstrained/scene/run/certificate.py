@@ -32,10 +32,10 @@ SECONDS = 60.0
 
 @dataclass(frozen=True)
 class Certified:
-    """One curve of the numeric answer.
+    """Certified accuracy of one curve of the numeric answer.
 
     Attributes:
-        name, kind, unit: of the curve.
+        name, kind, unit: name, kind and unit of the curve.
         bound: its error is at most this at the certified times.
         largest: its largest value there.
         others: the largest value there of all curves of its kind and unit.
@@ -58,7 +58,7 @@ class Certified:
 
     @property
     def digits(self) -> str:
-        """How many digits are proved."""
+        """Number of proved digits."""
         if self.relative == 0:
             return "all"
         return f"{max(math.floor(-math.log10(self.relative) * 10) / 10, 0.0):g}" if self.relative < math.inf else "0"
@@ -71,11 +71,11 @@ class Certified:
 
 @dataclass(frozen=True)
 class Certificate:
-    """What is proved of an answer.
+    """Certified accuracy of an answer.
 
     Attributes:
-        curves: one for each curve of the coordinates that were chosen.
-        count, of: at how many of how many times.
+        curves: one entry for each curve of the selected coordinates.
+        count, of: number of certified times, and of all times.
         notices: obstacles to a proof, or its results.
     """
 
@@ -86,7 +86,7 @@ class Certificate:
 
     @property
     def table(self) -> TextTable:
-        """For the terminal and the page; without rows where nothing could be proved."""
+        """Table for the terminal and the page, without rows where nothing was proved."""
         times = f"{self.count} times" if self.count == self.of else f"{self.count} of {self.of} times"
         note = (
             f"By exact rational and ball arithmetic at {times}, with the data as exact numbers. "
@@ -96,7 +96,6 @@ class Certificate:
         return TextTable("Proved digits", ("coordinate", "of its", "digits", "error at most", "largest value"), cells, note)
 
     def as_json(self) -> dict:
-        """As plain data."""
         curves = [
             {"name": c.name, "kind": c.kind, "digits": c.digits, "error_bound": c.bound, "largest": c.largest} for c in self.curves
         ]
@@ -104,7 +103,7 @@ class Certificate:
 
 
 def certificate_of(result: SceneAnswer) -> Certificate:
-    """Certify the curves of a result: displacements, velocities, accelerations and reactions, as far as it has them."""
+    """Certify the available curves of a result: displacements, velocities, accelerations and reactions."""
     chosen = np.unique(np.linspace(0, len(result.times) - 1, MOST_TIMES).round().astype(int))
     if reason := too_large_to_certify(result.scene.equations):
         return _nothing(result, Notice(NoticeKind.OMITTED, f"nothing is certified: {reason}"))
@@ -143,7 +142,7 @@ def _certified(result: SceneAnswer, kind: str, chosen: np.ndarray) -> tuple[list
 
 
 def _wrong(curves) -> tuple[Notice, ...]:
-    """Curves of which the proof shows that they are not to be trusted."""
+    """Curves that the proof shows to be wrong."""
     return tuple(
         Notice(NoticeKind.ACCURACY, f"the {c.kind} of {c.name} is not proved to more than {c.digits} digits", doubtful=True)
         for c in curves

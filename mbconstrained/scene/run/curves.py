@@ -72,7 +72,7 @@ def curves_of(result: SceneAnswer, kind: str) -> Curves:
 
 
 def extrema_of(result: SceneAnswer, kind: str, rows: Sequence[int] | None = None) -> Extrema:
-    """The largest and the smallest values of a kind from the first to the last time, of the closed form: none is missed between times."""
+    """The largest and the smallest values of a kind between the first and the last time, exact extrema of the closed form."""
     start, end = float(result.times[0]), float(result.times[-1])
     at, (linear, constants) = functions_of(result, kind), _linear(result, kind)
     if linear is not None:
@@ -95,10 +95,10 @@ class Largest:
     """The largest modulus of a curve between the first and the last time, of the closed form.
 
     Attributes:
-        name, title, unit: of the curve, in SI.
+        name, title, unit: name, title and unit of the curve, in SI.
         value: with its sign.
         time: in s.
-        margin: how far a larger one may lie beyond it; 0 but for motions of very many periods.
+        margin: bound of the excess of the maximum over this value; 0 except for motions of very many periods.
     """
 
     name: str
@@ -110,7 +110,7 @@ class Largest:
 
 
 def largest_values(result: SceneAnswer) -> list[Largest]:
-    """Of the requested curves, of each kind the first ``MOST_LARGEST``."""
+    """The largest moduli of the requested curves, of each kind the first ``MOST_LARGEST``."""
     values: list[Largest] = []
     wanted = result.scene.table.output.coordinates
     for kind in (kind for kind in result.kinds if kind != "phase"):
@@ -124,13 +124,13 @@ def largest_values(result: SceneAnswer) -> list[Largest]:
 
 
 def sampled_extrema_of(result: SceneAnswer, at: Callable[[np.ndarray], np.ndarray]) -> Extrema:
-    """Those of functions that have squares of the motion, such as energies, as of ``sampled_extrema``."""
+    """Extrema of functions with squares of the motion, such as energies, by ``sampled_extrema``."""
     rate = 2 * fastest_rate(result.motion.function)
     return sampled_extrema(at, _breaks(result), rate, float(result.times[0]), float(result.times[-1]))
 
 
 def positive_times_of(result: SceneAnswer, at: Callable[[np.ndarray], np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """When functions that have squares or ratios of the motion are largest, and first become positive, as of ``positive_times``."""
+    """Times at which functions with squares or ratios of the motion are largest, and first positive, by ``positive_times``."""
     rate, breaks = 2 * fastest_rate(result.motion.function), _breaks(result)
     return positive_times(at, breaks, rate, float(result.times[0]), float(result.times[-1]))
 
@@ -161,7 +161,7 @@ def _linear(result: SceneAnswer, kind: str) -> tuple[BohlFunction | None, np.nda
 
 
 def functions_of(result: SceneAnswer, kind: str) -> Callable[[np.ndarray], np.ndarray]:
-    """The same trajectories as functions of time."""
+    """Trajectories of a kind as functions of time."""
     equations, motion = result.scene.equations, result.motion
     if kind in ORDERS:
         return motion.derivative(ORDERS[kind]) if ORDERS[kind] else motion
@@ -180,8 +180,8 @@ def functions_of(result: SceneAnswer, kind: str) -> Callable[[np.ndarray], np.nd
 
 
 def time_functions(result: SceneAnswer, kind: str) -> TimeFunctions:
-    """The same as the page stores them: in the units of [output], with the times at which they may jump or bend, and their
-    estimated error.
+    """Trajectories as stored in the page: in the units of [output], with the times of possible jumps and kinks, and their estimated
+    error.
     """
     from ...page.content import TimeFunctions
 
@@ -194,7 +194,7 @@ def time_functions(result: SceneAnswer, kind: str) -> TimeFunctions:
 
 
 def drawn_functions(result: SceneAnswer, kind: str) -> Callable[[np.ndarray], np.ndarray]:
-    """The functions without proof of their values where those at the times of the scene differ by nothing that is visible: it takes long."""
+    """The functions without proof of their values, which takes long, where no visible difference results at the times of the scene."""
     linear, constants = _linear(result, kind)
     if linear is None:
         return functions_of(result, kind)
@@ -210,7 +210,7 @@ def _breaks(result: SceneAnswer) -> np.ndarray:
 
 
 def in_units(curves: Curves, units: OutputUnits) -> Curves:
-    """The same in the units of page and CSV."""
+    """Curves in the units of page and CSV."""
     if not units.units:
         return curves
     names, factors = zip(*map(units.of, curves.units))
@@ -218,7 +218,7 @@ def in_units(curves: Curves, units: OutputUnits) -> Curves:
 
 
 def visible(values: np.ndarray, units: tuple[str, ...]) -> np.ndarray:
-    """How far the coordinates of each unit move, which decides what is visible next to it."""
+    """Range of the coordinates by unit, which decides what is visible."""
     reach = np.ptp(values, axis=1)
     furthest = {unit: max(own for own, other in zip(reach, units) if other == unit) for unit in units}
     return np.array([max(furthest[unit] / 2, NOT_DRAWN * np.abs(values).max()) for unit in units])[:, None]

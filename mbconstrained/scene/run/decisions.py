@@ -1,4 +1,4 @@
-"""Which stages a scene needs, and why: those of its model first, then those that its [output] requests."""
+"""Decisions on the stages that a scene needs: those of its model first, then those requested by [output]."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ MOST_FORMULA_STATES = 60
 
 
 def units(scene: SceneData) -> Decision:
-    """pint, which knows units, is loaded for texts such as "3 N/mm"."""
+    """pint is loaded for texts with units such as "3 N/mm"."""
     robot = scene.equations.robot_scene
     texts = scene.unit_texts + (robot.data.unit_texts if robot else 0)
     if texts:
@@ -31,7 +31,7 @@ def units(scene: SceneData) -> Decision:
 
 
 def assembly(scene: SceneData) -> Decision:
-    """The equations, which every scene has."""
+    """The equations of every scene."""
     equations = scene.equations
     count, degree = len(equations.coordinates.names), equations.polynomial_matrix.degree
     if equations.control is not None:
@@ -50,7 +50,7 @@ def _control_size(control) -> str:
 
 
 def normal_form(scene: SceneData) -> Decision:
-    """Of a state space: whether it is turned into a mechanical system."""
+    """Whether a state space is transformed to a mechanical system."""
     form = scene.equations.control.form
     if form is None:
         return False, "normal_form = false: the states as given"
@@ -64,7 +64,7 @@ def robot_model(scene: SceneData) -> Decision:
 
 
 def equilibrium(scene: SceneData) -> Decision:
-    """Where the robot is at rest."""
+    """Equilibrium of the robot."""
     load = _load(scene)
     rows_by_kind = [
         counted(len(rows), one, many)
@@ -78,12 +78,12 @@ def equilibrium(scene: SceneData) -> Decision:
 
 
 def _load(scene: SceneData):
-    """What holds and loads the robot."""
+    """Constraints and loads of the robot."""
     return scene.equations.posture.balance.load
 
 
 def constraint_rows(scene: SceneData) -> Decision:
-    """Rows that say nothing new are looked for where there are rows."""
+    """Redundant constraint rows are searched for where there are rows."""
     system = scene.equations.system
     if scene.equations.control is not None:
         return False, f"a {scene.table.model.kind.replace('-', ' ')} has no constraint rows"
@@ -99,7 +99,7 @@ def constraint_rows(scene: SceneData) -> Decision:
 
 
 def constrained_form(scene: SceneData) -> Decision:
-    """The equations of motion freed of the constraint forces."""
+    """The equations of motion without constraint forces."""
     system = scene.equations.system
     if system is None or not system.rows:
         return False, "no constraint rows"
@@ -108,14 +108,14 @@ def constrained_form(scene: SceneData) -> Decision:
 
 
 def finite_pair(scene: SceneData) -> Decision:
-    """Eigenvalues are listed in any case; the motion comes from the pair only where the chosen method is that of the pairs."""
+    """Eigenvalues are always listed; the motion comes from the pair only where the chosen method uses pairs."""
     if scene.method.name == PAIRS:
         return True, "the motion for t > 0, and the eigenvalues"
     return True, "the eigenvalues; the motion comes from the reduced equations"
 
 
 def infinite_pair(scene: SceneData) -> Decision:
-    """Jumps and impulses come from it; free and admissible motion does without (Moysis et al., section 4.1)."""
+    """Jumps and impulses come from the infinite pair; free admissible motion needs none (Moysis et al., section 4.1)."""
     equations = scene.equations
     A = equations.polynomial_matrix
     if not any(A.jordan_pairs().form.split.infinite_divisors):
@@ -131,7 +131,7 @@ def response(scene: SceneData) -> Decision:
 
 
 def modes(scene: SceneData) -> Decision:
-    """What the zeros mean is known of a mechanical system."""
+    """The mechanical meaning of the eigenvalues, for mechanical systems."""
     if scene.equations.system is None:
         listed = "the zeros of A(s)" if scene.equations.control is None else "the poles"
         return False, f"no mechanical system: {listed} are listed without a meaning"
@@ -139,7 +139,7 @@ def modes(scene: SceneData) -> Decision:
 
 
 def proof(scene: SceneData) -> Decision:
-    """Small models of exact data have bounds of the error instead of estimates."""
+    """Error bounds instead of estimates, for small models with exact data."""
     control, reason = scene.equations.control, unproved(scene.problem)
     if reason and control and control.form and "output" in scene.table.output.plots:
         reason = unproved(control.response.together.problem)  # the outputs are those of the state space itself
@@ -147,7 +147,7 @@ def proof(scene: SceneData) -> Decision:
 
 
 def transfer_functions(scene: SceneData) -> Decision:
-    """From each input to each output of a state space."""
+    """Transfer functions from each input to each output of a state space."""
     control = scene.equations.control
     if not (control.inputs.names and control.outputs.names):
         return False, "there are no inputs or no outputs"
@@ -157,13 +157,13 @@ def transfer_functions(scene: SceneData) -> Decision:
 
 
 def plotted(scene: SceneData, kind: str) -> Decision:
-    """Curves that are only there to be shown."""
+    """Curves for display only."""
     requested = kind in scene.table.output.plots
     return requested, f"{kind} is{'' if requested else ' not'} among the plots"
 
 
 def velocities(scene: SceneData) -> Decision:
-    """Besides plots, an animation needs them."""
+    """Velocities, which an animation needs as well as plots."""
     requested, reason = plotted(scene, "velocity")
     if "phase" in scene.table.output.plots and not requested:
         requested, reason = True, "phase is among the plots"
@@ -183,7 +183,7 @@ def reactions(scene: SceneData) -> Decision:
 
 
 def connection_forces(scene: SceneData) -> Decision:
-    """Of loops, springs and bushings of a robot in the directions of the ground."""
+    """Forces of loops, springs and bushings of a robot in the directions of the ground."""
     output, equations = scene.table.output, scene.equations
     if not equations.has_connections:
         return False, "no loops, springs or bushings"
@@ -194,7 +194,7 @@ def connection_forces(scene: SceneData) -> Decision:
 
 
 def outputs(scene: SceneData) -> Decision:
-    """Of a robot or a state space."""
+    """Outputs of a robot or a state space."""
     equations = scene.equations
     if equations.outputs is None:
         return False, "there is no C" if equations.control else "no outputs are named"
@@ -234,21 +234,21 @@ def symbols(scene: SceneData) -> Decision:
 
 
 def animation(scene: SceneData) -> Decision:
-    """The drawing that moves."""
+    """Animated drawing."""
     output, pictured = scene.table.output, still(scene)[0]
     if not (output.page or pictured):
         return False, "no page"
     if not (output.animation or pictured):
         return False, "animation = false"
     if not _has_places(scene):
-        return False, "states and outputs are no places: a [drawing] would say how they move"
+        return False, "states and outputs have no geometry: add a [drawing]"
     if not (output.page and output.animation):
         return True, "the still picture shows the model where it is then"
     return True, "the model moves on the page, by displacements and velocities"
 
 
 def is_animated(scene: SceneData) -> bool:
-    """Whether a page shows the model moving."""
+    """Whether a page animates the model."""
     output = scene.table.output
     return output.page and output.animation and _has_places(scene)
 
@@ -259,12 +259,12 @@ def _has_places(scene: SceneData) -> bool:
 
 
 def still(scene: SceneData) -> Decision:
-    """A picture of the model, for which a browser is needed."""
+    """Still picture of the model, for which a browser is needed."""
     time = scene.table.output.still
     if time is None:
         return False, "not requested (--still TIME, or still = TIME in [output])"
     if not _has_places(scene):
-        return False, "states and outputs are no places: a [drawing] would say where they are"
+        return False, "states and outputs have no geometry: add a [drawing]"
     from ...page.photograph import NONE_INSTALLED, browser
 
     return (True, f"{scene.name}.still.png, the model at {time:g} s") if browser() else (False, NONE_INSTALLED)
@@ -283,7 +283,7 @@ def plot_images(scene: SceneData) -> Decision:
 
 
 def robot_meshes(scene: SceneData) -> Decision:
-    """Files of the robot's looks."""
+    """Visual meshes of the robot."""
     meshes = scene.equations.robot_scene.data.names.meshes
     if not meshes:
         return False, "the robot is drawn from boxes, cylinders and spheres"
@@ -292,7 +292,7 @@ def robot_meshes(scene: SceneData) -> Decision:
 
 
 def collision_geometry(scene: SceneData) -> Decision:
-    """Of the links, for the page."""
+    """Collision geometry of the links, for the page."""
     drawn = animation(scene)[0]
     return drawn, "the page shows it on request" if drawn else "it is read only where the robot is drawn"
 
@@ -306,7 +306,7 @@ def frequency(scene: SceneData) -> Decision:
 
 
 def frequency_files(scene: SceneData) -> Decision:
-    """Its page, CSV and npz."""
+    """Page, CSV and npz of the frequency response."""
     output, requested = scene.table.output, scene.table.frequency is not None
     kinds = [ending for ending, wanted in (("html", output.page), ("csv", output.csv), ("npz", output.npz)) if wanted]
     if not (requested and kinds):
@@ -321,7 +321,7 @@ def written(scene: SceneData, kind: str) -> Decision:
 
 
 def too_large_to_certify(equations: Equations) -> str:
-    """The reason why equations are not certified; an empty text where they are."""
+    """The reason why equations are not certified; empty where they are."""
     rows, A = len(equations.system.rows) if equations.system else 0, equations.polynomial_matrix
     states = (A.size + rows) * max(A.degree, 1)
     if states <= MOST_CERTIFIED_STATES:
@@ -330,7 +330,7 @@ def too_large_to_certify(equations: Equations) -> str:
 
 
 def too_large_for_formula(scene: SceneData) -> str:
-    """The reason why no formula is computed; an empty text where one is."""
+    """The reason why no formula is computed; empty where one is."""
     A = scene.equations.polynomial_matrix
     if scene.equations.robot is not None or A.size * A.degree <= MOST_FORMULA_STATES:
         return ""

@@ -25,7 +25,7 @@ SECONDS = 120.0
 #: Most operations in exact numbers of a readable formula.
 SHORT = 80
 
-#: The same for the formula on a page.
+#: The limit for the formula on a page.
 PAGE_SECONDS = 30.0
 
 #: Default digits of decimals.
@@ -117,7 +117,7 @@ def _advice(scene: SceneData, numbers: bool) -> str:
 
 
 def parameters_text(form: ClosedForm) -> str:
-    """Default values: m = 10 kg, k = 2; and the signs that the formula relies on."""
+    """Default values, m = 10 kg, k = 2, and the signs that the formula assumes."""
     given = (f"{p.name} = {float(p.value):.12g} {p.unit}".strip() for p in form.parameters if p.value is not None)
     text = ", ".join(given)
     return f"Default values: {text}. {_signs(form)}" if text else ""
@@ -129,7 +129,7 @@ def _signs(form: ClosedForm) -> str:
 
 
 def formulas_on_page(form: ClosedForm) -> Formulas:
-    """The section of a page with the formula: MathML, default values, signs on which the formula relies."""
+    """The section of a page with the formula: MathML, default values, assumed signs."""
     from ...exact.formulas.markup import mathml
     from ...page.content import Formulas
 

@@ -1,4 +1,4 @@
-"""The plan: every stage that a scene could need, needed or left out, with the reason and, once it ran, its cost; and its tables."""
+"""The plan: every possible stage of a scene, needed or omitted, with the reason and, after a run, its cost; and its tables."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ NOTHING = "–"
 
 @dataclass(frozen=True)
 class Stage:
-    """One stage.
+    """Stage of the computation.
 
     Attributes:
-        name: what is done.
+        name: name of the stage.
         needed: whether this scene needs it.
-        reason: why, or why not.
-        cost: in time and memory, once it has run.
-        part_of: the stage in which it is done and whose cost contains its own, or an empty string.
+        reason: the reason for needing or omitting it.
+        cost: time and memory, once it has run.
+        part_of: the stage that contains it, including its cost, or an empty string.
     """
 
     name: str
@@ -36,7 +36,7 @@ class Stage:
 
     @property
     def seconds(self) -> float | None:
-        """How long it took, once it has run."""
+        """Run time in s, once it has run."""
         return self.cost and self.cost.seconds
 
     @property
@@ -80,11 +80,10 @@ class Plan:
         return Cost(sum(cost.seconds for cost in costs), memory, peak)
 
     def with_costs(self, costs: Mapping[str, Cost]) -> Plan:
-        """The same plan with the costs of stages by name."""
+        """The plan with the costs of stages by name."""
         return Plan(tuple(replace(stage, cost=costs.get(stage.name, stage.cost)) for stage in self.stages))
 
     def as_json(self) -> list[dict]:
-        """The stages as plain data."""
         return [
             {"name": stage.name, "taken": stage.needed, "reason": stage.reason, "seconds": stage.seconds, "memory": stage.memory}
             | ({"part_of": stage.part_of} if stage.part_of else {})

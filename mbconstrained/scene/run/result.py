@@ -1,4 +1,4 @@
-"""The result of a scene. Each part is computed at its first use; the plan lists which are."""
+"""The result of a scene, whose parts are computed at their first use; the plan lists them."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from .certificate import Certificate
     from .frequency.scene_frequency import SceneFrequency
 
-NOTHING_MOVES = "nothing moves: neither the start nor a force sets anything in motion"
+NOTHING_MOVES = "nothing moves: zero initial conditions and no excitation"
 
 
 class Result(Displayed):
@@ -54,9 +54,9 @@ class Result(Displayed):
     Attributes:
         scene: the scene that was run.
         plan: its stages with their costs.
-        files: what was written, in this order.
+        files: written files, in this order.
         system: mass, damping, stiffness and constraint rows; None where A(s) was given itself.
-        times: of the scene, shape (T,), in s.
+        times: times of the scene, shape (T,), in s.
     """
 
     def __init__(self, scene: SceneData, plan: Plan, folder: Path | None = None):
@@ -91,7 +91,7 @@ class Result(Displayed):
 
     @cached_property
     def times(self) -> np.ndarray:
-        """Those of the scene; where it gives no number of them, as many as the fastest visible motion needs."""
+        """Times of the scene; without a given number, enough for the fastest visible motion."""
         return following_times(self) if self.scene.table.time.is_automatic else self.scene.times
 
     @cached_property
@@ -117,18 +117,18 @@ class Result(Displayed):
         return self._extrema[kind]
 
     def shown_curves(self, kind: str) -> Curves:
-        """The same in the units of [output], for page and CSV."""
+        """Curves in the units of [output], for page and CSV."""
         return in_units(self.curves(kind), self.scene.equations.coordinates.shown)
 
     def time_functions(self, kind: str) -> TimeFunctions:
-        """The same at all times, as the page stores them."""
+        """Trajectories as stored in the page, as functions of time."""
         if kind not in self._functions:
             self._functions[kind] = time_functions(self, kind)
         return self._functions[kind]
 
     @cached_property
     def record_response(self) -> RecordResponse | None:
-        """The motion that the curves follow from, where a force restarts; at its knots all values up to the degree of A(s)."""
+        """The motion from which the curves are computed, where a force restarts; at its knots all values up to the degree of A(s)."""
         from ...page.content import RecordResponse
 
         restarts, degree = self.motion.force.smooth.restarts, self.scene.equations.polynomial_matrix.degree
@@ -172,7 +172,7 @@ class Result(Displayed):
 
     @cached_property
     def later(self) -> list[Event | ImpulsiveLoad]:
-        """The events of the motion that are no kinks, and the impulses of its constraint forces after t = 0, by time."""
+        """The events of the motion, except kinks, and the impulses of its constraint forces after t = 0, by time."""
         events = [*without_kinks(self.motion), *getattr(self.motion, "later_constraint_impulses", ())]
         return sorted(events, key=lambda event: event.time)
 
@@ -183,7 +183,7 @@ class Result(Displayed):
 
     @cached_property
     def table_notices(self) -> tuple[Notice, ...]:
-        """The notices of the summary and of the page, where tables show the jumps and impulses."""
+        """The notices of the summary and of the page, in which tables contain the jumps and impulses."""
         return notices_of(self)
 
     @cached_property
@@ -198,8 +198,7 @@ class Result(Displayed):
 
     @cached_property
     def error_estimates(self) -> dict[str, float]:
-        """The same for each requested kind of curve; energies consist of displacements and velocities, outputs of a robot of
-        displacements."""
+        """Error estimates of each requested kind of curve; energies depend on x and x', outputs of a robot on x."""
         watched = ["ground_reaction"] if connection_forces(self.scene)[0] else []
         parts = (part for kind in (*self.kinds, *watched) for part in PARTS.get(kind, (kind,)))
         kinds = [kind for kind in dict.fromkeys(parts) if kind != "reaction" or self._has_rows]
@@ -212,7 +211,7 @@ class Result(Displayed):
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
-        """What is worth knowing, and what makes the answer doubtful."""
+        """Notices on the answer, and doubts about it."""
         notices = self.motion.equation_notices if self.system else with_units(self.motion, self.scene.equations.coordinates)
         robot_scene = self.scene.equations.robot_scene
         limits = (*limit_notices(robot_scene, self._furthest), *forces_notices(self)) if robot_scene else ()
@@ -226,7 +225,7 @@ class Result(Displayed):
 
     @cached_property
     def linear_range(self) -> LinearRange | None:
-        """How far the linear motion of a robot carries; None of other models."""
+        """Linear range of the motion of a robot; None for other models."""
         robot_scene = self.scene.equations.robot_scene
         return robot_scene.system.linear_range(self.motion, self.times) if robot_scene else None
 
@@ -249,12 +248,12 @@ class Result(Displayed):
 
     @property
     def is_trusted(self) -> bool:
-        """False where a notice warns that the answer may be wrong."""
+        """False where a notice states that the answer may be wrong."""
         return not any(notice.doubtful for notice in self.notices)
 
     @cached_property
     def animation(self) -> Animation:
-        """The drawing of the model and the motion that moves it."""
+        """The drawing of the model with its motion."""
         from .picture.result_animation import animation_of
 
         return animation_of(self)
@@ -313,7 +312,7 @@ class Result(Displayed):
         return summary(self)
 
     def as_json(self) -> dict:
-        """The answer without the curves, as plain data."""
+
         from .report.summary import as_json
 
         return as_json(self)
@@ -322,7 +321,7 @@ class Result(Displayed):
         """Write the page, with the viewer's script next to it where [output] viewer requests that.
 
         Args:
-            path: of the page; None for the folder of the run, named after the scene.
+            path: path of the page; None for the folder of the run, named after the scene.
 
         Returns:
             The path written.
@@ -338,19 +337,19 @@ class Result(Displayed):
         return page
 
     def write_csv(self, path: str | Path | None = None) -> Path:
-        """Write the curves as CSV, one line for each time, in the units of [output]; path as of ``write_page``."""
+        """Write the curves as CSV, one line for each time, in the units of [output]; the path is that of ``write_page``."""
         return self._written("csv", path, lambda path: write_csv(path, self.times, self._all_shown_curves))
 
     def write_npz(self, path: str | Path | None = None) -> Path:
-        """Write curves, jumps, impulses and the Jordan pairs as NumPy arrays; path as of ``write_page``."""
+        """Write curves, jumps, impulses and the Jordan pairs as NumPy arrays; the path is that of ``write_page``."""
         return self._written("npz", path, lambda path: write_arrays(path, arrays_of_result(self), ".npz"))
 
     def write(self, path: str | Path, *, excel: bool = False, geometry: Geometry | None = None, binary: bool = True) -> Path:
         """Write the curves in the format that the ending of the path names: .csv, .npz, .mat, .nc, .zarr, .uff or .unv.
 
         Args:
-            path: of the file.
-            excel, geometry, binary: as of ``Motion.write``.
+            path: path of the file.
+            excel, geometry, binary: as in ``Motion.write``.
 
         Returns:
             The path.
@@ -384,7 +383,7 @@ class Result(Displayed):
         return [self.shown_curves(kind) for kind in self.kinds]
 
     def write_plots(self, folder: str | Path | None = None) -> list[Path]:
-        """Write each plot of the page as SVG and PNG, named after scene and plot; without a folder into that of the run."""
+        """Write each plot of the page as SVG and PNG, named after scene and plot; by default into the folder of the run."""
         from ...page.plots.images import plot_image, plot_images
         from .report.page_report import plots_of
 
@@ -400,7 +399,7 @@ class Result(Displayed):
         """Write a picture of the model at a time as PNG, taken by an installed Chromium or Chrome.
 
         Args:
-            path: of the picture; None for the folder of the run, named after the scene.
+            path: path of the picture; None for the folder of the run, named after the scene.
             time: in s; None for the one in [output] still, or 0.
 
         Returns:
@@ -416,7 +415,7 @@ class Result(Displayed):
         return self._written("still.png", path, _of_bytes(photograph(self.animation, time)))
 
     def try_still(self) -> None:
-        """Write the still picture; a notice has the reason where the browser takes none, so that all else is written."""
+        """Write the still picture; if the browser fails, a notice has the reason and all else is written."""
         try:
             self.write_still()
         except MbconstrainedError as problem:
@@ -437,7 +436,7 @@ class Result(Displayed):
 
     @contextmanager
     def writing_together(self) -> Iterator[Replacements]:
-        """What is written inside takes its place at the end of the outermost block, all of it or nothing."""
+        """A context in which written files replace their targets at the end of the outermost block, all or none."""
         if self._together is not None:
             yield self._together
             return
@@ -464,7 +463,7 @@ def arrays_of_result(result: Result) -> dict[str, np.ndarray]:
 
 
 def more_arrays(result: Result) -> dict[str, np.ndarray]:
-    """Those of ``arrays_of_result`` that are no curves."""
+    """Further arrays of ``arrays_of_result``: all that are not curves."""
     arrays = {}
     if "reaction" in result.kinds:
         arrays["constraints"] = np.array(result.curves("reaction").names)

@@ -1,4 +1,4 @@
-"""A scene: a checked file with its equations, that can be planned and run."""
+"""A scene: a validated file with its equations, that can be planned and run."""
 
 from __future__ import annotations
 
@@ -35,21 +35,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Scene(SceneData, Studied):
-    """A scene that was read, checked and assembled; nothing is solved yet.
+    """A scene that was read, validated and assembled, but not solved.
 
     Attributes:
         path: the file.
-        table: what stands in it, checked and in SI.
+        table: the validated content, in SI.
         equations: its equations.
-        unit_texts: how many quantities were written with a unit.
-        costs: what the stages of reading, from the file to the staircase, took, by name.
+        unit_texts: number of quantities written with a unit.
+        costs: costs of the stages of reading, from the file to the staircase, by name.
         parameters: the named quantities, which everywhere else stand with their values.
-        settings: what was set from outside.
+        settings: values set from outside.
         file_name: of the file, in messages; it knows what comes from other files.
     """
 
     def plan(self) -> Plan:
-        """The stages that this scene needs and those it can do without, each with its reason."""
+        """The possible stages of this scene, needed or not, each with its reason."""
         return plan_of(self)
 
     def named_parameters(self) -> Iterator[Parameter]:
@@ -99,7 +99,7 @@ class Scene(SceneData, Studied):
         """The eigenvalues over one of the [parameters], or over an element or entry by name.
 
         Args:
-            name: of the parameter.
+            name: name of the parameter.
             values: in SI, ascending, two or more.
 
         Returns:
@@ -133,7 +133,7 @@ class Scene(SceneData, Studied):
         On Linux the highest resident memory of the process, as the system keeps it, is set back at the start of each stage.
 
         Args:
-            folder: where page, CSV and npz are written, as far as the scene requests them; None: nowhere.
+            folder: folder of the requested page, CSV and npz; None writes nothing.
             progress: called with each stage as it begins.
 
         Returns:
@@ -146,7 +146,7 @@ class Scene(SceneData, Studied):
 
 
 def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> Scene:
-    """Read a scene file, check it, assemble its equations and see that they determine a motion; solve nothing.
+    """Read and validate a scene file, assemble its equations and check that they determine a motion, without solving.
 
     Args:
         path: a TOML file in UTF-8.
@@ -178,7 +178,7 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
 
 
 def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, Any], costs: Costs | None = None) -> Scene:
-    """The scene of tables that were read; whether its equations determine a motion is not seen yet."""
+    """The scene of tables that were read; whether its equations determine a motion is not checked yet."""
     costs = costs or Costs()
     of_robot = {key: value for key, value in settings.items() if key.startswith("robot.")}
     name, overrides = with_settings(data, name, {key: value for key, value in settings.items() if key not in of_robot})
@@ -203,7 +203,7 @@ def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, An
 
 
 def check_output(output, equations: Equations, file_name: str, modal_damping: bool = False) -> None:
-    """Check that the equations have what [output] requests."""
+    """Check that the equations have the quantities that [output] requests."""
     with at(file_name, "output.certify"):
         for name in output.certify if isinstance(output.certify, list) else ():
             equations.coordinates.number(name)

@@ -54,7 +54,7 @@ class SceneData(Displayed):
 
     @property
     def name(self) -> str:
-        """The name of the file without its ending; results are named after it."""
+        """Name of the file without its ending; results are named after it."""
         return self.path.stem
 
     @property
@@ -64,12 +64,12 @@ class SceneData(Displayed):
 
     @property
     def title(self) -> str:
-        """The title in the file, or else the name."""
+        """Title in the file, by default the name."""
         return self.table.title or self.name
 
     @property
     def heading(self) -> str:
-        """The title with what was set from outside."""
+        """Title with the values set from outside."""
         overrides = ", ".join(map(str, self.settings))
         return f"{self.title}, with {overrides}" if overrides else self.title
 
@@ -100,20 +100,20 @@ class SceneData(Displayed):
         return Problem(equations.polynomial_matrix, equations.initial, equations.right_hand_side)
 
     def certified(self) -> Self:
-        """The same scene with certify = true, where it does not say itself what to certify."""
+        """The scene with certify = true, unless it states what to certify."""
         output = self.table.output
         return self._with_output(certify=output.certify or output.coordinates or True)
 
     def with_viewer(self, viewer: str) -> Self:
-        """The same scene with the script of the viewer "inside" its page, in a "separate" file, or "compressed"."""
+        """The scene with the script of the viewer "inside" its page, in a "separate" file, or "compressed"."""
         return self._with_output(viewer=viewer)
 
     def with_plot_images(self) -> Self:
-        """The same scene with its plots as pictures too."""
+        """The scene with its plots written as pictures too."""
         return self._with_output(plot_images=True)
 
     def with_still(self, time: float) -> Self:
-        """The same scene with a still picture of its model at a time in s.
+        """The scene with a still picture of its model at a time in s.
 
         Raises:
             InputError: a time that the scene does not reach.
@@ -124,7 +124,7 @@ class SceneData(Displayed):
         return self._with_output(still=float(time))
 
     def unwritten(self) -> Self:
-        """The same scene without page, CSV, npz and pictures."""
+        """The scene without page, CSV, npz and pictures."""
         return self._with_output(page=False, csv=False, npz=False, plot_images=False, still=None)
 
     def _with_output(self, **changes) -> Self:
@@ -148,7 +148,7 @@ MOST_NAMED = 5
 
 
 def _assumed_lengths(model) -> Iterator[Notice]:
-    """Springs without a rest length next to some that have one: coordinates are positions then, and these springs pull to length 0."""
+    """Springs without a rest length next to some that have one: coordinates are positions, and these springs contract to 0."""
     for key, entry, unit in (("spring", "rest_length", "m"), ("torsion_spring", "rest_angle", "rad")):
         springs = list(enumerate(getattr(model, key, ()), 1))
         if not any(getattr(spring, entry) for _, spring in springs):
@@ -161,7 +161,7 @@ def _assumed_lengths(model) -> Iterator[Notice]:
 
 
 def _matrix_notices(table, system: MechanicalSystem | None) -> Iterator[Notice]:
-    """What the matrices of a scene are that those of springs and masses never are: unsymmetric, or M with a negative eigenvalue."""
+    """Notices on matrices that differ from those of a passive structure: unsymmetric, or M with a negative eigenvalue."""
     if table.model.kind != "matrices" or system is None or system.is_sparse:
         return
     for name in ("mass", "stiffness"):
@@ -171,5 +171,5 @@ def _matrix_notices(table, system: MechanicalSystem | None) -> Iterator[Notice]:
     scaled = M / np.outer(np.where(sizes > 0, sizes, 1.0), np.where(sizes > 0, sizes, 1.0))
     least = float(np.linalg.eigvalsh(scaled)[0])
     if least < -noise_of(np.abs(scaled).max(), len(M)):
-        text = "the mass matrix is not positive semidefinite: some motion has a negative kinetic energy, which no machine has"
+        text = "the mass matrix is not positive semidefinite: some motion has a negative kinetic energy, which is impossible for a passive structure"
         yield Notice(NoticeKind.UNSTABLE, text)

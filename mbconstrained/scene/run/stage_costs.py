@@ -19,7 +19,7 @@ from dataclasses import dataclass
 _CLEAR, _SET_BACK = "/proc/self/clear_refs", "5"
 _STATUS = "/proc/self/status"
 
-#: Of ru_maxrss, in bytes: macOS counts them, all others count kilobytes (man getrusage).
+#: Bytes per unit of ru_maxrss: macOS counts bytes, all others kilobytes (man getrusage).
 _UNIT_OF_GROWTH = 1 if sys.platform == "darwin" else 1024
 
 OWN_PEAK = "Memory is the highest resident memory during a stage above that at its start, with what it imports."
@@ -29,10 +29,10 @@ NOT_MEASURED = "Memory is not measured on this system."
 
 @dataclass(frozen=True)
 class Cost:
-    """What something took.
+    """Cost of a stage.
 
     Attributes:
-        seconds: by the clock on the wall.
+        seconds: wall-clock time.
         memory: highest resident memory above that at the start, in bytes; None where it cannot be measured.
         peak: highest resident memory of the process, in bytes, or None.
     """
@@ -42,7 +42,7 @@ class Cost:
     peak: int | None = None
 
     def __add__(self, other: Cost) -> Cost:
-        """What two parts of one stage took, with other work between them; the memory of the first may have stayed.
+        """Cost of two parts of one stage, with other work between them; the memory of the first may have stayed.
 
         >>> Cost(1.0, 10, 110) + Cost(2.0, 5, 120)
         Cost(seconds=3.0, memory=15, peak=120)
@@ -53,14 +53,14 @@ class Cost:
 
 
 class Costs:
-    """Costs by name, of laps that follow one another; the first begins with the object."""
+    """Costs by name, of successive laps; the first begins with the object."""
 
     def __init__(self):
         self.by_name: dict[str, Cost] = {}
         self._begin()
 
     def lap(self, name: str) -> Cost:
-        """Count the time since the lap before for a name; the cost of this lap."""
+        """Add the time since the previous lap to a name; return the cost of this lap."""
         seconds, peak = time.perf_counter() - self._started, _highest()
         cost = Cost(seconds, None if self._memory is None or peak is None else max(peak - self._memory, 0), peak)
         self.by_name[name] = self.by_name[name] + cost if name in self.by_name else cost
@@ -73,14 +73,14 @@ class Costs:
 
 
 def memory_note() -> str:
-    """How memory is measured on this system, in a sentence."""
+    """Description of the measurement of memory on this system."""
     if _set_back() and _status("VmRSS:") is not None:
         return OWN_PEAK
     return NOT_MEASURED if _highest() is None else GROWTH
 
 
 def _set_back() -> bool:
-    """Whether the highest resident memory could be set back to the present one."""
+    """Whether the highest resident memory could be reset to the present one."""
     try:
         with open(_CLEAR, "w", encoding="ascii") as file:
             file.write(_SET_BACK)
@@ -90,7 +90,7 @@ def _set_back() -> bool:
 
 
 def _highest() -> int | None:
-    """The highest resident memory since it was set back, or else since the process began."""
+    """The highest resident memory since the reset, or else since the start of the process."""
     if (highest := _status("VmHWM:")) is not None:
         return highest
     try:
@@ -101,7 +101,7 @@ def _highest() -> int | None:
 
 
 def _status(key: str) -> int | None:
-    """An entry in bytes."""
+    """An entry of the status file in bytes."""
     try:
         with open(_STATUS, encoding="utf-8") as file:
             return next((1024 * int(line.split()[1]) for line in file if line.startswith(key)), None)
@@ -114,12 +114,12 @@ AGAIN = 1.0
 
 
 class OutOfTime(BaseException):
-    """The time is over; no Exception, so that nothing in between takes it for a problem of its own."""
+    """Time limit exceeded; not an Exception, so that no handler in between catches it."""
 
 
 @contextmanager
 def time_limit(seconds: float) -> Iterator[None]:
-    """Break off what is done inside after so many seconds.
+    """A context that stops its work after a number of seconds.
 
     Where there are no alarms (in threads, on Windows) there is no limit either.
 

@@ -25,7 +25,7 @@ class PossibleStage:
     """A stage that a scene may need.
 
     Attributes:
-        name: of the stage.
+        name: name of the stage.
         decide: whether a scene needs it, and the reason; the same for all scenes where it is no function.
         work: does it; None where reading the scene, or another stage, does it.
         writes: whether only files need it.
@@ -104,7 +104,7 @@ def steps_of(scene: SceneData) -> tuple[PossibleStage, ...]:
 
 
 def plan_of(scene: SceneData, *, writing: bool = True) -> Plan:
-    """Decide about every stage and run none."""
+    """Decide about every stage without running any."""
     requested = scene if writing else scene.unwritten()
     return Plan(tuple(_stage(step, requested, writing) for step in steps_of(scene))).with_costs(scene.costs)
 

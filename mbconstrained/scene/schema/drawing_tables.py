@@ -34,11 +34,11 @@ VIEWS = {
 
 
 class ViewTable(Table):
-    """From where the model is looked at."""
+    """The view of the model."""
 
     yaw: Angle = Field(0.0, description='How far round to the right, e.g. "30 deg"; 0 is in front.')
     pitch: Angle = Field(0.0, description='How far up, e.g. "20 deg"; 0 is level.')
-    zoom: Number = Field(1.0, gt=0, description="How much closer than where all of the motion is visible.")
+    zoom: Number = Field(1.0, gt=0, description="Magnification relative to the view of the whole motion.")
 
     @model_validator(mode="after")
     def _no_degrees(self):
@@ -65,18 +65,19 @@ class BodyTable(Table):
     shape: Shape | None = Field(
         None, description="box: a mass; sphere: a joint; disc, gear, ring: an inertia; mark: a point; ground: a wall."
     )
-    rest: Vector | None = Field(None, description="Where it is while all coordinates are 0: x right, y back, z up.")
+    rest: Vector | None = Field(None, description="Position with all coordinates 0: x right, y back, z up.")
     moves: dict[Name, PlainVector] | None = Field(
         None, description="Displacement by unit of a coordinate, e.g. { x1 = [1, 0, 0] }."
     )
     turns: dict[Name, PlainVector] | None = Field(None, description="Rotation vector by rad; [0, -1, 0] is counter-clockwise.")
     along: PlainVector | None = Field(
-        None, description="Where positive displacements of this body go in the automatic drawing, e.g. [1, 1, 0]; [0, 0, 1] is up."
+        None,
+        description="Direction of positive displacements in the automatic drawing, e.g. [1, 1, 0]; [0, 0, 1] is up.",
     )
     about: PlainVector | None = Field(
         None, description="About what positive angles of this body turn counter-clockwise in the automatic drawing."
     )
-    label: Text | None = Field(None, description="What is written next to it; left out: its name.")
+    label: Text | None = Field(None, description="Label next to it; by default its name.")
     size: Vector | None = Field(None, description="Extent along x, y, z.")
     color: Annotated[str, BeforeValidator(_color)] | None = Field(None, description='Its colour, e.g. "#1f77b4".')
     teeth: Teeth | None = Field(None, ge=3, le=400, description="Number of teeth of a gear.")
@@ -96,7 +97,7 @@ class LinkTable(Table):
     """Something stretched between two bodies."""
 
     name: Name | None = Field(None, description="A name for messages; by default of kind and ends.")
-    kind: LinkKind = Field(description="What it looks like.")
+    kind: LinkKind = Field(description="Kind of symbol.")
     start: Name = Field(description="The body it starts at.")
     end: Name = Field(description="The body it ends at.")
     offset: Vector = Field([0.0, 0.0, 0.0], description="Moves it aside, so that parallel links are distinct.")
@@ -113,7 +114,7 @@ class DrawingTable(Table):
         None, description='From where it is looked at: front, back, left, right, top, or { yaw = "30 deg", pitch = "20 deg" }.'
     )
     along: PlainVector | None = Field(
-        None, description="Where positive displacements go in the automatic drawing; [0, 0, 1] is up."
+        None, description="Direction of positive displacements in the automatic drawing; [0, 0, 1] is up."
     )
     about: PlainVector | None = Field(
         None, description="About what positive angles turn counter-clockwise in the automatic drawing."

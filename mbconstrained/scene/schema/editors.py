@@ -10,7 +10,7 @@ from ..quantities.dimensions import KINDS
 from .robot_tables import RobotFile
 from .scene_schema import SceneFile
 
-#: Where a scene, and a robot.toml, looks for its schema: next to itself, under this name.
+#: Location of the schema of a scene, and of a robot.toml: in the same folder, under this name.
 SCHEMA_FILE, ROBOT_SCHEMA_FILE = "mbconstrained.schema.json", "robot.schema.json"
 EDITORS = """{file} is written. An editor with TOML support (in VS Code the extension Even Better TOML) uses it for a
 {what} in the same folder that begins with the line
@@ -36,7 +36,7 @@ def scene_schema() -> dict:
 
 
 def robot_schema() -> dict:
-    """The schema of a robot.toml likewise.
+    """The schema of a robot.toml, as plain data.
 
     >>> robot_schema()["required"]
     ['urdf']
@@ -53,7 +53,7 @@ def _schema(of: type[BaseModel], title: str) -> dict:
 
 
 def _complete(key: str, entry: dict) -> None:
-    """Give a key a title, and say in its description of which kind of quantity it is."""
+    """Add a title to a key, and the kind of quantity to its description."""
     entry.setdefault("title", key.replace("_", " ").capitalize())
     alternatives = [entry, *entry.get("anyOf", ())]
     quantity = next((each for each in (*alternatives, *(each.get("items", {}) for each in alternatives)) if each.get("unit")), None)

@@ -44,7 +44,7 @@ class UnknownKey(EntryError):
 
 
 class Table(BaseModel):
-    """A table of the scene file: it refuses keys it does not know and names the nearest one it does."""
+    """A table of the scene file: it refuses unknown keys and names the nearest known one."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, arbitrary_types_allowed=True)
 
@@ -62,12 +62,12 @@ class Table(BaseModel):
 
     @classmethod
     def known_keys(cls) -> list[str]:
-        """The keys as scenes write them; words of Python's grammar have another name as attributes."""
+        """The keys as scenes write them; Python keywords have another name as attributes."""
         return [field.alias or name for name, field in cls.model_fields.items()]
 
     @classmethod
     def _hint(cls, key: str) -> str:
-        """Where a key belongs that does not belong here, as far as the table knows."""
+        """Hint for a key that belongs to another table."""
         return ""
 
 
@@ -82,7 +82,7 @@ NUMBER_SCHEMA = {"anyOf": [{"type": "number"}, QUANTITY_SCHEMA]}
 
 
 def quantity_field(unit: str):
-    """The type of a key that holds a number in the SI unit or a text with a unit of the same kind."""
+    """The type of a key with a number in the SI unit or a text with a unit of the same kind."""
     text = EXPRESSION_SCHEMA if unit == "1" else QUANTITY_SCHEMA
     examples = ([] if unit == "1" else [KINDS[unit][1].strip('"')]) + ["=2*k"]
     schema = {"unit": unit, "examples": examples, "anyOf": [{"type": "number"}, text]}
@@ -108,7 +108,7 @@ Rate = quantity_field("1/s")
 
 
 def _in_planes(unit: str):
-    """The type of a key that holds a quantity, one for each of the planes y and z, a matrix of them, or a list of these."""
+    """The type of a key with a quantity, one for each of the planes y and z, a matrix of them, or a list of these."""
 
     def converted(value):
         return [converted(entry) for entry in value] if isinstance(value, list) else quantity(value, unit)

@@ -15,7 +15,7 @@ MOST_POWER = 20
 
 
 class ForceBase(Table):
-    """What every force has."""
+    """Keys of every force."""
 
     coordinate: Name | None = Field(
         None, description="The coordinate or the input it acts on; for coefficients: the equation of that number."
@@ -37,12 +37,12 @@ class ForceBase(Table):
 
     @property
     def places(self) -> dict[str, float]:
-        """By the name of each coordinate or input the factor of the signal."""
+        """Factors of the signal by the name of the coordinate or input."""
         return {self.coordinate: 1.0} if self.coordinate is not None else {key: float(one) for key, one in self.factors.items()}
 
     @property
     def title(self) -> str:
-        """What it is called as an input."""
+        """Name of the force as an input."""
         return self.coordinate or self.name or f"load on {', '.join(self.places)}"
 
     @model_validator(mode="after")
@@ -72,7 +72,7 @@ class RampTable(ForceBase):
 
     @property
     def time_power(self) -> int:
-        """Of t."""
+        """Exponent of t."""
         return -1
 
 
@@ -85,7 +85,7 @@ class PowerTable(ForceBase):
 
     @property
     def time_power(self) -> int:
-        """Of t^(gamma - 1)."""
+        """Exponent of t^(gamma - 1)."""
         return 1 - self.gamma
 
 
@@ -98,12 +98,12 @@ class ImpulseTable(ForceBase):
 
     @property
     def time_power(self) -> int:
-        """Of the derivative of Dirac's delta."""
+        """Exponent of the derivative of Dirac's delta."""
         return self.order + 1
 
 
 class PeriodicTable(ForceBase):
-    """What forces with a cosine have."""
+    """Keys of forces with a cosine."""
 
     value: Quantity = Field(description="The amplitude.")
     angular_frequency: AngularVelocity | None = Field(None, description='w in rad/s, e.g. "12 rad/s" or "300 rpm".')
@@ -143,7 +143,7 @@ class TermTable(PeriodicTable):
 
     @property
     def time_power(self) -> int:
-        """Of t^power."""
+        """Exponent of t^power."""
         return -self.power
 
 
@@ -156,7 +156,7 @@ class PulseTable(ForceBase):
     )
     value: Quantity = Field(description="The force, or the torque on an angle.")
     start: Time = Field(0.0, description="When it begins.")
-    duration: Time = Field(description="How long it lasts.")
+    duration: Time = Field(description="Duration of the pulse.")
 
 
 Column = Annotated[int, Field(ge=1)] | Text
@@ -204,13 +204,13 @@ ForceTable = Annotated[
 
 
 class MotionBase(Table):
-    """What every prescribed motion has in addition to the keys of a force of its kind."""
+    """Keys of every prescribed motion, in addition to those of a force of its kind."""
 
     coordinate: Name | None = Field(None, description="The coordinate, joint or point whose motion is prescribed.")
     factors: dict[Name, Number] | None = Field(
         None, description="Instead of coordinate: several that move by multiples of one signal, e.g. { left = 1, right = 0.5 }."
     )
-    level: Level = Field("position", description="What the value is: a displacement, a velocity or an acceleration.")
+    level: Level = Field("position", description="Level of the value: displacement, velocity or acceleration.")
     name: Name | None = Field(None, description='Of the constraint row; left out: "motion of" and the coordinate.')
 
     @model_validator(mode="after")
@@ -221,7 +221,7 @@ class MotionBase(Table):
 
     @property
     def rows(self) -> dict[str, tuple[str, float]]:
-        """By the name of the constraint row the coordinate and the factor of the signal."""
+        """Coordinate and factor of the signal by the name of the constraint row."""
         if self.coordinate is not None:
             return {self.name or f"motion of {self.coordinate}": (self.coordinate, 1.0)}
         base = self.name or "motion"

@@ -40,7 +40,7 @@ class MassTable(Table):
 
     name: Name = Field(description="The name of the mass and of its coordinate.")
     mass: Mass = Field(description="Its mass.")
-    position: Length | None = Field(None, description="Where it is drawn; the motion does not depend on it.")
+    position: Length | None = Field(None, description="Position in the drawing, without effect on the motion.")
 
 
 class NodeTable(Table):
@@ -89,7 +89,7 @@ class RotorTable(Table):
 
 
 class ElementTable(Table):
-    """What joins two bodies, nodes or the ground."""
+    """An element between two bodies, nodes or the ground."""
 
     name: Name | None = Field(None, description="A name for messages and the drawing; by default of the ends.")
     between: Pair = Field(description='The two ends by name, e.g. ["ground", "cart"]; "ground" does not move.')
@@ -206,7 +206,7 @@ class ConstraintTable(Table):
     rows: Annotated[dict[Name, Quantity], BeforeValidator(_rows_by_name)] = Field(
         description='Coordinates with their factors, e.g. { x1 = 1, q1 = -1 } or { heave = 1, pitch = "1.01 m" }.'
     )
-    level: Level = Field("position", description="What the row holds for: positions, velocities or accelerations.")
+    level: Level = Field("position", description="Level of the row: positions, velocities or accelerations.")
     value: Quantity = Field(0.0, description="The right hand side, constant in time.")
 
 

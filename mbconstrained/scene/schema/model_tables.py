@@ -74,7 +74,7 @@ CoordinateUnit = Literal["m", "rad", "N", "N*m", "1"]
 
 
 class MatrixFile(Table):
-    """A matrix kept in a file next to the scene."""
+    """A matrix in a file next to the scene."""
 
     file: Text = Field(
         description="A .npy, .npz, .mtx, .mat, .op4, .csv or .txt file in the folder of the scene, or in one inside it."
@@ -91,7 +91,7 @@ def _matrix(value):
 
 
 def _numbers(value) -> np.ndarray:
-    """The entries as they are: floats in SI, some of them perhaps expressions of parameters or texts with units."""
+    """The entries unchanged: floats in SI, expressions of parameters or texts with units."""
     if not isinstance(value, list) or not value or not all(isinstance(row, list) for row in value):
         raise InputError(f"found {shown(value)}; expected rows of numbers, e.g. [[1, 0], [0, 1]], or the name of a file")
     lengths = {len(row) for row in value}

@@ -53,9 +53,9 @@ class ConnectionTable(Table):
 
     name: Name | None = Field(None, description="A name for messages and results; by default of the bodies.")
     body1: Text = Field(description='A link of the URDF, or "ground".')
-    point1: Vector | None = Field(None, description="Where on it, in the link's frame; left out: where point2 lies at the guess.")
+    point1: Vector | None = Field(None, description="Point of body1; by default where point2 lies at the guess.")
     body2: Text = Field(description='Another link, or "ground".')
-    point2: Vector | None = Field(None, description="Where on that; left out: where point1 lies at the guess.")
+    point2: Vector | None = Field(None, description="Point of body2; by default where point1 lies at the guess.")
 
 
 class FramesTable(ConnectionTable):
@@ -71,10 +71,10 @@ class SupportTable(FramesTable):
     friction: Number | None = Field(
         None, description="Coefficient of friction of a foot on the ground; its force at rest is checked."
     )
-    normal: Three[Number] = Field([0.0, 0.0, 1.0], description="Of the contact with friction, in the directions of the ground.")
+    normal: Three[Number] = Field([0.0, 0.0, 1.0], description="Normal of the contact, in the directions of the ground.")
     patch: Annotated[list[Length], Field(min_length=2, max_length=2)] | None = Field(
         None,
-        description="Of a foot with friction that cannot turn freely: extents of its sole along x and y of the frame on body1.",
+        description="Extents of the sole of a foot with friction that cannot turn freely, along x and y of the frame on body1.",
     )
 
 
@@ -84,11 +84,11 @@ class LoopTable(SupportTable):
     kind: Literal["point", "rigid", "hinge", "prismatic", "cylindrical", "universal", "rod"] = Field(
         "point", description="Which of the six directions are constrained."
     )
-    axis: Three[Number] = Field([0.0, 0.0, 1.0], description="Of a hinge, prismatic or cylindrical loop, in the frame on body1.")
+    axis: Three[Number] = Field([0.0, 0.0, 1.0], description="Axis of a hinge or prismatic loop, in the frame on body1.")
     axis2: Three[Number] = Field(
-        [1.0, 0.0, 0.0], description="Of a universal loop, in the frame on body2; axis is in that on body1."
+        [1.0, 0.0, 0.0], description="Second axis of a universal loop, in the frame on body2; axis is in that on body1."
     )
-    length: Length | None = Field(None, description="Of a rod; that at the guess if it is left out.")
+    length: Length | None = Field(None, description="Length of a rod; by default that at the guess.")
 
 
 class BodySpringTable(ConnectionTable):
@@ -97,7 +97,7 @@ class BodySpringTable(ConnectionTable):
     stiffness: Stiffness = Field(0.0, description="Force by extension.")
     rest_length: Length | None = Field(None, description="Its length without force.")
     preload: Annotated[Any, BeforeValidator(lambda value: quantity(value, "N"))] = Field(
-        None, description="Instead of rest_length: its tension at the guess; negative under pressure."
+        None, description="Tension at the guess, instead of rest_length; negative in compression."
     )
     damping: Damping = Field(0.0, description="Force by rate of extension.")
 
@@ -114,22 +114,24 @@ class BushingTable(SupportTable):
 class FlexibleJointTable(Table):
     """A motor behind an elastic gear."""
 
-    stiffness: Quantity = Field(description="Of the gear, at the joint's side.")
-    damping: Quantity = Field(0.0, description="Of the gear, at the joint's side.")
-    motor_inertia: Inertia = Field(description="Of the rotor, in front of the gear.")
+    stiffness: Quantity = Field(description="Stiffness of the gear, at the joint's side.")
+    damping: Quantity = Field(0.0, description="Damping of the gear, at the joint's side.")
+    motor_inertia: Inertia = Field(description="Inertia of the rotor, in front of the gear.")
     gear_ratio: Number = Field(1.0, description="Turns of the motor for one of the joint.")
-    proportional_gain: Quantity = Field(0.0, description="Of the motor's position control, at the joint's side.")
-    derivative_gain: Quantity = Field(0.0, description="Of the motor's position control, at the joint's side.")
+    proportional_gain: Quantity = Field(0.0, description="Proportional gain of the motor's position control, at the joint's side.")
+    derivative_gain: Quantity = Field(0.0, description="Derivative gain of the motor's position control, at the joint's side.")
 
 
 class MotorTable(Table):
     """A motor with a rigid gear."""
 
     armature: Quantity = Field(0.0, description="Inertia at the joint's side.")
-    rotor_inertia: Inertia = Field(0.0, description="Of the rotor, in front of the gear.")
+    rotor_inertia: Inertia = Field(0.0, description="Inertia of the rotor, in front of the gear.")
     gear_ratio: Number = Field(1.0, description="Turns of the motor for one of the joint.")
-    position_gain: Quantity = Field(0.0, description="Of the motor's position control, at the joint's side; it carries the load.")
-    velocity_gain: Quantity = Field(0.0, description="Of the motor's position control, at the joint's side.")
+    position_gain: Quantity = Field(
+        0.0, description="Proportional gain of the position control, at the joint's side; it carries the load."
+    )
+    velocity_gain: Quantity = Field(0.0, description="Derivative gain of the motor's position control, at the joint's side.")
 
 
 class JointGearTable(Table):
@@ -145,8 +147,8 @@ class PayloadTable(Table):
     """A body fixed to a link."""
 
     body: Text = Field(description="The link.")
-    mass: Mass = Field(description="Of the body.")
-    centre: Vector = Field([0.0, 0.0, 0.0], description="Of mass, in the link's frame.")
+    mass: Mass = Field(description="Mass of the body.")
+    centre: Vector = Field([0.0, 0.0, 0.0], description="Centre of mass, in the link's frame.")
     inertia: list[Inertia] = Field(
         [0.0, 0.0, 0.0], description="About the centre of mass: three principal moments, or ixx, ixy, ixz, iyy, iyz, izz."
     )
@@ -168,7 +170,7 @@ class BodyForceTable(PointTable):
 
 
 class Posing(Table):
-    """Where the robot stands: of a robot, and of a scene that has it otherwise."""
+    """Posture of a robot, or a different one in a scene."""
 
     state: Text | None = Field(
         None, description="A group state of the SRDF or key frame of the MJCF; the values of guess come on top."
@@ -189,8 +191,8 @@ class Posing(Table):
 class RobotFile(Table):
     """A robot: its URDF and what that does not say."""
 
-    title: Text = Field("", description="What the robot is.")
-    source: Text = Field("", description="Where it comes from.")
+    title: Text = Field("", description="Title of the robot.")
+    source: Text = Field("", description="Source of the robot.")
     licence: Text = Field("", description='Under which licence, e.g. "MIT".')
     urdf: Text = Field(description="The URDF, or MJCF (.xml), a file in the robot's folder.")
     srdf: Text | None = Field(None, description="An SRDF, a file in the robot's folder: postures by name, rotors of motors.")
@@ -203,7 +205,7 @@ class RobotFile(Table):
     gravity: Gravity = Field([0.0, 0.0, -9.81], description="A number for downwards along z, or a vector.")
     joint_stiffness: JointValues = Field({}, description="Springs of joints, by name.")
     joint_rest: JointValues = Field(
-        {}, description="Where these springs are without torque; one that is left out carries the load at the guess."
+        {}, description="Rest positions of these springs; an omitted one carries the load at the guess."
     )
     joint_damping: JointValues = Field({}, description="Dampers of joints, in addition to those of the URDF.")
     locked: JointValues = Field({}, description="Joints that are frozen at a value.")
@@ -216,7 +218,7 @@ class RobotFile(Table):
     loop: list[LoopTable] = Field([], description="Joints that close loops.")
     spring: list[BodySpringTable] = Field([], description="Springs between bodies.")
     bushing: list[BushingTable] = Field([], description="Bushings between bodies.")
-    posture: Posing = Field(Posing(), description="Where the robot stands if a scene does not say otherwise.")
+    posture: Posing = Field(Posing(), description="Default posture of the robot.")
 
 
 class RobotChanges(RobotFile):
@@ -228,7 +230,7 @@ class RobotChanges(RobotFile):
 class SpotTable(Table):
     """A named motion: that of a joint, or of a point of a body along a direction."""
 
-    name: Name = Field(description="What it is called.")
+    name: Name = Field(description="Name of the motion.")
     joint: Text | None = Field(None, description="A joint; or else body, with point, along and turn.")
     body: Text | None = Field(None, description="A link of the URDF.")
     point: Vector = Field([0.0, 0.0, 0.0], description="In the link's frame.")
@@ -249,7 +251,7 @@ class RobotTable(DampedTable, Posing):
 
     kind: Literal["robot"] = Field(description='"robot": a URDF with its robot.toml, linearized about an equilibrium.')
     robot: Text = Field(description='The folder of the robot, relative to the scene, e.g. "../robots/four_bar".')
-    level: Level = Field("position", description="What the rows of its loops hold for: positions, velocities or accelerations.")
+    level: Level = Field("position", description="Level of the rows of its loops: positions, velocities or accelerations.")
     locked: JointValues = Field({}, description="Joints that are frozen at a value, in addition to those of the robot.")
-    input: list[SpotTable] = Field([], description="Where [[force]] tables may act, by name.")
+    input: list[SpotTable] = Field([], description="Named inputs of [[force]] tables.")
     output: list[SpotTable] = Field([], description='What [output] plots as "output", by name.')

@@ -1,4 +1,4 @@
-"""The schema of a scene file: what may stand in it, with a description of every key."""
+"""The schema of a scene file, with a description of every key."""
 
 from __future__ import annotations
 
@@ -63,9 +63,9 @@ class InitialTable(Table):
     acceleration: Values = Field({}, description="Accelerations at 0-, for equations of degree 3 and above.")
     jerk: Values = Field({}, description="Third derivatives at 0-, for equations of degree 4 and above.")
     derivatives: list[list[Quantity]] | None = Field(
-        None, description="Instead of the above: row i has the i-th derivatives of all coordinates."
+        None, description="Alternatively: row i has the i-th derivatives of all coordinates."
     )
-    state: Values = Field({}, description="Of a state space, instead of all these: its states at 0-, e.g. { x1 = 0.1 }.")
+    state: Values = Field({}, description="States of a state space at 0-, instead of all these, e.g. { x1 = 0.1 }.")
     follow: bool = Field(False, description="true: omitted values follow from the constraint rows instead of being 0.")
 
     @model_validator(mode="after")
@@ -96,9 +96,9 @@ class TimeTable(Table):
     start: Time = Field(0.0, description="The first time of the answer; the values of [initial] are those at 0 all the same.")
     points: int = Field(
         401, ge=FEWEST_POINTS, le=MOST_POINTS,
-        description="How many times, start and end included; left out: 401, or as many as the fastest visible motion needs, at most 20001."
+        description="Number of times, start and end included; by default 401, or as many as the fastest visible motion needs, at most 20001."
     )  # fmt: skip
-    step: Time | None = Field(None, description="Instead of points: from one time to the next; the last time is at most end.")
+    step: Time | None = Field(None, description="Time step, instead of points; the last time is at most end.")
 
     @model_validator(mode="after")
     def _forwards(self):
@@ -137,7 +137,7 @@ class TimeTable(Table):
 
     @property
     def spacing(self) -> float:
-        """From one time to the next in s."""
+        """Step between two times in s."""
         return (self.end - self.start) / (self.points - 1)
 
     @property
@@ -158,11 +158,11 @@ def _flag_or_names(value):
 class QuantityTable(Table):
     """A force or elongation of a spring or damper, or the motion of one coordinate relative to another, over time."""
 
-    name: Name | None = Field(None, description="What it is called; by default as the element, or after both coordinates.")
+    name: Name | None = Field(None, description="Name; by default that of the element, or of both coordinates.")
     of: Text | None = Field(None, description="A spring or damper by its name, of a robot a spring or a joint; or else between.")
     between: Pair | None = Field(None, description='Two coordinates, e.g. ["wheel", "body"]: the second relative to the first.')
     quantity: Literal["force", "elongation", "rate", "displacement", "velocity", "acceleration"] | None = Field(
-        None, description="Of an element its force (default), elongation or rate; between coordinates displacement (default) …"
+        None, description="Force (default), elongation or rate of an element; displacement (default) … between coordinates."
     )
 
     @model_validator(mode="after")
@@ -173,7 +173,7 @@ class QuantityTable(Table):
 
 
 class OutputTable(Table):
-    """What is written."""
+    """The files to write."""
 
     page: bool = Field(True, description="A static HTML page with animation, plots and tables.")
     animation: bool = Field(True, description="The moving model on the page.")
@@ -185,7 +185,7 @@ class OutputTable(Table):
         "inside",
         description="The script of the 3-D viewer: in the page, in a separate file for many pages, or compressed in the page.",
     )
-    plots: list[Curve] = Field(["displacement"], description="What the page plots; phase is the velocity over the displacement.")
+    plots: list[Curve] = Field(["displacement"], description="Plots of the page; phase is the velocity over the displacement.")
     coordinates: list[Name] | None = Field(None, description="Only these coordinates are plotted; left out: all.")
     quantity: list[QuantityTable] = Field([], description="Forces, elongations and relative motions for plots, CSV and npz.")
     reactions: bool = Field(False, description="Forces of constraints, and of a robot's springs, in files.")
@@ -218,8 +218,8 @@ Model = Annotated[LumpedTable | MatricesTable | RobotTable | TransferFunctionTab
 class SceneFile(Table):
     """A scene: a model, its initial values, the forces, the times and the output."""
 
-    title: Text = Field("", description="What the page is headed with; the name of the file when left out.")
-    source: Text = Field("", description="Where the example or the data comes from.")
+    title: Text = Field("", description="Heading of the page; by default the name of the file.")
+    source: Text = Field("", description="Source of the example or the data.")
     include: list[Text] | Text = Field([], description="Scene files whose tables are part of this one, relative to it.")
     parameters: Parameters = Field({}, description='Quantities by name, e.g. m = "10 kg"; "=2*m" may stand wherever a number does.')
     model: Model = Field(description="The equations.")
@@ -229,15 +229,15 @@ class SceneFile(Table):
     initial: InitialTable = Field(InitialTable(), description="The values just before t = 0.")
     force: list[ForceTable] = Field([], description="Forces from t = 0 or from their delays on; entries on one coordinate add up.")
     motion: list[MotionTable] = Field([], description="Prescribed motions of coordinates: supports that move.")
-    time: TimeTable = Field(description="Where the answer is wanted.")
+    time: TimeTable = Field(description="Times of the answer.")
     frequency: FrequencyTable | None = Field(None, description="The frequency response that is computed, too; left out: none.")
     random: RandomTable | None = Field(None, description="Random vibration, by the command random; left out: none.")
     shock: ShockTable | None = Field(None, description="Peaks under a shock, by the command shock; left out: the defaults.")
     vary: VaryTable | None = Field(None, description="Parameters that the commands sweep and optimise vary; left out: named there.")
     campbell: CampbellTable | None = Field(None, description="Speeds and orders of the command campbell; left out: the defaults.")
-    path: PathTable | None = Field(None, description="Of a point of a robot, along which the command path follows its modes.")
-    output: OutputTable = Field(OutputTable(), description="Which files are written, and what the page shows.")
-    drawing: DrawingTable | None = Field(None, description="How the model is drawn; left out: automatically.")
+    path: PathTable | None = Field(None, description="Path of a point of a robot, along which the command path computes its modes.")
+    output: OutputTable = Field(OutputTable(), description="Files to write, and contents of the page.")
+    drawing: DrawingTable | None = Field(None, description="Drawing of the model; automatic by default.")
 
     @classmethod
     def _hint(cls, key: str) -> str:
@@ -248,7 +248,7 @@ class SceneFile(Table):
     @model_validator(mode="before")
     @classmethod
     def _outputs_are_plotted(cls, data):
-        """Without plots in [output], those of a transfer function or state space are its outputs."""
+        """Default plots of [output]: for a transfer function or state space its outputs."""
         model, output = (data.get(key, {}) for key in ("model", "output")) if isinstance(data, dict) else ({}, None)
         if not (isinstance(model, dict) and isinstance(output, dict) and model.get("kind") in CONTROL) or "plots" in output:
             return data

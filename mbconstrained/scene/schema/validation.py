@@ -1,4 +1,4 @@
-"""Validation of tables against a schema, with the problems that pydantic finds in the words of a scene."""
+"""Validation of tables against a schema, with the problems of pydantic in the words of a scene."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ KINDS = {
     "motion": SIGNALS,
 }
 
-#: What people write for a kind: what a scene calls it.
+#: Common names of a kind: its name in scenes.
 OTHER_NAMES = {"record": "sampled", "file": "sampled", "sine": "harmonic", "cosine": "harmonic", "constant": "step"}
 
 #: Wrong entries that get a sentence, of which the first ones are shown; what is meant by each is searched for among all names.
@@ -40,7 +40,7 @@ def validated(data: dict, file_name: str, schema: type[BaseModel]):
 
 
 def _problem(problem: dict, data: dict) -> tuple[str, Exception | None]:
-    """The place with the sentence, and the exception raised there, if any."""
+    """The location with the sentence, and the exception raised there, if any."""
     where = place(problem["loc"], data)
     return f"{where}: {_sentence(problem, where)}", problem.get("ctx", {}).get("error")
 

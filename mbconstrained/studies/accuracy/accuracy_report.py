@@ -45,12 +45,12 @@ class AccuracyReport(StudyReport):
 
     @property
     def answers(self) -> tuple[Measurement, ...]:
-        """The runs that gave values."""
+        """The runs with values."""
         return tuple(run for run in self.runs if not run.failure)
 
     @property
     def failures(self) -> tuple[Measurement, ...]:
-        """The others."""
+        """The runs without values."""
         return tuple(run for run in self.runs if run.failure)
 
     @property
@@ -60,7 +60,7 @@ class AccuracyReport(StudyReport):
 
     @property
     def closed_form_method(self) -> str:
-        """The method that this package chooses for the problem, and the reason."""
+        """The method that this package selects for the problem, and the reason."""
         method = self.problem.solve().method
         return f"{method.name}, {method.reason}"
 
@@ -72,7 +72,7 @@ class AccuracyReport(StudyReport):
 
     @property
     def fastest(self) -> tuple[tuple[float, str, str], ...]:
-        """For each of ``ERRORS``: the error, the fastest method in one run, and in each further evaluation."""
+        """For each of ``ERRORS``: the error, the fastest method for one run, and for each further evaluation."""
         ours = [run for run in self.answers if run.method.is_ours]
         others = [run for run in self.answers if not run.method.is_ours]
         return tuple((error, *(_comparison(ours, others, error, time) for time in (one_run, further))) for error in ERRORS)
@@ -94,7 +94,7 @@ class AccuracyReport(StudyReport):
 
     @property
     def page_tables(self) -> tuple[TextTable, ...]:
-        """All settings."""
+        """Table of all settings."""
         return (run_table(self),)
 
     @property
@@ -116,7 +116,7 @@ class AccuracyReport(StudyReport):
 
     @property
     def timing_note(self) -> str:
-        """The clock, and which data stepping methods get that is not part of their run time."""
+        """The clock, and the data that stepping methods get outside their run time."""
         time = f" (computed by this package in {duration(self.reduction.median)})" if self.reduction else ""
         return (
             f"{suitable_clock(states_of(self.problem)).name}. Not included: the reduced equations of stepping methods{time}, their "
@@ -136,7 +136,6 @@ class AccuracyReport(StudyReport):
         return [work_precision(self.heading, self.answers, self.reference.error_bound, tuple(dict.fromkeys(failed)))]
 
     def as_json(self) -> dict:
-        """Everything as plain data; times in s."""
         return {
             "title": self.problem.title,
             "size": self.problem.polynomial_matrix.size,
@@ -182,7 +181,7 @@ def one_run(run: Measurement) -> float:
 
 
 def further(run: Measurement) -> float:
-    """Each further evaluation, in s."""
+    """Run time of each further evaluation in s."""
     return run.further.median
 
 
@@ -230,7 +229,7 @@ def _time_table(report: AccuracyReport) -> TextTable:
 
 
 def run_table(report: AccuracyReport) -> TextTable:
-    """One row for each setting with an answer."""
+    """One row for each setting with a result."""
     columns = "method, setting, error, set-up, evaluation, quartiles of one run, further evaluation".split(", ")
     note = f"error: max |error| / max |x|. Times are medians of repeats that ran in turns, {report.timing_note}"
     rows = tuple(
@@ -250,7 +249,7 @@ def run_table(report: AccuracyReport) -> TextTable:
 
 
 def failure_table(report: AccuracyReport) -> TextTable:
-    """Methods without an answer; settings with the same reason share a row."""
+    """Methods without a result; settings with the same reason share a row."""
     settings_of: dict[tuple[str, str], list[str]] = {}
     for run in report.failures:
         setting = "" if run.method.refusal(report.problem) else run.setting.label

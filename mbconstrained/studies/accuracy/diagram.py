@@ -34,7 +34,7 @@ OURS = (INK, "#0b5cad", "#7a3b8f")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p", "h", "d", "8", "H")
 DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 1.5, 1.5, 1.5)), (0, (1, 1)))
 
-#: Where the axis of times has fewer decades than this, it has ticks between the powers of ten too.
+#: Number of decades below which the axis of times has ticks between the powers of ten too.
 FEW_DECADES = 2.0
 
 #: The axis of times spans at least this factor, and leaves this one free at its ends.
@@ -51,7 +51,7 @@ PANELS = (("one run, set-up and evaluation", "one_run"), ("each further evaluati
 
 
 def work_precision(title: str, runs: Sequence[Measurement], floor: float = 0.0, failed: Sequence[str] = ()) -> Picture:
-    """The diagram of some methods: relative error upwards, run time to the right, both logarithmic.
+    """The diagram of some methods: relative error over run time, both logarithmic.
 
     The left panel has the time of one run, the right one that of each further evaluation.
     """
@@ -69,7 +69,7 @@ def work_precision(title: str, runs: Sequence[Measurement], floor: float = 0.0, 
 
 
 def _sentence(runs: tuple[Measurement, ...]) -> str:
-    """A method in words: its coarsest and its finest setting."""
+    """Text alternative of a method: its coarsest and its finest setting."""
     ends = dict.fromkeys((runs[0], runs[-1]))
     results = [
         f"{run.error:.1g} in {duration(run.one_run.median)}{f' ({run.setting.label})' * bool(run.setting.label)}" for run in ends
@@ -104,7 +104,7 @@ def _name(runs: tuple[Measurement, ...]) -> str:
 
 
 def _looks(curves: list[tuple[Measurement, ...]]) -> list[dict]:
-    """Stars for our own methods, drawn on top; another marker and colour for each of the others."""
+    """Markers: stars for the methods of this package, on top; other markers and colours for the others."""
     looks, ours, others = [], 0, 0
     for runs in curves:
         if runs[0].method.is_ours:
@@ -124,7 +124,7 @@ def _height(run: Measurement) -> float:
 
 
 def _curve(axes: Axes, runs: tuple[Measurement, ...], look: dict, kind: str) -> None:
-    """A line through the markers, open ones where the error is too small; thin bars for the spread of the times."""
+    """A line through the markers, open ones for errors below the floor; thin bars for the spread of the times."""
     times = [getattr(run, kind) for run in runs]
     axes.plot([time.median for time in times], [_height(run) for run in runs], clip_on=False, **look)
     for run, time in zip(runs, times):
@@ -153,7 +153,7 @@ def _axis_of_times(axes: Axes) -> None:
 
 
 def _axis_of_errors(axes: Axes, errors: list[float], floor: float) -> None:
-    """For both panels, which share it."""
+    """Axis of errors of both panels."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     axes.set_yscale("log")

@@ -37,8 +37,8 @@ class Reduced:
         S, B, C: shapes (n, n), (n, r), (r, n).
         through: sum of H_j f^(j) for t > 0, a function with r rows.
         start: z(0+), shape (n,).
-        sizes: of the states, shape (n,): of all coordinates together as errors are measured, and so of their derivatives.
-        places: of each state its coordinate and how often it is differentiated.
+        sizes: sizes of the states, shape (n,): of all coordinates together as errors are measured, and so of their derivatives.
+        places: coordinate and order of derivative of each state.
         response: the closed form, from which start and sizes are.
     """
 
@@ -71,7 +71,7 @@ class Reduced:
 
 @lru_cache(maxsize=4)
 def reduced(problem: StudyProblem) -> Reduced:
-    """The reduced equations of a problem; part of no run time.
+    """The reduced equations of a problem, excluded from run times.
 
     >>> from mbconstrained.studies.study_problem import mechanical_problem
     >>> from mbconstrained import Constraint, MechanicalSystem
@@ -112,7 +112,7 @@ def sizes_of(values, times) -> np.ndarray:
 
 
 def _companion(pairs: JordanPairs):
-    """Of A_q x^(q) + ... + A_0 x = f with A_q nonsingular."""
+    """Companion form of A_q x^(q) + ... + A_0 x = f with nonsingular A_q."""
     *lower, highest = pairs.polynomial_matrix.coefficients
     r, q = len(highest), len(lower)
     S, B = np.eye(r * q, k=r), np.zeros((r * q, r))
@@ -122,7 +122,7 @@ def _companion(pairs: JordanPairs):
 
 
 def _minimal(pairs: JordanPairs):
-    """By selected rows of Y; rows of S and C that are exactly known are unit vectors."""
+    """Minimal form by selected rows of Y; exactly known rows of S and C are unit vectors."""
     finite, degree = pairs.finite, pairs.polynomial_matrix.degree
     r, n, power = len(finite.C), len(finite.J), finite.C
     stack = [power] + [power := power @ finite.J for _ in range(degree)]

@@ -67,7 +67,7 @@ def intervals(force: ImpulsiveSmooth, times: np.ndarray, matrix: np.ndarray) -> 
 
 @lru_cache(maxsize=4)
 def intervals_of(problem: StudyProblem) -> tuple[Interval, ...]:
-    """The intervals of a problem with B f(t) as the force; part of no run time."""
+    """The intervals of a problem with B f(t) as the force, excluded from run times."""
     return intervals(problem.force, problem.times, reduced(problem).B)
 
 
@@ -96,13 +96,13 @@ def knots_of(force: ImpulsiveSmooth, times: np.ndarray) -> np.ndarray:
 
 
 def jumps_of(function: BohlFunction) -> dict[float, np.ndarray]:
-    """By how much the values of a function jump at each of its knots."""
+    """Jumps of the values of a function at each of its knots."""
     restarts = function.restarts
     return dict(zip(restarts.knots.tolist(), (function.coefficients @ restarts.jumps).T))
 
 
 def _formula(function: BohlFunction, piece: int) -> Formula:
-    """One piece of a function of time, written out as a sum of vectors times t^k e^(a t) (cos w t, sin w t)."""
+    """One piece of a function of time as a sum of vectors times t^k e^(a t) (cos w t, sin w t)."""
     since, states = float(function.restarts.knots[piece]), function.restarts.states[:, piece]
     columns: dict[Term, np.ndarray] = {}
     for block, at in zip(function.blocks, block_slices(function.blocks)):

@@ -1,4 +1,4 @@
-"""IDA of SUNDIALS, by scikit-sundae: variable-order BDF on the equations as they are, multipliers and singular masses included.
+"""IDA of SUNDIALS, by scikit-sundae: variable-order BDF on the original equations, with multipliers and singular masses.
 
 The unknowns are the coordinates, with rows of constraints their multipliers too, and of each as many derivatives as occur
 in the equations, less one: nothing is reduced by hand. Rows of constraints stand in the equations twice differentiated
@@ -49,11 +49,11 @@ class Descriptor:
     Attributes:
         E, F: shapes (N, N).
         force: g, N rows.
-        places: of each y which unknown it is, and which derivative of it: as many as occur, less one.
+        places: unknown and order of derivative of each y, up to the order before the highest that occurs.
         function: the unknowns u, coordinates first, in closed form.
-        index: how often the equations have to be differentiated to give y'.
-        count: how many unknowns are coordinates.
-        times: of the problem, in s.
+        index: differentiation index of the equations.
+        count: number of unknowns that are coordinates.
+        times: times of the problem, in s.
     """
 
     E: np.ndarray
@@ -67,12 +67,12 @@ class Descriptor:
 
     @property
     def algebraic(self) -> np.ndarray:
-        """Whether each y is without a derivative in the equations."""
+        """Which y have no derivative in the equations."""
         return ~self.E.any(axis=0)
 
     @property
     def tested(self) -> np.ndarray:
-        """Whether each y is in the error test, as the coordinates always are."""
+        """Which y are in the error test, as the coordinates always are."""
         requested = np.array([unknown < self.count and not order for unknown, order in self.places])
         excluded = self.algebraic & (self.index > 1) | np.array([order > 0 and self.index > 2 for _, order in self.places])
         return requested | ~excluded
@@ -87,7 +87,7 @@ class Descriptor:
 
     @cached_property
     def sizes(self) -> np.ndarray:
-        """As ``Reduced.sizes``: one of all coordinates, one of their derivatives, one of the multipliers."""
+        """Sizes of the unknowns as in ``Reduced.sizes``: common to all coordinates, all derivatives, all multipliers."""
         kinds = [(unknown < self.count, order) for unknown, order in self.places]
         values, different = self.motion[0](self.times), sorted(set(kinds))
         sizes = sizes_of([values[[kind == other for other in kinds]] for kind in different], self.times)
@@ -95,13 +95,13 @@ class Descriptor:
 
     @cached_property
     def intervals(self) -> tuple[Interval, ...]:
-        """Of time, with the formulas of g."""
+        """Intervals of time with the formulas of g."""
         return intervals(self.force, self.times, np.eye(len(self.places)))
 
 
 @lru_cache(maxsize=8)
 def descriptor(problem: StudyProblem, index: int) -> Descriptor:
-    """The equations of a problem for IDA; part of no run time."""
+    """The equations of a problem for IDA, excluded from run times."""
     response, force = reduced(problem).response, problem.force
     coefficients, function = np.array(problem.polynomial_matrix.coefficients), response.function
     if index:
@@ -133,7 +133,7 @@ def descriptor(problem: StudyProblem, index: int) -> Descriptor:
 
 
 def _prepare(index: int, problem: StudyProblem, rtol: float) -> Evaluate:
-    """The solver with its options is the set-up."""
+    """Set up the solver with its options."""
     form = descriptor(problem, index)
     jumps = [jumps_of(function) for function in form.motion]
     start, parts = [function(0.0) for function in form.motion], form.intervals
@@ -153,7 +153,7 @@ def _prepare(index: int, problem: StudyProblem, rtol: float) -> Evaluate:
 
 
 class _Solver:
-    """IDA for one descriptor form, used again on every interval."""
+    """IDA for one descriptor form, reused on every interval."""
 
     def __init__(self, form: Descriptor, rtol: float, atol: np.ndarray):
         from sksundae.ida import IDA
@@ -178,7 +178,7 @@ class _Solver:
         )
 
     def on(self, interval: Interval, values: Sequence[np.ndarray]) -> tuple[np.ndarray, list[np.ndarray]]:
-        """y at the times of a interval, shape (T, N), and y, y' at its end."""
+        """y at the times of an interval, shape (T, N), and y, y' at its end."""
         if interval.end == interval.begin:
             return np.repeat(values[0][None, :], len(interval.times), axis=0), values
         self.force = interval.force

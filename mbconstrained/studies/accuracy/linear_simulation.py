@@ -32,7 +32,7 @@ Simulate = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray,
 
 @lru_cache(maxsize=8)
 def _samples(problem: StudyProblem, refinement: int):
-    """B and C for the inputs, a unit of z, the step, and of each part of time the samples (p, L) and the impulses at its end.
+    """B and C for the inputs, a unit of z, the step, and for each part of time the samples (p, L) and the impulses at its end.
 
     A part ends where the force jumps or has an impulse at a sample; there the samples are the limits from within. The inputs
     are as few as B f has independent rows. In units of z in which they are about 1 and their matrix is about as large as S the
@@ -66,7 +66,7 @@ def _samples(problem: StudyProblem, refinement: int):
 
 
 def _prepare(simulate: Simulate, problem: StudyProblem, refinement: int) -> Evaluate:
-    """Samples of the inputs; the solver has no set-up of its own."""
+    """Sample the inputs; the solver has no set-up of its own."""
     equations = reduced(problem)
     B, C, unit, step, parts = _samples(problem, int(refinement))
 
@@ -100,7 +100,7 @@ def _forced_response(A, B, C, inputs, times, start) -> tuple[np.ndarray, np.ndar
 
 
 def _matters(problem: StudyProblem, refinement: float) -> bool:
-    """Whether a finer step changes anything: not for a force that is linear between the times."""
+    """Whether a finer step has an effect: not for a force that is linear between the times."""
     knots, last = knots_of(problem.force, problem.times), problem.times[-1]
     nearest = np.abs(knots[:, None] - problem.times).min(axis=1)
     return refinement == 1 or not problem.force.derivative(2).is_zero or bool((nearest > SAME_TIME * EPS * last).any())

@@ -45,7 +45,7 @@ def _augmented(problem: StudyProblem, equations: Reduced) -> tuple[np.ndarray, n
 
 
 def _prepare(problem: StudyProblem, _) -> Evaluate:
-    """The exponentials are the set-up, one for each length of step; the steps are the evaluation."""
+    """Set up one exponential for each length of step; the evaluation makes the steps."""
     from scipy.linalg import expm
 
     equations, parts = reduced(problem), intervals_of(problem)
@@ -82,7 +82,7 @@ def _runs(kinds: np.ndarray) -> Iterator[tuple[int, int]]:
 
 
 def _lengths(steps: np.ndarray, end: float) -> tuple[np.ndarray, np.ndarray]:
-    """Of each step the number of its length, and the lengths; those that differ by rounding errors are one."""
+    """Index of the length of each step, and the lengths; those that differ by rounding errors are one."""
     order = np.argsort(steps)
     is_new = np.diff(steps[order], prepend=steps[order[:1]]) > SAME_TIME * EPS * end
     kinds = np.empty(len(steps), dtype=int)
@@ -102,7 +102,7 @@ def _steps(powers: list[np.ndarray], state: np.ndarray, count: int) -> np.ndarra
 
 
 def _prepare_each(problem: StudyProblem, _) -> Evaluate:
-    """Nothing is shared by the times, so all is evaluation."""
+    """Set up nothing: no work is shared by the times."""
     from scipy.linalg import expm
 
     equations = reduced(problem)

@@ -75,7 +75,7 @@ class Measurement:
 
 @dataclass
 class _Trial:
-    """The runs of one setting so far."""
+    """The runs of one setting."""
 
     method: ComparedMethod
     setting: MethodSetting
@@ -96,7 +96,7 @@ class _Trial:
         return bool(self.failure) or len(self.evaluations) > REPEATS or repeated > REPEATED_SECONDS
 
     def run(self, problem: StudyProblem, seconds: float | None = None) -> None:
-        """Run once more, at most for so many seconds."""
+        """Run once more, for at most a number of seconds."""
         try:
             with without_garbage_collection(), time_limit(seconds) if seconds else nullcontext():
                 evaluate, set_up = timed(lambda: self.method.prepare(problem, self.setting.value), self.clock.read)
@@ -180,7 +180,7 @@ def _first(trial: _Trial, before: Sequence[_Trial], problem: StudyProblem, secon
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Without warnings and prints of the methods: the errors show what they mean."""
+    """A context without warnings and prints of the methods, whose errors are reported."""
     silent = StringIO()
     with catch_warnings(action="ignore"), np.errstate(all="ignore"), redirect_stdout(silent), redirect_stderr(silent):
         yield

@@ -18,10 +18,10 @@ class Failure(Exception):
 
 @dataclass(frozen=True)
 class MethodSetting:
-    """One setting of a method, such as a tolerance.
+    """Setting of a method, such as a tolerance.
 
     Attributes:
-        label: such as "rtol 1e-06"; empty for a method without settings.
+        label: a text such as "rtol 1e-06"; empty for a method without settings.
         value: argument of the method; None for a method without settings.
     """
 
@@ -36,16 +36,16 @@ def tolerances(*digits: int) -> tuple[MethodSetting, ...]:
 
 @dataclass(frozen=True)
 class ComparedMethod:
-    """One method with its settings.
+    """Method with its settings.
 
     Attributes:
-        name: such as "solve_ivp DOP853".
+        name: name, such as "solve_ivp DOP853".
         prepare: the set-up for a problem with the value of a setting; returns a function that evaluates x at the times, (r, T).
-        settings: from coarse to fine.
-        refusal: why it does not apply to a problem; an empty text where it does.
-        concerns: whether it is meant for such a problem; other methods are not listed.
+        settings: settings from coarse to fine.
+        refusal: the reason why it does not apply to a problem; empty where it does.
+        concerns: whether it is listed for such a problem.
         is_ours: whether it is a method of this package.
-        matters: whether the value of a setting changes anything for a problem; otherwise it is not run.
+        matters: whether the value of a setting has an effect on a problem; otherwise it is not run.
         library: the module that it uses; loaded before run times are measured.
     """
 
@@ -59,6 +59,6 @@ class ComparedMethod:
     library: str = ""
 
     def settings_for(self, problem: StudyProblem) -> tuple[MethodSetting, ...]:
-        """The settings that change something for a problem; at least the coarsest."""
+        """The settings with an effect on a problem; at least the coarsest."""
         some = () if self.refusal(problem) else (setting for setting in self.settings if self.matters(problem, setting.value))
         return tuple(some) or self.settings[:1]

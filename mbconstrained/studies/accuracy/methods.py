@@ -1,4 +1,4 @@
-"""All methods of the accuracy study, those of this package first."""
+"""Methods of the accuracy study, those of this package first."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ DIGITS = 15
 
 
 def _evaluation(solve: Callable[[], Response], times) -> Evaluate:
-    """Set-up by solving; the first evaluation includes its own preparations."""
+    """Set up by solving; the first evaluation includes its own preparations."""
     response = solve()
     return lambda: response(times)
 

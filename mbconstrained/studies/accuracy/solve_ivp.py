@@ -1,4 +1,4 @@
-"""scipy.integrate.solve_ivp, and odeint, which is LSODA without Python between its steps, on the reduced equations."""
+"""scipy.integrate.solve_ivp and odeint (LSODA without Python between its steps) on the reduced equations."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Integrate = Callable[[np.ndarray, Formula, float, np.ndarray, np.ndarray, dict],
 
 
 def _prepare(integrate: Integrate, problem: StudyProblem, rtol: float) -> Evaluate:
-    """Nothing to set up but the options.
+    """Set up the options.
 
     The absolute tolerance is rtol times the size of each state (``Reduced.sizes``): one size for all coordinates, since
     errors are measured against the largest of them, and one for their derivatives. The implicit methods are given the

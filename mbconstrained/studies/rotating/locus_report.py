@@ -37,7 +37,7 @@ COUNT = 101
 
 
 def locus_values(scene: Scene, name: str, given) -> np.ndarray:
-    """The values of a parameter that a range or a list stands for."""
+    """The values of a parameter given by a range or a list."""
     variation = variation_of(given)
     if isinstance(variation, Distribution) and variation.kind == "uniform":
         values = np.linspace(variation.first, variation.second, COUNT)
@@ -126,7 +126,7 @@ class LocusReport(StudyReport):
         axes.set(xlim=(left, right), ylim=(-top, 1.06 * top), xlabel="real part in 1/s", ylabel="imaginary part in rad/s")
 
     def _curves(self) -> list[np.ndarray]:
-        """The branches with the break points through which they go."""
+        """The branches with their break points."""
         values, curves = self.locus.eigenvalues, [list(column) for column in self.locus.eigenvalues.T]
         for point in reversed(self.locus.break_points):
             place = int(np.searchsorted(self.locus.values, point.parameter))
@@ -138,16 +138,15 @@ class LocusReport(StudyReport):
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """Of the scene."""
+        """Notices of the scene."""
         return self.scene.notices
 
     @property
     def is_trusted(self) -> bool:
-        """Always: break points have residuals."""
+        """True: break points have residuals."""
         return True
 
     def as_json(self) -> dict:
-        """As plain data, complex numbers as [real, imaginary]."""
         locus = self.locus
         return {
             "title": self.scene.heading,

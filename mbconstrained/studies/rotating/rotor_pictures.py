@@ -28,7 +28,7 @@ HALF_WIDTH = 0.012
 #: Amplitudes below this part of the largest are not shown on logarithmic axes.
 SMALLEST = 1e-6
 
-#: How modes are drawn.
+#: Styles of modes.
 DASHES = {"forward": "-", "backward": "--", "mixed": "-.", "planar": ":"}
 
 
@@ -39,7 +39,7 @@ class RotorPictures:
         diagram: eigenvalues over the speed.
         critical: speeds, of all orders.
         responses: by order, the steady states under unbalance.
-        orders: of excitations.
+        orders: orders of excitations.
         shown: the units of the output.
     """
 
@@ -55,7 +55,7 @@ class RotorPictures:
         self.turns = diagram.speeds * PER_MINUTE
 
     def all(self) -> list[Picture]:
-        """All that have something to show."""
+        """All figures with data."""
         pictures = [self._campbell()]
         if self.diagram.damping_ratios.any():
             pictures.append(self._damping())
@@ -107,7 +107,7 @@ class RotorPictures:
         return Picture("Damping over the speed", "Damping ratios of all modes over the speed", 3.0, draw, "Below 0 a motion grows.")
 
     def _amplitudes(self, unit: str) -> Picture:
-        """Of the coordinates in m, or of those in rad."""
+        """Amplitudes of the coordinates in m, or of those in rad."""
         text, factor = self.shown.of(unit)
         response = self.responses[self.orders[0]]
         names = response.system.names
@@ -135,7 +135,7 @@ class RotorPictures:
         return Picture(f"{what} under unbalance", f"Amplitudes of {what.lower()} over the speed", 3.4, draw, note)
 
     def _waterfall(self) -> Picture:
-        """Spectra of steady states at rising speeds, one behind the other."""
+        """Spectra of steady states at increasing speeds, in a waterfall diagram."""
         response = next(iter(self.responses.values()))
         units = [response.system.units[name] for name in response.system.names]
         largest = [np.nan_to_num(one.amplitudes, posinf=0.0) for one in self.responses.values()]

@@ -36,14 +36,14 @@ RPM = np.pi / 30
 
 
 class RotorReport(StudyReport):
-    """What a rotor does over its speed.
+    """Behaviour of a rotor over its speed.
 
     Attributes:
-        scene: of the rotor.
+        scene: scene of the rotor.
         system: the rotor at rest.
-        orders: of excitations.
+        orders: orders of excitation.
         diagram: eigenvalues over the speed.
-        responses: by order the steady states under the unbalance; none where there is no unbalance.
+        responses: steady states under the unbalance by order; none without unbalance.
     """
 
     def __init__(self, scene: Scene, table: CampbellTable):
@@ -65,7 +65,7 @@ class RotorReport(StudyReport):
 
     @property
     def heading(self) -> str:
-        """Title of the scene and what was set from outside."""
+        """Title of the scene and the values set from outside."""
         return f"{self.scene.heading}: over the speed"
 
     @cached_property
@@ -94,7 +94,7 @@ class RotorReport(StudyReport):
 
     @property
     def is_stable(self) -> bool:
-        """Whether no eigenvalue has a positive real part at any of the speeds, but for rounding errors."""
+        """Whether no eigenvalue has a positive real part at any of the speeds, except rounding errors."""
         noise = EPS**0.5 * np.abs(self.diagram.eigenvalues).max(initial=0.0)
         return bool((self.diagram.stability_margins >= -noise).all())
 
@@ -134,12 +134,12 @@ class RotorReport(StudyReport):
 
     @property
     def page_tables(self) -> tuple[TextTable, ...]:
-        """All peaks, where the others have only the largest."""
+        """Table of all peaks, where the other table has only the largest."""
         count = sum(len(response.peaks) for response in self.responses.values())
         return (self._peaks(),) if count > MOST_PEAKS else ()
 
     def _peaks(self, most: int | None = None) -> TextTable:
-        """All, or only the largest of each unit."""
+        """All peaks, or only the largest of each unit."""
         shown = self.scene.equations.coordinates.shown
         rows = []
         for order, response in self.responses.items():
@@ -156,7 +156,7 @@ class RotorReport(StudyReport):
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """Of the scene; motions that grow; amplitudes without a bound."""
+        """Notices of the scene, on growing motions, and on unbounded amplitudes."""
         notices = list(self.scene.notices)
         if not self.is_stable:
             notices.append(Notice(NoticeKind.UNSTABLE, self.sentences[0]))
@@ -167,7 +167,7 @@ class RotorReport(StudyReport):
 
     @property
     def is_trusted(self) -> bool:
-        """Always: values are computed, none is estimated from a grid."""
+        """True: values are computed, none is estimated from a grid."""
         return True
 
     @property
@@ -176,7 +176,7 @@ class RotorReport(StudyReport):
         return (("scene", self.scene.path.name), ("spectra", str(self.diagram.evaluations)), *super().facts)
 
     def as_json(self) -> dict:
-        """As plain data, in SI; eigenvalues as [real, imaginary], amplitudes without a bound as null."""
+        """The rotor as plain data, in SI; eigenvalues as [real, imaginary], unbounded amplitudes as null."""
         diagram = self.diagram
         return {
             "title": self.scene.heading,

@@ -1,4 +1,4 @@
-"""The condition of a problem, measured with exact arithmetic.
+"""The condition number of a problem, measured with exact arithmetic.
 
 The data are perturbed by a relative amount h that is far above the accuracy of the exact answers and so small that only the
 first order matters: condition = max |change of x| / (h max |x|). Float64 data, exact to half a unit in the last place,
@@ -72,7 +72,7 @@ def _moved(problem: StudyProblem, exact: ExactResponse, random) -> ExactResponse
 
 
 def _moved_matrix(matrix: RationalMatrix, directions: Sequence[np.ndarray]) -> RationalMatrix:
-    """A(s) + h dA(s); where that has another number of finite zeros, of each coefficient only if it has not."""
+    """A(s) + h dA(s); coefficients that would change the number of finite zeros stay."""
     zeros = matrix.determinant.degree()
     given = [coefficient.tolist() for coefficient in matrix.coefficients]
     changed = [_sum(coefficient, direction) for coefficient, direction in zip(given, directions)]
@@ -96,7 +96,7 @@ def _sum(coefficient: list[list], direction: np.ndarray) -> list[list]:
 
 
 def _directions(problem: StudyProblem, random) -> list[np.ndarray]:
-    """dA_0 ... dA_q as Fractions: the coefficients, each of their data times its move."""
+    """dA_0 ... dA_q as Fractions: the coefficients with each of their data perturbed."""
     if problem.system is None:
         return [_direction(matrix, random) for matrix in given_of(problem.polynomial_matrix)]
     directions = [_direction(matrix, random) for matrix in problem.system.given]
@@ -119,7 +119,7 @@ def _direction(matrix, random) -> np.ndarray:
 
 
 def _moved_sources(sources: Sequence[ExactSource], rows: int, random) -> list[ExactSource]:
-    """Each row of each function of time by a factor, and each function faster by a factor; values of constraint rows stay."""
+    """Sources with each row scaled and each function accelerated by a factor; values of constraint rows stay."""
     factors, clocks, moved = {}, {}, []
     for source in sources:
         clock = clocks.setdefault(source.shape.key[1], _factor(random))
@@ -130,7 +130,7 @@ def _moved_sources(sources: Sequence[ExactSource], rows: int, random) -> list[Ex
 
 
 def _faster(shape: Shape, clock) -> Shape:
-    """g(c t), whose transform is G(s / c) / c: what has a frequency or a rate has another one."""
+    """g(c t), whose transform is G(s / c) / c, with scaled frequencies and rates."""
     return Shape(shape.numerator(S / clock) / clock, shape.denominator(S / clock))
 
 

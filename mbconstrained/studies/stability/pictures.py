@@ -45,7 +45,7 @@ COLORS, REFUSED = "viridis", "#d5dbe0"
 #: Height of a row of the map and of all else, inches; letters of the longest name; most columns of cells with numbers in them.
 MAP_ROW_HIGH, AROUND_HIGH, NAME, MOST_NUMBERED = 0.3, 1.15, 34, 30
 
-#: From so many digits on the colours of the map are bright, with dark numbers on them.
+#: Number of digits from which the colours of the map are bright, with dark numbers on them.
 BRIGHT = 8
 
 #: Verdicts other than "right" in legends, each with a marker of its own, so that they are distinct without colours.
@@ -58,7 +58,7 @@ VERDICTS = {
 
 
 def digit_curves(title: str, sweeps: Sequence[ScalingSweep]) -> Picture:
-    """A small picture of each sweep, all with the same axis of digits; red frames where an answer is wrong without a warning."""
+    """A small figure of each sweep, with a common axis of digits; red frames where an answer is wrong without a warning."""
     sweeps = [sweep for sweep in sweeps if sweep.points]
     if not sweeps:
         return nothing_to_show(title, "Digits right")
@@ -79,7 +79,7 @@ def digit_curves(title: str, sweeps: Sequence[ScalingSweep]) -> Picture:
 
 
 def _panel(axes: Axes, sweep: ScalingSweep) -> None:
-    """Shades between right and claimed, curves, and a mark at each point."""
+    """Shades between correct and claimed digits, curves, and a mark at each point."""
     points = sorted(sweep.points, key=lambda point: point.parameter)
     right, claimed, expected = (
         np.array([math.nan if digits is None else digits for digits in (getattr(point, key) for point in points)])
@@ -126,7 +126,7 @@ def _mark(verdict: str) -> dict:
 
 
 def _legend(figure: Figure, sweeps: Sequence[ScalingSweep]) -> None:
-    """The curves, the shades, and those marks that occur."""
+    """The curves, the shades, and the marks that occur."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

@@ -1,4 +1,4 @@
-"""One problem: digits that are right, expected from the condition of the data and claimed by the estimate, and warnings."""
+"""One problem: correct digits, digits expected from the condition and claimed by the estimate, and warnings."""
 
 from __future__ import annotations
 
@@ -40,15 +40,15 @@ SMALLEST = Fraction(float(np.finfo(float).tiny))
 
 @dataclass(frozen=True)
 class Point:
-    """One point of a sweep.
+    """Point of a sweep.
 
     Attributes:
-        parameter: of the sweep.
+        parameter: parameter of the sweep.
         error: max |error| / max |x| at the times of the problem by exact arithmetic; None where refused or not known.
         estimate: the error estimate; None where refused.
-        condition: of the data; None where not known.
+        condition: condition number of the data; None where not known.
         warnings: the reasons for exit code 3 of ``mbconstrained run``.
-        refused: the text of the error where there is no answer.
+        refused: the text of the error in place of an answer.
         notices: other notices of the answer.
         unknown: the reason where error or condition are not known.
     """
@@ -69,7 +69,7 @@ class Point:
 
     @property
     def claimed(self) -> float | None:
-        """Digits that the error estimate claims, between 0 and 16."""
+        """Digits according to the error estimate, between 0 and 16."""
         return _digits(self.estimate)
 
     @property
@@ -79,7 +79,7 @@ class Point:
 
     @property
     def verdict(self) -> Verdict:
-        """Refused, warned, or without a warning wrong where the error is more than ten times the estimate.
+        """Refused, warned, or wrong without a warning where the error exceeds ten times the estimate.
 
         Both are at least eight rounding errors. Not judged where the exact solution is not known.
         """
@@ -97,7 +97,7 @@ class Point:
         return {"refused": self.refused, "warned": "; ".join(self.warnings), "not judged": self.unknown}.get(self.verdict, "")
 
     def as_json(self) -> dict:
-        """As plain data, with null for numbers that are not finite."""
+
         derived = {name: getattr(self, name) for name in ("right", "expected", "claimed", "verdict")}
         data = {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(self).items()} | derived
         return {name: None if isinstance(value, float) and not math.isfinite(value) else value for name, value in data.items()}
@@ -109,7 +109,7 @@ def points_of(
     progress: Progress = no_progress,
     variations: int | None = None,
 ) -> tuple[Point, ...]:
-    """A point for each parameter; refused where there is no problem to solve."""
+    """A point for each parameter; refused where no problem exists."""
     points = []
     for parameter in parameters:
         progress(f"{parameter:.3g}")

@@ -61,7 +61,7 @@ def scaling_factors(scene: Scene) -> dict[str, Scaled]:
 
 
 def _lumped_factors(scene: Scene, problem: StudyProblem) -> Iterator[tuple[str, Scaled]]:
-    """All masses, all dampers, all springs; and each by itself where there are several, but not too many."""
+    """All masses, all dampers, all springs; and each separately where there are several, but not too many."""
     entries = [(table, place) for table in ELEMENTS for place in range(len(getattr(scene.table.model, table)))]
     for kind, all_of_them in ALL.items():
         mine = [entry for entry in entries if ELEMENTS[entry[0]] == kind]
@@ -73,7 +73,7 @@ def _lumped_factors(scene: Scene, problem: StudyProblem) -> Iterator[tuple[str, 
 
 
 def _title(scene: Scene, entry: tuple[str, int]) -> str:
-    """By name or by the two ends, with a number for several without a name between the same ends."""
+    """Title of an entry: its name or its two ends, with a number for several without a name between the same ends."""
     table, place = entry
     names = [entry.name or " to ".join(entry.between) for entry in getattr(scene.table.model, table)]
     name = names[place]
@@ -97,7 +97,7 @@ def _with_model(scene: Scene, problem: StudyProblem, model) -> StudyProblem:
 
 
 def _transfer_factors(scene: Scene, problem: StudyProblem) -> Iterator[tuple[str, Scaled]]:
-    """The denominator, with the method by which ``run`` answers: from rest."""
+    """The denominator, with the method of ``run``: from rest."""
     model = scene.table.model
     given = [float(coefficient) for coefficient in model.denominator]
 
@@ -146,11 +146,11 @@ class ScalingSweep:
     """Points over one parameter.
 
     Attributes:
-        name: of the scaling factor, or of the system of the gallery.
+        name: name of the scaling factor, or of the system of the gallery.
         title: for headings.
         theme: chapter of the gallery.
         difficulty: of a system of the gallery, in a sentence.
-        source: of a system of the gallery.
+        source: source of a system of the gallery.
         parameter: with its unit if it has one.
         points: in the order of the parameter.
         broken: declared properties of a system of the gallery that exact arithmetic does not confirm.
@@ -175,6 +175,5 @@ class ScalingSweep:
         return tuple(point for point in self.points if point.right is not None)
 
     def as_json(self) -> dict:
-        """As plain data."""
         texts = {name: value for name, value in asdict(replace(self, points=())).items() if isinstance(value, str)}
         return {**texts, "broken": list(self.broken), "points": [point.as_json() for point in self.points]}

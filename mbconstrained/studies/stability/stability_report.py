@@ -43,7 +43,7 @@ class StabilityReport(StudyReport):
     """Correct digits over sweeps.
 
     Attributes:
-        title: of the scene, or of the gallery.
+        title: title of the scene, or of the gallery.
         sweeps: one for each system of the gallery, or for each scaling factor of a scene.
         machine: processor, system and packages.
         of_scene: whether a scene was scaled.
@@ -90,7 +90,7 @@ class StabilityReport(StudyReport):
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """The result in words."""
+        """The result as sentences."""
         return (self._trust(), self._counts(), *self._extremes(), *self._promises())
 
     def _trust(self) -> str:
@@ -106,7 +106,7 @@ class StabilityReport(StudyReport):
         return f"{', '.join(counts)}."
 
     def _extremes(self) -> tuple[str, ...]:
-        """The fewest digits without a warning, and the answer furthest below what the data determine."""
+        """The smallest number of digits without a warning, and the answer furthest below what the data determine."""
         silent = [(sweep, point) for sweep in self.sweeps for point in sweep.answers if point.verdict == "right"]
         if not silent:
             return ()
@@ -126,7 +126,6 @@ class StabilityReport(StudyReport):
         return () if self.of_scene else ("The declared properties of the systems hold, by exact arithmetic.",)
 
     def as_json(self) -> dict:
-        """Everything as plain data."""
         counts = {verdict: self.count(verdict) for verdict in ("right", "warned", "refused", "not judged", "wrong")}
         return {
             "title": self.title,
@@ -174,7 +173,7 @@ def _digits(sweep: ScalingSweep, point: Point) -> str:
 
 
 def digit_table(report: StabilityReport) -> TextTable:
-    """A row for each sweep, those of the gallery by their themes."""
+    """A row for each sweep, in the gallery by theme."""
     columns = ("from … to", "points", "right", "warned", "refused", "wrong", "fewest digits", "expected", "claimed")
     rows, theme = [], ""
     for sweep in report.sweeps:
@@ -207,7 +206,7 @@ def _reason_rows(report: StabilityReport, verdict: str) -> tuple[tuple[str, str,
 
 
 def _short(point: Point) -> str:
-    """Of several warnings the first, without its numbers, which are in the data."""
+    """Short reason; for several warnings the first, without its numbers, which are in the data."""
     return point.warnings[0].partition(":")[0] if point.verdict == "warned" else point.reason
 
 

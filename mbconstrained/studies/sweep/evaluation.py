@@ -1,6 +1,6 @@
 """One chunk of samples: each becomes a scene; those of one structure are solved together as a family, the others one by one.
 
-The same chunk always has the same bits, whoever computes it: on one thread, from plain data, without state.
+Equal chunks give equal bits in every process: computed on one thread, from plain data, without state.
 """
 
 from __future__ import annotations
@@ -41,14 +41,14 @@ ANSWERED, FAILED, TIMED_OUT = 1, 2, 3
 
 @dataclass(frozen=True)
 class Job:
-    """A scene and what is kept of its samples, as plain data that other processes can be given.
+    """A scene and the kept quantities of its samples, as plain data for other processes.
 
     Attributes:
-        path: of the scene file.
+        path: path of the scene file.
         data: its tables.
         origins: of the entries that come from other files.
         settings: values that all samples share.
-        variables: what is kept.
+        variables: kept quantities.
     """
 
     path: str
@@ -75,7 +75,7 @@ class Job:
 
 
 class SampleFamily(Family):
-    """A family whose members are the systems of scenes, which know more than their matrices, such as the elements in them."""
+    """A family whose members are the systems of scenes, with more than their matrices, such as their elements."""
 
     members: tuple[MechanicalSystem, ...]
 
@@ -91,7 +91,7 @@ class SampleFamily(Family):
         return self.members[index]
 
     def is_free(self, shapes: np.ndarray, of: Literal["stiffness", "damping"]) -> np.ndarray:
-        """The same by the elements where systems have them: none is lost next to stiffer ones, however soft it is."""
+        """Which systems have no springs, or no dampers, that resist some motions: by elements, whose soft ones keep their digits."""
         given = [one.given[("stiffness", "damping").index(of)] for one in self.members]
         if not all(isinstance(one, ElementMatrix) for one in given):
             return super().is_free(shapes, of)
@@ -100,13 +100,13 @@ class SampleFamily(Family):
 
 
 def evaluate(job: Job, rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
-    """What is kept of some samples."""
+    """Kept quantities of some samples."""
     with one_thread(SMALL), np.errstate(all="ignore"):
         return _Chunk(job, rows).arrays()
 
 
 def without_answer(job: Job, reason: str) -> dict[str, np.ndarray]:
-    """A sample that took too long, as ``evaluate`` gives one."""
+    """A sample that took too long, in the form of ``evaluate``."""
     values = {one.name: np.full((1, *one.shape), np.nan) for one in job.variables}
     return {**values, "status": np.array([TIMED_OUT], dtype=np.uint8), "reason": np.array([reason], dtype=f"<U{LONGEST_REASON}")}
 
@@ -138,7 +138,7 @@ class _Chunk:
         return {**self.values, "status": np.where(failed, FAILED, ANSWERED).astype(np.uint8), "reason": texts}
 
     def _together(self, compute, variables: list[Variable], group: list[int]) -> None:
-        """Compute for a group; where that fails, for each of its samples alone."""
+        """Compute a group; if that fails, each of its samples separately."""
         if len(group) > 1:
             try:
                 compute(variables, group)
@@ -156,7 +156,7 @@ class _Chunk:
                 self.reasons[place] = self.reasons[place] or (str(problem).strip() or type(problem).__name__).replace("\n", " ")
 
     def _groups(self, alike: bool) -> list[list[int]]:
-        """The samples that have no reason yet, those of one structure together."""
+        """The samples without a reason for failure, grouped by structure."""
         groups: list[list[int]] = []
         for place, scene in self.scenes.items():
             if self.reasons[place]:
@@ -268,7 +268,7 @@ class _Chunk:
             self.values[one.name][place] = value
 
     def _store(self, variables: list[Variable], group: list[int], values: np.ndarray, times: np.ndarray) -> None:
-        """Values at times, shape (S, rows, T), among which are those of each variable."""
+        """Store values at times, shape (S, rows, T), which include those of each variable."""
         for one in variables:
             own = values[:, one.curve[1]][:, np.searchsorted(times, one.labels if one.statistic == "curve" else one.time)]
             self.values[one.name][group] = own
@@ -297,7 +297,7 @@ def _by_kind(variables: Iterable[Variable]) -> Iterator[tuple[str, list[Variable
 
 
 def _alike(one: Scene, other: Scene) -> bool:
-    """Whether two scenes have systems of arrays that differ in their matrices, values at 0- and static forces only."""
+    """Whether two scenes have systems of arrays that differ only in matrices, values at 0- and static forces."""
     first, second = one.equations.system, other.equations.system
     if type(first) is not MechanicalSystem or type(second) is not MechanicalSystem or first.is_sparse or second.is_sparse:
         return False

@@ -1,6 +1,7 @@
-"""Who computes chunks: this process, processes of this machine, or the workers of a Dask cluster; the results are the same bits.
+"""Execution backends for chunks, with identical results: this process, local processes, or workers of a Dask cluster.
 
-Nobody has more than one chunk, and gets the next one when the last was kept, so that an interruption costs at most one chunk each.
+Each worker holds one chunk at a time, and gets the next one when the last was stored, so that an interruption costs at most one
+chunk each.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ _ONE_CHUNK = Lock()
 
 
 def in_process(job: Job, chunks: Iterator[Chunk], seconds: float | None = None) -> Answers:
-    """Compute chunks one after the other."""
+    """Compute chunks one after another."""
     with _evaluation(job, seconds) as work:
         for number, rows in chunks:
             yield number, work(rows)
@@ -58,7 +59,7 @@ def in_process(job: Job, chunks: Iterator[Chunk], seconds: float | None = None) 
 
 @contextmanager
 def _evaluation(job: Job, seconds: float | None) -> Iterator[Callable[[Sequence], dict[str, np.ndarray]]]:
-    """A function that computes samples, in a process of its own where their time is limited: computations cannot be stopped otherwise."""
+    """A function that computes samples, in a separate process where their time is limited, as computations cannot be stopped."""
     if seconds is None:
         yield lambda rows: evaluate(job, rows)
         return
@@ -67,7 +68,7 @@ def _evaluation(job: Job, seconds: float | None) -> Iterator[Callable[[Sequence]
 
 
 class _TimedProcess:
-    """A process that computes samples, and is ended and replaced when one takes too long.
+    """A process that computes samples, replaced when one of them takes too long.
 
     A chunk that is not done in the time of one sample is computed again, each sample alone. Where that happens though none of them is
     too slow, the following chunks are computed in this way from the start.
@@ -79,7 +80,7 @@ class _TimedProcess:
         self._connection: Any = None
 
     def evaluate(self, rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
-        """As ``evaluate``; samples that take too long have the status TIMED_OUT."""
+        """Kept quantities of samples; those that take too long have the status TIMED_OUT."""
         if not self._alone and (together := self._within_time(rows)):
             return together
         parts = [self._within_time([row]) for row in rows]
@@ -114,7 +115,7 @@ class _TimedProcess:
 
 
 def by_processes(job: Job, chunks: Iterator[Chunk], workers: int, seconds: float | None = None) -> Answers:
-    """Compute chunks in processes with one thread of linear algebra each. One that ends early is replaced, and its chunk is done again."""
+    """Compute chunks in processes with one thread of linear algebra each; lost ones are replaced, and their chunks repeated."""
     key = os.urandom(32)
     with ExitStack() as stack:
         listener = stack.enter_context(closing(Listener(authkey=key)))
@@ -161,7 +162,7 @@ def by_processes(job: Job, chunks: Iterator[Chunk], workers: int, seconds: float
 
 
 def _worker(listener: Listener, key: bytes, work: tuple[Job, float | None], stack: ExitStack):
-    """A new process, which ends when its connection does, for a job and the seconds of a sample."""
+    """A new process for a job and a time limit per sample, which ends with its connection."""
     threads = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     path = os.pathsep.join(filter(None, (str(_PACKAGE), os.environ.get("PYTHONPATH", ""))))
     process = subprocess.Popen(
@@ -182,7 +183,7 @@ def _worker(listener: Listener, key: bytes, work: tuple[Job, float | None], stac
 
 
 def _connect_for(process: subprocess.Popen, connected: Event, listener: Listener, key: bytes) -> None:
-    """A connection, closed at once, for a process that has ended without one, so that it is not waited for."""
+    """A connection, closed at once, on behalf of a process that ended without one."""
     process.wait()
     if not connected.is_set():
         with suppress(OSError, EOFError):  # nobody listens any more
@@ -195,7 +196,7 @@ def _end(process: subprocess.Popen) -> None:
 
 
 def serve() -> None:
-    """Compute what comes over the connection whose address is the first argument, until it is closed: the program of a worker."""
+    """Compute the requests from the connection at the address of the first argument, until it is closed: the program of a worker."""
     import signal
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the run itself reports the interruption
@@ -217,14 +218,14 @@ def serve() -> None:
 
 
 def _end_with(parent: int) -> None:
-    """End this process, which may compute without end, when the one that started it has ended."""
+    """End this process when its parent has ended, even during a computation."""
     while os.getppid() == parent:
         time.sleep(1.0)
     os._exit(1)
 
 
 def _prepare(job: Job) -> str:
-    """Import and set up what the first sample needs."""
+    """Import and set up the requirements of the first sample."""
     with suppress(*FAILURES):
         job.scene({}).equations.polynomial_matrix.jordan_pairs()
     return "ready"
@@ -238,7 +239,7 @@ def by_dask(
     seconds: float | None = None,
     message: Callable[[str], None] = print,
 ) -> Answers:
-    """Compute chunks by the workers of a Dask cluster, one at a time each. That of a worker that ends or is silent is done by another."""
+    """Compute chunks by the workers of a Dask cluster, one at a time each; the chunk of a lost or silent worker is reassigned."""
     distributed = optional_package("distributed", "a Dask cluster")
     with ExitStack() as stack:
         client = _client(distributed, address, stack)
@@ -283,7 +284,7 @@ def by_dask(
 
 
 class _DaskWorkers:
-    """The workers of a cluster: which of them show signs of life.
+    """The workers of a cluster that respond.
 
     Attributes:
         silent: the addresses of the others.
@@ -298,7 +299,7 @@ class _DaskWorkers:
         self._polled, self._last_answer = -np.inf, time.monotonic()
 
     def check(self, distributed) -> None:
-        """Compare packages and code of the workers with those of the run."""
+        """Compare packages and code of the workers with those of this process."""
         try:
             self._client.wait_for_workers(1, timeout=PATIENCE - 2)
         except (TimeoutError, OSError):
@@ -313,7 +314,7 @@ class _DaskWorkers:
                 _check_versions(worker, answer)
 
     def answering(self) -> set[str]:
-        """The addresses of workers that are there, and not silent; of the last second."""
+        """The addresses of workers that responded within the last second."""
         now = time.monotonic()
         if now - self._polled >= 1.0:
             self._polled = now
@@ -362,12 +363,12 @@ def _other_code(worker: str) -> str:
 
 
 def versions_there() -> dict[str, str]:
-    """Versions of the packages that compute, and the hash of the code of this one, where this is called."""
+    """Versions of the numerical packages and the hash of the code of this package, in the calling process."""
     return {**{name: version_of(name) for name in ("numpy", "scipy")}, _CODE: CODE}
 
 
 def _hash_of_code() -> str:
-    """SHA-256 of the names and contents of the source files of this package, without its documentation, which is not installed."""
+    """SHA-256 of the names and contents of the source files of this package, except its documentation, which is not installed."""
     root, digest = Path(__file__).parents[2], sha256()
     for file in sorted(root.rglob("*.py")):
         name = file.relative_to(root).as_posix()
@@ -385,7 +386,7 @@ CODE = _hash_of_code()
 def evaluate_there(
     job: Job, rows: Sequence[Mapping[str, Any]], files: Mapping[str, str], code: str, seconds: float | None
 ) -> dict[str, np.ndarray]:
-    """As ``evaluate``, one chunk at a time in a worker, whose code and data files are compared with those of the run."""
+    """Evaluate a chunk in a worker, after comparing its code and data files with those of the run."""
     if code != CODE:
         raise InputError(_other_code(platform.node()))
     folder = Path(job.path).parent
@@ -421,13 +422,13 @@ def _client(distributed, address: str, stack: ExitStack):
 
 
 async def _reach(distributed, address: str) -> None:
-    """Connect to a scheduler, and leave."""
+    """Connect to a scheduler and disconnect."""
     connection = await distributed.comm.connect(address, timeout=CONNECTING)
     await connection.close()
 
 
 def _done(distributed, client, futures: list, address: str) -> list:
-    """Those that are done within a second; a cluster that is gone for too long is an error."""
+    """Futures that finish within a second; a cluster that is lost for too long is an error."""
     if not futures:
         time.sleep(1.0)
     start = time.monotonic()

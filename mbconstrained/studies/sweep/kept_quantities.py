@@ -1,6 +1,7 @@
-"""What is kept of each sample: frequencies, response peaks, RMS values, values and extremes of motions, whole curves.
+"""Kept quantities of each sample: frequencies, response peaks, RMS values, values and extremes of motions, curves.
 
-A text names one, such as "frequencies", "largest velocity of cart" or "cart at 2 s"; the middle sample decides names, units and sizes.
+A text selects one, such as "frequencies", "largest velocity of cart" or "cart at 2 s"; the middle sample determines names, units
+and sizes.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ MOST_COORDINATES = 8
 #: Statistics of a motion over the times of the scene.
 STATISTICS = ("largest", "maximum", "minimum", "RMS", "curve", "peak")
 
-#: What can be kept, for messages.
+#: Possible kept quantities, for messages.
 FORMS = (
     '"frequencies", "response peaks", "response curves", "random RMS", or of a motion "largest x", "maximum x", "minimum x", "RMS x", '
     '"curve x", "x at 2 s", with x a coordinate, "velocity of x", "reaction of x", "quantity of x" …; largest, maximum and minimum '
@@ -50,7 +51,7 @@ class Variable:
         unit: in SI; "1" for a plain number.
         axis: the name of its second axis; an empty string for one number per sample.
         labels: along that axis, texts or numbers.
-        source: what computes it: "modes", "response peaks", "response curves", "random RMS" or "motion".
+        source: analysis that computes it: "modes", "response peaks", "response curves", "random RMS" or "motion".
         statistic: of a motion, or "at".
         curve: kind of the curve and its row, of a motion.
         time: of a value, in s.
@@ -67,7 +68,7 @@ class Variable:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Of the values of one sample."""
+        """Shape of the values of one sample."""
         return (len(self.labels),) if self.axis else ()
 
     @property
@@ -76,7 +77,7 @@ class Variable:
         return self.statistic == "curve"
 
     def figures(self) -> list[tuple[str, tuple[int, ...]]]:
-        """Names of the single numbers of a sample, and where they are in it; none of curves."""
+        """Names of the scalar quantities of a sample with their positions; none for curves."""
         if self.is_curve:
             return []
         if not self.axis:
@@ -87,12 +88,12 @@ class Variable:
 
 @dataclass(frozen=True)
 class SampleFigure:
-    """A single number of each sample.
+    """A scalar quantity of each sample.
 
     Attributes:
         name: such as "frequency 1".
         unit: in SI.
-        variable: that it is part of.
+        variable: the variable that contains it.
         place: in the variable.
     """
 
@@ -102,13 +103,13 @@ class SampleFigure:
     place: tuple[int, ...]
 
     def of(self, arrays: Mapping[str, np.ndarray]) -> np.ndarray:
-        """Its values in arrays of variables over samples, shape (S,)."""
+        """Values from arrays of variables over samples, shape (S,)."""
         values = arrays[self.variable.name]
         return values[:, self.place[0]] if self.place else values
 
 
 def figures_of(variables: Sequence[Variable]) -> dict[str, SampleFigure]:
-    """The single numbers of a sample, by name."""
+    """The scalar quantities of a sample, by name."""
     pairs = ((name, one, place) for one in variables for name, place in one.figures())
     return {name: SampleFigure(name, one.unit, one, place) for name, one, place in pairs}
 
@@ -130,7 +131,7 @@ def limits_of(limits: Mapping[str, Any], figures: Mapping[str, SampleFigure]) ->
 
 
 def variables_of(keep: Sequence[str] | None, scene: Scene) -> tuple[Variable, ...]:
-    """The variables that texts name."""
+    """The variables selected by texts."""
     texts = _usual(scene) if keep is None else keep
     if not texts:
         raise InputError(f"keep: nothing is kept of the samples; expected some of {FORMS}")
@@ -231,11 +232,11 @@ class _Curves:
 
     @property
     def texts(self) -> list[str]:
-        """What can follow "largest", for hints."""
+        """Valid continuations of "largest", for hints."""
         return [f"largest {name}" for names in self.names.values() for name in names]
 
     def place(self, name: str, text: str) -> tuple[tuple[str, int], str]:
-        """Kind and row of a curve, and its unit."""
+        """Kind, row and unit of a curve."""
         kind, of, own = name.partition(" of ")
         kinds = (
             [kind] if of and kind in self.names else [kind for kind in self.names if kind in ("displacement", "quantity", "output")]
@@ -250,7 +251,7 @@ class _Curves:
 
 
 def _modes(scene: Scene) -> tuple[int, ...]:
-    """Numbers of the modes that are kept."""
+    """Numbers of the kept modes."""
     values = eigenvalues_of(scene)
     return tuple(range(1, min(int((values.imag > 0).sum()), MOST_MODES) + 1))
 
@@ -265,5 +266,5 @@ def eigenvalues_of(scene: Scene) -> np.ndarray:
 
 
 def _common(units: Sequence[str]) -> str:
-    """The unit of all, or all of them."""
+    """The common unit, or all units."""
     return " or ".join(dict.fromkeys(units)) or "1"

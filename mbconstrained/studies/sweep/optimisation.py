@@ -1,4 +1,4 @@
-"""The values of parameters between bounds that make one figure of a scene least or largest.
+"""Optimisation of a scalar quantity of a scene over parameters between bounds.
 
 A population of samples, which are solved together, finds the region (differential evolution, Storn and Price, Journal of Global
 Optimization 11, 1997); the simplex of Nelder and Mead (The Computer Journal 7, 1965) refines its best sample. Neither needs derivatives:
@@ -49,15 +49,15 @@ AT_BOUND = 1e-6
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Optimum(Displayed):
-    """The best sample.
+    """Optimum: the best sample.
 
     Attributes:
         scene: of the file.
-        figure: what was minimised or maximised.
+        figure: the objective.
         sign: 1 for a minimum, -1 for a maximum.
-        bounds: of the parameters.
+        bounds: bounds of the parameters.
         parameters: the best values in SI.
-        value: of the figure there, in SI.
+        value: value of the figure there, in SI.
         before: of the figure in the file.
         evaluations: number of samples.
         history: the best value after each generation.
@@ -81,7 +81,7 @@ class Optimum(Displayed):
 
     @property
     def at_bounds(self) -> dict[str, float]:
-        """The parameters that are at an end of their range, with that end."""
+        """Parameters at an end of their range, with that end."""
         result = {}
         for name, one in self.bounds.items():
             low, high = one.ends
@@ -91,7 +91,7 @@ class Optimum(Displayed):
         return result
 
     def along(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """The figure over one parameter, the others at their best values, shape (samples,) each."""
+        """The objective over one parameter, the others at their best values, shape (samples,) each."""
         values = np.linspace(*self.bounds[name].ends, SLICE)
         rows = [{**self.parameters, name: float(value)} for value in values]
         return values, self.figure.of(evaluate(self.job, rows))
@@ -105,7 +105,7 @@ def optimise(
     seed: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Optimum:
-    """The values between bounds that make a figure least, or largest."""
+    """Minimise or maximise a scalar quantity over values between bounds."""
     given = {} if seed is None else {"seed": seed}
     table = scene.table.vary
     if minimise is None and maximise is None and table is not None:
@@ -128,7 +128,7 @@ def optimise(
 
 
 def _figure(name: str, middle: Scene, usual) -> SampleFigure:
-    """The figure of this name, among the usual ones or by itself."""
+    """The quantity of this name, among the default ones or separately."""
     figures = figures_of(usual)
     if name not in figures:
         try:
@@ -149,7 +149,7 @@ def _figure(name: str, middle: Scene, usual) -> SampleFigure:
 
 
 class _Search:
-    """The figure as a function of the parameters."""
+    """The quantity as a function of the parameters."""
 
     def __init__(self, job: Job, figure: SampleFigure, sign: int, names: list[str]):
         self.job, self.figure, self.sign, self.names = job, figure, sign, names
@@ -157,7 +157,7 @@ class _Search:
         self.reason = ""
 
     def values(self, rows: list[dict]) -> np.ndarray:
-        """The figure of some samples, larger where it is worse; infinite without an answer."""
+        """The objective for some samples, to be minimised; infinite without an answer."""
         self.count += len(rows)
         answer = evaluate(self.job, rows)
         self.reason = next((str(reason) for reason in answer["reason"] if reason), self.reason)
@@ -165,13 +165,13 @@ class _Search:
         return np.where(np.isnan(values), np.inf, values)
 
     def at(self, points: np.ndarray) -> np.ndarray:
-        """At points of the unit cube, shape (d, S) or (d,)."""
+        """The objective at points of the unit cube, shape (d, S) or (d,)."""
         rows = (self.low + self.width * np.clip(np.atleast_2d(points.T), 0.0, 1.0)).tolist()
         values = self.values([dict(zip(self.names, row)) for row in rows])
         return values if points.ndim > 1 else values[0]
 
     def run(self, bounds, seed: int, progress) -> tuple[np.ndarray, float, tuple[float, ...]]:
-        """The best parameters, their value, and the best after each generation."""
+        """The best parameters, their value, and the best value after each generation."""
         from scipy.optimize import differential_evolution, minimize
 
         ends = np.array(bounds)
@@ -227,19 +227,19 @@ class OptimumReport(StudyReport):
 
     @property
     def heading(self) -> str:
-        """Title of the scene and the figure."""
+        """Title of the scene and the quantity."""
         verb = "minimised" if self.optimum.sign > 0 else "maximised"
         return f"{self.optimum.scene.title}: {self.optimum.figure.name} {verb}"
 
     @cached_property
     def unit(self) -> tuple[str, float]:
-        """Of the figure, as [output] requests, with its factor."""
+        """Unit of the quantity, as [output] requests, with its factor."""
         unit = self.optimum.figure.unit
         return self.optimum.scene.equations.coordinates.shown.of(unit) if " or " not in unit else (unit, 1.0)
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """The optimum in words."""
+        """The optimum as sentences."""
         unit, factor = self.unit
         before, value = (with_unit(factor * each, unit) for each in (self.optimum.before, self.optimum.value))
         return (f"{self.optimum.figure.name}: {value}, instead of {before} in the file, by {self.optimum.evaluations} samples.",)
@@ -256,7 +256,7 @@ class OptimumReport(StudyReport):
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """Values at bounds; that the optimum is the best of samples."""
+        """Notices on values at bounds, and on the optimum as the best of samples."""
         optimum = self.optimum
         texts = [f"{name} is at its bound: a wider range may have a better value" for name in optimum.at_bounds]
         texts.append("the optimum is the best of all samples; that there is no better one far from them is not proved")
@@ -264,11 +264,11 @@ class OptimumReport(StudyReport):
 
     @property
     def is_trusted(self) -> bool:
-        """Always: what is not proved is said."""
+        """True: unproved results are reported as such."""
         return True
 
     def pictures(self) -> list[Picture]:
-        """The figure over each parameter through the optimum, and the best value of each generation."""
+        """The quantity over each parameter through the optimum, and the best value of each generation."""
         optimum, (unit, factor) = self.optimum, self.unit
         slices = {name: optimum.along(name) for name in list(optimum.bounds)[:4]}
         title = titled(optimum.figure.name, unit)
@@ -300,7 +300,6 @@ class OptimumReport(StudyReport):
         return pictures
 
     def as_json(self) -> dict:
-        """Plain data, numbers in SI."""
         optimum = self.optimum
         return {
             "title": optimum.scene.title,

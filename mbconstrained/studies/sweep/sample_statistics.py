@@ -14,7 +14,7 @@ from ...ground.errors import InputError
 #: Probabilities of the quantiles.
 QUANTILES = (0.05, 0.5, 0.95)
 
-#: Of all intervals.
+#: Confidence level of all intervals.
 CONFIDENCE = 0.95
 
 #: Resampled estimates of Sobol indices, and the seed of their choice.
@@ -37,14 +37,14 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Summary:
-    """What samples of a figure have in common.
+    """Statistics of the samples of a quantity.
 
     Attributes:
-        count: of finite values.
-        infinite: of those that are infinite.
-        mean, deviation: of the finite values.
-        least, largest: of the finite values.
-        quantiles: of all values, by probability.
+        count: number of finite values.
+        infinite: number of infinite values.
+        mean, deviation: mean and standard deviation of the finite values.
+        least, largest: extremes of the finite values.
+        quantiles: quantiles of all values, by probability.
     """
 
     count: int
@@ -57,7 +57,7 @@ class Summary:
 
 
 def summary(values: np.ndarray) -> Summary:
-    """Moments and quantiles of a figure.
+    """Moments and quantiles of a quantity.
 
     >>> of = summary(np.arange(1.0, 102.0))
     >>> of.mean, of.quantiles[0.5].value
@@ -86,7 +86,7 @@ def quantile(values: np.ndarray, probability: float) -> Estimate:
 
 
 def exceedance(values: np.ndarray, limit: float) -> Estimate:
-    """The probability that a figure exceeds a limit, with the exact binomial interval (Clopper and Pearson, 1934).
+    """The probability that a quantity exceeds a limit, with the exact binomial interval (Clopper and Pearson, 1934).
 
     >>> exceedance(np.arange(100.0), 94.5).value
     0.05
@@ -106,8 +106,8 @@ class SobolIndices:
     """Shares of the variance that parameters cause.
 
     Attributes:
-        first: of each parameter alone.
-        total: of each together with the others.
+        first: first-order index of each parameter.
+        total: total-effect index of each parameter.
     """
 
     first: tuple[Estimate, ...]
@@ -115,7 +115,7 @@ class SobolIndices:
 
 
 def sobol_indices(values: np.ndarray, count: int) -> SobolIndices:
-    """Sobol indices of a figure from Saltelli's design, by SciPy's estimators, with intervals by resampling."""
+    """Sobol indices of a quantity from Saltelli's design, by SciPy's estimators, with intervals by resampling."""
     from scipy import stats
 
     if not np.isfinite(values).all():
@@ -138,7 +138,7 @@ def sobol_indices(values: np.ndarray, count: int) -> SobolIndices:
 
 
 def rank_correlations(columns: list[np.ndarray], values: np.ndarray) -> list[float]:
-    """Spearman's correlation of a figure with each parameter."""
+    """Spearman's correlation of a quantity with each parameter."""
     from scipy.stats import rankdata
 
     kept = ~np.isnan(values)

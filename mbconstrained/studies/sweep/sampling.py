@@ -52,7 +52,7 @@ class ParameterSamples:
 
     @property
     def independent(self) -> int:
-        """How many samples are drawn from the distributions, the first ones; of Saltelli's design two of its blocks."""
+        """Number of samples drawn from the distributions, the first ones; for Saltelli's design two of its blocks."""
         return 2 * self.table.samples if self.table.method == "saltelli" else self._points
 
     @property
@@ -71,14 +71,14 @@ class ParameterSamples:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Of the grid, then the number of points of the distributions."""
+        """Shape of the grid, followed by the number of points of the distributions."""
         return (*(len(values.values) for values in self.grid.values()), self._points)
 
     def column(self, name: str, at: slice = slice(None)) -> np.ndarray:
         """The values of a parameter in some samples.
 
         Args:
-            name: of the parameter.
+            name: name of the parameter.
             at: the samples.
 
         Returns:

@@ -1,8 +1,9 @@
-"""Where chunks of samples go: into memory, or into a Zarr store that survives every interruption.
+"""Storage of chunks of samples: memory, or a Zarr store that survives interruptions.
 
-A store is a Zarr group that ``xarray.open_zarr`` reads, with one array for each parameter and variable, in chunks of samples. Each file
-of a chunk replaces its place when it is complete, then comes its checksum, which holds for this study and this place, and last its status;
-without it the chunk counts as missing, and one whose checksum is another as damaged: it is computed again. The same study always gives the same bytes. The store has the hash of scene, data files, samples, kept variables and versions, and is refused
+A store is a Zarr group that ``xarray.open_zarr`` reads, with one array for each parameter and variable, in chunks of samples. Each
+file of a chunk is replaced atomically, followed by the checksum of the chunk for this study and position, and last by its status. A
+chunk without a status counts as missing, one with another checksum as damaged; both are computed again. Equal studies give equal
+bytes. The store has the hash of scene, data files, samples, kept variables and versions, and is refused
 for any other study.
 """
 
@@ -38,7 +39,7 @@ DAMAGE = (KeyError, RuntimeError, ValueError)
 #: Numbers of a study without a store, in bytes.
 MOST_MEMORY = 4e9
 
-#: Of the size of numbers, what compression leaves at least.
+#: Share of the size of numbers that remains after the best compression.
 LEAST_SIZE = 0.5
 
 _MARK = ".zgroup"
@@ -50,7 +51,7 @@ class Chunks(ABC):
 
     Attributes:
         samples: the parameters.
-        variables: what is kept.
+        variables: kept quantities.
         size: samples of a chunk.
         damaged: numbers of stored chunks that were not as they had been written.
     """
@@ -70,16 +71,16 @@ class Chunks(ABC):
 
     @property
     def bytes_per_sample(self) -> int:
-        """Of the kept numbers, parameters and status."""
+        """Bytes per sample of the kept numbers, parameters and status."""
         return 8 * (len(self.samples.variations) + sum(int(np.prod(one.shape)) for one in self.variables)) + 1
 
     @abstractmethod
     def missing(self) -> Iterator[int]:
-        """The chunks that are still to be computed, ascending."""
+        """The chunks still to be computed, ascending."""
 
     @abstractmethod
     def write(self, chunk: int, arrays: Mapping[str, np.ndarray]) -> None:
-        """Keep a chunk.
+        """Store a chunk.
 
         Args:
             chunk: its number.
@@ -88,10 +89,10 @@ class Chunks(ABC):
 
     @abstractmethod
     def read(self, name: str, where: tuple = ()) -> np.ndarray:
-        """A variable, its status or reason, of all samples.
+        """A variable, its status or reason, for all samples.
 
         Args:
-            name: of the array.
+            name: name of the array.
             where: places along its second axis; none for all.
 
         Returns:
@@ -109,15 +110,15 @@ class Memory(Chunks):
         self._parts: dict[int, Mapping[str, np.ndarray]] = {}
 
     def missing(self) -> Iterator[int]:
-        """All that were not written."""
+        """The chunks not yet written."""
         return (chunk for chunk in range(self.count) if chunk not in self._parts)
 
     def write(self, chunk: int, arrays: Mapping[str, np.ndarray]) -> None:
-        """Keep the arrays."""
+        """Store the arrays."""
         self._parts[chunk] = {**arrays, REASON: arrays[REASON].astype(str)}  # of no greater width than those of the chunk need
 
     def read(self, name: str, where: tuple = ()) -> np.ndarray:
-        """All parts as one array; as ``Chunks.read``."""
+        """A variable, its status or reason, for all samples."""
         whole = np.concatenate([self._parts[chunk][name] for chunk in sorted(self._parts)])
         return whole[(slice(None), *where)]
 
@@ -126,9 +127,9 @@ class Store(Chunks):
     """A Zarr store.
 
     Args:
-        path: of the folder, which is created, or holds what there is of this study.
-        description: of the study, plain data by subject.
-        samples, variables, size: as of ``Chunks``.
+        path: path of the folder, which is created, or holds what there is of this study.
+        description: description of the study, plain data by subject.
+        samples, variables, size: as in ``Chunks``.
 
     Raises:
         InputError: another folder, a store of another study.
@@ -163,7 +164,7 @@ class Store(Chunks):
             return False
 
     def missing(self) -> Iterator[int]:
-        """The chunks without a status, and those that are damaged."""
+        """The chunks without a status, and damaged ones."""
         for chunk in range(self.count):
             status = self.path / STATUS / str(chunk)
             if status.exists() and chunk not in self._verified:
@@ -176,7 +177,7 @@ class Store(Chunks):
                 yield chunk
 
     def _is_intact(self, chunk: int) -> bool:
-        """Whether the files of a chunk are those that were written at this place of this study."""
+        """Whether the files of a chunk are those written at this position of this study."""
         try:
             status = np.asarray(self._group[STATUS][self.at(chunk)])
             return str(self._group[CHECKSUM][chunk]) == self._checksum(chunk, status)
@@ -184,7 +185,7 @@ class Store(Chunks):
             return False
 
     def _checksum(self, chunk: int, status: np.ndarray) -> str:
-        """SHA-256 of the study, the place, and the files of a chunk; of the status, which is written last, its values."""
+        """SHA-256 of the study, the position, and the files of a chunk; for the status, which is written last, its values."""
         digest = sha256(f"{hash_of(self.description)} {chunk}".encode())
         for name in sorted({*map(column_name, self.samples.variations), *(one.name for one in self.variables), REASON}):
             for file in sorted([self.path / name / str(chunk), *(self.path / name).glob(f"{chunk}.*")]):
@@ -211,11 +212,11 @@ class Store(Chunks):
             raise OSError(problem.errno, text, str(self.path)) from None
 
     def read(self, name: str, where: tuple = ()) -> np.ndarray:
-        """From the files; as ``Chunks.read``."""
+        """A variable, its status or reason, from the files."""
         return np.asarray(self._group[name][(slice(None), *where)])
 
     def _check_space(self, count: int) -> None:
-        """Refuse what cannot fit, before hours of computation."""
+        """Refuse a study that does not fit, before hours of computation."""
         folder = next(folder for folder in self.path.absolute().parents if folder.exists())
         needed, free = LEAST_SIZE * self.bytes_per_sample * count, shutil.disk_usage(folder).free
         if needed > free:
@@ -273,7 +274,7 @@ class Store(Chunks):
         )
 
     def _check(self) -> None:
-        """Whether the store is of this study."""
+        """Check that the store belongs to this study."""
         try:
             known = json.loads((self.path / ".zattrs").read_text(encoding="utf-8"))[_KEY]
         except (OSError, ValueError, KeyError, TypeError):
@@ -292,7 +293,7 @@ class Store(Chunks):
 
 
 def _runs(process: int) -> bool:
-    """Whether there is a process of this number."""
+    """Whether a process with this number exists."""
     try:
         os.kill(process, 0)
     except ProcessLookupError:
@@ -303,7 +304,7 @@ def _runs(process: int) -> bool:
 
 
 def column_name(parameter: str) -> str:
-    """The name of the array of a parameter, which no axis or other array has."""
+    """The name of the array of a parameter, different from all axes and other arrays."""
     reserved = (
         STATUS,
         REASON,
@@ -322,7 +323,7 @@ def column_name(parameter: str) -> str:
 
 
 def _compressor():
-    """One whose bytes depend on the content alone; that of Blosc depends on threads."""
+    """A compressor whose bytes depend on the content alone; those of Blosc depend on threads."""
     from numcodecs import Zstd
 
     return Zstd(level=3)
@@ -338,7 +339,7 @@ def hash_of(description: dict) -> str:
 
 
 def first_difference(known, here, place: str = "") -> str:
-    """Where two plain descriptions differ first, in words; an empty string where they are equal.
+    """The first difference of two plain descriptions, as text; empty where they are equal.
 
     >>> first_difference({"scene": {"k": "1 N/m"}}, {"scene": {"k": "2 N/m"}})
     'scene.k is "1 N/m" in the store and "2 N/m" here'
@@ -361,7 +362,7 @@ def _short(value) -> str:
 
 
 def files_of(tables, folder: Path) -> dict[str, str]:
-    """The data files that texts in tables name, and of folders of robots those in them, with the hashes of their contents."""
+    """The data files named in tables, and those in folders of robots, with the hashes of their contents."""
     result: dict[str, str] = {}
     for text in _texts(tables):
         path = folder / text if text and text.isprintable() and len(text) < 256 else None

@@ -1,4 +1,4 @@
-"""The study of a scene over many samples: checked at the start, computed in chunks by whoever there is, and kept."""
+"""The study of a scene over many samples: checked at the start, computed in chunks by a backend, and stored."""
 
 from __future__ import annotations
 
@@ -45,9 +45,9 @@ class Sweep(Displayed):
 
     Attributes:
         scene: the scene as it is in the file.
-        samples: of the parameters.
-        variables: what is kept of each.
-        job: what workers are given.
+        samples: samples of the parameters.
+        variables: kept quantities of each sample.
+        job: data for workers.
         table: [vary] with what was given in addition.
     """
 
@@ -62,7 +62,7 @@ class Sweep(Displayed):
 
     @property
     def chunk(self) -> int:
-        """Samples that are computed and stored together; it depends on their number alone."""
+        """Number of samples computed and stored together, which depends on the number of samples alone."""
         return self.table.chunk or min(max(len(self.samples) // USUAL_CHUNKS, LEAST_CHUNK), MOST_CHUNK)
 
     def run(
@@ -74,7 +74,7 @@ class Sweep(Displayed):
         sample_timeout: float | None = None,
         message: Callable[[str], None] = print,
     ) -> SweepResult:
-        """Compute the samples that are missing.
+        """Compute the missing samples.
 
         Args:
             store: a folder, such as "k.zarr", that keeps them, so that an interrupted run goes on from there; None for memory.
@@ -155,11 +155,11 @@ class Sweep(Displayed):
 
 
 class StudyInterrupted(KeyboardInterrupt):
-    """A study that the user interrupted; the text has how to go on."""
+    """A study that the user interrupted; the text explains how to resume it."""
 
 
 def _with_advice(problem: BaseException, done: int, chunks: Chunks) -> BaseException:
-    """The problem with what is stored and how to go on."""
+    """The problem, with the stored part and how to resume."""
     stored = f"{done} of {chunks.count} chunks are stored; the same command goes on from there"
     text = stored if isinstance(chunks, Store) else "nothing is stored; give a store to be able to go on"
     if isinstance(problem, KeyboardInterrupt):
@@ -168,7 +168,7 @@ def _with_advice(problem: BaseException, done: int, chunks: Chunks) -> BaseExcep
 
 
 def sweep(scene: Scene, parameters: Mapping[str, Any] | None = None, **options) -> Sweep:
-    """The study of a scene; see ``Scene.sweep``."""
+    """The study of a scene (``Scene.sweep``)."""
     study, _ = study_of(scene, parameters, options)
     if limits_of(study.table.limits, figures_of(study.variables)) and not study.samples.is_random:
         raise InputError(ONLY_RANDOM)
@@ -208,7 +208,7 @@ def _middle(job: Job, scene: Scene, samples: ParameterSamples) -> Scene:
 
 
 def _check_unit(job: Job, name: str, variation: Variation) -> None:
-    """Whether the scene takes a value with the unit of the variation."""
+    """Check that the scene accepts a value with the unit of the variation."""
     value, unit = variation.nominal, variation.unit
     if isinstance(variation, Values) and variation.is_text:
         return

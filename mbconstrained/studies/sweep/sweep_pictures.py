@@ -50,7 +50,7 @@ class SweepPictures:
         self.figures = [name for name in figures if _varies(result.values(name))][:MOST_FIGURES]
 
     def all(self) -> list[Picture]:
-        """What suits the samples."""
+        """The figures that suit the samples."""
         samples, pictures = self.result.samples, []
         numeric = [name for name, one in samples.grid.items() if not one.is_text]
         rows = [self.figures[first : first + ACROSS] for first in range(0, len(self.figures), ACROSS)]
@@ -66,17 +66,17 @@ class SweepPictures:
         return pictures
 
     def values(self, name: str) -> Axis:
-        """The title of an axis and the values of a figure in its unit."""
+        """The title of an axis and the values of a quantity in its unit."""
         unit, factor = self.units[name]
         return titled(name, unit), factor * self.result.values(name)
 
     def column(self, name: str) -> Axis:
-        """The same of a parameter."""
+        """The title of an axis and the values of a parameter in its unit."""
         unit, factor = self.result.scene.equations.coordinates.shown.of(getattr(self.result.samples.variations[name], "unit", ""))
         return titled(name, unit), factor * self.result.parameter(name)
 
     def _leading(self, names: list[str], figure: str) -> list[str]:
-        """The parameters with the largest rank correlations, as many as there is room for, in the order of the scene."""
+        """The parameters with the largest rank correlations, as many as fit, in the order of the scene."""
         correlations = rank_correlations([self.result.parameter(name) for name in names], self.result.values(figure))
         order = np.argsort(-np.nan_to_num(np.abs(correlations)), kind="stable")[:MOST_PARAMETERS]
         return [names[i] for i in sorted(order)]
@@ -214,7 +214,7 @@ def bars(title: str, names: Sequence[str], groups: dict[str, Sequence[Estimate]]
 
 
 def _varies(values: np.ndarray) -> bool:
-    """By more than rounding errors."""
+    """Whether values vary by more than rounding errors."""
     finite = values[np.isfinite(values)]
     return bool(len(finite) and np.ptp(finite) > LEAST_SHARE * np.abs(finite).max())
 
@@ -233,7 +233,7 @@ def titled(name: str, unit: str) -> str:
 
 
 def _tail(name: str, longest: int) -> str:
-    """A long name shortened at its start, since places differ at their ends."""
+    """A long name shortened at its start, since locations differ at their ends."""
     return name if len(name) <= longest else f"…{name[1 - longest :]}"
 
 

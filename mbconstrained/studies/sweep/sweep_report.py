@@ -1,4 +1,4 @@
-"""The report of a sweep: parameters, statistics of all figures, who matters, samples without an answer; as text, page and data."""
+"""The report of a sweep: parameters, statistics, sensitivities, samples without an answer; as text, page and data."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ MOST_VARIANTS, MOST_COORDINATES = 25, 200
 MOST_MATTERING = 3
 
 
-#: So many damaged chunks are named.
+#: Number of damaged chunks that are named.
 MOST_DAMAGED = 6
 
 
@@ -53,12 +53,12 @@ class SweepReport(StudyReport):
 
     @property
     def heading(self) -> str:
-        """Title of the scene, and what is varied."""
+        """Title of the scene, and the varied parameters."""
         return f"{self.result.scene.title}: {counted(len(self.result), 'sample')}"
 
     @cached_property
     def units(self) -> dict[str, tuple[str, float]]:
-        """Unit and factor of each figure, as [output] requests."""
+        """Unit and factor of each quantity, as [output] requests."""
         shown = self.result.scene.equations.coordinates.shown
         return {
             name: shown.of(one.unit) if " or " not in one.unit else (one.unit, 1.0) for name, one in self.result.figures.items()
@@ -66,7 +66,7 @@ class SweepReport(StudyReport):
 
     @cached_property
     def figures(self) -> list[str]:
-        """Names of the figures that have a value; without damping ratios where nothing is damped."""
+        """Names of the quantities with a value; without damping ratios of undamped systems."""
         values = {name: self.result.values(name) for name in self.result.figures}
         undamped = {
             name
@@ -77,7 +77,7 @@ class SweepReport(StudyReport):
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """How many samples there are, how they were drawn, how many have no answer."""
+        """The number of samples, their sampling, and the number without an answer."""
         samples, table = self.result.samples, self.result.table
         drawn = {
             "random": f"{table.samples} random points, seed {table.seed}",
@@ -95,14 +95,14 @@ class SweepReport(StudyReport):
 
     @property
     def tables(self) -> tuple[TextTable, ...]:
-        """Parameters, statistics, limits, who matters, samples without an answer."""
+        """Parameters, statistics, limits, sensitivities, samples without an answer."""
         tables = [self._parameters(), self._statistics()]
         tables += [self._limits()] if self.result.table.limits else []
         tables += [self._sobol_table()] if self.sobol else []
         return (*tables, *([self._failures()] if self.result.failures else []))
 
     def pictures(self) -> list[Picture]:
-        """Maps, distributions, scatter, bands, who matters."""
+        """Maps, distributions, scatter plots, bands, sensitivities."""
         pictures = SweepPictures(self.result, self.figures, self.units).all()
         names = list(self.result.samples.variations)
         for figure, indices in self.sobol.items():
@@ -116,7 +116,7 @@ class SweepReport(StudyReport):
         return pictures
 
     def page_content(self, pictures: Sequence[Picture] | None = None) -> Content:
-        """The report as a page, on which variants at quantiles of the first figure move in their lowest mode."""
+        """The report as a page, which animates variants at quantiles of the first quantity in their lowest mode."""
         content, result = super().page_content(pictures), self.result
         system = result.scene.equations.system
         if not isinstance(content, PageContent) or not self.figures or system is None or system.size > MOST_COORDINATES:
@@ -135,7 +135,7 @@ class SweepReport(StudyReport):
 
     @cached_property
     def sobol(self) -> dict[str, SobolIndices]:
-        """The indices of each figure; none without Saltelli's design, or where a sample has no value."""
+        """The Sobol indices of each quantity; none without Saltelli's design, or where a sample has no value."""
         if self.result.table.method != "saltelli":
             return {}
         whole = [name for name in self.figures if np.isfinite(self.result.values(name)).all()]
@@ -143,7 +143,7 @@ class SweepReport(StudyReport):
 
     @cached_property
     def correlations(self) -> dict[str, list[float]]:
-        """Rank correlations of the first figures with several random parameters."""
+        """Rank correlations of the first quantities with several random parameters."""
         samples = self.result.samples
         if len(samples.variations) < 2 or not samples.is_random or self.sobol:
             return {}
@@ -152,7 +152,7 @@ class SweepReport(StudyReport):
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """Samples without an answer, intervals that are no intervals."""
+        """Notices on samples without an answer, and on invalid intervals."""
         result, texts = self.result, []
         if result.samples.is_random and result.table.method in ("sobol", "latin hypercube"):
             texts.append(
@@ -170,7 +170,7 @@ class SweepReport(StudyReport):
 
     @property
     def is_trusted(self) -> bool:
-        """False where samples without an answer are to be an error, and there are some."""
+        """False where samples without an answer count as an error, and there are some."""
         return not (self.strict and self.result.failures)
 
     @property

@@ -1,4 +1,4 @@
-"""What came of the samples of a study: arrays by name, figures with their statistics, samples without an answer."""
+"""Result of a study: arrays by name, scalar quantities with their statistics, samples without an answer."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ class SampleAnswers(Displayed):
 
     Attributes:
         scene: of the study.
-        samples: of its parameters.
-        variables: what was kept.
+        samples: samples of its parameters.
+        variables: kept quantities.
         table: [vary].
         job: makes the scene of a sample.
-        chunks: where the arrays are.
+        chunks: storage of the arrays.
     """
 
     scene: Scene
@@ -55,12 +55,12 @@ class SampleAnswers(Displayed):
 
     @cached_property
     def answered(self) -> np.ndarray:
-        """Which samples have an answer, shape (S,)."""
+        """Whether each sample has an answer, shape (S,)."""
         return self.chunks.read(STATUS) == ANSWERED
 
     @property
     def failures(self) -> dict[int, str]:
-        """The reasons of the samples without an answer, by their numbers from 0."""
+        """Reasons of the samples without an answer, by index from 0."""
         places = np.flatnonzero(~self.answered).tolist()
         reasons = self.chunks.read(REASON) if places else []
         return {place: str(reasons[place]) for place in places}
@@ -74,7 +74,7 @@ class SampleAnswers(Displayed):
         return self.samples.column(name)
 
     def values(self, name: str) -> np.ndarray:
-        """A kept variable or figure over the samples, NaN for those without an answer.
+        """Return a kept variable or scalar quantity over the samples, NaN for those without an answer.
 
         Args:
             name: such as "frequency" or "frequency 1".
@@ -95,27 +95,27 @@ class SampleAnswers(Displayed):
 
     @cached_property
     def figures(self) -> dict[str, SampleFigure]:
-        """The single numbers of each sample, by name."""
+        """Scalar quantities of each sample, by name."""
         return figures_of(self.variables)
 
     def statistics(self, name: str) -> Summary:
-        """Moments and quantiles of a figure."""
+        """Return moments and quantiles of a scalar quantity."""
         return summary(self.independent(name))
 
     def independent(self, name: str) -> np.ndarray:
-        """The values of a figure in the samples drawn from the distributions."""
+        """Return the values of a scalar quantity in the samples drawn from the distributions."""
         return self.values(name)[: self.samples.independent] if self.samples.is_random else self.values(name)
 
     @property
     def limits(self) -> dict[str, float]:
-        """Limits of figures in SI."""
+        """Limits of scalar quantities in SI."""
         return limits_of(self.table.limits, self.figures)
 
     def exceedance(self, name: str, limit: float) -> Estimate:
-        """The probability that a figure exceeds a limit.
+        """Return the probability that a scalar quantity exceeds a limit.
 
         Args:
-            name: of the figure.
+            name: name of the figure.
             limit: in SI.
 
         Returns:
@@ -129,7 +129,7 @@ class SampleAnswers(Displayed):
         return exceedance(self.independent(name), limit)
 
     def sobol_indices(self, name: str) -> SobolIndices:
-        """The shares of the variance of a figure that each parameter causes.
+        """Return Sobol indices: the shares of the variance of a scalar quantity caused by each parameter.
 
         Raises:
             InputError: another method than saltelli, a sample without an answer.
@@ -139,7 +139,7 @@ class SampleAnswers(Displayed):
         return sobol_indices(self.values(name), self.table.samples)
 
     def sample_scene(self, number: int) -> Scene:
-        """The scene of a sample.
+        """Return the scene of a sample.
 
         Args:
             number: from 0.
@@ -150,7 +150,7 @@ class SampleAnswers(Displayed):
         return self.job.scene(self.samples.rows(slice(number, number + 1))[0])
 
     def to_xarray(self):
-        """All as one ``xarray.Dataset`` over the samples, units as attributes.
+        """Return all variables as an ``xarray.Dataset`` over the samples, with units as attributes.
 
         Raises:
             MissingPackage: xarray is not installed.
@@ -168,7 +168,7 @@ class SampleAnswers(Displayed):
         return xarray.Dataset(variables, coordinates, {"source": "mbconstrained"})
 
     def csv(self) -> str:
-        """Parameters and figures of each sample as CSV, numbers in SI."""
+        """Return parameters and scalar quantities of each sample as CSV, numbers in SI."""
         from ...exchange.trajectories import csv_of
 
         units = {name: one.unit for name, one in self.samples.variations.items()}

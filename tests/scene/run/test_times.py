@@ -1,4 +1,4 @@
-"""[time] with step and start, forces that begin after the end, matrices that no machine has, springs without rest length."""
+"""[time] with step and start, forces that begin after the end, matrices of no passive structure, springs without rest length."""
 
 import numpy as np
 import pytest

@@ -27,7 +27,7 @@ DOUBLE = 53
 
 
 def exact_expression(entry, what: str) -> sympy.Expr:
-    """An entry as an exact expression; floats are the shortest decimals that they are written as.
+    """An entry as an exact expression; floats become their shortest decimals.
 
     >>> exact_expression(0.1, "A_0"), exact_expression(2 * sympy.Symbol("k"), "A_0")
     (1/10, 2*k)
@@ -60,7 +60,7 @@ def symbols_of(expressions: Iterable[sympy.Expr]) -> tuple[sympy.Symbol, ...]:
 
 
 def generators_of(expressions: Iterable[sympy.Expr]) -> tuple[sympy.Expr, ...]:
-    """The symbols in them, and pi: being transcendental, it is one more as far as rational functions go.
+    """The symbols in expressions, and pi, which as a transcendental number counts as one in rational functions.
 
     >>> generators_of([2 * sympy.pi * sympy.Symbol("f")])
     (f, pi)
@@ -70,7 +70,7 @@ def generators_of(expressions: Iterable[sympy.Expr]) -> tuple[sympy.Expr, ...]:
 
 
 def check_positive(symbols: Iterable[sympy.Symbol]) -> None:
-    """Every symbol may stand for a positive number."""
+    """Check that every symbol may be positive."""
     for symbol in symbols:
         if symbol.is_positive is False or not symbol.is_commutative:
             raise InputError(f"symbol {symbol}: it is declared not to be positive; every symbol here stands for a positive number")
@@ -124,7 +124,7 @@ def expression_of(field: Domain, value) -> sympy.Expr:
 
 
 def in_one_form(field: Domain, value):
-    """The same element with 1 in front of its denominator: fractions over algebraic numbers are not reduced that far by themselves."""
+    """The element with 1 in front of its denominator, to which fractions over algebraic numbers are not reduced otherwise."""
     if not field.is_FractionField or not field.domain.is_Algebraic:
         return value
     factor = field.domain.one / value.denom.LC
@@ -144,7 +144,7 @@ def polynomial_expression(p: sympy.Poly) -> sympy.Expr:
 
 
 def _factored(ring, polynomial) -> tuple[sympy.Expr, sympy.Expr]:
-    """The number in front, and the product of the factors."""
+    """The leading number, and the product of the factors."""
     if polynomial == 0:
         return sympy.S.Zero, sympy.S.One
     constant, factors = polynomial.factor_list()
@@ -193,7 +193,7 @@ VARIABLE = "s"
 
 
 def checked_time(time, others: Iterable[sympy.Symbol], of: str, what: str = "time") -> sympy.Symbol:
-    """The symbol of the time, whose name no other has.
+    """The symbol of the time, with a unique name.
 
     >>> checked_time(None, sympy.symbols("k m"), "A")
     t
@@ -207,7 +207,7 @@ def checked_time(time, others: Iterable[sympy.Symbol], of: str, what: str = "tim
 
 
 def check_one_each(symbols: Iterable[sympy.Symbol]) -> None:
-    """One symbol for each name, and none that is called like the variable of A(s)."""
+    """Check that each name has one symbol, different from the variable of A(s)."""
     names: dict[str, sympy.Symbol] = {}
     for symbol in symbols:
         if symbol.name == VARIABLE:
@@ -219,7 +219,7 @@ def check_one_each(symbols: Iterable[sympy.Symbol]) -> None:
 
 
 def check_start_names(coordinates: Iterable[str], degree: int, parameters: Iterable[sympy.Symbol]) -> None:
-    """No parameter that is called like a value at 0-: the two could not be distinguished.
+    """Check that no parameter has the name of a value at 0-.
 
     >>> check_start_names(["u"], 2, sympy.symbols("k u_1"))
     Traceback (most recent call last):
@@ -236,7 +236,7 @@ def check_start_names(coordinates: Iterable[str], degree: int, parameters: Itera
 
 
 def as_positive(symbols: Iterable) -> dict[sympy.Symbol, sympy.Symbol]:
-    """Positive symbols of the same names for those that are not declared so: sqrt(k/m) is sqrt(k)/sqrt(m) of positive ones only.
+    """Positive symbols with the same names for those not declared so: sqrt(k/m) is sqrt(k)/sqrt(m) for positive ones only.
 
     >>> k, m = sympy.Symbol("k"), sympy.Symbol("m", positive=True)
     >>> [symbol.is_positive for symbol in as_positive([k, m]).values()]

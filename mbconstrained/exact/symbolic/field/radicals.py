@@ -1,4 +1,4 @@
-"""Zeros of irreducible polynomials, and the values of polynomials there: as responses and Jordan forms take them.
+"""Zeros of irreducible polynomials, and values of polynomials there, in the form of responses and Jordan forms.
 
 In radicals over the field K of the entries: degrees 1 and 2, s^4 + b s^2 + c (undamped systems of two degrees of freedom) and
 other products of two quadratics over K(sqrt(g)). Values are computed in K(sqrt(g)) exactly and written down once: nothing is
@@ -44,7 +44,7 @@ class Root:
 
     @property
     def is_pair(self) -> bool:
-        """True where it stands for a pair of complex zeros."""
+        """True for a pair of complex zeros."""
         return self.imaginary != 0
 
     def weights(self, c: sympy.Poly) -> Parts:
@@ -54,7 +54,7 @@ class Root:
 
 
 def roots(p: sympy.Poly, split: bool = True) -> tuple[Root, ...] | None:
-    """The zeros of an irreducible monic p over the field, of each complex pair one; None where there are symbols and no short closed form.
+    """The zeros of an irreducible monic p over the field, one of each complex pair; None for symbols without a short closed form.
 
     >>> s, k, m = sympy.symbols("s k m")
     >>> p = sympy.Poly(s**4 + 3 * k / m * s**2 + k**2 / m**2, s, domain=sympy.ZZ.frac_field(k, m))
@@ -139,7 +139,7 @@ def _multiple(number: Surd, turned: Surd, root: sympy.Expr) -> sympy.Expr:
 
 
 def _number_in_front(product: sympy.Expr) -> sympy.Expr:
-    """Without roots in the denominator of the number in front."""
+    """The product without roots in the denominator of its leading number."""
     number, rest = product.as_independent(*product.free_symbols, as_Add=False) if product.free_symbols else (product, sympy.S.One)
     return sympy.expand(sympy.radsimp(number)) * rest
 
@@ -167,7 +167,7 @@ def _of_complex_quadratic(p, quadratic: Quadratic, branch: int) -> Root:
 
 # Zeros that have no closed form, as decimals.
 
-#: Of zeros, and of what polynomials are there.
+#: Digits of zeros, and of values of polynomials there.
 DIGITS = 30
 
 
@@ -190,7 +190,7 @@ def _value_at(root: tuple[sympy.Expr, sympy.Expr], e: sympy.Poly) -> tuple[sympy
 
 
 def _rounded(number: sympy.Expr) -> sympy.Expr:
-    """To ``DIGITS`` digits; zero stays exact."""
+    """A number rounded to ``DIGITS`` digits; zero stays exact."""
     return sympy.N(number, DIGITS) if number != 0 else sympy.S.Zero
 
 
@@ -214,20 +214,20 @@ class Quadratic:
 
     @cached_property
     def conjugate(self) -> Quadratic:
-        """The same with -sqrt(g) for sqrt(g); both share the values that are known."""
+        """The conjugate with -sqrt(g) for sqrt(g); both share the known values."""
         other = Quadratic(-(self.middle + self.middle).conjugate, self.b.conjugate)
         other.value = lambda c: tuple(part.conjugate for part in self.value(c))
         return other
 
     def value(self, c: sympy.Poly) -> tuple[Surd, Surd, Surd]:
-        """e, o and o square with c(x) = e + o y, by the powers of x: each is computed once, and c is linear in them."""
+        """e, o and o square with c(x) = e + o y, by the powers of x, each computed once; c is linear in them."""
         if c not in self._values:
             factors = coefficients(c, max(1, len(c.rep.to_list())))
             self._values[c] = tuple(self._combined(factors, powers) for powers in zip(*self._powers_below(len(factors))))
         return self._values[c]
 
     def _powers_below(self, count: int) -> list[tuple[Surd, Surd, Surd]]:
-        """1, x, x^2, ... as such sums."""
+        """1, x, x^2, ... in the form e + o y."""
         while len(self._powers) < count:
             even, odd, turned = self._powers[-1]
             following = even + odd * self.middle

@@ -12,7 +12,7 @@ from .fields import expression_of, in_one_form
 
 
 def sign(field: Domain, value) -> int | None:
-    """1, -1 or 0 where the element of the field has this sign for all positive values of the symbols, None where it is not seen.
+    """Sign (1, -1 or 0) of the element for all positive values of the symbols; None where it is undecided.
 
     Coefficients of one sign decide, factor by factor; so does a negative discriminant in one of the symbols.
 
@@ -112,7 +112,7 @@ def _sign_of_factor(p) -> int | None:
 
 
 def _coefficient(p, symbol, power: int):
-    """Of symbol^power in p, a polynomial in the other symbols."""
+    """Coefficient of symbol^power in p, a polynomial in the other symbols."""
     place = p.ring.index(symbol)
     terms = {tuple(0 if i == place else e for i, e in enumerate(m)): c for m, c in p.terms() if m[place] == power}
     return p.ring.from_dict(terms)
@@ -166,11 +166,11 @@ class Surd:
         return Surd(self.field, self.u, -self.v, self.g)
 
     def of(self, u) -> Surd:
-        """An element of the field as one of these numbers."""
+        """An element of the field as a surd."""
         return Surd(self.field, u, self.field.zero, self.g)
 
     def sign(self) -> int | None:
-        """Its sign for all positive values of the symbols, None where it is not seen, or where the number may be complex."""
+        """Sign for all positive values of the symbols; None where it is undecided, or where the number may be complex."""
         if not self.v:
             return sign(self.field, self.u)
         return sign_with_root(self.field, self.u, self.v, self.g) if sign(self.field, self.g) == 1 else None
@@ -216,7 +216,7 @@ def _quadratic(field, h, p, linear, last, z) -> tuple[Surd, Surd]:
 
 
 def compact_expression(number: Surd) -> sympy.Expr:
-    """u + v sqrt(g) with what u and v share in front, sqrt(g) too where g divides u.
+    """u + v sqrt(g) with the common factor of u and v in front, sqrt(g) too where g divides u.
 
     >>> k, m = sympy.symbols("k m")
     >>> K = sympy.ZZ.frac_field(k, m)

@@ -1,1 +1,1 @@
-"""Responses with symbols: transforms, modes, impulses, jumps, and the conditions under which there are none."""
+"""Responses with symbols: transforms, modes, impulses, jumps, and the conditions for their absence."""

@@ -1,4 +1,4 @@
-"""From X(s) = A(s)^-1 b(s) to functions of time, impulses and values at 0+, all of it linear in the amplitudes."""
+"""Functions of time, impulses and values at 0+ from X(s) = A(s)^-1 b(s), linear in the amplitudes."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class ResponseTransform:
     Args:
         A: degree q, size r.
         sources: with one start.
-        field: that of A and of the sources, and of others where they are needed.
+        field: field of A and of the sources, and of others where they are needed.
     """
 
     def __init__(self, A: SymbolicPolynomialMatrix, sources: Iterable[SymbolicSource], field: Domain | None = None):
@@ -110,7 +110,7 @@ class ResponseTransform:
         return sympy.ImmutableMatrix(self.A.degree, self.A.size, lambda i, j: self.combined(self.laurent[-1 - i][j]))
 
     def assumptions(self, divisors: Iterable[sympy.Expr]) -> tuple[sympy.Expr, ...]:
-        """What must not vanish so that the factors stay what they are: leading coefficient, discriminants, resultants; and divisors."""
+        """Nonzero conditions for the form of the factors: leading coefficient, discriminants, resultants; and divisors."""
         determinant = self.A.determinant.set_domain(self.field)
         below = [self._polynomial(p) for p in {source.denominator for source in self.sources if source.power}]
         factors = sorted({q for p in (determinant, *below) for q, _ in factors_of(p)}, key=lambda q: (q.degree(), str(q.as_expr())))
@@ -130,14 +130,14 @@ class ResponseTransform:
 
 
 def entries_with(A: SymbolicPolynomialMatrix, sources: Iterable[SymbolicSource]) -> list[sympy.Expr]:
-    """The entries of A, and the coefficients that the rates and frequencies of the sources make."""
+    """The entries of A, and the coefficients of the rates and frequencies of the sources."""
     polynomials = {p for source in sources for p in (source.denominator, *source.numerator)}
     coefficients = [c for p in polynomials for c in sympy.Poly(p, A.variable).all_coeffs()]
     return [*(entry for matrix in A.coefficients for entry in matrix), *coefficients]
 
 
 def divisors_of(expressions: Iterable[sympy.Expr], time: sympy.Symbol) -> list[sympy.Expr]:
-    """The divisors in the expressions that the user gave.
+    """The divisors in the given expressions.
 
     >>> a, b, t = sympy.symbols("a b t")
     >>> divisors_of([b * sympy.exp(-t / (a - b))], t)
@@ -149,7 +149,7 @@ def divisors_of(expressions: Iterable[sympy.Expr], time: sympy.Symbol) -> list[s
 
 
 def _vanishing(divisor: sympy.Expr) -> tuple[sympy.Expr, ...]:
-    """The factors of it that positive symbols can make zero; itself where it is not rational in them."""
+    """The factors that vanish for some positive symbols; the expression itself where it is not rational in them."""
     try:
         field = field_of([divisor])
         return must_not_vanish(field, [element(field, divisor, "divisor")])
@@ -181,7 +181,7 @@ def _product(adjugate, b, scale) -> list[sympy.Poly]:
 
 
 def _merged(factors: Factors, others: Factors, power: int) -> Factors:
-    """Both lists as one, equal factors together."""
+    """Both lists as one, with equal factors combined."""
     total = dict(factors)
     for q, k in others:
         total[q] = total.get(q, 0) + k * power

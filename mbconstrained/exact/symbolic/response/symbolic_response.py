@@ -82,7 +82,7 @@ class SymbolicResponse(Displayed):
         return self.regular.diff(self.time, order).replace(sympy.DiracDelta, lambda *_: sympy.S.Zero) if order else self.regular
 
     def at(self, values: Mapping[sympy.Symbol, object]) -> SymbolicResponse:
-        """The response for values of some of the symbols, or of all: they are put into A, start and force, which are solved again.
+        """Return the response for values of some or all symbols, solved again with these in A, start and force.
 
         So it holds where zeros meet (the critical damping, resonance) and where A has another structure, too.
 
@@ -122,7 +122,7 @@ class SymbolicResponse(Displayed):
 def solve_symbolically(
     A: SymbolicPolynomialMatrix, initial=None, force: Sequence | None = None, time: sympy.Symbol | None = None
 ) -> SymbolicResponse:
-    """The response X(s) = A(s)^-1 (X_in(s) + F(s)) in closed form (Moysis et al., Eqs. 46-48; one-sided from 0-).
+    """Solve X(s) = A(s)^-1 (X_in(s) + F(s)) in closed form (Moysis et al., Eqs. 46-48; one-sided from 0-).
 
     The exact principal part of X at every root of det A and of the force's denominators, transformed back term by term, gives
     the regular part; the Laurent coefficients of X at infinity give impulses and values at 0+. Nothing is a limit, and nothing
@@ -169,7 +169,7 @@ def solve_symbolically(
 
 
 def _solution(A, X0, f, time) -> dict[str, Any]:
-    """The fields of the response; roots of symbols are short only where these are declared to be positive."""
+    """The fields of the response; roots of symbols are short only where these are declared positive."""
     sources = initial_sources(A, X0) + force_sources(A, f, time)
     whole = ResponseTransform(A, sources)
     parts: dict[sympy.Expr, list[SymbolicSource]] = {sympy.S.Zero: []}
@@ -239,7 +239,7 @@ def _listed(value) -> list | None:
 
 
 def _time_of(A: SymbolicPolynomialMatrix, initial: sympy.Matrix, force: sympy.Matrix, time) -> sympy.Symbol:
-    """The symbol of the time, which nothing but the force may have."""
+    """The symbol of the time, which may occur in the force only."""
     if time is None:
         named = [symbol for symbol in force.free_symbols if symbol.name == TIME.name]
         time = named[0] if named else _without_time(force)
@@ -252,7 +252,7 @@ def _time_of(A: SymbolicPolynomialMatrix, initial: sympy.Matrix, force: sympy.Ma
 
 
 def _without_time(force) -> sympy.Symbol:
-    """t, for a force that is constant, and does not look like a function of a time of another name."""
+    """t, for a constant force that does not depend on a time of another name."""
     odd = {function for function in force.atoms(*FUNCTIONS) if function.free_symbols}
     if odd:
         function = min(odd, key=sympy.default_sort_key)
@@ -268,7 +268,7 @@ def _without_time(force) -> sympy.Symbol:
 
 
 def impulse_equations(A: SymbolicPolynomialMatrix, force: Iterable[SymbolicSource] = ()) -> tuple[sympy.Eq, ...]:
-    """Equations in ``initial_symbols(A)`` that hold exactly where no impulse arises (Moysis et al., Eq. 58).
+    """Equations in ``initial_symbols(A)`` equivalent to the absence of impulses (Moysis et al., Eq. 58).
 
     Corrected: the force enters by f^(j)(0+), not by f^(j)(0-); Dirac impulses of the force itself act whatever the start is and
     are left out. The equations are the polynomial part of X(s), row reduced: each gives one value in terms of later ones.
@@ -282,7 +282,7 @@ def impulse_equations(A: SymbolicPolynomialMatrix, force: Iterable[SymbolicSourc
 
 
 def continuity_equations(A: SymbolicPolynomialMatrix, force: Iterable[SymbolicSource] = ()) -> tuple[sympy.Eq, ...]:
-    """Equations in ``initial_symbols(A)`` that hold exactly where x^(i)(0+) = x^(i)(0-), i < q (Eq. 60).
+    """Equations in ``initial_symbols(A)`` equivalent to x^(i)(0+) = x^(i)(0-), i < q (Eq. 60).
 
     Corrected: the right-hand side of (60) is block Toeplitz, its block (k, c) is H_{c-k} with the H of negative index too,
     which are what the derivatives of the convolution leave at 0+. They imply that there are no impulses.
@@ -302,7 +302,7 @@ def _general(A: SymbolicPolynomialMatrix, force: Iterable[SymbolicSource]) -> Re
 
 
 def _reduced(general: ResponseTransform, rows: list[Combination]) -> tuple[sympy.Eq, ...]:
-    """The rows = 0 solved for the earliest values they have."""
+    """The equations rows = 0 solved for their earliest values."""
     field, values = general.field, list(initial_symbols(general.A))
     others = sorted({g for row in rows for g in row} - set(values), key=sympy.default_sort_key)
     columns = [*values, *others]

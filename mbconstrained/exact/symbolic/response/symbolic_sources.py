@@ -1,4 +1,4 @@
-"""What drives the motion, as vectors in s: the values at 0- as X_in(s), and the terms of the force as F(s)."""
+"""Sources of the motion as vectors in s: the values at 0- as X_in(s), and the terms of the force as F(s)."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from .transform import TimeTerm, terms_of, transform_of
 
 @dataclass(frozen=True)
 class SymbolicSource:
-    """amplitude numerator(s) / denominator(s)^power, from a time on.
+    """amplitude numerator(s) / denominator(s)^power, from a time onwards.
 
     Attributes:
         start: the time.
         amplitude: any expression without s and t.
         numerator: r expressions, polynomials in s with coefficients rational in symbols.
-        denominator, power: as of ``Transform``.
+        denominator, power: as in ``Transform``.
         is_impulse: of a Dirac impulse in the force.
     """
 

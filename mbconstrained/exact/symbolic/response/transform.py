@@ -32,7 +32,7 @@ class TimeTerm:
 
     @property
     def is_constant(self) -> bool:
-        """The same at all times after 0."""
+        """Whether the term is constant after t = 0."""
         return self.impulse is None and not self.power and self.rate == self.frequency == self.start == 0
 
     def scaled(self, factor: sympy.Expr) -> TimeTerm:
@@ -40,7 +40,7 @@ class TimeTerm:
         return replace(self, coefficient=self.coefficient * factor)
 
     def from_its_start(self) -> list[TimeTerm]:
-        """The same as terms in the time since its start."""
+        """The term as terms in the time since its start."""
         t0 = self.start
         if t0 == 0 or self.impulse is not None:
             return [self]
@@ -77,7 +77,7 @@ def terms_of(expression: sympy.Expr, t: sympy.Symbol) -> list[TimeTerm]:
 
 
 def _constant(expression, t) -> sympy.Expr:
-    """An expression without the time, and without a step or impulse that lacks it."""
+    """An expression without the time, or a step or impulse that contains it."""
     if odd := expression.atoms(sympy.Heaviside, sympy.DiracDelta):
         function = min(odd, key=sympy.default_sort_key)
         raise InputError(
@@ -112,7 +112,7 @@ def _linear(argument, expression, t) -> tuple[sympy.Expr, sympy.Expr]:
 
 
 def _place(expression, t) -> tuple[sympy.Expr, sympy.Expr]:
-    """(slope, time) where the argument of a step or an impulse is zero; the slope a number, the time known to lie before, at or after 0."""
+    """(slope, time) of the zero of the argument of a step or an impulse; slope a number, time comparable with 0."""
     slope, constant = _linear(expression.args[0], expression, t)
     time = sympy.together(-constant / slope) if slope.is_number else None
     check_positive(constant.free_symbols)
@@ -124,7 +124,7 @@ def _place(expression, t) -> tuple[sympy.Expr, sympy.Expr]:
 
 
 def _sign(time) -> int | None:
-    """Symbols are positive."""
+    """Sign of an expression with positive symbols."""
     value = time.xreplace({symbol: sympy.Dummy(symbol.name, positive=True) for symbol in time.free_symbols})
     return 0 if value.is_zero else 1 if value.is_positive else -1 if value.is_negative else None
 

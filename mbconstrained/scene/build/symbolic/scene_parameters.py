@@ -25,11 +25,11 @@ from .symbolic_scene import exact_elements
 
 
 class ComplexNumbers:
-    """Entries of a scene as numbers, with p + i h in the place of one parameter.
+    """Entries of a scene as numbers, with p + i h in place of one parameter.
 
     Args:
-        values: of all parameters.
-        name: of p.
+        values: values of all parameters.
+        name: name of p.
         step: h.
     """
 
@@ -37,7 +37,7 @@ class ComplexNumbers:
         self.values: dict[str, Any] = {**values, "pi": np.pi, name: complex(values[name], step)}
 
     def of(self, entry) -> Any:
-        """A number as it is, an expression with its value."""
+        """A number unchanged, an expression by its value."""
         tree = getattr(entry, "tree", None)
         return float(entry) if tree is None else tree.value(float, self.values)
 
@@ -49,7 +49,7 @@ class ComplexNumbers:
 
 
 def scene_parameters(scene: SceneData, assembled: Callable[[SceneData, str, float], SceneData]) -> Iterator[Parameter]:
-    """The parameters that the equations know."""
+    """The parameters on which the equations depend."""
     if scene.equations.system is None:
         raise InputError("sensitivities need mass, damping and stiffness: a model of kind lumped, matrices or robot")
     model, values = scene.table.model, scene.parameters.values
@@ -92,7 +92,7 @@ def _of_matrices(scene: SceneData, name: str, numbers: ComplexNumbers, step: flo
 
 
 def _with_rayleigh(scene: SceneData, parameter: Parameter, numbers: ComplexNumbers, step: float) -> Parameter:
-    """C + a M + b K with a and b of the parameter."""
+    """C + a M + b K with a and b depending on the parameter."""
     rayleigh, system = scene.table.model.rayleigh_damping, scene.equations.system
     if rayleigh is None:
         return parameter

@@ -1,4 +1,4 @@
-"""The equations of a scene with its parameters as symbols and its other numbers as exact decimals."""
+"""The equations of a scene with its parameters as symbols and its other constants as exact decimals."""
 
 from __future__ import annotations
 
@@ -126,7 +126,7 @@ def _coefficients(scene: SceneData, symbols: Symbols) -> ExactEquations:
 
 
 def _state_space(scene: SceneData, symbols: Symbols) -> ExactEquations:
-    """[[s E - A, 0], [-C, I]] [x; y] = [B; D] u, as ``control.state_space_response`` has it in numbers."""
+    """[[s E - A, 0], [-C, I]] [x; y] = [B; D] u, the exact form of ``control.state_space_response``."""
     from ....exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 
     system, inputs = scene.equations.control.system, scene.equations.control.inputs
@@ -256,14 +256,14 @@ def _integers(incidence: np.ndarray) -> np.ndarray:
 
 
 class Numbers(Protocol):
-    """What gives an entry of a scene another number, or an expression."""
+    """Conversion of the entries of a scene to other numbers, or to expressions."""
 
     def of(self, entry) -> Any:
-        """That of an entry."""
+        """The number or expression of an entry."""
 
 
 def exact_elements(scene: SceneData, symbols: Numbers) -> list[Element]:
-    """Copies of the elements, with expressions for numbers; they come in the order in which they were added."""
+    """Copies of the elements with expressions for constants, in the order of their creation."""
     model, elements = scene.equations.model, []
     for element, (key, _, entry) in zip(model.elements, scene.table.model.elements):
         twin = copy.copy(element)

@@ -65,7 +65,7 @@ def _normed(shape: np.ndarray) -> np.ndarray:
 
 
 def _amplitude(drawing: Drawing, names: Sequence[str], shape: np.ndarray) -> float:
-    """As of a mode, whose largest entry is 1."""
+    """Amplitude of a shape, as of a mode, whose largest entry is 1."""
     size = float(np.abs(shape).max())
     return amplitude(drawing, names, shape / size) / size if size else 1.0
 
@@ -84,7 +84,7 @@ def _lines(frequency: FrequencyData, response: FrequencyResponse) -> np.ndarray:
 
 
 def _unit_text(system: MechanicalSystem, name: str, quantity: str) -> str:
-    """Such as "1 N on cart" or "1 m of motion of road"."""
+    """Text of a unit input, such as "1 N on cart" or "1 m of motion of road"."""
     channel = channels(system, "inputs")[name]
     if channel is None or channel.row is None:
         return f"{UNIT}{force_unit(channel.unit) if channel else ''} on {name}"
@@ -130,7 +130,7 @@ class LinearRobot:
             return {names[i]: (float(columns[0, i]), float(columns[1, i]), float(columns[2, i])) for i in moving}
 
         def linear(body: DrawnBody) -> DrawnBody:
-            """The same body without its path."""
+            """The body without its path."""
             if body.path is None:
                 return body
             (x, y, z), turn = (
@@ -144,7 +144,7 @@ class LinearRobot:
         self.drawing = replace(rest, bodies=bodies, scale=1.0, turn_scale=1.0, view=view_of(table))
 
     def factors(self, shapes: np.ndarray) -> np.ndarray:
-        """How much each shape is magnified: no link moves or turns too far to look right."""
+        """Magnification of each shape, at which no link moves or turns too far for the drawing."""
         links = shapes[:, :, : self.moves.shape[1]]
         vectors = ((links @ rows.T).reshape(*links.shape[:2], -1, 3) for rows in (self.moves, self.turns))
         reach, angle = (np.linalg.norm(np.abs(each), axis=3).max(axis=2, initial=0.0) for each in vectors)
@@ -154,11 +154,11 @@ class LinearRobot:
 
 
 def _of_points(points: np.ndarray, moves: np.ndarray, turns: np.ndarray) -> np.ndarray:
-    """How the coordinates move points of a link, three rows for each: v + omega x r."""
+    """Motion of points of a link by the coordinates, three rows for each: v + omega x r."""
     moved = moves.T[:, None, :] + np.cross(turns.T[:, None, :], points.T[None, :, :])
     return moved.reshape(len(moved), -1).T
 
 
 def _padded(values: np.ndarray, count: int) -> np.ndarray:
-    """With rows of zeros for motors."""
+    """Values with rows of zeros for motors."""
     return np.vstack([values, np.zeros((count - len(values), values.shape[1]))])

@@ -44,7 +44,7 @@ class FrequencyData(SceneResponse):
     """The frequency response of a scene, without its page.
 
     Attributes:
-        scene: what was read.
+        scene: the scene.
         table: [frequency], or the one that the command line gives.
     """
 
@@ -67,7 +67,7 @@ class FrequencyData(SceneResponse):
 
     @property
     def system(self) -> MechanicalSystem | None:
-        """None where the scene gives coefficients, states or a transfer function."""
+        """The mechanical system; None where the scene has coefficients, states or a transfer function."""
         control = self.scene.equations.control
         return None if control else self.scene.equations.system
 
@@ -139,7 +139,7 @@ class FrequencyData(SceneResponse):
         return self.system.frequency_response([], list(inputs), list(self.system.names), quantity, **damping)
 
     def _inputs(self) -> list[str]:
-        """Those of the table, or the prescribed motions, or the loaded coordinates, or all."""
+        """Inputs of the table, or the prescribed motions, or the loaded coordinates, or all."""
         table, scene = self.table, self.scene.table
         if table.inputs is not None:
             return table.inputs
@@ -230,7 +230,7 @@ class FrequencyData(SceneResponse):
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
-        """What is worth knowing, and what makes the values doubtful."""
+        """Notices on the response, and doubts about it."""
         own = self.system.damping_notices() if self.system is not None else ()
         loaded = {load.title for load in self.scene.table.force}
         if len(loaded) > 1 and self.table.inputs is None and self.system is not None:

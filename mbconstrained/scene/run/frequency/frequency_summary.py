@@ -26,7 +26,7 @@ NO_PEAKS = "There are none in this range."
 
 
 def blocks(frequency: FrequencyData) -> list[str | TextTable]:
-    """What is printed: what by what, peaks, antiresonances, notices and files."""
+    """Printed blocks: quantity, peaks, antiresonances, notices and files."""
     tables = [peak_table(frequency, MOST_ROWS), antiresonance_table(frequency, MOST_ROWS)]
     return response_blocks(
         (frequency.scene.heading, frequency.scene.table.source), facts(frequency), tables, frequency.notices, frequency.files
@@ -34,7 +34,7 @@ def blocks(frequency: FrequencyData) -> list[str | TextTable]:
 
 
 def facts(frequency: FrequencyData) -> tuple[tuple[str, str], ...]:
-    """What is given by what, and at which frequencies."""
+    """Quantity, inputs and outputs, and frequencies."""
     response, table = frequency.response, frequency.table
     low, high = (f"{frequency.axis_factor * f:.4g}" for f in response.frequencies_hz[[0, -1]])
     error = response.error_estimate[np.isfinite(response.error_estimate)].max(initial=0.0)
@@ -127,7 +127,7 @@ def _clean(ratio: float) -> float:
 
 
 def as_json(frequency: FrequencyData) -> dict:
-    """The same as plain data, numbers in SI; the values are in the CSV and npz files."""
+
     scene, response = frequency.scene, frequency.response
     return {
         "title": scene.title,

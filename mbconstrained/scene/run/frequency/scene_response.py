@@ -1,4 +1,4 @@
-"""What a scene may have computed in addition to its run, a frequency response, random vibration, a shock: its page and files."""
+"""Responses of a scene in addition to its run, with their page and files."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ class SceneResponse(ABC):
 
     Attributes:
         kind: the name of its command and of its table.
-        name: of the scene or record.
+        name: name of the scene or record.
         output: which files are requested.
-        files: what was written.
+        files: written files.
     """
 
     kind: ClassVar[str]
@@ -54,12 +54,12 @@ class SceneResponse(ABC):
     @property
     @abstractmethod
     def arrays(self) -> dict[str, np.ndarray]:
-        """By name, in SI, for the npz file."""
+        """Arrays by name, in SI, for the npz file."""
 
     @property
     @abstractmethod
     def notices(self) -> tuple[Notice, ...]:
-        """What is worth knowing, and what makes the values doubtful."""
+        """Notices on the response, and doubts about it."""
 
     @property
     def is_trusted(self) -> bool:

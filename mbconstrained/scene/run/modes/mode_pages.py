@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def modes_content(modes: ListedModes) -> ModesContent:
-    """A picture for each line of the list; all move the same drawing."""
+    """A picture for each line of the list, all with the same drawing."""
     scene = modes.scene
     coordinates, robot = scene.equations.coordinates, robot_modes(scene)
     shapes = [line.shape for line in modes.lines if line.shape is not None]
@@ -76,7 +76,7 @@ def _note(line: ModeLine) -> str:
 
 
 def _shares_by_part(line: ModeLine) -> tuple[Share, ...]:
-    """(part, kinetic share, strain share) of every part that has either, the largest first; None where it has not the one."""
+    """(part, kinetic share, strain share) of every part with either, in descending order; None for a missing one."""
     kinetic, strain = line.shares.kinetic or {}, line.shares.strain or {}
     rows = ((name, kinetic.get(name), strain.get(name)) for name in dict.fromkeys((*kinetic, *strain)))
     return tuple(sorted(rows, key=lambda row: descending(max(abs(row[1] or 0.0), abs(row[2] or 0.0)))))
@@ -95,7 +95,7 @@ LENGTHS = ("rest_length", "rest_angle", "distance", "value")
 
 
 def mode_drawing(scene: SceneData, shapes: Sequence[np.ndarray]) -> Drawing:
-    """The drawing of the scene, its own or one of its elements or coordinates, as on the page of a run.
+    """The drawing of the scene, given or automatic, as on the page of a run.
 
     Modes are motions about the state in which every spring has its length: rest lengths only shift them and are left out.
     """
@@ -110,7 +110,7 @@ def _at_rest(element: Element) -> Element:
 
 
 def _typical_values(shapes: Sequence[np.ndarray], units: Sequence[str]) -> np.ndarray:
-    """Cycles by which displacements and angles are magnified: of all shapes, or of the typical one that has both."""
+    """Typical cycles that set the magnification of displacements and angles: of all shapes, or of the one that has both."""
     turning = np.array([unit == "rad" for unit in units], dtype=bool)
     both = [shape for shape in shapes if min(_largest(shape[turning]), _largest(shape[~turning])) > noise_of(1.0, len(shape))]
     if both:
@@ -169,5 +169,5 @@ class RobotModes:
 
 
 def _clean(shape: np.ndarray) -> np.ndarray:
-    """Without rounding errors, which would be visible where motors move and links hardly do."""
+    """The shape without rounding errors, which would be visible where motors move and links hardly do."""
     return np.where(np.abs(shape) > noise_of(1.0, len(shape)), shape, 0.0)

@@ -37,10 +37,10 @@ COLUMNS = {
     "multiplicity": "times",
 }
 
-NO_MODES = "There are none: the motion follows the force at once."
+NO_MODES = "none: the model is static, without dynamic modes"
 NO_ENERGIES = (
-    "Mass, damping and stiffness are not given, only the coefficients of A(s): the zeros are listed, "
-    "but what has kinetic and what has strain energy is not known."
+    "Mass, damping and stiffness are not given, only the coefficients of A(s): "
+    "the zeros are listed without kinetic and strain energies."
 )
 BY_COORDINATE = (
     "Shares of energy are by coordinate, x_i (M x)_i and x_i (K x)_i: of masses and springs nothing "
@@ -52,14 +52,14 @@ PHASES = "Phases are ahead of the first entry; shares of energy are averages ove
 
 @dataclass(frozen=True)
 class ModeLine:
-    """One line of the list of modes: a zero, or one of its shapes where it has any.
+    """One line of the list of modes: an eigenvalue, or one of its shapes where it has any.
 
     Attributes:
         number: from 1 on, the order of the list.
-        cells: of the zero, as texts by column (``Modes.table``).
-        value, multiplicity: the zero in 1/s.
+        cells: texts by column (``Modes.table``).
+        value, multiplicity: the eigenvalue in 1/s.
         mode: its meaning; None where A(s) was given by coefficients.
-        place: which of the shapes of the zero this is, from 0; None where it has none.
+        place: index of the shape among those of the eigenvalue, from 0; None where it has none.
     """
 
     number: int
@@ -81,17 +81,17 @@ class ModeLine:
 
     @property
     def shape_count(self) -> int:
-        """How many shapes the zero has."""
+        """Number of shapes of the eigenvalue."""
         return self.mode.shapes.shape[1] if self.mode else 0
 
     @property
     def name(self) -> str:
-        """Its kind, and which of several shapes it is."""
+        """Kind of the mode, with the number of the shape among several."""
         return self.cells["kind"] + self._among
 
     @property
     def heading(self) -> str:
-        """What the line is about, with its number."""
+        """Meaning of the mode, with its number."""
         return f"Mode {self.number}{self._among}: {self.cells['meaning']}"
 
     @property
@@ -122,7 +122,7 @@ class ListedModes(Protocol):
 
 
 def blocks(modes: ListedModes) -> list[str | TextTable]:
-    """What is printed: the table of all, then each with its shares of energy and its shape."""
+    """Printed blocks: the table of all modes, then each with its energy shares and shape."""
     scene = modes.scene
     heading = "\n".join(line for text in (scene.title, scene.table.source) for line in wrap(text, WIDTH))
     robot = scene.equations.robot_scene
@@ -131,12 +131,12 @@ def blocks(modes: ListedModes) -> list[str | TextTable]:
 
 
 def mass_tables(modes: ListedModes) -> list[TextTable]:
-    """The effective modal masses of a robot; none of other models."""
+    """The effective modal masses of a robot; none for other models."""
     return [modes.effective_masses.table()] if modes.effective_masses else []
 
 
 def table(modes: ListedModes) -> TextTable:
-    """All zeros, a line for each shape."""
+    """Table of all eigenvalues, a line for each shape."""
     rows = tuple((str(line.number), *(line.cells[column] for column in COLUMNS)) for line in modes.lines)
     several = "; 1 of 2: the first of the two shapes of a double one" if any(line.shape_count > 1 for line in modes.lines) else ""
     note = f"damping: damping ratio; times: multiplicity of the eigenvalue{several}" if rows else NO_MODES
@@ -151,7 +151,7 @@ def _details(modes: ListedModes) -> list[str]:
 
 
 def _detail(line: ModeLine, coordinates: Coordinates) -> str:
-    """One mode: its meaning, who has its energies, how its coordinates move."""
+    """One mode: its meaning, its energy shares, its shape."""
     text = wrap(line.heading, WIDTH, subsequent_indent="  ")
     if line.shape is not None:
         text += _packed("kinetic energy", share_entries(line.shares.kinetic))
@@ -161,7 +161,7 @@ def _detail(line: ModeLine, coordinates: Coordinates) -> str:
 
 
 def share_entries(shares: Mapping[str, float] | None, most: int = MOST_ENTRIES) -> list[str]:
-    """The largest shares in per cent, and what the others sum to.
+    """The largest shares in per cent, and the sum of the others.
 
     >>> share_entries({"cart": 0.25, "load": 0.75}), share_entries(None)
     (['load 75.0 %', 'cart 25.0 %'], ['none'])
@@ -176,7 +176,7 @@ def share_entries(shares: Mapping[str, float] | None, most: int = MOST_ENTRIES) 
 
 
 def descending(value: complex) -> float:
-    """A key by which what differs only by rounding keeps its order."""
+    """A sort key that keeps the order of values that differ by rounding errors only."""
     return -float(f"{abs(value):.9g}")
 
 
@@ -185,7 +185,7 @@ def _percent(share: float) -> str:
 
 
 def shape_entries(shape: np.ndarray, coordinates: Coordinates) -> list[str]:
-    """The largest entries with their units; with amplitude and phase those that are neither in phase nor against it.
+    """The largest entries with their units; with amplitude and phase where they are neither in phase nor in antiphase.
 
     >>> shape_entries(np.array([1.0, -0.5]), Coordinates(("cart", "crank"), ("m", "rad")))
     ['cart 1 m', 'crank -0.5 rad']
@@ -198,7 +198,7 @@ def shape_entries(shape: np.ndarray, coordinates: Coordinates) -> list[str]:
 
 
 def shape_cells(shape: np.ndarray, coordinates: Coordinates) -> list[tuple[str, str]]:
-    """The same of every coordinate that moves, the largest first."""
+    """Names and amplitudes of all coordinates that move, in descending order."""
     moving = np.flatnonzero(np.abs(shape) > noise_of(1.0, len(shape)))
     order = sorted(moving, key=lambda i: descending(shape[i]))
     return [(coordinates.names[i], _entry(shape[i], coordinates.units[i])) for i in order]
@@ -212,7 +212,7 @@ def _entry(value: complex, unit: str) -> str:
 
 
 def _packed(label: str, entries: Iterable[str]) -> list[str]:
-    """A label followed by its entries, in lines that are not too long; no entry is broken."""
+    """A label followed by its entries, in lines of limited length; no entry is broken."""
     lines = [f"  {label:14}"]
     for entry in (f"{entry}," for entry in entries):
         if len(lines[-1]) + 1 + len(entry) > WIDTH and lines[-1].strip():
@@ -242,7 +242,7 @@ def _files(modes: ListedModes) -> list[str]:
 
 
 def as_json(modes: ListedModes) -> dict:
-    """The same as plain data, numbers as numbers."""
+
     scene = modes.scene
     return {
         "title": scene.title,

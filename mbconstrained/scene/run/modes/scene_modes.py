@@ -1,4 +1,4 @@
-"""The modes of a scene: its eigenvalues and, of a mechanical system, shapes and shares of energy. Nothing is solved."""
+"""The modes of a scene: its eigenvalues and, for a mechanical system, shapes and energy shares."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ class SceneModes:
     """The modes of a scene.
 
     Attributes:
-        scene: what was read.
-        files: what was written.
+        scene: the scene.
+        files: written files.
     """
 
     def __init__(self, scene: SceneData):
@@ -36,12 +36,12 @@ class SceneModes:
 
     @property
     def system(self) -> MechanicalSystem | None:
-        """None where A(s) was given by coefficients: of those it is not known what they stand for."""
+        """The mechanical system; None where A(s) was given by coefficients, whose physical meaning is unknown."""
         return self.scene.equations.system
 
     @cached_property
     def lines(self) -> tuple[ModeLine, ...]:
-        """One for each shape, and one for each zero that has none, in the order of the zeros."""
+        """One line for each shape, and one for each eigenvalue without shapes, in the order of the eigenvalues."""
         result = Result(self.scene, Plan(()))
         cells = eigenvalue_rows(result)
         if self.system is None:
@@ -55,7 +55,7 @@ class SceneModes:
 
     @cached_property
     def effective_masses(self) -> EffectiveMasses | None:
-        """Of a robot, under motions of its base along x, y and z; None where no mode oscillates or the modes are not orthogonal."""
+        """Effective masses of a robot under motions of its base along x, y, z; None without oscillating, orthogonal modes."""
         robot = self.scene.equations.robot_scene
         if robot is None or any(notice.kind is NoticeKind.UNSYMMETRIC for notice in robot.system.notices):
             return None
@@ -77,7 +77,7 @@ class SceneModes:
         return not any(notice.doubtful for notice in self.notices)
 
     def write_page(self, folder: Path) -> Path:
-        """Write NAME.modes.html, in which the modes move, into a folder."""
+        """Write NAME.modes.html, which animates the modes, into a folder."""
         if self.system is None:
             place = "model" if self.scene.equations.control else "model.coefficients"
             raise SceneError(
@@ -95,7 +95,7 @@ class SceneModes:
 
 
 def _times(mode: Mode, place: int | None) -> dict[str, str]:
-    """The cell of the multiplicity: of an eigenvalue with several shapes, a line for each, also which of them this is."""
+    """The cell of the multiplicity; for an eigenvalue with several shapes also the number of the shape."""
     shapes = mode.shapes.shape[1]
     if shapes < 2 or place is None:
         return {}

@@ -28,11 +28,11 @@ MOST_COORDINATES, MOST_ROWS = 48, 8
 
 
 class SceneSensitivities:
-    """Who matters: what each per cent of a parameter or of an element changes.
+    """Sensitivities to parameters and elements: changes per per cent of each.
 
     Args:
-        scene: with a mechanical system.
-        names: of the parameters and elements; all by default.
+        scene: a scene with a mechanical system.
+        names: names of the parameters and elements; all by default.
 
     Raises:
         InputError: no mechanical system, an unknown name.
@@ -58,16 +58,16 @@ class SceneSensitivities:
 
     @cached_property
     def sensitivities(self) -> Sensitivities:
-        """Of all chosen parameters and elements."""
+        """Sensitivities to all selected parameters and elements."""
         return self.scene.equations.system.sensitivities(list(chain.from_iterable(self.groups.values())))
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """Those of the scene."""
+        """Notices of the scene."""
         return self.scene.notices
 
     def tables(self) -> Iterator[TextTable]:
-        """One table for the parameters, one for the elements, the largest influence first; defective eigenvalues."""
+        """One table for the parameters and one for the elements, in descending order of influence; defective eigenvalues."""
         for title, group in self.groups.items():
             if group and (title == "parameters" or not self.groups["parameters"] or self._matter(group)):
                 table = self.sensitivities.table([one.name for one in group])
@@ -80,7 +80,7 @@ class SceneSensitivities:
         return bool(self.sensitivities.table([one.name for one in group]).rows)
 
     def blocks(self) -> list[str | TextTable]:
-        """What is printed."""
+        """Printed blocks."""
         heading = "\n".join(line for text in (self.scene.heading, self.scene.table.source) for line in wrap(text, WIDTH))
         notices = ["\n".join(wrap(str(notice), WIDTH)) for notice in self.notices]
         return [heading, *self.tables(), *notices]
@@ -112,7 +112,7 @@ class SceneSensitivities:
 
 
 def influence_tables(scene: SceneData) -> tuple[TextTable, ...]:
-    """Who matters, for the page of the modes: of the elements of lumped models and of [parameters], where this takes no time."""
+    """Ranking of parameter sensitivities for the page of the modes: elements of lumped models and [parameters], where it is cheap."""
     model, system = scene.table.model, scene.equations.system
     elements = model.kind == "lumped" or (model.kind == "matrices" and scene.parameters.values)
     if not elements or model.modal_damping is not None or system.is_sparse or system.size > MOST_COORDINATES:

@@ -26,7 +26,7 @@ MOST_LINES = 6
 
 
 def overlay_of(result: SceneAnswer, drawing: Drawing, times: np.ndarray) -> Overlay:
-    """Jumps, impulses and reactions to be drawn; empty without jumps, impulses and [output] arrows."""
+    """Jumps, impulses and reactions to be drawn; empty without any of them and without [output] arrows."""
     applied = result.motion.applied if result.system else None
     has_events = result.jumps or result.impulses or result.later or (applied and (applied.impulses or applied.later))
     events = tuple(_events(result, drawing)) if has_events else ()
@@ -40,7 +40,7 @@ def overlay_of(result: SceneAnswer, drawing: Drawing, times: np.ndarray) -> Over
 
 
 def _reaction_arrows(result: SceneAnswer, drawing: Drawing, times: np.ndarray) -> tuple[ForceArrows, ...]:
-    """The forces of the constraint rows, each on the bodies of all coordinates in its row; rows that move no body are left out."""
+    """Forces of the constraint rows, each on the bodies of all coordinates in its row; rows without a body are omitted."""
     values, rates = result.motion.reaction(times), result.motion.reaction_function.derivative(1)(times)
     forces = []
     for i, row in enumerate(result.system.rows):
@@ -83,7 +83,7 @@ def _later(result: SceneAnswer, drawing: Drawing, time: float, event: Event | No
 
 
 def _lines(time: float, jumps: Sequence[ReportedJump], impulses: Iterable[str]) -> tuple[str, ...]:
-    """A heading and what happens, or nothing."""
+    """A heading and the events, or nothing."""
     lines = [f"{_whose(jump)} jumps from {jump.before} to {jump.after}" for jump in jumps] + list(impulses)
     more = len(lines) - MOST_LINES
     kept = lines if more <= 0 else [*lines[:MOST_LINES], f"and {more} more, see the tables"]
@@ -147,7 +147,7 @@ def _force_impulses(result: SceneAnswer, time: float) -> Iterator[tuple[str, str
 
 
 def _applied(result: SceneAnswer, applied, time: float) -> Iterable[tuple[str, str, list[float]]]:
-    """Of a robot each input or coordinate under an impulsive load, of other models each coordinate, with its impulses by order."""
+    """Coordinates under an impulsive load, for a robot also inputs, with their impulses by order."""
     coordinates = result.scene.equations.coordinates
     if result.scene.equations.robot_scene is not None:
         from .robot_arrows import robot_impulsive_loads
@@ -166,7 +166,7 @@ def _impulses_at(result: SceneAnswer, time: float):
 
 
 def _later_impulsive_loads(result: SceneAnswer):
-    """After t = 0: of the constraint rows, and of the forces."""
+    """Impulsive loads after t = 0: of the constraint rows, and of the forces."""
     if result.system is None:
         return ((), ())
     return (result.motion.later_constraint_impulses, result.motion.applied.later)

@@ -53,7 +53,7 @@ def animation_of(result: SceneAnswer) -> Animation:
 
 
 def frames_of(result: SceneAnswer, most: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Key frames: those of the scene, or more of them where cubic polynomials between these miss the motion."""
+    """Key frames: those of the scene, or more where cubic polynomials between these deviate from the motion."""
     times, values = result.times, result.values
     rates = result.curves("velocity").values
     most = min(most, MOST_NUMBERS // max(1, len(values)))
@@ -66,7 +66,7 @@ def frames_of(result: SceneAnswer, most: int) -> tuple[np.ndarray, np.ndarray, n
 
 
 def _misses(times, values, rates, at: Callable[[np.ndarray], np.ndarray], scale: np.ndarray) -> bool:
-    """Whether the cubic polynomials between the key frames miss the motion, checked halfway between them."""
+    """Whether cubic polynomials between the key frames deviate from the motion halfway between them."""
     left = np.unique(np.linspace(0, len(times) - 2, CHECKED).round().astype(int))
     right, length = left + 1, np.diff(times)[left]
     middle = (values[:, left] + values[:, right]) / 2 + length * (rates[:, left] - rates[:, right]) / 8

@@ -1,4 +1,4 @@
-"""Reactions and impulses of a robot as arrows where they act: at the frames of its loops, at its joints, at loaded points.
+"""Reactions and impulses of a robot as arrows at the frames of its loops, at its joints, at loaded points.
 
 Reactions are the whole load: the multipliers at rest plus their changes, which the plots show alone.
 """
@@ -20,7 +20,7 @@ from ....robot.visualization import Wrench, coordinate_wrench, row_wrenches
 if TYPE_CHECKING:
     from ..answer import SceneAnswer
 
-#: Of more bodies than these only the number is given over the picture.
+#: For more bodies than these only the number is given over the picture.
 MOST_NAMED = 3
 
 
@@ -50,7 +50,7 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def _arrows(wrench: Wrench, order: int) -> Iterator[tuple[Arrow, np.ndarray]]:
-    """The force and the moment with what they are made of, shape (3, m), those that can act; impulses for order 1."""
+    """The force and the moment with their contributions, shape (3, m), where they can act; impulses for order 1."""
     for unit, turns, part in (("m", False, wrench.force), ("rad", True, wrench.moment)):
         if part.any():
             force = force_unit(unit)

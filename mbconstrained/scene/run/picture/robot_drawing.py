@@ -1,4 +1,4 @@
-"""The drawing of a robot: its links, read once, along the paths of the motion, magnified until it is visible."""
+"""The drawing of a robot: its links, read once, along the paths of the motion, magnified to be visible."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def drawing_of_robot(picture: RobotPicture, values: np.ndarray, table=None) -> D
 
 
 def _visible_scale(picture: RobotPicture, values: np.ndarray) -> float:
-    """How much larger than true motion is drawn, at least 1: so that the point that moves furthest is seen to move."""
+    """Magnification of the motion, at least 1, that makes the point of largest displacement visibly move."""
     extremes = values[:, np.unique(np.abs(values).argmax(axis=1))]
     return max(1.0, picture.room(extremes))
 
@@ -103,7 +103,7 @@ class RobotPicture:
 
     @cached_property
     def _collision(self) -> dict[str, list[Solid]]:
-        """The collision shapes of the links that differ from all their drawn ones."""
+        """The collision shapes of the links that differ from all visual ones."""
         drawn: dict[str, list[Visual]] = {}
         for item in self._visuals:
             drawn.setdefault(item.link, []).append(item)
@@ -131,7 +131,7 @@ class RobotPicture:
         return robot_size({"all": self._points})
 
     def room(self, values: np.ndarray) -> float:
-        """How much larger than true a motion may be drawn: no joint turns, and no point moves, too far to look right.
+        """The largest magnification of a motion at which no joint turns, and no point moves, too far for the drawing.
 
         The number has two digits; it is 1 where nothing moves. Motors are not drawn and do not count.
         """
@@ -139,7 +139,7 @@ class RobotPicture:
         return two_digits(room) if np.isfinite(room) else 1.0
 
     def _rooms(self, values: np.ndarray) -> np.ndarray:
-        """The same of each column, without rounding; infinite where nothing moves."""
+        """The largest magnification of each column, without rounding; infinite where nothing moves."""
         links = values[: len(self.scene.robot.coordinates)]
         turning = np.array([unit == "rad" for unit in self.scene.robot.units], dtype=bool)
         angles = np.abs(links[turning]).max(axis=0, initial=0.0)
@@ -147,13 +147,13 @@ class RobotPicture:
             return np.minimum(VISIBLE * self.size / self._reach(links), TURN / angles)
 
     def _reach(self, links: np.ndarray) -> np.ndarray:
-        """How far the point that moves furthest goes in each column (m)."""
+        """The largest displacement of any point in each column (m)."""
         largest = np.abs(links).max(axis=0, initial=0.0)
         steps = self._of(self.poses(links / np.where(largest, largest, 1.0), SMALL)) - self._points
         return np.linalg.norm(steps, axis=0).max(axis=0) / SMALL * largest
 
     def posing(self) -> SliderPosing:
-        """Sliders for the independent motions, each as far as ``room`` lets it move alone."""
+        """Sliders for the independent motions, each over the range of ``room`` for it alone."""
         from ....robot.visualization import joint_motions
 
         motions = joint_motions(self.scene.posture)

@@ -1,4 +1,4 @@
-"""The drawing of a scene: its own, or one of its elements or coordinates with the changes in [drawing], and its validation."""
+"""The drawing of a scene, given or automatic with the changes in [drawing], and its validation."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ TALLEST = 8.0
 
 
 def drawing_of(scene: SceneData, values=None, **scales: float) -> Drawing:
-    """The drawing of a scene whose coordinates are places, its own or an automatic one."""
+    """The drawing of a scene whose coordinates are positions, given or automatic."""
     model = scene.equations.model
     return own_drawing(scene) or automatic_drawing(scene, model and model.elements, values, **scales)
 
 
 def own_drawing(scene: SceneData) -> Drawing | None:
-    """The drawing of a scene that is complete in itself."""
+    """The drawing of a scene with a complete [drawing]."""
     table = scene.table.drawing
     if table is None or not table.is_own:
         return None
@@ -44,7 +44,7 @@ def own_drawing(scene: SceneData) -> Drawing | None:
 
 
 def automatic_drawing(scene: SceneData, elements, values, **scales: float) -> Drawing:
-    """The drawing made from the elements of a model, or from the coordinates, with what [drawing] changes."""
+    """The drawing of the elements of a model, or of the coordinates, with the changes in [drawing]."""
     from ....page.drawing.automatic_drawing import coordinate_drawing, lumped_drawing
 
     names, units = scene.equations.coordinates.names, scene.equations.coordinates.units
@@ -63,14 +63,14 @@ def automatic_drawing(scene: SceneData, elements, values, **scales: float) -> Dr
 
 
 def _own_direction(drawing: Drawing) -> np.ndarray:
-    """The direction in which all bodies of a drawing are displaced; the usual one where there are several."""
+    """The common direction of displacement of all bodies of a drawing; the default where there are several."""
     moves = [np.array(move) / np.linalg.norm(move) for body in drawing.bodies for move in body.moves.values() if any(move)]
     alike = bool(moves) and np.allclose(moves, moves[0])
     return moves[0] if alike else ALONG
 
 
 def _upright(scene: SceneData, drawing: Drawing) -> Vector:
-    """What falls is drawn standing, unless it would be too tall to be seen well, or hangs on pulleys already."""
+    """Direction of a drawing: models under gravity stand upright, unless too tall, or on pulleys already."""
     model = scene.table.model
     stands = any(body.shape == "base" or any(move[2] for move in body.moves.values()) for body in drawing.bodies)
     falls = model.kind == "lumped" and model.gravity and not (model.pulley or stands)
@@ -79,17 +79,17 @@ def _upright(scene: SceneData, drawing: Drawing) -> Vector:
 
 
 def _body_place(number: int, row: BodyTable) -> str:
-    """Where a body stands in the file, for messages."""
+    """Location of a body in the file, for messages."""
     return f'drawing.body[{number}] (of "{row.name}")'
 
 
 def _link_place(number: int) -> str:
-    """The same of a link."""
+    """Location of a link in the file, for messages."""
     return f"drawing.link[{number}]"
 
 
 def _directions(scene: SceneData, drawing: Drawing, turn: Vector) -> dict[str, Vector]:
-    """Where bodies go that say it themselves, by name, in the axes of a drawing before all of it is turned."""
+    """Directions of motion of bodies that state one, by name, in the axes of a drawing before it is turned."""
     bodies = {body.name: body for body in drawing.bodies}
     directions = {}
     for number, row in enumerate(scene.table.drawing.body, 1):
@@ -101,7 +101,7 @@ def _directions(scene: SceneData, drawing: Drawing, turn: Vector) -> dict[str, V
 
 
 def _check_direction(row: BodyTable, bodies: dict[str, DrawnBody]) -> None:
-    """Whether the body moves so, if it is drawn automatically."""
+    """Check the direction of motion of a body that is drawn automatically."""
     body, key = bodies.get(row.name), "along" if row.along else "about"
     if body is not None:
         own = {"along": body.moves, "about": body.turns}
@@ -110,7 +110,7 @@ def _check_direction(row: BodyTable, bodies: dict[str, DrawnBody]) -> None:
             does = f"it {moves}: say {other}" if row.name in own[other] else "it stays where it is"
             raise InputError(f"it has {key}, but {does}")
     elif row.shape is not None:
-        raise InputError(f"{key} is for bodies of the automatic drawing; where this one goes, moves and turns say")
+        raise InputError(f"{key} is for bodies of the automatic drawing; moves and turns state the motion of this one")
 
 
 def _changed(scene: SceneData, drawing: Drawing) -> Drawing:
@@ -151,17 +151,17 @@ def _links(scene: SceneData, bodies: Collection[str]) -> tuple[DrawnLink, ...]:
 
 
 def view_of(table: DrawingTable | None) -> View | None:
-    """From where the scene wants to be looked at; None where it does not say."""
+    """The view that the scene requests; None without one."""
     return None if table is None or table.view is None else View(table.view.yaw, table.view.pitch, table.view.zoom)
 
 
 def _given(entry) -> dict:
-    """The keys of a table that the drawing's own defaults shall not fill; where a body goes is its motion by now."""
+    """The keys of a table that defaults of the drawing must not fill; the direction is already part of the motion."""
     return {key: value for key, value in entry if value is not None and key not in ("along", "about")}
 
 
 def check_drawing(scene: SceneData) -> None:
-    """See whether [drawing] can be drawn."""
+    """Check that [drawing] can be drawn."""
     if scene.equations.robot:
         with at(scene.file_name, "drawing"):
             return _check_robot(scene.table.drawing)
@@ -176,7 +176,7 @@ def _check_robot(drawing) -> None:
     if drawing.stack:
         raise InputError("a robot is drawn from its URDF: leave out stack")
     if drawing.along or drawing.about:
-        raise InputError("a robot stands as in its URDF: leave out along and about; view sets from where it is looked at")
+        raise InputError("a robot is drawn in the axes of its URDF: leave out along and about; use view to set the camera")
 
 
 def _check_names(scene: SceneData) -> None:

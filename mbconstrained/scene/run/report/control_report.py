@@ -74,7 +74,7 @@ def _cells(control: ControlScene, input: str, output: str, G: Transfer | None, u
 
 
 def _dc_gain(control: ControlScene, input: str, output: str, G: Transfer | None) -> float | None:
-    """G(0), also where the zeros of G are not known."""
+    """G(0), also where the zeros of G are unknown."""
     if G is not None:
         return G.dc_gain
     gains = control.dc_gains
@@ -94,7 +94,7 @@ def _root(value: complex) -> str:
 
 
 def _quotient(above: str, below: str) -> str:
-    """A unit by another, as it is printed.
+    """The unit of a ratio, as printed.
 
     >>> _quotient("m", "V"), _quotient("m", "1"), _quotient("m", "m"), _quotient("rad", "N*m")
     ('m/V', 'm', '1', 'rad/(N*m)')
@@ -105,7 +105,7 @@ def _quotient(above: str, below: str) -> str:
 
 
 def _form_table(control: ControlScene) -> TextTable:
-    """How the states became displacements and velocities."""
+    """Relation of the states to displacements and velocities."""
     form = control.form
     choice = "there is no other" if form.is_unique else f"one of a family of {form.freedom} dimensions, of small condition"
     rows = [("transformation", f"{2 * form.size} states to {counted(form.size, 'displacement')} and as many velocities; {choice}")]

@@ -24,8 +24,8 @@ class ElementQuantity:
     """constant + sum over i of rows[i] @ x^(i)(t).
 
     Attributes:
-        name, title, unit: of the curve; the title is the quantity.
-        rows: of x, x' and x'', shape (3, n).
+        name, title, unit: name, title and unit of the curve; the title is the quantity.
+        rows: rows of x, x' and x'', shape (3, n).
         constant: in the unit.
     """
 

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 
 def forces_json(result: SceneAnswer) -> dict:
-    """By loop, spring and bushing the extremes of its force during the run (N, s); empty where they are not computed.
+    """Extremes of the forces of loops, springs and bushings during the run (N, s); empty where they are not computed.
 
-    Of a foot with friction those across the ground, on the foot, and the largest along it, too.
+    For a foot with friction also those of the normal force and the largest tangential force.
     """
     if not connection_forces(result.scene)[0]:
         return {}
@@ -29,7 +29,7 @@ def forces_json(result: SceneAnswer) -> dict:
     feet = {one.name: one for one in forces.connections if isinstance(one, Support) and one.friction is not None}
 
     def sizes(times: np.ndarray) -> np.ndarray:
-        """The size of each force, and of a foot the parts along and across the ground's normal."""
+        """Magnitude of each force, and for a foot the normal and the tangential part."""
         rows, values = [], at(times)
         for connection in forces.connections:
             force = values[forces.places[connection.name]][:3]
@@ -50,7 +50,7 @@ def forces_json(result: SceneAnswer) -> dict:
 
 
 def forces_table(result: SceneAnswer) -> TextTable:
-    """The same for the summary and the page."""
+    """Table of extremes of forces for the summary and the page."""
     extremes = forces_json(result)
     rounding, rows = ROUNDING * max((one["largest"] for one in extremes.values()), default=0.0), []
     for name, one in extremes.items():
@@ -67,7 +67,7 @@ def forces_table(result: SceneAnswer) -> TextTable:
 
 
 def _open_shares(result: SceneAnswer) -> str:
-    """A sentence on rows of loops that others imply; empty without them."""
+    """A sentence on redundant rows of loops; empty without them."""
     from ....robot.statics.regularity import implied_rows
 
     posture = result.scene.equations.posture
@@ -79,7 +79,7 @@ def _open_shares(result: SceneAnswer) -> str:
 
 
 def forces_notices(result: SceneAnswer) -> tuple[Notice, ...]:
-    """Notices on feet that lift off, slip or tip over during the motion, at the times of the closed form, not of the table."""
+    """Notices on feet that lift off, slip or tip over during the motion, at the times of the closed form."""
     from ....robot.connections import Support
     from ....robot.linearization.connection_forces import foot_limits, foot_notices
 
@@ -98,14 +98,14 @@ def forces_notices(result: SceneAnswer) -> tuple[Notice, ...]:
     largest = sampled_extrema_of(result, norms)
 
     def outside(times: np.ndarray, clearly: float = 2.0) -> np.ndarray:
-        """By foot and limit how far beyond so many tolerances: those of the notices are between this and their half."""
+        """Excess of feet over a multiple of the tolerances, by foot and limit: notices lie between this and its half."""
         sizes = dict(zip(feet, clearly * largest.maximum))
         return foot_limits(posture, forces, drawn(times), sizes, error).reshape(len(feet), -1, len(times))
 
     lifting = positive_times_of(result, lambda times: outside(times, 0.5)[:, 0])[1][:, None, None]
 
     def before(times: np.ndarray) -> np.ndarray:
-        """Whether a foot slips or tips over matters until it lifts off."""
+        """Slipping and tipping of a foot, until it lifts off."""
         limits = outside(times)
         return np.concatenate([limits[:, :1], np.where(times < lifting, limits[:, 1:], -1.0)], axis=1).reshape(-1, len(times))
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ReportedJump:
-    """A coordinate or a derivative of it that is another just after a time; values are texts with units."""
+    """A jump of a coordinate or a derivative of it at a time; values are texts with units."""
 
     name: str
     what: str
@@ -44,7 +44,7 @@ class ReportedImpulse:
 
     @property
     def delta(self) -> str:
-        """What it multiplies, in words."""
+        """The distribution that it multiplies, as text."""
         return DELTAS[self.order] if self.order < len(DELTAS) else f"the derivative of order {self.order} of a Dirac impulse"
 
 
@@ -81,7 +81,7 @@ def forces_of_rows(system: MechanicalSystem, name: str = "force of {}", shown: O
 
 
 def with_units(response: Response, coordinates: Coordinates) -> tuple[Notice, ...]:
-    """The notices of a response that itself does not know the units of its coordinates."""
+    """The notices of a response without units of its coordinates, with these units."""
     own = (NoticeKind.JUMP, NoticeKind.IMPULSE, NoticeKind.KINK)
     others = [notice for notice in response.notices if notice.kind not in own]
     later = first_and_count(lambda event: _sentences(response, coordinates, event), without_kinks(response))
@@ -113,7 +113,7 @@ def _sentences(motion: Response, coordinates: Coordinates, event: Event | None =
 
 
 def folded(notices: Sequence[Notice], jumps: int, impulses: int, later: tuple[int, int] = (0, 0)) -> tuple[Notice, ...]:
-    """One sentence instead of a notice for each of the jumps and impulses, which have tables of their own."""
+    """One sentence in place of the notices on each jump and impulse, which are in tables."""
     counts_of_events = [*_counted("At t = 0", jumps, impulses), *_counted("After t = 0", *later)]
     return (*counts_of_events, *(notice for notice in notices if not _has_table(notice)))
 
@@ -125,7 +125,7 @@ def _counted(when: str, jumps: int, impulses: int) -> list[Notice]:
 
 
 def _has_table(notice: Notice) -> bool:
-    """A jump of a constraint row is the cause (the start does not fit the row) and stands in no table."""
+    """Whether a notice is shown in a table, unlike a jump of a constraint row, which is a cause."""
     return notice.kind == NoticeKind.IMPULSE or (notice.kind == NoticeKind.JUMP and not notice.text.startswith("constraint "))
 
 
@@ -133,7 +133,7 @@ MOST_NOTICES = 12
 
 
 def start_notices(equations: Equations) -> tuple[Notice, ...]:
-    """The causes first, then the jumps and impulses; none where the start fits."""
+    """Notices on the start: causes first, then the jumps and impulses; none where the start is consistent."""
     if equations.start_fits:
         return ()
     motion: Any = equations.solve()  # a Motion where there is a system
@@ -151,7 +151,7 @@ def start_notices(equations: Equations) -> tuple[Notice, ...]:
 
 
 def _causes(equations: Equations, motion: Response) -> Iterator[Notice]:
-    """Constraint rows that do not hold, or else the equations."""
+    """Violated constraint rows, or else the violated equations."""
     rows = [notice for notice in motion.notices if notice.kind == NoticeKind.JUMP and notice.text.startswith("constraint ")]
     yield from rows
     if not rows:

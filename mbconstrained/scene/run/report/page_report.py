@@ -59,7 +59,7 @@ MOST_PLANES = 12
 
 
 def plots_of(result: SceneAnswer) -> tuple[Plot, ...]:
-    """The plots that the scene requests, in its order."""
+    """The requested plots, in the order of the scene."""
     output = result.scene.table.output
     kinds = [*output.plots, *(["quantity"] if output.quantity else [])]
     plots = [
@@ -70,7 +70,7 @@ def plots_of(result: SceneAnswer) -> tuple[Plot, ...]:
 
 
 def _with_unit(plot: Plot) -> Plot:
-    """The same plot, where another has the title, too: with the unit, of pure numbers with the names of the curves."""
+    """The plot with a unique title: with its unit, or for pure numbers with the names of the curves."""
     source = raised(plot.unit) or shortened(", ".join(curve.name for curve in plot.curves))
     return replace(plot, title=f"{plot.title} ({source})", quantity=plot.quantity or plot.title)
 

@@ -75,7 +75,7 @@ def _joint_table(robot_scene: RobotScene) -> TextTable:
 
 
 def _place(value, units: Sequence[str]) -> str:
-    """The place of a joint: displacements, then an angle, several, or a quaternion as roll, pitch and yaw."""
+    """The position of a joint: displacements, then an angle, several, or a quaternion as roll, pitch and yaw."""
     values, moving = np.atleast_1d(value).tolist(), units.count("m")
     if len(values) == 1:
         return _single(values[0], units[0] if units else "")
@@ -103,7 +103,7 @@ def _angles(quaternion) -> tuple[float, float, float]:
 
 
 def _cleaned(values) -> list[float]:
-    """Places or torques, those that are rounding as 0."""
+    """Positions or torques, with rounding errors set to 0."""
     largest = max([1.0, *map(abs, values)])
     return [value if abs(value) > ROUNDING * largest else 0.0 for value in values]
 
@@ -144,7 +144,7 @@ LIMIT_SHARE = 1e-3
 
 
 def limit_notices(robot_scene: RobotScene, ends: np.ndarray) -> list[Notice]:
-    """One notice on all joints that pass their limits."""
+    """A notice on joints that exceed their limits during the motion."""
     lowest, highest = ends[: len(robot_scene.robot.coordinates)].T
     robot, furthest = robot_scene.robot, {}
     rests = robot.tangent.angles(robot_scene.posture.configuration)

@@ -29,12 +29,12 @@ def summary(result: SceneAnswer) -> str:
 
 
 def printed(parts: Sequence[str | TextTable], width: int = WIDTH) -> str:
-    """Texts and tables one below the other."""
+    """Texts and tables, one below the other."""
     return "\n\n".join(table_text(part, width) if isinstance(part, TextTable) else wrapped(part, width) for part in parts)
 
 
 def blocks(result: SceneAnswer) -> list[str | TextTable]:
-    """The parts of the summary: texts, and tables that a terminal may set in its own way."""
+    """The parts of the summary: texts, and tables that a terminal may lay out itself."""
     parts = [("Notices", result.table_notices), ("Written", result.files)]
     lists = ["\n".join([title, *(f"  {line}" for line in lines)]) for title, lines in parts if lines]
     return [heading(result), *result.tables, *lists, f"Plan: {result.plan.totals()}"]
@@ -67,7 +67,7 @@ def heading(result: SceneAnswer) -> str:
 
 
 def overview(result: SceneAnswer, width: int = WIDTH, lines: int = SCREEN) -> list[str | TextTable]:
-    """The parts of the summary that fit on a screen: natural frequencies, warnings, files, and how much more there is."""
+    """The parts of the summary that fit on a screen: natural frequencies, warnings, files, and the number of omitted lines."""
     scene = result.scene
     title = "\n".join(_first_lines(text, width, 2) for text in (scene.title, scene.table.source) if text)
     figures = f"Error estimate {max(result.error_estimates.values()):.2g}; {result.plan.totals()}"
@@ -98,7 +98,7 @@ def _height(parts: Sequence[str | TextTable], width: int) -> int:
 
 
 def _first_lines(text: str, width: int, most: int) -> str:
-    """A text of the user on so many lines."""
+    """The first lines of a user's text."""
     lines = wrapped(text, width).split("\n")
     return "\n".join([*lines[: most - 1], lines[most - 1][: width - 1] + "…"] if len(lines) > most else lines)
 
@@ -135,7 +135,7 @@ def _some_rows(table: TextTable, width: int, lines: int) -> TextTable:
 
 
 def as_json(result: SceneAnswer) -> dict:
-    """The same as plain data, numbers as numbers."""
+
     scene, motion = result.scene, result.motion
     robot, control = scene.equations.robot_scene, scene.equations.control
     return {
@@ -202,5 +202,5 @@ def _eigenvalue(value: complex, multiplicity: int) -> dict:
 
 
 def _finite(value: float) -> float | None:
-    """JSON has no infinity."""
+    """A finite number or None, since JSON has no infinity."""
     return value if abs(value) < float("inf") else None

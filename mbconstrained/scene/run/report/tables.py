@@ -96,7 +96,7 @@ def _constraint_table(system: MechanicalSystem, shown: OutputUnits) -> TextTable
     return TextTable("Constraints", ("row", "level", "value"), cells, note if drifting else "")
 
 
-#: What the table of natural frequencies states about an eigenvalue of this kind; nothing about an oscillation.
+#: Remark of the table of natural frequencies for an eigenvalue of this kind; none for an oscillation.
 REMARKS: dict[str, str] = {
     "oscillation": "",
     "growth": "growing",
@@ -107,10 +107,10 @@ REMARKS: dict[str, str] = {
 
 
 def frequency_table(result: SceneAnswer) -> TextTable:
-    """Frequency and damping ratio by eigenvalue; a remark where one is more than a single oscillation."""
+    """Frequency and damping ratio by eigenvalue; a remark for multiple ones."""
     rows = eigenvalue_rows(result)
     if not rows:
-        return TextTable("Natural frequencies", (), (), "There are none: the motion follows the force at once.")
+        return TextTable("Natural frequencies", (), (), "none: the model is static, without dynamic modes")
     if any(row["frequency (Hz)"] for row in rows):
         title, columns = "Natural frequencies", {"frequency (Hz)": "Hz", "damping ratio": "damping ratio"}
     else:
@@ -123,12 +123,12 @@ def frequency_table(result: SceneAnswer) -> TextTable:
 
 
 def _root_name(result: SceneAnswer) -> str:
-    """What a root of det A(s) is called."""
+    """Name of a root of det A(s)."""
     return "eigenvalue" if result.system else "zero" if result.scene.equations.control is None else "pole"
 
 
 def _remark(row: dict[str, str], count: int) -> str:
-    """Of an eigenvalue with so many shapes: each rigid-body motion is a double eigenvalue 0."""
+    """Remark on an eigenvalue with this number of shapes: each rigid-body motion is a double eigenvalue 0."""
     if row["kind"] == "rigid body" and row["multiplicity"] == str(2 * count):
         return REMARKS[row["kind"]] if count == 1 else f"{count} rigid-body motions"
     remark = REMARKS.get(row["kind"], row["meaning"])
@@ -144,7 +144,7 @@ def _shape_counts(result: SceneAnswer) -> list[int]:
 
 
 def _numbers(counts: list[int]) -> list[str]:
-    """The numbers that the list of modes gives to the shapes of each eigenvalue."""
+    """The numbers of the shapes of each eigenvalue in the list of modes."""
     ends = np.cumsum(counts)
     return [str(end) if count == 1 else f"{end - count + 1}–{end}" for count, end in zip(counts, ends)]
 
@@ -187,7 +187,7 @@ def eigenvalue_rows(result: SceneAnswer) -> list[dict[str, str]]:
 
 
 def _rows_of_zeros(result: SceneAnswer) -> list[dict[str, str]]:
-    """Zeros of a bare A(s), whose mechanical meaning is unknown, in the columns of ``Modes.table``."""
+    """Zeros of a bare A(s), without mechanical meaning, in the columns of ``Modes.table``."""
     names = result.scene.equations.coordinates.names
     modes = [_mode_of(zero, len(names)) for zero in result.finite_pair.zeros]
     return [
@@ -228,7 +228,7 @@ def _at_start(result: SceneAnswer) -> list[TextTable]:
 
 
 def _output_table(control: ControlScene) -> TextTable:
-    """Jumps and impulses of the outputs at t = 0; those of the displacements have tables of their own."""
+    """Jumps and impulses of the outputs at t = 0; those of the displacements have separate tables."""
     together, names = control.response.together, control.outputs.names
     coordinates = together.polynomial_matrix.coordinates
     jumps = jumps_of(together, Coordinates(coordinates, tuple(control.system.units[name] for name in coordinates)))
@@ -265,7 +265,7 @@ def _primes(order: int) -> str:
 
 
 def _evidence_table(result: SceneAnswer) -> TextTable:
-    """Error estimates, residuals and rank gaps: how far the answer can be trusted."""
+    """Error estimates, residuals and rank gaps: the accuracy of the answer."""
     proved = ("displacement", "velocity", "acceleration") if getattr(result.motion, "is_proved", False) else ()
     proved += ("reaction",) if proved and result.motion.is_decided_exactly else ()
     estimates = [
@@ -285,6 +285,6 @@ def _evidence_table(result: SceneAnswer) -> TextTable:
 
 
 def _estimated(result: SceneAnswer, kind: str) -> str:
-    """States and outputs are no displacements."""
+    """Name of the quantity of an error estimate; states and outputs are no displacements."""
     equations = result.scene.equations
     return equations.coordinates_called if kind == "displacement" and equations.has_outputs_among_coordinates else kind

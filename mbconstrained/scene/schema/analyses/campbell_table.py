@@ -17,9 +17,9 @@ class CampbellTable(Table):
     highest: AngularVelocity | None = Field(
         None, alias="to", gt=0, description="The highest speed; by default beyond all critical speeds of order 1."
     )
-    points: int = Field(101, ge=2, le=10_001, description="How many speeds, both included.")
+    points: int = Field(101, ge=2, le=10_001, description="Number of speeds, both ends included.")
     orders: Annotated[list[Annotated[Number, Field(gt=0)]], Field(min_length=1, max_length=12)] = Field(
-        [1.0], description="Of excitations, multiples of the speed: 1 for unbalance, 2 for a shaft of two stiffnesses."
+        [1.0], description="Orders of excitation, multiples of the speed: 1 for unbalance, 2 for a shaft of two stiffnesses."
     )
 
     @model_validator(mode="after")

@@ -1,4 +1,4 @@
-"""The table [frequency]: which frequency response is computed, at which frequencies, and how it is plotted."""
+"""The table [frequency]: quantity, frequencies and plots of the frequency response."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _loss_factors(value):
 
 
 def _frequency(value) -> float:
-    """In Hz; here an angular velocity is one of a rotation or of w t, and its frequency that of the turns."""
+    """A frequency in Hz; an angular velocity is converted by 1 / (2 pi)."""
     try:
         return float(quantity(value, "Hz"))
     except InputError as problem:
@@ -52,7 +52,7 @@ AnyFrequency = Annotated[
 
 
 def frequency_lines(value):
-    """A list of frequencies in Hz, ascending, each once."""
+    """A list of distinct frequencies in Hz, ascending."""
     if not isinstance(value, list) or not value:
         raise InputError(f'found {shown(value)}; expected an array of frequencies, e.g. ["1 Hz", "2.5 Hz"]')
     lines = [_frequency(entry) for entry in value]
@@ -62,7 +62,7 @@ def frequency_lines(value):
 
 
 class FrequencyTable(Table):
-    """The steady answer to harmonic loads and prescribed motions, over the frequency."""
+    """Steady response to harmonic loads and prescribed motions over the frequency."""
 
     MOST_LINES: ClassVar[int] = 100_000
 
@@ -74,7 +74,7 @@ class FrequencyTable(Table):
         None, description="Coordinates, of reactions constraint rows, of forces springs and dampers; left out: all, and the springs and "
         "dampers of [[output.quantity]]."
     )  # fmt: skip
-    quantity: ResponseQuantity = Field("receptance", description="What is given by what: displacement by force, …")
+    quantity: ResponseQuantity = Field("receptance", description="Kind of response: receptance (displacement / force), …")
     relative_to: Text | None = Field(
         None, description="A coordinate or prescribed motion, subtracted from the outputs of its unit."
     )
@@ -87,10 +87,10 @@ class FrequencyTable(Table):
     spacing: Literal["auto", "linear", "log"] = Field(
         "auto", description="auto: placed by the poles, so that no peak is missed; or even steps of the frequency or its logarithm."
     )
-    points: int | None = Field(None, ge=2, le=MOST_LINES, description="How many frequencies with even steps; 401 when left out.")
+    points: int | None = Field(None, ge=2, le=MOST_LINES, description="Number of evenly spaced frequencies; 401 by default.")
     frequencies: Annotated[
         Any, BeforeValidator(frequency_lines), WithJsonSchema({"type": "array", "items": NUMBER_SCHEMA, "title": "frequencies"})
-    ] = Field(None, description="Instead of these: the frequencies themselves.")
+    ] = Field(None, description="Explicit list of frequencies.")
     modal_damping: Annotated[
         Any,
         BeforeValidator(ratios),

@@ -1,4 +1,4 @@
-"""The table [random]: spectra of forces and supports, and which outputs have their statistics computed."""
+"""The table [random]: spectra of forces and supports, and the outputs with their statistics."""
 
 from __future__ import annotations
 
@@ -39,18 +39,18 @@ class RoadTable(Table):
 
 
 class SoilTable(Table):
-    """The spectrum of Kanai and Tajimi: white noise through a layer of soil."""
+    """The spectrum of Kanai and Tajimi: white noise filtered by a layer of soil."""
 
-    intensity: Number = Field(gt=0, description="Of the acceleration of the rock, one-sided, in the unit of the density.")
-    frequency: Frequency = Field(2.5, gt=0, description="Of the soil.")  # type: ignore[valid-type]
-    damping_ratio: Number = Field(0.6, gt=0, description="Of the soil.")
+    intensity: Number = Field(gt=0, description="Intensity of the acceleration of the rock, one-sided, in the unit of the density.")
+    frequency: Frequency = Field(2.5, gt=0, description="Natural frequency of the soil.")  # type: ignore[valid-type]
+    damping_ratio: Number = Field(0.6, gt=0, description="Damping ratio of the soil.")
 
 
 class RandomInputTable(Table):
     """A random force, or the random motion of a support."""
 
     on: Text = Field(description="A coordinate, for a force on it, or a [[motion]] or constraint row, for its motion.")
-    of: Literal["force", "displacement", "velocity", "acceleration"] = Field("force", description="What the density is of.")
+    of: Literal["force", "displacement", "velocity", "acceleration"] = Field("force", description="Quantity of the density.")
     frequencies: Annotated[Any, BeforeValidator(_corner_frequencies), WithJsonSchema({"type": "array", "items": NUMBER_SCHEMA})] = (
         Field(None, description="Corner frequencies of a table, ascending.")
     )
@@ -59,9 +59,9 @@ class RandomInputTable(Table):
     )
     unit: Text | None = Field(None, description='Of the density, e.g. "g^2/Hz"; SI when left out.')
     interpolation: Literal["log-log", "linear", "steps"] = Field("log-log", description="Between the corners.")
-    white: Number | None = Field(None, gt=0, description="Instead of a table: the intensity of white noise.")
-    road: RoadTable | None = Field(None, description="Instead: a road profile of ISO 8608; of displacement.")
-    soil: SoilTable | None = Field(None, description="Instead: ground acceleration of Kanai and Tajimi.")
+    white: Number | None = Field(None, gt=0, description="Intensity of white noise, instead of a table.")
+    road: RoadTable | None = Field(None, description="Road profile of ISO 8608 (displacement), instead of a table.")
+    soil: SoilTable | None = Field(None, description="Ground acceleration of Kanai and Tajimi, instead of a table.")
     delay: Time = Field(0.0, description="The process of the other inputs, later.")
 
     @model_validator(mode="after")
@@ -95,7 +95,7 @@ class RandomTable(Table):
         None, description="Coordinates; constraint rows for reactions, springs and dampers for forces; left out: all."
     )
     quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force"] = Field(
-        "displacement", description="Of the outputs; force: of springs and dampers."
+        "displacement", description="Quantity of the outputs; force: of springs and dampers."
     )
     relative_to: Text | None = Field(None, description="A coordinate or prescribed motion, subtracted from the outputs.")
     coherence: Number | None = Field(
@@ -104,7 +104,7 @@ class RandomTable(Table):
         le=1,
         description="Ordinary coherence of all inputs; independent when left out, coherent where they have delays.",
     )
-    duration: Time = Field(60.0, gt=0, description="Of the expected largest value.")
+    duration: Time = Field(60.0, gt=0, description="Duration for the expected largest value.")
     modal_damping: Annotated[
         Any,
         BeforeValidator(ratios),

@@ -1,4 +1,4 @@
-"""The table [shock]: the shock response spectrum of a support's motion, and how long the peaks of the model are searched."""
+"""The table [shock]: the shock response spectrum of a support's motion, and the duration of the search for peaks of the model."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class ShockTable(Table):
 
     of: Text | None = Field(None, description="The [[motion]] whose acceleration is the shock; by default the first that ends.")
     end: Time | None = Field(None, gt=0, description="Until when peaks of the model are searched; by default time.end.")
-    damping_ratio: Number = Field(0.05, ge=0, description="Of the oscillators.")
-    quality_factor: Number | None = Field(None, gt=0, description="Instead: Q = 1 / (2 damping ratio).")
-    quantity: ShockQuantity = Field("absolute acceleration", description="Of the oscillators.")
+    damping_ratio: Number = Field(0.05, ge=0, description="Damping ratio of the oscillators.")
+    quality_factor: Number | None = Field(None, gt=0, description="Alternatively: Q = 1 / (2 damping ratio).")
+    quantity: ShockQuantity = Field("absolute acceleration", description="Response quantity of the oscillators.")
     lowest: AnyFrequency | None = Field(
         None, alias="from", gt=0, description="The lowest natural frequency; by default a tenth of the inverse duration."
     )
@@ -31,8 +31,8 @@ class ShockTable(Table):
     per_octave: int = Field(12, ge=1, le=96, description="Natural frequencies in each octave.")
     frequencies: Annotated[
         Any, BeforeValidator(frequency_lines), WithJsonSchema({"type": "array", "items": NUMBER_SCHEMA, "title": "frequencies"})
-    ] = Field(None, description="Instead of these: the natural frequencies themselves.")
-    interpolation: Literal["linear", "band-limited"] = Field("linear", description="Of a record between its samples.")
+    ] = Field(None, description="Explicit list of natural frequencies.")
+    interpolation: Literal["linear", "band-limited"] = Field("linear", description="Interpolation of a record between its samples.")
     tripartite: bool = Field(
         False, description="The pseudo-velocity, too, with lines of equal displacement and of equal acceleration."
     )

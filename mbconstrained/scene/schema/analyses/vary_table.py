@@ -1,4 +1,4 @@
-"""The table [vary]: which parameters of a scene are varied, how they are sampled, and what is kept of each sample."""
+"""The table [vary]: varied parameters of a scene, their sampling, and the quantities kept of each sample."""
 
 from __future__ import annotations
 
@@ -45,16 +45,16 @@ class VaryTable(Table):
     ] = Field({}, description=f"By the name of a parameter or by place, as for --set: {FORMS}.")
     method: Method = Field(
         "random",
-        description="How distributions are sampled; saltelli: for Sobol indices; one at a time: low and high values for a tornado plot.",
+        description="Sampling of the distributions; saltelli: for Sobol indices; one at a time: low and high values for a tornado plot.",
     )
-    samples: int = Field(1000, ge=1, le=MOST_SAMPLES, description="Of the distributions, at each combination of given values.")
-    seed: int = Field(0, ge=0, le=2**63 - 1, description="Of the random numbers.")
+    samples: int = Field(1000, ge=1, le=MOST_SAMPLES, description="Number of samples, at each combination of given values.")
+    seed: int = Field(0, ge=0, le=2**63 - 1, description="Seed of the random numbers.")
     correlation: Annotated[
         list[Any], BeforeValidator(_correlations), WithJsonSchema({"type": "array", "items": {"type": "array"}})
     ] = Field([], description='Of the normal scores of two parameters, e.g. [["k", "m", 0.5]].')
     keep: list[Text] | None = Field(
         None,
-        description='What is kept of each sample: "frequencies", "response peaks", "random RMS", "maximum x", "x at 2 s", "curve x" …; '
+        description='Kept quantities of each sample: "frequencies", "response peaks", "random RMS", "maximum x", "x at 2 s", "curve x" …; '
         "left out: frequencies, response peaks and RMS values, and the largest values of the plotted coordinates.",
     )
     limits: dict[Text, Any] = Field(

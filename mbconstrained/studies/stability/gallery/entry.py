@@ -23,7 +23,7 @@ class System:
     Attributes:
         theme: the chapter of the gallery.
         parameter: with its unit if it has one.
-        values: of the parameter, from harmless to extreme, most of them over decades; 0 is the limit itself.
+        values: values of the parameter, from harmless to extreme, most of them over decades; 0 is the limit itself.
         problem: the problem for a value of the parameter. Its docstring has the title, the difficulty in one sentence, and the
             source, a section of a paper or a referee case, or without one "made for this gallery".
         declared: known properties, by the names of ``properties``: a value, or a function of the parameter.
@@ -37,7 +37,7 @@ class System:
 
     @property
     def name(self) -> str:
-        """For the command line: the name of the function."""
+        """Name for the command line: that of the function."""
         return self.problem.__name__
 
     @property
@@ -61,7 +61,7 @@ SYSTEMS: list[System] = []
 
 
 def family(theme: str, parameter: str, values: tuple[float, ...], unit: str = ""):
-    """Decorator: enter a function that builds a problem into the gallery."""
+    """Decorator that adds a function that builds a problem to the gallery."""
 
     def entered(problem: Callable[[float], StudyProblem]) -> Callable[[float], StudyProblem]:
         named = f"{parameter} in {unit}" if unit else parameter
@@ -72,7 +72,7 @@ def family(theme: str, parameter: str, values: tuple[float, ...], unit: str = ""
 
 
 def declares(**properties):
-    """Decorator: the known properties of a system, by the names of ``properties``: values, or functions of the parameter."""
+    """Decorator with the known properties of a system, by the names of ``properties``: values, or functions of the parameter."""
 
     def declared(problem: Callable[[float], StudyProblem]) -> Callable[[float], StudyProblem]:
         problem.declared = properties  # type: ignore[attr-defined]
@@ -109,14 +109,14 @@ def _elements(size: int, links: Sequence[Link]) -> ElementMatrix:
 
 
 def bodies(masses: Sequence[float], springs: Sequence[Link], dampers: Sequence[Link] = (), constraints=()) -> MechanicalSystem:
-    """Bodies along one axis, by their elements, so that soft ones are not lost next to stiff ones."""
+    """Bodies along one axis, by their elements, so that soft ones keep their digits next to stiff ones."""
     n = len(masses)
     damping = _elements(n, dampers) if dampers else None
     return MechanicalSystem(ElementMatrix(np.eye(n), masses), damping, _elements(n, springs), constraints)
 
 
 def assembled(system: MechanicalSystem) -> MechanicalSystem:
-    """The same with assembled float64 matrices."""
+    """The system with assembled float64 matrices."""
     return MechanicalSystem(system.mass, system.damping, system.stiffness, system.constraints)
 
 

@@ -38,7 +38,7 @@ def light_tip(mass: float) -> StudyProblem:
 @family("damping", "damping ratio", (0.0, 1e-6, 1e-3, 0.5, 1.0, 2.0, 1e2, 1e4, 1e6, 1e8))
 @declares(finite_zeros=2, longest_chain=lambda ratio: 2 if ratio == 1 else 1, undamped=lambda ratio: ratio == 0)
 def damping_ratio(ratio: float) -> StudyProblem:
-    """One oscillator from undamped to overdamped.
+    """An oscillator from undamped to overdamped.
 
     At ratio 1 the two zeros are one with a chain of length 2: formulas that divide by their difference divide by zero.
 
@@ -51,7 +51,7 @@ def damping_ratio(ratio: float) -> StudyProblem:
 @family("damping", "distance from critical", (1e-2, 1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12, 1e-14, 1e-15, 0.0))
 @declares(finite_zeros=4, growing_zeros=0, longest_chain=lambda distance: 1 if distance else 2)
 def near_critical(distance: float) -> StudyProblem:
-    """Two oscillators at critical damping but for d, mixed.
+    """Two coupled oscillators at critical damping minus d.
 
     Four zeros lie 2 sqrt(2 d) from -2, in four directions: far enough to be two in float64, and too near to be decoupled.
 
@@ -79,7 +79,7 @@ def heavy_damper(damping: float) -> StudyProblem:
 @family("damping", "rate of turn", decades(-4, 6), "rad/s")
 @declares(finite_zeros=4, symmetric=False, growing_zeros=0)
 def gyroscope(rate: float) -> StudyProblem:
-    """A vibratory gyroscope that turns.
+    """A rotating vibratory gyroscope.
 
     The damping matrix is not symmetric, and 2 s are 2e4 turns under a force at the first mode.
 

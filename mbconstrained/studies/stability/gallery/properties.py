@@ -25,24 +25,24 @@ RATIO = 1e-12
 
 
 class Facts:
-    """Exact properties of a problem, computed when they are needed."""
+    """Exact properties of a problem, computed on demand."""
 
     def __init__(self, problem: StudyProblem):
         self.problem = problem
 
     @cached_property
     def structure(self) -> ExactStructure:
-        """Of A(s), zeros finite and infinite."""
+        """Exact structure of A(s), with finite and infinite zeros."""
         return structure(self.problem.polynomial_matrix)
 
     @cached_property
     def exact(self) -> ExactResponse:
-        """The answer, with the constraint rows as they were given."""
+        """The answer, with the constraint rows as given."""
         return self.problem.solve().exact
 
     @property
     def zeros(self) -> list[complex]:
-        """All finite zeros but 0, one of each conjugate pair."""
+        """All finite zeros except 0, one of each conjugate pair."""
         return [zero.value for zero in self.structure.finite_zeros if zero.value]
 
     def elements_of(self, power: int) -> np.ndarray:
@@ -84,7 +84,7 @@ PROPERTIES: dict[str, Callable[[Facts], object]] = {
 
 
 def broken_promises(system: System, parameter: float) -> tuple[str, ...]:
-    """The declared properties that exact arithmetic does not find."""
+    """The declared properties that exact arithmetic refutes."""
     place, broken = f"{system.name} at {parameter:g}", []
     try:
         facts = Facts(system.build(parameter))

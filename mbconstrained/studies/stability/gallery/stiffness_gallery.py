@@ -30,9 +30,9 @@ def stiff_chain(ratio: float) -> StudyProblem:
 @family("stiffness", "stiffness ratio", (*decades(0, 14, 2), 1e15, 1e16))
 @declares(finite_zeros=8, symmetric=True, infinite_divisors=())
 def stiff_chain_assembled(ratio: float) -> StudyProblem:
-    """The same assembled into matrices.
+    """Four masses, springs of ratio r, assembled into matrices.
 
-    The sum r + 3 keeps only the digits of 3 that float64 has left: from the matrices nobody can tell what the soft spring was.
+    The sum r + 3 keeps only the digits of 3 that float64 has left: the soft spring cannot be recovered from the matrices.
 
     Source: referee case stiff_ratio_1e14.
     """

@@ -65,7 +65,7 @@ def differentiated_force(frequency: float) -> StudyProblem:
 @family("structure", "length of the chain", (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0))
 @declares(finite_zeros=lambda n: int(n), longest_chain=lambda n: int(n), growing_zeros=0)
 def chain_length(length: float) -> StudyProblem:
-    """One chain, longer and longer, and a force at its zero.
+    """A Jordan chain of increasing length, with a force at its zero.
 
     Rounding parts n equal zeros by eps^(1/n), a percent at n = 8; their sum must not show it.
 
@@ -81,7 +81,7 @@ def chain_length(length: float) -> StudyProblem:
 @family("structure", "width of the cluster", (0.25, *decades(-1, -12)), "1/s")
 @declares(finite_zeros=4, growing_zeros=0, infinite_divisors=())
 def cluster_of_zeros(width: float) -> StudyProblem:
-    """Four zeros that come together.
+    """A cluster of four zeros.
 
     At a width of 1e-4 they are four and look like one: neither their eigenvectors nor one chain describe them.
     """
@@ -93,7 +93,7 @@ def cluster_of_zeros(width: float) -> StudyProblem:
 @family("structure", "coupling", decades(-2, 4), "1/s")
 @declares(finite_zeros=10, growing_zeros=0, longest_chain=1)
 def transient_growth(coupling: float) -> StudyProblem:
-    """Ten decays, each driving the next.
+    """Ten decays in series, each exciting the next.
 
     All motions decay, but not before they have grown: the eigenvectors are nearly parallel.
 

@@ -139,7 +139,7 @@ def link_over_a_spring(softness: float) -> StudyProblem:
 @family("small next to large", "duration", decades(-1, -13, 2), "s")
 @declares(finite_zeros=4, symmetric=True, jumps=False)
 def late_short_pulse(duration: float) -> StudyProblem:
-    """A pulse of given impulse after 1000 s, shorter and shorter.
+    """A pulse of given impulse after 1000 s, of decreasing duration.
 
     Its duration is not the difference of its two times, which are rounded.
     """
@@ -151,7 +151,7 @@ def late_short_pulse(duration: float) -> StudyProblem:
 @family("small next to large", "elements", (2.0, 4.0, 8.0, 12.0, 16.0))
 @declares(finite_zeros=lambda n: 4 * int(n), growing_zeros=0, symmetric=True)
 def clamped_beam(elements: float) -> StudyProblem:
-    """A clamped beam with Rayleigh damping, finer and finer.
+    """A clamped beam with Rayleigh damping, of increasing refinement.
 
     The fastest modes are overdamped and 1e5 times as fast as the slowest, which is all that is seen.
     """

@@ -115,7 +115,7 @@ def test_of_coefficients_the_zeros_are_listed_and_no_more(tmp_path):
 
 def test_a_scene_without_zeros_says_so(tmp_path):
     static = MATRICES.replace("mass = [[1, 0], [0, 1]]", "mass = [[0, 0], [0, 0]]")
-    assert "There are none: the motion follows the force at once." in printed(modes_of(tmp_path, static))
+    assert "none: the model is static, without dynamic modes" in printed(modes_of(tmp_path, static))
     assert as_json(modes_of(tmp_path, static))["modes"] == []
 
 

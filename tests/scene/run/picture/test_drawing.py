@@ -137,6 +137,6 @@ def test_states_are_no_places_even_with_a_view(tmp_path):
     text = f'{model}[time]\nend = 1\n[drawing]\nview = "top"\n'
     scene = scene_of(tmp_path, text)
     assert next(stage for stage in scene.plan().stages if stage.name == "animation").reason.startswith(
-        "states and outputs are no places"
+        "states and outputs have no geometry"
     )
     assert scene_of(tmp_path, MATRICES).run().animation.drawing.view is None

@@ -84,7 +84,7 @@ def test_nothing_is_said_where_nothing_happens():
 def test_a_forgotten_start_is_told(tmp_path):
     forgotten = OSCILLATOR.replace("cart = 0.1", "cart = 0")
     assert [str(notice) for notice in scene_of(tmp_path, forgotten).run().notices] == [
-        "note (at rest): nothing moves: neither the start nor a force sets anything in motion"
+        "note (at rest): nothing moves: zero initial conditions and no excitation"
     ]
     assert scene_of(tmp_path, OSCILLATOR).run().notices == ()
 
