@@ -150,6 +150,7 @@ class EquationsOfMotion(ExportedSystem, Displayed):
             InputError: rows of another length, names in use.
             ContradictoryConstraints: dependent rows with different values.
 
+        >>> from mbconstrained import Constraint, MechanicalSystem
         >>> pair = MechanicalSystem(np.diag([1.0, 3.0])).with_constraints(Constraint([1, -1]))
         >>> pair.acceleration([0, 0], [0, 0], [8.0, 0.0])
         array([2., 2.])

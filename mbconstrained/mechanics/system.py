@@ -70,12 +70,14 @@ class MechanicalSystem(EquationsOfMotion):
         excitation: the part of the force that varies in time; None if there is none.
         origin: the lumped model that it was assembled from, which has its drawing; None if there is none.
 
+    >>> from mbconstrained import Constraint
     >>> pair = MechanicalSystem(np.diag([1.0, 3.0]), constraints=[Constraint([1, -1])], names=["a", "b"])
     >>> pair.acceleration([0, 0], [0, 0], [8.0, 0.0])
     array([2., 2.])
 
     A chain of 1000 unit masses between two walls, natural frequencies 2 sin(i pi / (2 (n + 1))):
 
+    >>> import scipy.sparse
     >>> K = scipy.sparse.diags_array([-np.ones(999), 2 * np.ones(1000), -np.ones(999)], offsets=[-1, 0, 1])
     >>> modes = MechanicalSystem(scipy.sparse.eye_array(1000), stiffness=K).modes(count=10)
     >>> bool(np.allclose(modes.natural_frequencies, 2 * np.sin(np.arange(1, 11) * np.pi / 2002), rtol=1e-9)), modes.none_missed

@@ -14,27 +14,28 @@ import pytest
 
 from tests.audits.source import FILES, MODULES, ROOT, expect_none, room, text, tree
 
-#: Lines of each room, blank ones and docstrings included.
+#: Lines of each room, blank ones and docstrings included. Frequency took the enclosures of variances from exact, mechanics the normal form and
+#: the descriptor form from control; response, robot and scene the protocols and base classes with which no circle of imports is left.
 LINES = {
     "__init__": 229,
     "__main__": 8,
     "analyses": 837,
-    "cli": 1528,
-    "control": 2756,
+    "cli": 1530,
+    "control": 1670,
     "docs": 259,
     "exact": 7248,
     "exchange": 1445,
-    "frequency": 5182,
+    "frequency": 5539,
     "ground": 1578,
-    "linalg": 4878,
-    "mechanics": 10589,
-    "models": 1210,
-    "page": 5447,
+    "linalg": 4881,
+    "mechanics": 11632,
+    "models": 1220,
+    "page": 5440,
     "papers": 771,
     "polynomial": 2984,
-    "response": 5274,
-    "robot": 9428,
-    "scene": 12666,
+    "response": 5353,
+    "robot": 9454,
+    "scene": 12809,
     "signals": 1825,
     "studies": 8109,
 }

@@ -29,6 +29,10 @@ ELLIPTIC = re.compile(
 )
 
 
+#: The classes of the package by name.
+CLASSES = {node.name: node for file in FILES for node in tree(file).body if isinstance(node, ast.ClassDef)}
+
+
 def documented(file):
     """(name, node, docstring) of the file itself and its public functions and classes."""
     yield "", tree(file), ast.get_docstring(tree(file)) or ""
@@ -121,11 +125,16 @@ def _arguments(node) -> list[str]:
 
 
 def _fields(node) -> list[str]:
-    """What the constructor of a class takes: the arguments of ``__init__`` and the fields of a dataclass."""
+    """What the constructor of a class takes: the arguments of ``__init__`` and the fields of a dataclass, those of its bases too."""
     if not isinstance(node, ast.ClassDef):
         return []
+    inherited = [name for base in node.bases if ast.unparse(base) in CLASSES for name in _fields(CLASSES[ast.unparse(base)])]
     made = [name for part in node.body if getattr(part, "name", "") in ("__init__", "__new__") for name in _arguments(part)]
-    return made + [part.target.id for part in node.body if isinstance(part, ast.AnnAssign) and isinstance(part.target, ast.Name)]
+    return (
+        inherited
+        + made
+        + [part.target.id for part in node.body if isinstance(part, ast.AnnAssign) and isinstance(part.target, ast.Name)]
+    )
 
 
 def _returns(node) -> bool:

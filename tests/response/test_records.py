@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 import mbconstrained as mb
 from mbconstrained.ground.errors import Overflow
 from mbconstrained.polynomial.jordan_pairs import JordanPairs
+from mbconstrained.response.flow import FEWEST_KNOTS as FEW_PIECES
 from mbconstrained.response.methods import record as even_pieces
-from mbconstrained.response.methods.record import FEWEST_KNOTS as FEW_PIECES
+from mbconstrained.response.methods.record import record_of
 from mbconstrained.response.response import Response
 from tests.response.chains import COUNT, chain
 
@@ -92,7 +93,7 @@ def test_oscillators_that_turn_often_within_a_gap_follow_a_record_as_forty_digit
     dampings, knots = DAMPINGS * (DAMPINGS**2 < 2 * MASSES * STIFFNESSES), np.append(0.0, np.cumsum(gaps))
     values = samples_on(range(30), knots, 30)
     x = mb.solve(oscillators(dampings), force=mb.sampled(knots, values))
-    assert x.function.flow.record.parts > 5
+    assert record_of(x.function.flow).parts > 5
     asked = np.concatenate([knots[[1, 40, -1]], knots[:-1:9] + RANDOM.uniform(0, 1, 8) * gaps[::9], [knots[-1] + 7.0]])
     for at in (0, 14, 29):
         known = exact_oscillator(at, knots, values[at], asked, dampings)
@@ -160,7 +161,7 @@ def test_a_record_that_is_coarse_beside_the_motion_is_evaluated_in_parts_of_its_
     A, knots = chain(), gap * np.arange(100)
     force = mb.sampled(knots, samples_on((2,), knots))
     x, asked = mb.solve(A, force=force), np.append(np.linspace(0.0, 101 * gap, 77), knots)
-    pieces = x.function.flow.record
+    pieces = record_of(x.function.flow)
     assert (pieces and pieces.parts) == parts
     known = Response.by_pairs(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
     assert np.abs(x(asked) - known).max() <= 1e-11 * np.abs(known).max()
@@ -173,10 +174,13 @@ def test_of_even_samples_the_modes_at_every_sixteenth_give_all_others(kept, monk
     force = mb.sampled(knots, samples_on((2, 9), knots))
     x, uneven = (mb.solve(chain(), force=given) for given in (force, force + 0.0 * mb.step(np.eye(COUNT)[2]).delayed(0.1)))
     asked = np.sort(RANDOM.uniform(0.0, 260.0, 100))
-    assert x.function.flow.record.states[0].shape == (63, COUNT) and uneven.function.flow.record.states[0].shape == (1002, COUNT)
+    assert record_of(x.function.flow).states[0].shape == (63, COUNT) and record_of(uneven.function.flow).states[0].shape == (
+        1002,
+        COUNT,
+    )
     for times in (asked, knots, knots[5:90], knots[::-7]):
         assert np.abs(x(times) - uneven(times)).max() <= 1e-12 * np.abs(x(knots)).max()
-    assert (x.function.flow.record._every is None) == (kept == 0)
+    assert (record_of(x.function.flow)._every is None) == (kept == 0)
 
 
 @pytest.mark.parametrize("gap", [0.25, 3.0])
@@ -195,7 +199,7 @@ def test_pauses_between_records_are_gone_through_freely():
     values[:, [79, 80]] = 0.0
     force, asked = mb.sampled(knots, values), np.array([10.0, 31.5, 31.7, 400.0, 899.9, 900.0, 905.0, 931.6, 2000.0])
     x = mb.solve(A, force=force)
-    assert x.function.flow.record.long.sum() == 2
+    assert record_of(x.function.flow).long.sum() == 2
     known = Response.by_pairs(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
     assert np.abs(x(asked) - known).max() <= 1e-11 * np.abs(known).max()
 
@@ -209,7 +213,7 @@ def test_a_free_chain_is_pushed_along():
     start[1] = 0.3
     x, asked = mb.solve(A, start, force), np.concatenate([knots, knots[:-1] + 0.11, [70.0]])
     if hasattr(x.function, "flow"):
-        assert len(x.function.flow.record.modes.rest) == 2
+        assert len(record_of(x.function.flow).modes.rest) == 2
     for known in (Response.by_pairs(A.jordan_pairs(), start, force)(asked), x(asked)):
         assert np.abs(x(asked) - known).max() <= 1e-11 * np.abs(known).max()
         assert np.allclose(np.diag(M) @ known, (0.3 * np.diag(M).sum() * asked) + momentum(force, asked), rtol=1e-10, atol=1e-9)
@@ -248,5 +252,5 @@ def test_any_knots_any_times(seed, begin, jumps):
     before, after = (np.nextafter(knots[9:12], end) for end in (0, 99))
     asked = np.concatenate([random.uniform(0, 1.2 * knots[-1], 20), knots[::7], before, after])
     x, general = mb.solve(A, force=force), Response.by_pairs(pairs, np.zeros((2, COUNT)), force)
-    assert x.function.flow.record is not None
+    assert record_of(x.function.flow) is not None
     assert np.abs(x(asked) - general(asked)).max() <= 1e-12 * np.abs(general(asked)).max()
