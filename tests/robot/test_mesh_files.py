@@ -11,12 +11,11 @@ from PIL import Image
 
 import mbconstrained as mb
 from mbconstrained.ground.errors import InputError
-from mbconstrained.robot.description.collada import collada_mesh
 from mbconstrained.robot.description.mesh_files import MeshFiles
-from mbconstrained.robot.description.mesh_parts import UnreadableMesh, triangles
+from mbconstrained.robot.description.mesh_parts import UnreadableMesh
+from mbconstrained.robot.description.mesh_readers import collada_mesh, wavefront_mesh
 from mbconstrained.robot.description.urdf import xml_element
 from mbconstrained.robot.description.visuals import visuals_of
-from mbconstrained.robot.description.wavefront import wavefront_mesh
 
 CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
 SIDES = ["0 1 3 2", "4 6 7 5", "0 4 5 1", "2 3 7 6", "0 2 6 4", "1 5 7 3"]  # counter-clockwise from outside
@@ -87,11 +86,22 @@ def volume(mesh) -> float:
     return float(np.linalg.det(mesh.vertices[mesh.whole.faces]).sum() / 6)
 
 
-def test_polygons_become_triangles_whatever_their_number_of_corners():
-    assert triangles(np.array([], int), 0).shape == (0, 3)
-    assert triangles(np.array([2, 1, 3, 0]), 6).tolist() == [[3, 4, 5]]
-    with pytest.raises(UnreadableMesh):
-        triangles(np.array([3, 4]), 6)
+@pytest.mark.parametrize(
+    "counts, faces", [([2, 1, 3, 0], 1), ([0, 2, 4], 2), ([6], 4), ([], 0), ([3, 4], None), ([3], None), ([7, -1], None)]
+)
+def test_polygons_become_triangles_whatever_their_number_of_corners(counts, faces):
+    """From corners 0 to 5, without them where there is no polygon."""
+    row = "".join(f"{number} {number} " for number in range(6 if counts else 0))
+    more = f"""<polylist material="a" count="{len(counts)}"><input semantic="VERTEX" source="#corners" offset="0"/>
+<input semantic="TEXCOORD" source="#spots" offset="1"/><vcount>{" ".join(map(str, counts))}</vcount><p>{row}</p></polylist>"""
+    if faces is None:
+        with pytest.raises(UnreadableMesh):
+            collada_mesh(collada(more))
+        return
+    mesh = collada_mesh(collada(polygons("b", ["5 6 7"]) + more))
+    corners = np.vstack([part.faces for part in mesh.parts if part.color == RED] + [np.zeros((0, 3), int)])
+    first = sum(counts[:-1]) if counts != [2, 1, 3, 0] else 3
+    assert corners.tolist() == [[first, first + k, first + k + 1] for k in range(1, faces + 1)]
 
 
 @pytest.mark.parametrize(
