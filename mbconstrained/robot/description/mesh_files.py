@@ -10,7 +10,7 @@ from urllib.parse import unquote
 
 from ...ground.errors import InputError
 from .mesh_parts import Mesh, UnreadableMesh
-from .mesh_readers import coal_mesh, collada_mesh, plain_mesh, wavefront_mesh
+from .mesh_readers import coal_mesh, collada_mesh, stl_mesh, wavefront_mesh
 
 #: Largest mesh file and image file in bytes.
 LARGEST_MESH = 50_000_000
@@ -118,19 +118,21 @@ class MeshFiles:
 
 
 def read_mesh(path: Path, scale, roots: tuple[Path, ...], where: str) -> Mesh:
-    """The mesh of a file; what the reader of its format cannot read, coal reads without colours, or names what is wrong."""
+    """The mesh of a file; what no other reader can read, coal reads without colours, or names what is wrong."""
     try:
         if path.suffix.lower() == ".dae":
             return collada_mesh(_text(path), scale)
         if path.suffix.lower() == ".obj":
             return wavefront_mesh(_text(path), lambda name: _material_file(path, name, roots), scale)
-        return plain_mesh(path, scale)
+        if path.suffix.lower() == ".stl":
+            return stl_mesh(path.read_bytes(), scale)
     except UnreadableMesh:
-        try:
-            return coal_mesh(path, scale)
-        except UnreadableMesh as problem:
-            reason = (str(problem).strip().splitlines() or ["unknown"])[-1][:120]
-            raise InputError(f"{where}: the mesh file {path.name} cannot be read ({reason})") from None
+        pass
+    try:
+        return coal_mesh(path, scale)
+    except UnreadableMesh as problem:
+        reason = (str(problem).strip().splitlines() or ["unknown"])[-1][:120]
+        raise InputError(f"{where}: the mesh file {path.name} cannot be read ({reason})") from None
 
 
 def _lies_in(path: Path, roots: tuple[Path, ...]) -> bool:

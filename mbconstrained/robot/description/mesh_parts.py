@@ -77,25 +77,26 @@ class Surfaces:
         self._count += len(vertices)
         return self._count - len(vertices)
 
-    def add_faces(self, faces: np.ndarray, color: Color | None = None, image: str = "", places: np.ndarray | None = None) -> None:
-        """Triangles; an image without places of their corners in it is not shown."""
+    def add_faces(self, start: int, faces: np.ndarray, color: Color | None = None, image: str = "", places=None) -> None:
+        """Triangles of corners counted from ``start``; an image is shown where the places of the corners in it are given."""
+        if faces.size and not 0 <= faces.min() <= faces.max() < self._count - start:
+            raise UnreadableMesh("triangles with corners that do not exist")
         shown = bool(image) and places is not None
         corners, spots = self._faces.setdefault((None, image) if shown else (color, ""), ([], []))
-        corners.append(faces.reshape(-1, 3))
+        corners.append(faces.reshape(-1, 3) + start)
         spots += [places.reshape(-1, 3, 2)] if shown else []
 
     def mesh(self, scale=(1.0, 1.0, 1.0)) -> Mesh:
         """The mesh, its corners times the scale."""
-        vertices = np.vstack(self._vertices) * scale
-        parts = []
+        vertices, parts = np.vstack(self._vertices) * scale, []
         for (color, image), (faces, places) in self._faces.items():
-            parts.append(MeshPart(np.vstack(faces), color, Texture(image, np.vstack(places)) if image else None))
-        numbers = [part.faces for part in parts if part.faces.size]
-        if not numbers or min(map(np.min, numbers)) < 0 or max(map(np.max, numbers)) >= len(vertices):
-            raise UnreadableMesh("triangles with corners that do not exist")
+            if sum(map(len, faces)):
+                parts.append(MeshPart(np.vstack(faces), color, Texture(image, np.vstack(places)) if image else None))
+        if not parts:
+            raise UnreadableMesh("no triangles")
         if not all(np.isfinite(array).all() for array in (vertices, *(part.texture.places for part in parts if part.texture))):
             raise UnreadableMesh("corners that are no finite numbers")
-        return Mesh(vertices, tuple(part for part in parts if part.faces.size))
+        return Mesh(vertices, tuple(parts))
 
 
 def visible(color: Color) -> Color:

@@ -1,4 +1,4 @@
-"""Readers of mesh files: pycollada reads COLLADA files (.dae), trimesh Wavefront (.obj), STL and PLY files.
+"""Readers of mesh files: pycollada reads COLLADA files (.dae), trimesh Wavefront (.obj) and STL files, and coal what is left.
 
 Colours come from the files as they are; trimesh's own reader of COLLADA files rounds them to 8 bits and leaves out factors of the
 opacity. Corners are in the lengths and axes of the file: the unit and the upward axis are not applied, as in RViz.
@@ -65,8 +65,8 @@ def collada_mesh(text: str, scale=(1.0, 1.0, 1.0)) -> Mesh:
                 bound = instance.materialnodebysymbol.get(primitive.material)
                 color, image = (None, "") if bound is None else _appearance(bound.target.effect)
                 places = primitive.texcoordset[0][primitive.texcoord_indexset[0]] if primitive.texcoordset else None
-                surfaces.add_faces(primitive.vertex_index + starts[source], color, image, places)
-    return surfaces.mesh(scale)
+                surfaces.add_faces(starts[source], primitive.vertex_index, color, image, places)
+        return surfaces.mesh(scale)
 
 
 def _simplified(text: str) -> io.BytesIO:
@@ -85,7 +85,8 @@ def _simplified(text: str) -> io.BytesIO:
                     np.array(axis) * (angle / (np.linalg.norm(axis) or 1.0)), degrees=True
                 ).as_matrix()
                 child.tag, child.text = "matrix", " ".join(map(str, matrix.ravel()))
-            if name in _UNUSED or child.findtext("{*}sampler2D/{*}source", next(iter(surfaces))) not in surfaces:
+            source = child.find("{*}sampler2D/{*}source") if name == "newparam" else None
+            if name in _UNUSED or (source is not None and source.text not in surfaces):
                 element.remove(child)
         element.tag = "{http://www.collada.org/2005/11/COLLADASchema}" + element.tag.rpartition("}")[2]
     return io.BytesIO(ElementTree.tostring(root))
@@ -130,11 +131,10 @@ def wavefront_mesh(text: str, read: Callable[[str], str], scale=(1.0, 1.0, 1.0))
             triangles = np.vstack([faces[:, [0, k, k + 1]] for k in range(1, faces.shape[1] - 1)])
             image, spots = getattr(material, "image", None), getattr(part["visual"], "uv", None)
             name = re.sub("^-.* ", "", image.info.get("file_path", "")) if image else ""  # options stand before it
+            places = None if spots is None else spots[triangles]
             start = surfaces.add_vertices(part["vertices"])
-            surfaces.add_faces(
-                triangles + start, _color(getattr(material, "kwargs", {})), name, None if spots is None else spots[triangles]
-            )
-    return surfaces.mesh(scale)
+            surfaces.add_faces(start, triangles, _color(getattr(material, "kwargs", {})), name, places)
+        return surfaces.mesh(scale)
 
 
 def _counted_from_first(text: str) -> str:
@@ -147,7 +147,10 @@ def _counted_from_first(text: str) -> str:
         key, *words = line.split() or [""]
         counts[key] += 1
         if key == "f":
-            words = ["/".join(_number(n, counts[kind]) for n, kind in zip(word.split("/"), ("v", "vt")) if n) for word in words]
+            words = [
+                "/".join(_number(n, counts[kind]) for n, kind in zip(word.split("/"), ("v", "vt")) if n or kind == "v")
+                for word in words
+            ]
         lines.append(" ".join((key, *words)))
     return "\n".join(lines)
 
@@ -168,27 +171,26 @@ def _color(values: dict[str, Any]) -> Color | None:
         return None
 
 
-def plain_mesh(path: Path, scale=(1.0, 1.0, 1.0)) -> Mesh:
-    """The mesh of an STL or PLY file, without colours."""
+def stl_mesh(data: bytes, scale=(1.0, 1.0, 1.0)) -> Mesh:
+    """The mesh of an STL file, whose equal corners become one."""
     import trimesh
 
     surfaces = Surfaces()
-    with _unreadable(), path.open("rb") as stream:
-        loaded = trimesh.load_mesh(stream, path.suffix[1:], process=False)
-        vertices, numbers = np.unique(loaded.vertices, axis=0, return_inverse=True)
-        surfaces.add_vertices(vertices)
-        surfaces.add_faces(numbers.reshape(-1)[loaded.faces])
-    return surfaces.mesh(scale)
+    with _unreadable():
+        corners = np.asarray(trimesh.load_mesh(io.BytesIO(data), "stl", process=False).triangles).reshape(-1, 3) + 0.0  # not -0.0
+        first, numbers = trimesh.grouping.unique_rows(corners.view(np.int64))
+        surfaces.add_faces(surfaces.add_vertices(corners[first]), numbers)
+        return surfaces.mesh(scale)
 
 
 def coal_mesh(path: Path, scale=(1.0, 1.0, 1.0)) -> Mesh:
-    """The mesh of a file without its colours, as coal reads it, which knows more of the formats; it mixes up corners of several materials."""
+    """The mesh of a file without its colours, as coal reads it, which knows more of the formats but mixes up corners of several materials."""
     import coal
 
     surfaces = Surfaces()
     with _unreadable():
         mesh = coal.MeshLoader().load(str(path), np.ones(3))
         triangles = (mesh.tri_indices(i) for i in range(mesh.num_tris))  # which know their length, but not their end
-        surfaces.add_vertices(np.array(mesh.vertices()).reshape(-1, 3))
-        surfaces.add_faces(np.fromiter((triangle[k] for triangle in triangles for k in range(3)), int))
-    return surfaces.mesh(scale)
+        faces = np.fromiter((triangle[k] for triangle in triangles for k in range(3)), int)
+        surfaces.add_faces(surfaces.add_vertices(np.array(mesh.vertices()).reshape(-1, 3)), faces)
+        return surfaces.mesh(scale)
