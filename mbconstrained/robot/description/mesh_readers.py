@@ -7,13 +7,12 @@ opacity. Corners are in the lengths and axes of the file: the unit and the upwar
 from __future__ import annotations
 
 import io
-import re
 import warnings
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -64,7 +63,9 @@ def collada_mesh(text: str, scale=(1.0, 1.0, 1.0)) -> Mesh:
                     starts[source] = surfaces.add_vertices(source.data @ instance.matrix[:3, :3].T + instance.matrix[:3, 3])
                 bound = instance.materialnodebysymbol.get(primitive.material)
                 color, image = (None, "") if bound is None else _appearance(bound.target.effect)
-                places = primitive.texcoordset[0][primitive.texcoord_indexset[0]] if primitive.texcoordset else None
+                places = (
+                    primitive.texcoordset[0][primitive.texcoord_indexset[0].astype(np.uint32)] if primitive.texcoordset else None
+                )
                 surfaces.add_faces(starts[source], primitive.vertex_index, color, image, places)
         return surfaces.mesh(scale)
 
@@ -76,7 +77,8 @@ def _simplified(text: str) -> io.BytesIO:
     for element in root.iter():
         for child in list(element):
             name = child.tag.rpartition("}")[2]
-            if name in _UNREAD or (name == "float_array" and "nan" in (child.text or "").lower()):
+            spread = name == "accessor" and (child.get("stride", "1"), child.get("offset", "0")) != (str(len(child)), "0")
+            if name in _UNREAD or spread or (name == "float_array" and "nan" in (child.text or "").lower()):
                 raise UnreadableMesh(f"<{name}> is not read")
             if name == "rotate":  # whose sines pycollada rounds to 7 digits, and whose axis it takes to have the length 1
                 *axis, angle = map(float, (child.text or "").split())
@@ -95,8 +97,8 @@ def _simplified(text: str) -> io.BytesIO:
 def _appearance(effect) -> tuple[Color | None, str]:
     """Colour and name of the texture of an effect; None and an empty string for what it does not have."""
     if hasattr(effect.diffuse, "sampler"):
-        return None, effect.diffuse.sampler.surface.image.path.strip()
-    if effect.diffuse is None:
+        return None, (effect.diffuse.sampler.surface.image.path or "").strip()
+    if effect.xmlnode.find(".//{*}diffuse/{*}color") is None:
         return None, ""
     share = effect.transparency if effect.xmlnode.find(".//{*}transparency/{*}float") is not None else 1.0
     transparent = effect.transparent if isinstance(effect.transparent, tuple) else (1.0, 1.0, 1.0, 1.0)
@@ -104,55 +106,44 @@ def _appearance(effect) -> tuple[Color | None, str]:
     return visible((*effect.diffuse[:3], 1 - share * np.mean(transparent[:3]) if opaque_at_zero else share * transparent[3])), ""
 
 
-class _MaterialFiles:
-    """The material files that a Wavefront file names, as one; of images trimesh gets a dot, since only their names are kept."""
-
-    def __init__(self, text: str):
-        self.text = text
-
-    def __getitem__(self, name: str) -> str:
-        return self.text
-
-    def get(self, name: str) -> bytes:
-        return b"P1 1 1 0"
-
-
 def wavefront_mesh(text: str, read: Callable[[str], str], scale=(1.0, 1.0, 1.0)) -> Mesh:
     """The mesh of a Wavefront file: its polygons, without lines, points and curves."""
     from trimesh.exchange.obj import load_obj
 
-    surfaces = Surfaces()
+    surfaces, materials = Surfaces(), {}
     with _unreadable():
-        text = _counted_from_first(text)
-        libraries = dict.fromkeys(re.findall("^mtllib (.+)", text, re.MULTILINE))
-        loaded = load_obj(io.StringIO(text), _MaterialFiles("\n".join(map(read, libraries))))
-        for part in loaded["geometry"].values():
-            material, faces = getattr(part["visual"], "material", None), part["faces"]
-            triangles = np.vstack([faces[:, [0, k, k + 1]] for k in range(1, faces.shape[1] - 1)])
-            image, spots = getattr(material, "image", None), getattr(part["visual"], "uv", None)
-            name = re.sub("^-.* ", "", image.info.get("file_path", "")) if image else ""  # options stand before it
-            places = None if spots is None else spots[triangles]
+        lines = list(_lines(text))
+        for name in dict.fromkeys(" ".join(words) for key, *words in lines if key == "mtllib"):
+            materials |= _materials(read(name))
+        names = "\n".join(f"newmtl {name}" for name in materials)
+        loaded = load_obj(io.StringIO("\n".join(_triangles(lines))), defaultdict(lambda: names))  # which reads no file
+        for part in reversed(loaded["geometry"].values()):
+            color, image = materials.get(getattr(getattr(part["visual"], "material", None), "name", None), (None, ""))
+            places, faces = getattr(part["visual"], "uv", None), part["faces"]
             start = surfaces.add_vertices(part["vertices"])
-            surfaces.add_faces(start, triangles, _color(getattr(material, "kwargs", {})), name, places)
+            surfaces.add_faces(start, faces, color, image, None if places is None else places[faces])
         return surfaces.mesh(scale)
 
 
-def _counted_from_first(text: str) -> str:
-    """The lines of a Wavefront file with single blanks, and with numbers of corners that count from the first one.
+def _lines(text: str) -> Iterator[list[str]]:
+    """The words of each line; one that ends in a backslash goes on in the next."""
+    return (line.split() or [""] for line in text.replace("\\\r\n", " ").replace("\\\n", " ").splitlines())
 
-    trimesh counts negative numbers from the last corner of the file, not of the lines above.
+
+def _triangles(lines: list[list[str]]) -> Iterator[str]:
+    """Lines with triangles, whose corners count from the first of the file.
+
+    trimesh counts negative numbers from the last corner of the file, and takes a hexagon for a triangle with a texture beside one.
     """
-    lines, counts = [], Counter[str]()
-    for line in text.replace("\\\r\n", " ").replace("\\\n", " ").splitlines():
-        key, *words = line.split() or [""]
+    counts = Counter[str]()
+    for key, *words in lines:
         counts[key] += 1
         if key == "f":
-            words = [
-                "/".join(_number(n, counts[kind]) for n, kind in zip(word.split("/"), ("v", "vt")) if n or kind == "v")
-                for word in words
-            ]
-        lines.append(" ".join((key, *words)))
-    return "\n".join(lines)
+            corners = [[_number(n, counts[k]) for n, k in zip(word.split("/"), ("v", "vt")) if n or k == "v"] for word in words]
+            first, *others = ["/".join(corner) for corner in corners]
+            yield from (f"f {first} {second} {third}" for second, third in pairwise(others))
+        else:
+            yield " ".join((key, *words))
 
 
 def _number(text: str, count: int) -> str:
@@ -162,13 +153,29 @@ def _number(text: str, count: int) -> str:
     return str(number if number > 0 else count + 1 + number)
 
 
-def _color(values: dict[str, Any]) -> Color | None:
-    """The colour of the entries of a material in a material file."""
+def _materials(text: str) -> dict[str, tuple[Color | None, str]]:
+    """Colour and name of the texture of each material of a material file; lines that make no sense are left out."""
+    values: dict[str, dict[str, list[str]]] = {}
+    own: dict[str, list[str]] = {}
+    for key, *words in _lines(text):
+        if key == "newmtl":
+            own = values.setdefault(" ".join(words), {})
+        else:
+            own[key] = words
+    return {name: (_color(entries), _image(entries.get("map_Kd", []))) for name, entries in values.items()}
+
+
+def _color(entries: dict[str, list[str]]) -> Color | None:
     try:
-        red, green, blue = values["kd"][:3]
-        return visible((red, green, blue, float(values["d"][0] if "d" in values else 1 - float(values.get("tr", "0")[0]))))
-    except (KeyError, TypeError, ValueError):
+        red, green, blue = map(float, entries["Kd"][:3])
+        return visible((red, green, blue, float(entries["d"][0] if "d" in entries else 1 - float(entries.get("Tr", ["0"])[0]))))
+    except (KeyError, IndexError, ValueError):
         return None
+
+
+def _image(words: list[str]) -> str:
+    """The file of a texture, behind its options, whose values have no blanks."""
+    return words[-1] if words and words[0].startswith("-") else " ".join(words)
 
 
 def stl_mesh(data: bytes, scale=(1.0, 1.0, 1.0)) -> Mesh:
