@@ -1,16 +1,17 @@
-"""Readers of mesh files: pycollada reads COLLADA files (.dae), trimesh Wavefront (.obj) and STL files, and coal what is left.
+"""Readers of mesh files: pycollada reads COLLADA files (.dae), trimesh STL files, and coal what is left, without colours.
 
-Colours come from the files as they are; trimesh's own reader of COLLADA files rounds them to 8 bits and leaves out factors of the
-opacity. Corners are in the lengths and axes of the file: the unit and the upward axis are not applied, as in RViz.
+Colours are those of the files: trimesh's readers round them to 8 bits and leave out factors of the opacity, and its reader of Wavefront
+files (.obj) counts negative numbers of corners from the end of the file, and takes a time of vertices times materials. Corners are in
+the lengths and axes of the file: the unit and the upward axis are not applied, as in RViz.
 """
 
 from __future__ import annotations
 
 import io
 import warnings
-from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree
@@ -46,7 +47,7 @@ def collada_mesh(text: str, scale=(1.0, 1.0, 1.0)) -> Mesh:
     """The mesh of a COLLADA file."""
     import collada
 
-    surfaces, starts = Surfaces(), {}
+    surfaces, starts, appearance = Surfaces(), {}, cache(_appearance)
     with _unreadable():
         document = collada.Collada(_simplified(text), ignore=[collada.common.DaeUnsupportedError])
         for instance in document.scene.objects("geometry"):
@@ -62,7 +63,7 @@ def collada_mesh(text: str, scale=(1.0, 1.0, 1.0)) -> Mesh:
                 if source not in starts:
                     starts[source] = surfaces.add_vertices(source.data @ instance.matrix[:3, :3].T + instance.matrix[:3, 3])
                 bound = instance.materialnodebysymbol.get(primitive.material)
-                color, image = (None, "") if bound is None else _appearance(bound.target.effect)
+                color, image = (None, "") if bound is None else appearance(bound.target.effect)
                 places = (
                     primitive.texcoordset[0][primitive.texcoord_indexset[0].astype(np.uint32)] if primitive.texcoordset else None
                 )
@@ -107,21 +108,31 @@ def _appearance(effect) -> tuple[Color | None, str]:
 
 
 def wavefront_mesh(text: str, read: Callable[[str], str], scale=(1.0, 1.0, 1.0)) -> Mesh:
-    """The mesh of a Wavefront file: its polygons, without lines, points and curves."""
-    from trimesh.exchange.obj import load_obj
-
-    surfaces, materials = Surfaces(), {}
+    """The mesh of a Wavefront file: its polygons, cut into triangles from their first corners, without lines, points and curves."""
+    vertices, spots, materials, libraries = [], [], {}, set()
+    faces: dict[str, list[tuple[int, int]]] = {}  # three corners a triangle, by the name of the material
+    own = faces.setdefault("", [])
+    surfaces = Surfaces()
     with _unreadable():
-        lines = list(_lines(text))
-        for name in dict.fromkeys(" ".join(words) for key, *words in lines if key == "mtllib"):
-            materials |= _materials(read(name))
-        names = "\n".join(f"newmtl {name}" for name in materials)
-        loaded = load_obj(io.StringIO("\n".join(_triangles(lines))), defaultdict(lambda: names))  # which reads no file
-        for part in reversed(loaded["geometry"].values()):
-            color, image = materials.get(getattr(getattr(part["visual"], "material", None), "name", None), (None, ""))
-            places, faces = getattr(part["visual"], "uv", None), part["faces"]
-            start = surfaces.add_vertices(part["vertices"])
-            surfaces.add_faces(start, faces, color, image, None if places is None else places[faces])
+        for key, *words in _lines(text):
+            name = " ".join(words)
+            if key == "v":
+                vertices.append(words[:3])
+            elif key == "vt":
+                spots.append(words[:2])
+            elif key == "f":
+                corners = [_corner(word, len(vertices), len(spots)) for word in words]
+                own += [corner for pair in pairwise(corners[1:]) for corner in (corners[0], *pair)]
+            elif key == "usemtl":
+                own = faces.setdefault(name, [])
+            elif key == "mtllib" and name not in libraries:
+                libraries.add(name)
+                materials |= _materials(read(name))
+        start = surfaces.add_vertices(np.array(vertices, float).reshape(len(vertices), 3))
+        places = np.array(spots, float).reshape(len(spots), 2)
+        for name, rows in faces.items():
+            numbers, spot = np.array(rows, int).reshape(-1, 3, 2).transpose(2, 0, 1)
+            surfaces.add_faces(start, numbers, *materials.get(name, (None, "")), places[spot] if rows and spot.min() >= 0 else None)
         return surfaces.mesh(scale)
 
 
@@ -130,27 +141,18 @@ def _lines(text: str) -> Iterator[list[str]]:
     return (line.split() or [""] for line in text.replace("\\\r\n", " ").replace("\\\n", " ").splitlines())
 
 
-def _triangles(lines: list[list[str]]) -> Iterator[str]:
-    """Lines with triangles, whose corners count from the first of the file.
-
-    trimesh counts negative numbers from the last corner of the file, and takes a hexagon for a triangle with a texture beside one.
-    """
-    counts = Counter[str]()
-    for key, *words in lines:
-        counts[key] += 1
-        if key == "f":
-            corners = [[_number(n, counts[k]) for n, k in zip(word.split("/"), ("v", "vt")) if n or k == "v"] for word in words]
-            first, *others = ["/".join(corner) for corner in corners]
-            yield from (f"f {first} {second} {third}" for second, third in pairwise(others))
-        else:
-            yield " ".join((key, *words))
+def _corner(text: str, vertices: int, spots: int) -> tuple[int, int]:
+    """Numbers, counted from 0, of the vertex and of the place in the texture, -1 without one."""
+    vertex, spot, *_ = (*text.split("/"), "")
+    return _number(vertex, vertices), _number(spot, spots) if spot else -1
 
 
-def _number(text: str, count: int) -> str:
+def _number(text: str, count: int) -> int:
+    """A number counted from 0; negative ones count from the last line."""
     number = int(text)
     if not 0 < abs(number) <= count:
         raise UnreadableMesh("corners that do not exist")
-    return str(number if number > 0 else count + 1 + number)
+    return number - 1 if number > 0 else count + number
 
 
 def _materials(text: str) -> dict[str, tuple[Color | None, str]]:
@@ -186,7 +188,9 @@ def stl_mesh(data: bytes, scale=(1.0, 1.0, 1.0)) -> Mesh:
     with _unreadable():
         corners = np.asarray(trimesh.load_mesh(io.BytesIO(data), "stl", process=False).triangles).reshape(-1, 3) + 0.0  # not -0.0
         first, numbers = trimesh.grouping.unique_rows(corners.view(np.int64))
-        surfaces.add_faces(surfaces.add_vertices(corners[first]), numbers)
+        faces = numbers.reshape(-1, 3)
+        has_area = (np.diff(np.sort(faces, axis=1), axis=1) > 0).all(axis=1)
+        surfaces.add_faces(surfaces.add_vertices(corners[first]), faces[has_area])
         return surfaces.mesh(scale)
 
 
