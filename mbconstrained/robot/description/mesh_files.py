@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import warnings
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from urllib.parse import unquote
@@ -119,15 +120,13 @@ class MeshFiles:
 
 def read_mesh(path: Path, scale, roots: tuple[Path, ...], where: str) -> Mesh:
     """The mesh of a file; what no other reader can read, coal reads without colours, or names what is wrong."""
-    try:
+    with suppress(UnreadableMesh):
         if path.suffix.lower() == ".dae":
             return collada_mesh(_text(path), scale)
         if path.suffix.lower() == ".obj":
             return wavefront_mesh(_text(path), lambda name: _material_file(path, name, roots), scale)
         if path.suffix.lower() == ".stl":
             return stl_mesh(path.read_bytes(), scale)
-    except UnreadableMesh:
-        pass
     try:
         return coal_mesh(path, scale)
     except UnreadableMesh as problem:

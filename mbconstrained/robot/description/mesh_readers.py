@@ -109,13 +109,12 @@ def _appearance(effect) -> tuple[Color | None, str]:
 
 def wavefront_mesh(text: str, read: Callable[[str], str], scale=(1.0, 1.0, 1.0)) -> Mesh:
     """The mesh of a Wavefront file: its polygons, cut into triangles from their first corners, without lines, points and curves."""
-    vertices, spots, materials, libraries = [], [], {}, set()
+    vertices, spots, materials, libraries = [], [], {}, {}
     faces: dict[str, list[tuple[int, int]]] = {}  # three corners a triangle, by the name of the material
     own = faces.setdefault("", [])
     surfaces = Surfaces()
     with _unreadable():
         for key, *words in _lines(text):
-            name = " ".join(words)
             if key == "v":
                 vertices.append(words[:3])
             elif key == "vt":
@@ -124,15 +123,17 @@ def wavefront_mesh(text: str, read: Callable[[str], str], scale=(1.0, 1.0, 1.0))
                 corners = [_corner(word, len(vertices), len(spots)) for word in words]
                 own += [corner for pair in pairwise(corners[1:]) for corner in (corners[0], *pair)]
             elif key == "usemtl":
-                own = faces.setdefault(name, [])
-            elif key == "mtllib" and name not in libraries:
-                libraries.add(name)
-                materials |= _materials(read(name))
+                own = faces.setdefault(" ".join(words), [])
+            elif key == "mtllib":
+                libraries.setdefault(" ".join(words))
+        for name in libraries:
+            materials |= _materials(read(name))
         start = surfaces.add_vertices(np.array(vertices, float).reshape(len(vertices), 3))
         places = np.array(spots, float).reshape(len(spots), 2)
         for name, rows in faces.items():
             numbers, spot = np.array(rows, int).reshape(-1, 3, 2).transpose(2, 0, 1)
-            surfaces.add_faces(start, numbers, *materials.get(name, (None, "")), places[spot] if rows and spot.min() >= 0 else None)
+            color, image = materials.get(name, (None, ""))
+            surfaces.add_faces(start, numbers, color, image, places[spot] if rows and spot.min() >= 0 else None)
         return surfaces.mesh(scale)
 
 
