@@ -33,7 +33,7 @@ LINES = {
     "papers": 771,
     "polynomial": 2984,
     "response": 5274,
-    "robot": 9261,
+    "robot": 9286,
     "scene": 12666,
     "signals": 1825,
     "studies": 8109,
