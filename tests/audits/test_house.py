@@ -22,6 +22,8 @@ LAYER = {name: number for number, name in enumerate(LAYERS)}
 HEAVY = {
     "pinocchio": {"robot"},
     "coal": {"robot"},
+    "collada": {"robot"},
+    "trimesh": {"robot"},
     "mujoco": {"robot"},
     "meshcat": {"page"},
     "sympy": {"exact", "papers"},

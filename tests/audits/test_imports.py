@@ -14,6 +14,8 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 HEAVY = [
     "pinocchio",
     "coal",
+    "collada",
+    "trimesh",
     "mujoco",
     "meshcat",
     "sympy",

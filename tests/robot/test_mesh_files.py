@@ -1,6 +1,7 @@
 """Mesh files with colours and textures: the surface, its parts, and what broken and hostile files lead to."""
 
 import io
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +12,11 @@ from PIL import Image
 
 import mbconstrained as mb
 from mbconstrained.ground.errors import InputError
-from mbconstrained.robot.description.collada import collada_mesh
 from mbconstrained.robot.description.mesh_files import MeshFiles
-from mbconstrained.robot.description.mesh_parts import UnreadableMesh, triangles
+from mbconstrained.robot.description.mesh_parts import UnreadableMesh
+from mbconstrained.robot.description.mesh_readers import collada_mesh, wavefront_mesh
 from mbconstrained.robot.description.urdf import xml_element
 from mbconstrained.robot.description.visuals import visuals_of
-from mbconstrained.robot.description.wavefront import wavefront_mesh
 
 CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
 SIDES = ["0 1 3 2", "4 6 7 5", "0 4 5 1", "2 3 7 6", "0 2 6 4", "1 5 7 3"]  # counter-clockwise from outside
@@ -87,11 +87,22 @@ def volume(mesh) -> float:
     return float(np.linalg.det(mesh.vertices[mesh.whole.faces]).sum() / 6)
 
 
-def test_polygons_become_triangles_whatever_their_number_of_corners():
-    assert triangles(np.array([], int), 0).shape == (0, 3)
-    assert triangles(np.array([2, 1, 3, 0]), 6).tolist() == [[3, 4, 5]]
-    with pytest.raises(UnreadableMesh):
-        triangles(np.array([3, 4]), 6)
+@pytest.mark.parametrize(
+    "counts, faces", [([2, 1, 3, 0], 1), ([0, 2, 4], 2), ([6], 4), ([], 0), ([3, 4], None), ([3], None), ([7, -1], None)]
+)
+def test_polygons_become_triangles_whatever_their_number_of_corners(counts, faces):
+    """From corners 0 to 5, without them where there is no polygon."""
+    row = "".join(f"{number} {number} " for number in range(6 if counts else 0))
+    more = f"""<polylist material="a" count="{len(counts)}"><input semantic="VERTEX" source="#corners" offset="0"/>
+<input semantic="TEXCOORD" source="#spots" offset="1"/><vcount>{" ".join(map(str, counts))}</vcount><p>{row}</p></polylist>"""
+    if faces is None:
+        with pytest.raises(UnreadableMesh):
+            collada_mesh(collada(more))
+        return
+    mesh = collada_mesh(collada(polygons("b", ["5 6 7"]) + more))
+    corners = np.vstack([part.faces for part in mesh.parts if part.color == RED] + [np.zeros((0, 3), int)])
+    first = sum(counts[:-1]) if counts != [2, 1, 3, 0] else 3
+    assert corners.tolist() == [[first, first + k, first + k + 1] for k in range(1, faces + 1)]
 
 
 @pytest.mark.parametrize(
@@ -233,6 +244,96 @@ def test_images_that_are_not_drawn_are_told_and_nothing_outside_is_read(tmp_path
     shown, red = visuals(folder, '<mesh filename="cube.dae"/>')
     assert shown.texture is None and shown.color is None
     assert shown.note == red.note == f"'{name.rpartition('/')[2]}' of cube.dae"
+
+
+def stl_bytes(count: int | None = None, header: bytes = b"binary", tail: bytes = b"", corners=CORNERS) -> bytes:
+    """A binary STL file of the cube; the count in its header may be wrong."""
+    rows = [corners[[int(row.split()[k]) for k in (0, j, j + 1)]] for row in SIDES for j in (1, 2)]
+    body = b"".join(struct.pack("<12fH", 0, 0, 0, *triangle.ravel(), 0) for triangle in rows)
+    return header.ljust(80) + struct.pack("<I", len(rows) if count is None else count) + body + tail
+
+
+def stl_text(*, name: str = "cube", end: str = "endsolid", blank: str = "\n") -> str:
+    rows = [[int(row.split()[k]) for k in (0, j, j + 1)] for row in SIDES for j in (1, 2)]
+    facets = (f"outer loop\n{''.join('vertex {:g} {:g} {:g}{}'.format(*CORNERS[n], chr(10)) for n in row)}endloop" for row in rows)
+    return f"solid {name}\n" + "".join(f"facet normal 0 0 0\n{facet}\nendfacet\n" for facet in facets).replace("\n", blank) + end
+
+
+@pytest.mark.parametrize(
+    "data",
+    [stl_bytes(), stl_bytes(header=b"solid cube"), stl_text().upper()]
+    + [stl_text(name=name).encode() for name in ("", "cube", "vertex", "endsolid", "\xe9")]
+    + [
+        stl_text(end=""),
+        stl_text(blank="\r\n"),
+        stl_text(blank="\n   "),
+        stl_text().replace("cube", "\ufeff"),
+        stl_text(blank=" "),
+    ],
+)
+def test_stl_files_with_all_kinds_of_headers_are_the_closed_cube(tmp_path, data):
+    (tmp_path / "cube.stl").write_bytes(data if isinstance(data, bytes) else data.encode())
+    mesh = MeshFiles(tmp_path, ()).mesh("cube.stl", (1, 2, -1), "here")
+    assert (mesh.vertices.shape, mesh.whole.faces.shape, mesh.whole.color) == ((8, 3), (12, 3), None)
+    assert volume(mesh) == pytest.approx(-2.0, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        stl_bytes(13),
+        stl_bytes(11, b"solid"),
+        stl_bytes(2**32 - 1),
+        stl_bytes(tail=b"more"),
+        stl_bytes()[:-30],
+        stl_bytes()[:84],
+        stl_bytes(corners=np.full((8, 3), np.nan)),
+        b"solid",
+    ]
+    + [stl_bytes(corners=np.zeros((8, 3))), stl_text().replace("vertex 0 0 1", "vertex 0 0 nan").encode()]
+    + [stl_text().replace("vertex 0 0 1", f"vertex {word}").encode() for word in ("0 0 x", "0 0 1e400")],
+)
+def test_stl_files_without_a_mesh_are_named(tmp_path, data):
+    (tmp_path / "cube.stl").write_bytes(data)
+    with pytest.raises(InputError, match="cube.stl cannot be read"):
+        MeshFiles(tmp_path, ()).mesh("cube.stl", (1, 1, 1), 'link "a"')
+
+
+def test_what_is_not_drawn_may_be_broken():
+    """A camera, a light, a highlight, an unused library, a sampler without its surface (as in ANYmal's foot)."""
+    nodes = "<node><instance_camera url='#none'/><instance_light url='#none'/><rotate>0 0 3 90</rotate>INSTANCE</node>"
+    text = collada(polygons("a", SIDES) + "<lines/>", nodes, transparency="<specular><color>x</color></specular>")
+    text = text.replace("<asset>", "<asset><created>yesterday</created>").replace(
+        "<source>surface</source>", "<source>none</source>"
+    )
+    text = text.replace("<library_images>", "<library_nodes><node><instance_node url='#n'/></node></library_nodes><library_images>")
+    (part,) = (mesh := collada_mesh(text.replace('texture="sampler"', 'texture="picture"'))).parts
+    assert part.color == RED
+    assert np.allclose(np.sort(mesh.vertices[:, 0]), np.sort(-CORNERS[:, 1]), atol=1e-15)  # x becomes y, whatever the axis's length
+    (part,) = collada_mesh(text.replace('texture="sampler"', 'texture="picture"').replace('material="a"', 'material="c"')).parts
+    assert (part.color, part.texture.image) == (None, "picture.png")
+
+
+@pytest.mark.parametrize(
+    "old, new",
+    [
+        ("<p>0 0 1 1", "<p>-1 0 1 1"),
+        ("<p>0 0 1 1", "<p>8 0 1 1"),
+        ("<p>0 0 1 1", "<p>0 -1 1 1"),
+        ("<p>0 0 1 1", "<p>0 8 1 1"),
+        ("0 0 0 0 0 1", "nan 0 0 0 0 1"),
+        ("0 0 0 0 0 1", "1e400 0 0 0 0 1"),
+        ("0 0 0 0 0 1", "zero 0 0 0 0 1"),
+        ('count="8" stride="3"', 'count="6" stride="4"'),
+        ("<instance_geometry", "<instance_node url='#n'/><instance_geometry"),
+        ("<instance_geometry", "<instance_controller url='#n'/><instance_geometry"),
+    ],
+)
+def test_what_would_be_misread_is_refused(old, new):
+    text = collada(polygons("c", SIDES))
+    assert old in text
+    with pytest.raises(UnreadableMesh):
+        collada_mesh(text.replace(old, new))
 
 
 def test_what_the_reader_does_not_know_coal_reads_without_colours(tmp_path):

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import io
 import warnings
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from urllib.parse import unquote
 
-import numpy as np
-
 from ...ground.errors import InputError
-from .collada import collada_mesh
-from .mesh_parts import Mesh, MeshPart, UnreadableMesh
-from .wavefront import wavefront_mesh
+from .mesh_parts import Mesh, UnreadableMesh
+from .mesh_readers import coal_mesh, collada_mesh, stl_mesh, wavefront_mesh
 
 #: Largest mesh file and image file in bytes.
 LARGEST_MESH = 50_000_000
@@ -121,19 +119,19 @@ class MeshFiles:
 
 
 def read_mesh(path: Path, scale, roots: tuple[Path, ...], where: str) -> Mesh:
-    """The mesh of a file; what its own reader cannot read, coal reads without colours.
-
-    coal 3 mixes up the corners of files with several materials.
-    """
-    kind = path.suffix.lower()
-    try:
-        if kind == ".dae":
+    """The mesh of a file; what no other reader can read, coal reads without colours, or names what is wrong."""
+    with suppress(UnreadableMesh):
+        if path.suffix.lower() == ".dae":
             return collada_mesh(_text(path), scale)
-        if kind == ".obj":
+        if path.suffix.lower() == ".obj":
             return wavefront_mesh(_text(path), lambda name: _material_file(path, name, roots), scale)
-    except (UnreadableMesh, InputError):
-        return _read_by_coal(path, scale, where)  # which may know more of the format, or names what is wrong
-    return _read_by_coal(path, scale, where)
+        if path.suffix.lower() == ".stl":
+            return stl_mesh(path.read_bytes(), scale)
+    try:
+        return coal_mesh(path, scale)
+    except UnreadableMesh as problem:
+        reason = (str(problem).strip().splitlines() or ["unknown"])[-1][:120]
+        raise InputError(f"{where}: the mesh file {path.name} cannot be read ({reason})") from None
 
 
 def _lies_in(path: Path, roots: tuple[Path, ...]) -> bool:
@@ -195,23 +193,3 @@ def _image(path: Path) -> bytes | None:
         except Exception:  # decoders raise whatever a broken file leads to
             return None
     return stream.getvalue()
-
-
-def _read_by_coal(path: Path, scale, where: str) -> Mesh:
-    import coal
-
-    try:
-        vertices, faces = mesh_arrays(coal.MeshLoader().load(str(path), np.array(scale)))
-    except (ValueError, RuntimeError) as problem:
-        reason = (str(problem).strip().splitlines() or ["unknown"])[-1][:120]
-        raise InputError(f"{where}: the mesh file {path.name} cannot be read ({reason})") from None
-    if not np.isfinite(vertices).all():
-        raise InputError(f"{where}: the mesh file {path.name} has corners that are no finite numbers")
-    return Mesh(vertices, (MeshPart(faces),))
-
-
-def mesh_arrays(mesh) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (k, 3) and triangles (f, 3) of a mesh of coal."""
-    triangles = (mesh.tri_indices(i) for i in range(mesh.num_tris))  # which know their length, but not their end
-    faces = np.fromiter((triangle[k] for triangle in triangles for k in range(3)), int).reshape(-1, 3)
-    return np.array(mesh.vertices()).reshape(-1, 3), faces

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.long  # a process for each scene, every call in it note
 
 #: Packages, and large parts of them, that a run may need or not.
 LIBRARIES = (
-    "pint", "pinocchio", "coal", "meshcat", "sympy", "matplotlib", "scipy.optimize", "scipy.signal", "scipy.io",
+    "pint", "pinocchio", "coal", "collada", "trimesh", "meshcat", "sympy", "matplotlib", "scipy.optimize", "scipy.signal", "scipy.io",
     "xarray", "pandas", "control", "typer", "rich", "IPython", "mbconstrained.page.html", "mbconstrained.scene.run.picture.result_animation",
     "mbconstrained.exact", "mbconstrained.robot", "mbconstrained.studies",
 )  # fmt: skip
@@ -36,6 +36,7 @@ MESHES = URDF.replace('<geometry><box size="0.2 0.02 0.02"/></geometry></visual>
 COLLISIONS = URDF.replace("</visual>\n  </link>", f"</visual>\n<collision>{MISSING}</collision>\n  </link>")
 
 PICTURES = ("matplotlib",)
+MESHES_BY = ("trimesh", "scipy.optimize")  # which trimesh imports
 
 SCENES = {
     "plain": MATRICES + NOTHING_WRITTEN,
@@ -80,7 +81,7 @@ WORK = {
     "units": Work("all", "plain", "scene/quantities/units.py:registry", ("pint",)),
     "robot model (pinocchio)": Work("robot", "lumped", "scene/build/robot_file.py:robot_of", ("pinocchio", "coal")),
     "equilibrium": Work("robot", "lumped", "robot/posture.py:find_posture", ("mbconstrained.robot",)),
-    "robot meshes": Work("robot with meshes", "robot with unread meshes", "robot/description/mesh_files.py:read_mesh", ("coal",)),
+    "robot meshes": Work("robot with meshes", "robot with unread meshes", "robot/description/mesh_files.py:read_mesh", MESHES_BY),
     "collision geometry": Work(
         "robot with collisions", "robot with unread meshes", "scene/run/picture/robot_drawing.py:RobotPicture._collision"
     ),
