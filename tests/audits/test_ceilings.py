@@ -30,7 +30,7 @@ LINES = {
     "mechanics": 10590,
     "models": 1210,
     "page": 5451,
-    "papers": 771,
+    "papers": 317,
     "polynomial": 2984,
     "response": 5274,
     "robot": 9428,
