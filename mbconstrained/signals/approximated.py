@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial import chebyshev, polynomial
+from numpy.polynomial import Chebyshev, Polynomial, chebyshev
 
 from ..ground.checks import real_number
 from ..ground.errors import InputError
@@ -30,7 +30,6 @@ from .restarts import Restarts
 
 # Polynomials through Chebyshev points on many intervals at once, each in its own time from 0 to 1.
 
-
 #: Polynomials of this degree take four pieces for a period of a harmonic at a tolerance of 1e-12, and their
 #: coefficients of powers from the left end on are larger than the values by no more than the tolerance allows.
 DEGREE = 10
@@ -42,22 +41,13 @@ NODES = (1 - np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))) / 2
 CHECKS = np.array([0.001, 0.17, 0.46, 0.79, 0.999])
 
 
-def _maps() -> tuple[np.ndarray, np.ndarray]:
-    """The maps from values at the nodes to coefficients of T_j(2 t - 1), and from these to coefficients of t^k."""
-    basis = chebyshev.chebvander(2 * NODES - 1, DEGREE)
-    shifted = np.zeros((DEGREE + 1, DEGREE + 1))
-    for j in range(DEGREE + 1):
-        inner = chebyshev.cheb2poly(np.eye(1, j + 1, j)[0])
-        total = np.zeros(1)
-        for coefficient in inner[::-1]:
-            total = polynomial.polyadd(polynomial.polymul(total, [-1.0, 2.0]), [coefficient])
-        shifted[: j + 1, j] = total[: j + 1]
-    weights = np.full(DEGREE + 1, 2.0 / (DEGREE + 1))
-    weights[0] /= 2
-    return weights[:, None] * basis.T, shifted
+#: The map from values at the nodes to coefficients of T_j(2 t - 1).
+TO_CHEBYSHEV = np.where(np.arange(DEGREE + 1), 2.0, 1.0)[:, None] / (DEGREE + 1) * chebyshev.chebvander(2 * NODES - 1, DEGREE).T
 
-
-TO_CHEBYSHEV, TO_POWERS = _maps()
+#: The map from these to coefficients of t^k.
+TO_POWERS: np.ndarray = np.column_stack(
+    [np.pad(Chebyshev.basis(j, [0, 1]).convert(kind=Polynomial).coef, (0, DEGREE - j)) for j in range(DEGREE + 1)]
+)
 
 #: The same about the right end: T_j is even or odd about the middle.
 TO_POWERS_AT_END = TO_POWERS * (-1.0) ** np.add.outer(np.arange(DEGREE + 1), np.arange(DEGREE + 1))
@@ -92,19 +82,16 @@ class Fit:
         one = slice(k, k + 1)
         return Fit(self.powers[:, one], self.powers_at_end[:, one], self.error[one], self.follows[one])
 
-    def begins_from_zero(self, error: float) -> np.ndarray:
-        """The left coefficients, with those within the error set to zero."""
-        return np.where(np.abs(self.powers) > JOINT_SAFETY * error * SENSITIVITY, self.powers, 0.0)
-
-    def ends_at_zero(self, error: float) -> np.ndarray:
-        """The right coefficients, with those within the error set to zero."""
-        return np.where(np.abs(self.powers_at_end) > JOINT_SAFETY * error * SENSITIVITY, self.powers_at_end, 0.0)
-
     def jumps(self, error: float, ratio: np.ndarray) -> np.ndarray:
-        """Changes of the coefficients from one interval to the next, in the unit of the next, shape (r, m - 1, DEGREE + 1)."""
+        """Changes of the coefficients at all knots in the unit of the next interval, those within the error set to zero.
+
+        They begin from zero and end at zero; shape (r, m + 1, DEGREE + 1).
+        """
         scale = (ratio[:-1] / ratio[1:])[:, None] ** np.arange(DEGREE + 1.0)
-        change = self.powers[:, 1:] - self.powers_at_end[:, :-1] * scale
-        return np.where(np.abs(change) > JOINT_SAFETY * error * SENSITIVITY * (1 + scale), change, 0.0)
+        inner = self.powers[:, 1:] - self.powers_at_end[:, :-1] * scale
+        change = np.concatenate([self.powers[:, :1], inner, -self.powers_at_end[:, -1:]], axis=1)
+        terms = np.pad(1 + scale, ((1, 1), (0, 0)), constant_values=1.0)
+        return np.where(np.abs(change) > JOINT_SAFETY * error * SENSITIVITY * terms, change, 0.0)
 
     def breaks(self, other: Fit, ratio: float, error: float) -> bool:
         """Whether value, slope or curvature jump to the next interval, which is shorter by the ratio."""
@@ -229,10 +216,7 @@ def _function(knots: np.ndarray, fit: Fit, error: float) -> BohlFunction:
     lengths = np.diff(knots)
     ratio = lengths.max() / lengths
     powers = ratio[:, None] ** np.arange(DEGREE + 1.0)
-    jumps = np.zeros((fit.size, len(knots), DEGREE + 1))
-    jumps[:, 0] = fit.begins_from_zero(error)[:, 0] * powers[0]
-    jumps[:, -1] = -fit.ends_at_zero(error)[:, -1] * powers[-1]
-    jumps[:, 1:-1] = fit.jumps(error, ratio) * powers[1:]
+    jumps = fit.jumps(error, ratio) * np.vstack([powers, powers[-1:]])
     states = np.concatenate([fit.powers * powers, np.zeros((fit.size, 1, DEGREE + 1))], axis=1)
     count = max(int(np.flatnonzero(states.any(axis=(0, 1))).max(initial=0)), 0) + 1
     generator = np.diag(np.arange(1.0, count), k=1) / lengths.max()

@@ -227,12 +227,9 @@ def _binomial(base, square, n) -> tuple[sympy.Expr, sympy.Expr]:
 def _rational_and_root(rate) -> tuple[sympy.Expr, sympy.Expr]:
     rational, roots = [], []
     for part in sympy.Add.make_args(sympy.expand(rate)):
-        (rational if part.is_rational_function() and part.is_algebraic_expr() and not _has_roots(part) else roots).append(part)
+        has_roots = any(not power.exp.is_Integer for power in part.atoms(sympy.Pow) if power.free_symbols)
+        (rational if part.is_rational_function() and part.is_algebraic_expr() and not has_roots else roots).append(part)
     return sympy.Add(*rational), sympy.Add(*roots)
-
-
-def _has_roots(part) -> bool:
-    return any(not power.exp.is_Integer for power in part.atoms(sympy.Pow) if power.free_symbols)
 
 
 # What drives the motion, as vectors in s: the values at 0- as X_in(s), and the terms of the force as F(s).
