@@ -1,4 +1,4 @@
-"""What text, LaTeX and MathML have in common, and a formula as text for a terminal: products without signs, powers with ^."""
+"""Common notation of text, LaTeX and MathML, and a formula as text for a terminal: products without signs, powers with ^."""
 
 from __future__ import annotations
 

@@ -232,7 +232,7 @@ def _rational_and_root(rate) -> tuple[sympy.Expr, sympy.Expr]:
     return sympy.Add(*rational), sympy.Add(*roots)
 
 
-# What drives the motion, as vectors in s: the values at 0- as X_in(s), and the terms of the force as F(s).
+# Sources of the motion as vectors in s: the values at 0- as X_in(s), and the terms of the force as F(s).
 
 
 @dataclass(frozen=True)
