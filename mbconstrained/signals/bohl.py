@@ -6,10 +6,11 @@ A function that starts, stops or changes later is piecewise: the state e^{J t} v
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -17,13 +18,11 @@ from scipy.linalg import block_diag
 from ..ground.checks import counted, evaluation_times, real_array, real_number, whole_number
 from ..ground.errors import InputError, Overflow, within_float64
 from ..ground.threads import short_work
-from ..ground.tolerances import MODERATE_EXPONENT
+from ..ground.tolerances import EPS, MODERATE_EXPONENT
 from ..linalg.blocks import CHUNK_ENTRIES, block_slices
 from ..linalg.exponential.block_exponential import BlockGroups, block_states
 from ..linalg.exponential.oscillations import AT_ONCE, Lasting, Oscillations, of_phasors, step_of_few_rows
-from .oscillating_part import OscillatingPart
 from .restarts import Restarts, as_slice
-from .sums import Summand, merged
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -360,3 +359,206 @@ def _even_parts(ends, count: int, width: int) -> Iterator[np.ndarray]:
     step = (last - first) / (count - 1)
     numbers = ((begin, min(begin + width, count)) for begin in range(0, count, width))
     return (np.minimum(first + step * np.arange(*part), last) for part in numbers)
+
+
+# The oscillating part of e^{J t} v, evaluated by cosines and sines with v in their coefficients.
+#
+# For a block a I + R of J with R^2 = -w^2 I the state is e^{a t} (v cos w t + R v sin w t / w). A motion from rest has no sines.
+# For a double eigenvalue 0 it is v + R v t.
+
+
+@dataclass(frozen=True, eq=False)
+class OscillatingPart:
+    """The oscillating and drifting states of e^{J t} v, and the remaining ones.
+
+    Attributes:
+        growth, frequency: a and w, shape (m,).
+        first: the first state of each pair, shape (m,).
+        even, odd: v and R v / w, in units of these, shape (m, 2).
+        units: the size of v in each pair; a large one may multiply small coefficients.
+        drifting: the states of double eigenvalues 0.
+        lines: v and R v of the drifting states, shape (k, 2).
+        others: the remaining states.
+        blocks, start: the diagonal blocks and the values at 0+ of the remaining states.
+    """
+
+    growth: np.ndarray
+    frequency: np.ndarray
+    first: np.ndarray
+    even: np.ndarray
+    odd: np.ndarray
+    units: np.ndarray
+    drifting: np.ndarray
+    lines: np.ndarray
+    others: np.ndarray
+    blocks: tuple[np.ndarray, ...]
+    start: np.ndarray
+
+    @staticmethod
+    def of(blocks: Sequence[np.ndarray], groups: BlockGroups, start: np.ndarray) -> OscillatingPart | None:
+        """The oscillating part for J = diag(blocks), or None where no state oscillates."""
+        chosen = (groups.square < 0).nonzero()[0]
+        if not chosen.size:
+            return None
+        first, w = groups.first[chosen], np.sqrt(-groups.square[chosen])
+        even = start[first[:, None] + np.arange(2)]
+        units = np.abs(even).max(axis=1)
+        even /= (units + (units == 0))[:, None]
+        odd = (groups.rest[chosen] @ even[:, :, None])[:, :, 0] / w[:, None]
+        drifting, slope = groups.drifts(start)
+        lines, known = np.array([start[drifting], slope]).T, {*first.tolist(), *drifting.tolist()}
+        kept = [(block, at) for block, at in zip(blocks, block_slices(blocks)) if at.start not in known]
+        others = np.array([place for _, at in kept for place in range(at.start, at.stop)], dtype=int)
+        rest = (others, tuple(block for block, _ in kept), start[others])
+        return OscillatingPart(groups.mean[chosen], w, first, even, odd, units, drifting, lines, *rest)
+
+    @property
+    def rates(self) -> np.ndarray:
+        """a + i w, shape (m,)."""
+        return self.growth + 1j * self.frequency
+
+    def phasors(self, coefficients: np.ndarray) -> np.ndarray:
+        """z = c + i d of the terms e^{a t} (c cos w t + d sin w t) of C e^{J t} v, shape (r, m)."""
+        pairs = coefficients[:, self.first[:, None] + np.arange(2)] * self.units[:, None]
+        pairs = pairs * (self.even + 1j * self.odd)
+        return pairs[..., 0] + pairs[..., 1]
+
+    def of_rows(self, coefficients: np.ndarray) -> tuple[np.ndarray, Oscillations]:
+        """D and the oscillations whose product with D is the oscillating part of C e^{J t} v, without zero columns."""
+        tables = []
+        for vectors in (self.even, self.odd):
+            used = (vectors.any(axis=1) & (self.units > 0)).nonzero()[0]
+            part = _combined(coefficients, self.first[used], vectors[used], self.units[used])
+            kept = part.any(axis=0)
+            tables.append((used, part) if kept.all() else (used[kept], part[:, kept]))
+        (cosines, even), (sines, odd) = tables
+        combined = np.concatenate([even, odd], axis=1) if len(sines) else even
+        return combined, Oscillations(self.growth, self.frequency, cosines, sines)
+
+
+def _combined(coefficients, first, vectors, units) -> np.ndarray:
+    """For each pair the columns of C times the entries of its vector, added; unused columns are skipped."""
+    combined = np.zeros((len(coefficients), len(first)))
+    for place in (0, 1):
+        if np.count_nonzero(vectors[:, place]):
+            part = coefficients[:, first + place]
+            part *= units
+            part *= vectors[:, place]
+            combined += part
+    return combined
+
+
+# Sums of Bohl functions: summands with the same generator share their states where possible.
+
+
+#: Vectors whose entries agree to so many binary digits are compared; those that have one direction share their states.
+COMPARED_DIGITS = 48
+
+
+class Summand(NamedTuple):
+    """One diagonal block of J, its states and their jumps at K knots, shape (2, m, K), and its columns of C, shape (r, m)."""
+
+    block: np.ndarray
+    values: np.ndarray
+    coefficients: np.ndarray
+
+
+def merged(summands: Sequence[Summand]) -> list[Summand]:
+    """Fewer summands with the same sum, in a time that grows with their number only; all have the same knots."""
+    kept: list[Summand] = []
+    candidates: dict[tuple[bytes, bytes], int] = {}
+    for summand in sorted(summands, key=lambda summand: -len(summand.block)):
+        for key in (*_state_keys(summand, 1), *_direction_keys(summand, len(summand.block))):
+            place = candidates.get(key)
+            total = None if place is None else _sum(kept[place], summand)
+            if total is not None:
+                kept[place] = total
+                break
+        else:
+            for key in (*_state_keys(summand, len(summand.block)), *_direction_keys(summand, 1)):
+                candidates.setdefault(key, len(kept))
+            kept.append(summand)
+    return _by_rows(kept)
+
+
+def _state_keys(summand: Summand, count: int) -> Iterator[tuple[bytes, bytes]]:
+    """Of its last states, from all of them on, so many times."""
+    for skip in range(count):
+        yield summand.block[skip:, skip:].tobytes(), summand.values[:, skip:].tobytes()
+
+
+def _direction_keys(summand: Summand, least: int) -> Iterator[tuple[bytes, bytes]]:
+    """Of its first columns, from all of them down to the least number."""
+    for size in range(len(summand.block), least - 1, -1):
+        columns = summand.coefficients[:, :size]
+        if columns.any():
+            mantissa, exponent = np.frexp(columns / columns.flat[np.abs(columns).argmax()] + 0.0)
+            yield (
+                summand.block[:size, :size].tobytes(),
+                np.round(np.ldexp(mantissa, COMPARED_DIGITS)).tobytes() + exponent.tobytes(),
+            )
+
+
+def _sum(larger: Summand, summand: Summand) -> Summand | None:
+    """The sum of two as one summand, or None."""
+    skip, size = len(larger.block) - len(summand.block), len(summand.block)
+    same_tail = np.array_equal(larger.block[skip:, skip:], summand.block) and not larger.block[skip:, :skip].any()
+    if same_tail and np.array_equal(larger.values[:, skip:], summand.values):
+        total = larger.coefficients.copy()
+        total[:, skip:] += summand.coefficients
+        return larger._replace(coefficients=total)
+    factor = _factor(summand, larger) if summand.values.shape[2] > 1 else None
+    if factor is None:
+        return None
+    values = larger.values.copy()
+    values[:, :size] += factor * summand.values
+    return larger._replace(values=values)
+
+
+def _factor(summand: Summand, larger: Summand) -> float | None:
+    """The factor by which the leading columns of a larger summand give those of this one, or None.
+
+    Delayed steps of one vector, or the slopes and jumps of a record, then need one chain of states for all.
+    """
+    size = len(summand.block)
+    columns = larger.coefficients[:, :size]
+    if not np.array_equal(larger.block[:size, :size], summand.block) or larger.block[size:, :size].any() or not columns.any():
+        return None
+    place = np.unravel_index(np.abs(columns).argmax(), columns.shape)
+    with np.errstate(over="ignore", invalid="ignore"):  # no factor
+        factor = summand.coefficients[place] / columns[place]
+        same = np.abs(summand.coefficients - factor * columns) <= EPS * np.abs(summand.coefficients)
+    return float(factor) if np.isfinite(factor) and same.all() else None
+
+
+def _by_rows(summands: list[Summand]) -> list[Summand]:
+    """The same with one summand for each row of f, where more of them have one block and only its first state is read."""
+    groups: dict[bytes, list[Summand]] = {}
+    for summand in summands:
+        groups.setdefault(summand.block.tobytes(), []).append(summand)
+    total = []
+    for group in groups.values():
+        rows = np.flatnonzero(np.any([one.coefficients.any(axis=1) for one in group], axis=0))
+        turn = _quarter_turn(group[0].block)
+        readable = not any(one.coefficients[:, 1 if turn is None else 2 :].any() for one in group)
+        if len(group) <= len(rows) or not readable or group[0].values.shape[2] == 1:
+            total += group
+            continue
+        values = np.zeros((len(rows), *group[0].values.shape))
+        for one in group:
+            values += one.coefficients[rows, 0, None, None, None] * one.values
+            if turn is not None:
+                values += one.coefficients[rows, 1, None, None, None] * (turn @ one.values)
+        for row, own in zip(rows, values):
+            columns = np.zeros(group[0].coefficients.shape)
+            columns[row, 0] = 1.0
+            total.append(Summand(group[0].block, own, columns))
+    return total
+
+
+def _quarter_turn(block: np.ndarray) -> np.ndarray | None:
+    """N with e_1^T N = e_2^T that commutes with the block of an oscillation; None for other blocks."""
+    if len(block) % 2 or block[1, 0] == 0:
+        return None
+    turn = np.kron(np.eye(len(block) // 2), [[0.0, 1.0], [-1.0, 0.0]])
+    return turn if np.array_equal(turn @ block, block @ turn) else None

@@ -1,4 +1,4 @@
-"""What the docstrings of the exact engine show is true: its files import sympy or flint, which the audits leave out."""
+"""What the docstrings of the exact engine show is true: its files import sympy or flint, which the audits leave out; so do those of the papers."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ import pytest
 from mbconstrained import exact
 
 MODULES = [module.name for module in pkgutil.walk_packages(exact.__path__, f"{exact.__name__}.")]
+ORACLES = [f"tests.oracles.papers.{name}" for name in ("apostol_kolodner", "corollaries", "matrix_exponentials")]
 
 
-@pytest.mark.parametrize("name", MODULES)
+@pytest.mark.parametrize("name", [*MODULES, *ORACLES])
 def test_examples_are_true(name):
     assert doctest.testmod(importlib.import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE).failed == 0

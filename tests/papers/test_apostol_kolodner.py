@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.papers.apostol_kolodner import apostol_kolodner
 from tests.oracles import exact
 from tests.oracles.exact import ExactResponse
+from tests.oracles.papers.apostol_kolodner import apostol_kolodner
 from tests.oracles.referee import case
 
 TIMES = np.linspace(0.0, 2.0, 9)

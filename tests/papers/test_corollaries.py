@@ -8,14 +8,8 @@ import sympy
 
 import mbconstrained as mb
 from mbconstrained.exact.symbolic.response.symbolic_response import solve_symbolically
-from mbconstrained.exact.symbolic.response.symbolic_sources import initial_symbols
+from mbconstrained.exact.symbolic.response.transform import initial_symbols
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
-from mbconstrained.papers.apostol_kolodner import apostol_kolodner
-from mbconstrained.papers.corollaries import (
-    free_motion_by_interpolation,
-    free_motion_by_jordan_blocks,
-    free_motion_by_zeros,
-)
 from tests.exact.symbolic.models import (
     DAMPED,
     FREE_AND_DECAYING,
@@ -31,6 +25,12 @@ from tests.exact.symbolic.models import (
     k1,
     k2,
     m,
+)
+from tests.oracles.papers.apostol_kolodner import apostol_kolodner
+from tests.oracles.papers.corollaries import (
+    free_motion_by_interpolation,
+    free_motion_by_jordan_blocks,
+    free_motion_by_zeros,
 )
 
 R = sympy.Rational

@@ -8,7 +8,7 @@ import pytest
 import sympy
 
 from mbconstrained.linalg.exponential.block_exponential import block_states
-from mbconstrained.papers.matrix_exponentials import (
+from tests.oracles.papers.matrix_exponentials import (
     exponential_by_blocks,
     exponential_by_interpolation,
     exponential_of_jordan_block,

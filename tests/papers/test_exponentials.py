@@ -6,7 +6,7 @@ import pytest
 import sympy
 
 import mbconstrained as mb
-from mbconstrained.papers.matrix_exponentials import (
+from tests.oracles.papers.matrix_exponentials import (
     exponential_by_blocks,
     exponential_by_interpolation,
     exponential_of_jordan_block,

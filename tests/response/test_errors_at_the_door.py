@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.papers.apostol_kolodner import apostol_kolodner
 from mbconstrained.response.estimate import error_estimate
+from tests.oracles.papers.apostol_kolodner import apostol_kolodner
 
 A = mb.PolynomialMatrix([np.eye(2), np.zeros((2, 2)), np.eye(2)])
 

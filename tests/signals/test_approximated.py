@@ -10,7 +10,7 @@ import pytest
 from numpy.polynomial import chebyshev
 
 import mbconstrained as mb
-from mbconstrained.signals.chebyshev import DEGREE, NODES, TO_CHEBYSHEV, TO_POWERS, TO_POWERS_AT_END
+from mbconstrained.signals.approximated import DEGREE, NODES, TO_CHEBYSHEV, TO_POWERS, TO_POWERS_AT_END
 
 TIMES = np.random.default_rng(0).uniform(0, 10, 20_000)
 FUNCTIONS = {

@@ -73,7 +73,8 @@ def _of_term(term: ExactTerm, origin: ExactInput) -> Iterator[ExactSource]:
     vector = tuple(entry / term.divisor for entry in vector_of(term.vector))
     cosine, sine = phase_factors(term.phase)
     if term.angular_frequency == 0:
-        yield ExactSource(exponential_power(term.power, term.rate), vector, time, cosine)
+        exponential = Shape(flint.fmpq_poly([factorial(term.power)]), (S - rational(term.rate)) ** (term.power + 1))
+        yield ExactSource(exponential, vector, time, cosine)
         return
     with_cosine, with_sine = harmonic_powers(term.power, term.rate, term.angular_frequency)
     yield ExactSource(with_cosine, vector, time, cosine)
@@ -220,16 +221,12 @@ def added(calls: Iterable[tuple[flint.fmpq, Factor]]) -> tuple[tuple[flint.fmpq,
     for time, factor in calls:
         key = time, None if isinstance(factor, flint.fmpq) else replace(factor, amount=flint.fmpq(1))
         total[key] = factor if key not in total else _sum(total[key], factor)
-    return tuple((time, factor) for (time, _), factor in total.items() if _amount(factor))
+    return tuple((time, factor) for (time, _), factor in total.items() if getattr(factor, "amount", factor))
 
 
 def _sum(one: Any, two: Any) -> Factor:
     """Sum of two factors of one kind."""
     return one + two if isinstance(one, flint.fmpq) else replace(one, amount=one.amount + two.amount)
-
-
-def _amount(factor: Factor) -> flint.fmpq:
-    return factor if isinstance(factor, flint.fmpq) else factor.amount
 
 
 def phase_factors(phase: float) -> Sequence[Factor]:
@@ -287,8 +284,3 @@ def harmonic_powers(k: int, rate: float, angular_frequency: float) -> tuple[Shap
         real, imaginary = real * moved - imaginary * w, real * w + imaginary * moved
     below = (moved**2 + w**2) ** (k + 1)
     return Shape(real, below), Shape(imaginary, below)
-
-
-def exponential_power(k: int, rate: float) -> Shape:
-    """t^k e^{at}."""
-    return Shape(flint.fmpq_poly([factorial(k)]), (S - rational(rate)) ** (k + 1))

@@ -1,5 +1,5 @@
 """Closed forms as text, LaTeX, MathML, Python and C.
 
-Read ``closed_form`` (the formula), ``terms`` and ``real_form`` (its terms, without complex roots), ``printing_layout``, then the
-printers ``formula_text``, ``markup``, ``source_code`` and ``formula_data``; ``symbolic_equations`` has the models with symbols.
+Read ``closed_form`` (the formula), ``printing_layout`` (its terms), ``real_form`` (without complex roots), then the printers
+``formula_text``, ``markup`` and ``source_code``; ``symbolic_equations`` has the models with symbols.
 """

@@ -1,18 +1,159 @@
-"""A formula as text for a terminal: products without signs, powers with ^."""
+"""Common notation of text, LaTeX and MathML, and a formula as text for a terminal: products without signs, powers with ^."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import chain
+from typing import Any
 
 import sympy
+from sympy.core.relational import Relational
+from sympy.logic.boolalg import BooleanAtom
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
 from .closed_form import ClosedForm
-from .notation import Notation, in_reading_order, joined_roots, short_decimal
-from .printing_layout import laid_out
-from .terms import Term
+from .printing_layout import LAST, Derivative, Part, Term, laid_out, readable, signed, value_at_start
+
+
+class Notation:
+    """A printer of sympy becomes one of formulas: roots of one product joined, t in front of the offset of a delay.
+
+    Args:
+        form: the formula, whose parameters, time and values at 0- have names; None where symbols are called as they are.
+    """
+
+    times, equal, unequal, greater = " ", " = ", " is not ", " > "
+    zero, minus, enclosed, at_start = "0", "-", "({})", "(0-)"
+
+    doprint: Callable[..., Any]  # of sympy's printer
+
+    def __init__(self, form: ClosedForm | None = None):
+        super().__init__()
+        self.form, self.names, self.starts = form, {}, {}
+        if form is not None:
+            self.names = {LAST: form.time.name, **{p.symbol: p.name for p in form.parameters}}
+            conditions = set().union(*(each.free_symbols for each in (*form.admissible, *form.continuous))) - set(self.names)
+            self.starts = {symbol: start for symbol in conditions if (start := value_at_start(symbol.name))}
+
+    def _name(self, name: str) -> str:
+        """A name, as it stands alone."""
+        return name
+
+    def _factor(self, name: str) -> str:
+        """A name in a product: a word keeps its distance."""
+        return self._name(name)
+
+    def _derivative(self, name: str, order: int) -> str:
+        """A coordinate with the marks of its derivative."""
+        raise NotImplementedError
+
+    def _words(self, text: str) -> str:
+        return text
+
+    def _function(self, function: sympy.Expr) -> str:
+        return self.doprint(function)
+
+    def _infix(self, sign: str) -> str:
+        """ "+" or "-" in front of a further term."""
+        return f" {sign} "
+
+    def term(self, term: Term) -> str:
+        """The coefficient and the function, each where it is not 1."""
+        coefficient, function = term.coefficient, term.function
+        if function == 1:
+            return self.doprint(coefficient)
+        if coefficient == 1:
+            return self._function(function)
+        first = self.doprint(coefficient)
+        return f"{self.enclosed.format(first) if coefficient.is_Add else first}{self.times}{self._function(function)}"
+
+    def terms(self, terms: list[Term]) -> tuple[str, list[str]]:
+        """The first term, and the others, each with its sign; zero where there is none."""
+        parts = [(sign, self.term(term)) for sign, term in map(signed, terms)] or [("+", self.zero)]
+        first = (self.minus if parts[0][0] == "-" else "") + parts[0][1]
+        return first, [self._infix(sign) + text for sign, text in parts[1:]]
+
+    def part(self, part: Part) -> str:
+        """A part of a statement."""
+        if isinstance(part, str):
+            return self._words(part)
+        if isinstance(part, Derivative):
+            return self._derivative(part.name, part.order)
+        if isinstance(part, Term):
+            return self.term(part)
+        if isinstance(part, BooleanAtom):
+            return self._words("always" if part else "never")
+        if not isinstance(part, Relational):
+            return self.doprint(part)
+        relation = {"==": self.equal, "!=": self.unequal, ">": self.greater}[part.rel_op]
+        return f"{self.doprint(part.lhs)}{relation}{self.doprint(readable(part.rhs))}"
+
+    def statement(self, parts: list[Part]) -> str:
+        """A statement about the formula."""
+        return "".join(map(self.part, parts))
+
+    def _print_Symbol(self, symbol, style="plain"):
+        if symbol in self.starts:
+            return self._derivative(*self.starts[symbol]) + self.at_start
+        return self._factor(self.names.get(symbol, symbol.name))
+
+    def _print_Mul(self, expr):
+        joined = joined_roots(expr)
+        if joined.is_Mul or joined is expr:  # sympy prints a reciprocal by this, too
+            return super()._print_Mul(joined)
+        return self._print(joined)
+
+    def _as_ordered_terms(self, expr, order=None) -> list[sympy.Expr]:
+        """t - T instead of -T + t, as what functions are of."""
+        return sorted(super()._as_ordered_terms(expr, order), key=lambda term: not term.has(LAST))
+
+
+def joined_roots(product: sympy.Expr) -> sympy.Expr:
+    """sqrt(k)/sqrt(m), as sympy has it, as sqrt(k/m), not evaluated.
+
+    >>> k, m = sympy.symbols("k m", positive=True)
+    >>> joined_roots(2 * sympy.sqrt(k / m)).args
+    (2, sqrt(k/m))
+    """
+    roots = [part for part in product.args if part.is_Pow and abs(part.exp) == sympy.S.Half and not part.is_number]
+    above = [part.base for part in roots if part.exp > 0]
+    below = [part.base for part in roots if part.exp < 0]
+    if not (product.is_Mul and above and below):
+        return product
+    root = sympy.Pow(sympy.Mul(*above) / sympy.Mul(*below), sympy.S.Half, evaluate=False)
+    rest = [part for part in product.args if part not in roots]
+    return sympy.Mul(*rest, root, evaluate=False) if rest else root
+
+
+def short_decimal(number: sympy.Float) -> str:
+    """A decimal without zeros at its end.
+
+    >>> short_decimal(sympy.Float("0.2500")), short_decimal(sympy.Float("1.5e-12", 4)), short_decimal(sympy.Float(120, 3))
+    ('0.25', '1.5e-12', '120')
+    """
+    mantissa, e, exponent = str(number).partition("e")
+    mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+    return f"{mantissa}e{int(exponent)}" if e else mantissa
+
+
+def in_reading_order(factors) -> list[sympy.Expr]:
+    """Numbers, symbols, sums and roots, the time, and functions last."""
+
+    def rank(factor):
+        base = factor.base if factor.is_Pow else factor
+        if factor.is_number:
+            return 0, ""
+        if isinstance(base, sympy.Symbol) and base.name == LAST.name:
+            return 3, ""
+        if isinstance(base, sympy.Symbol) and not (factor.is_Pow and not factor.exp.is_Integer):
+            return 1, base.name
+        if isinstance(factor, sympy.exp):
+            return 4, ""
+        return (5 if isinstance(factor, sympy.Function) else 2), ""
+
+    return sorted(factors, key=rank)
+
 
 #: Formulas of more characters have a line for every term.
 LONGEST_LINE = 100

@@ -8,7 +8,7 @@ import unicodedata
 from collections.abc import Iterable
 
 from sympy.printing.c import reserved_words
-from sympy.printing.pretty.pretty_symbology import greek_letters
+from sympy.printing.pretty.pretty_symbology import greek_letters, greek_unicode
 
 #: Words of C beyond those of sympy's printer: C99, C23, and common extensions of compilers.
 C_KEYWORDS = frozenset(reserved_words) | set(
@@ -30,12 +30,7 @@ _LATEX_GREEK = frozenset([*_GREEK, "Gamma", "Delta", "Theta", "Lambda", "Xi", "P
     "omicron"
 }
 _INDEXED = re.compile(rf"([A-Za-z]|{'|'.join(sorted(_LATEX_GREEK))})_?([0-9]+|(?<=_)[A-Za-z0-9]+)")
-LETTERS = {  # Greek letters by the names that are written for them
-    name: unicodedata.lookup(
-        f"GREEK {'CAPITAL' if name[0].isupper() else 'SMALL'} LETTER {name.upper().replace('LAMBDA', 'LAMDA')}"
-    )
-    for name in sorted(_LATEX_GREEK)
-}
+LETTERS = {name: greek_unicode[name] for name in _LATEX_GREEK}  # by the names that are written for them
 _LATEX_SPECIAL = {
     "\\": r"\backslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "_": r"\_", "%": r"\%",
     "^": r"\hat{}", "~": r"\sim{}", " ": r"\ ", "-": r"\text{-}", "'": "'",

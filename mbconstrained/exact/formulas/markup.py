@@ -1,10 +1,11 @@
-"""A formula as LaTeX and as MathML, with sympy's printers."""
+"""A formula as LaTeX and as MathML, with sympy's printers, and as plain data."""
 
 from __future__ import annotations
 
 import html
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import chain
 
 import sympy
@@ -12,10 +13,9 @@ from sympy.printing.latex import LatexPrinter
 from sympy.printing.mathml import MathMLPresentationPrinter
 
 from .closed_form import ClosedForm
+from .formula_text import Notation, TextPrinter, formula_text, in_reading_order, joined_roots, short_decimal
 from .identifiers import LETTERS, index_of, latex_name
-from .notation import Notation, in_reading_order, joined_roots, short_decimal
-from .printing_layout import is_long, laid_out
-from .terms import Term
+from .printing_layout import Derivative, Term, is_long, laid_out
 
 
 class FormulaPrinter(Notation, LatexPrinter):
@@ -190,3 +190,39 @@ def _table(lines: list[tuple[str, str, str]]) -> str:
         for left, sign, right in lines
     ]
     return f'<mtable displaystyle="true">{"".join(rows)}</mtable>'
+
+
+# A formula as texts, lists and numbers.
+
+
+def records(form: ClosedForm, digits: int | None = None) -> dict:
+    """Texts, lists and numbers only.
+
+    >>> import sympy
+    >>> t = sympy.Symbol("t")
+    >>> records(ClosedForm(("x1",), (2 * t,), t))["formulas"]["x1"]["text"]
+    'x1(t) = 2 t'
+    """
+    layout, printer = laid_out(form, digits), TextPrinter(form)
+    bare = replace(form, impulses=(), jumps=(), admissible=(), continuous=(), assumptions=(), positive=())
+
+    def text_of(expression) -> str:
+        return printer.doprint(layout.number(expression))
+
+    return {
+        "title": form.title,
+        "parameters": {p.name: {"value": None if p.value is None else float(p.value), "unit": p.unit} for p in form.parameters},
+        "formulas": {
+            name: {"text": formula_text(bare.only([name]), digits=digits), "latex": latex(bare.only([name]), digits=digits)}
+            for name in form.names
+        },
+        "impulses": [
+            {"of": each.name, "order": each.order, "time": text_of(each.time), "factor": text_of(each.factor)}
+            for each in form.impulses
+        ],
+        "jumps": [{"of": printer.part(Derivative(each.name, each.order)), "size": text_of(each.size)} for each in form.jumps],
+        "no_impulses_if": [printer.part(each) for each in form.admissible],
+        "no_jumps_if": [printer.part(each) for each in form.continuous],
+        "not_zero": [printer.doprint(each) for each in form.assumptions],
+        "positive": [printer.doprint(each) for each in form.positive],
+    }

@@ -14,7 +14,7 @@ from ...ground.errors import InputError
 from ..symbolic.response.inverse_transform import divisors_of
 from .closed_form import DIGITS, ClosedForm
 from .formula_text import TextPrinter
-from .terms import decimal, terms_of
+from .printing_layout import decimal, terms_of
 
 ADVICE = "insert numbers for the symbols (mbconstrained formula --numbers), or give other default values"
 

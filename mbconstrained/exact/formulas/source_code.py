@@ -198,14 +198,10 @@ def _in_c(text: str) -> str:
 
 
 class _PythonPrinter(NumPyPrinter):
-    """numpy is called np; sums are written term by term."""
+    """numpy is called np; steps are 1 at their time; all numbers are doubles."""
 
-    _module = "np"
-
-    def __init__(self):
-        super().__init__({"fully_qualified_modules": True})
-        self.known_functions = {name: path.replace("numpy.", "np.", 1) for name, path in self.known_functions.items()}
-        self.known_constants = {name: path.replace("numpy.", "np.", 1) for name, path in self.known_constants.items()}
+    def doprint(self, expr) -> str:
+        return super().doprint(expr).replace("numpy.", "np.")
 
     def _print_Heaviside(self, expr) -> str:
         return f"np.heaviside({self._print(expr.args[0])}, 1.0)"

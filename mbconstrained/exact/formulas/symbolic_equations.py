@@ -11,7 +11,8 @@ from sympy.polys.matrices import DomainMatrix
 
 from ...ground.errors import ContradictoryConstraints, InputError
 from ..symbolic.field.fields import exact_expression
-from ..symbolic.response.transform import delta
+from ..symbolic.response.symbolic_response import SymbolicResponse
+from ..symbolic.response.transform import delta, initial_symbols
 from ..symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 from .closed_form import ClosedForm, FormulaParameter
 from .formula_text import TextPrinter
@@ -256,3 +257,42 @@ def angle(radians: sympy.Expr) -> sympy.Expr:
     degrees = sympy.Integer(round(radians * 180 / sympy.pi.evalf(40)))
     exact = degrees * sympy.pi / 180
     return exact if abs((radians - exact).evalf(40)) <= abs(radians) * sympy.Float(2) ** -51 else radians
+
+
+# Conditions on the start in the values at 0- that a user gives: those of inputs and outputs follow from the others.
+
+
+def without_implied(
+    form: ClosedForm, x: SymbolicResponse, implied: Mapping[str, Mapping[str, sympy.Expr]]
+) -> dict[str, tuple[sympy.Eq, ...]]:
+    """The admissible and continuous conditions without the values that follow from others.
+
+    Where they cannot be met, since the input jumps, there are none: the jump itself is reported.
+    """
+    if not implied:
+        return {}
+    values, names = initial_symbols(x.polynomial_matrix), x.coordinates
+    put = {
+        row[names.index(name)]: sum((factor * row[names.index(other)] for other, factor in factors.items()), sympy.S.Zero)
+        for name, factors in implied.items()
+        for row in values.tolist()
+    }
+    given = [value for value in values if value not in put]
+    return {kind: _solved([each.xreplace(put) for each in getattr(form, kind)], given) for kind in ("admissible", "continuous")}
+
+
+def _solved(equations: Sequence[sympy.Eq], values: Sequence[sympy.Symbol]) -> tuple[sympy.Eq, ...]:
+    """Linear equations solved for the earliest of the values; none of them where they contradict each other."""
+    left = [sympy.expand(each.lhs - each.rhs) if isinstance(each, sympy.Eq) else 0 if each else 1 for each in equations]
+    if not any(left) or not values:
+        return ()
+    A, b = sympy.linear_eq_to_matrix(left, values)
+    reduced, pivots = DomainMatrix.from_Matrix(A.row_join(b)).to_field().rref()
+    if len(values) in pivots:
+        return ()
+    return tuple(_equation(row, pivot, values) for row, pivot in zip(reduced.to_Matrix().tolist(), pivots))
+
+
+def _equation(row: Sequence[sympy.Expr], pivot: int, values: Sequence[sympy.Symbol]) -> sympy.Eq:
+    rest = [-factor * value for place, (factor, value) in enumerate(zip(row, values)) if place != pivot]
+    return sympy.Eq(values[pivot], sympy.Add(sympy.factor(row[-1]), *rest), evaluate=False)

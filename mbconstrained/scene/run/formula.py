@@ -70,9 +70,8 @@ def _solved(scene: SceneData, numbers: bool, coordinates, progress: Progress) ->
 
 def _formula(scene: SceneData, numbers: bool, coordinates, progress: Progress) -> ClosedForm:
     from ...exact.formulas.closed_form import ClosedForm
-    from ...exact.formulas.formula_data import without_implied
     from ...exact.formulas.real_form import real_form
-    from ...exact.formulas.symbolic_equations import Symbols
+    from ...exact.formulas.symbolic_equations import Symbols, without_implied
     from ...exact.symbolic.response.symbolic_response import solve_symbolically
     from ..build.symbolic.symbolic_scene import exact_equations
 
@@ -147,7 +146,7 @@ def written(form: ClosedForm, kind: str, digits: int | None = None) -> str:
     if kind == "json":
         import json
 
-        from ...exact.formulas.formula_data import records
+        from ...exact.formulas.markup import records
 
         return json.dumps(records(form, digits), indent=2, allow_nan=False, ensure_ascii=False)
     if kind in ("python", "c"):

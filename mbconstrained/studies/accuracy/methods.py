@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...papers.apostol_kolodner import apostol_kolodner
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...response.response import Response
+from ...signals.bohl import BohlFunction
 from ..study_problem import StudyProblem, given_of
 from . import ida, linear_simulation, matrix_exponential, solve_ivp
 from .method import ComparedMethod, Evaluate
@@ -40,7 +40,11 @@ def _exact(problem: StudyProblem, _) -> Evaluate:
 
 
 def _apostol_kolodner(problem: StudyProblem, _) -> Evaluate:
-    motion = apostol_kolodner(PolynomialMatrix(given_of(problem.polynomial_matrix)), problem.initial).function
+    """C e^{J t} x_s(0) with x_s(0) = [J^(q-1) B A_q ... B A_q] X_0 (Eq. 75)."""
+    A = PolynomialMatrix(given_of(problem.polynomial_matrix))
+    pair, power = A.jordan_pairs().finite, np.linalg.matrix_power
+    parts = (power(pair.J, A.degree - 1 - i) @ (pair.B @ (A.coefficients[-1] @ x)) for i, x in enumerate(problem.initial))
+    motion = BohlFunction(pair.C, pair.blocks, sum(parts, np.zeros(len(pair.J))))
     return lambda: motion(problem.times)
 
 

@@ -7,10 +7,9 @@ import pytest
 import sympy
 
 from mbconstrained.exact.formulas.closed_form import ClosedForm, Impulse, Jump
-from mbconstrained.exact.formulas.formula_data import records
 from mbconstrained.exact.formulas.formula_text import formula_text
-from mbconstrained.exact.formulas.markup import latex, mathml
-from mbconstrained.exact.formulas.terms import terms_of
+from mbconstrained.exact.formulas.markup import latex, mathml, records
+from mbconstrained.exact.formulas.printing_layout import terms_of
 from mbconstrained.ground.errors import InputError
 from tests.exact.formulas.answers import HOSTILE, damped, hostile, k, m, t
 

@@ -6,7 +6,7 @@ import pytest
 import sympy
 
 from mbconstrained.exact.symbolic.response.symbolic_response import continuity_equations, impulse_equations, solve_symbolically
-from mbconstrained.exact.symbolic.response.symbolic_sources import initial_symbols
+from mbconstrained.exact.symbolic.response.transform import initial_symbols
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 from tests.exact.symbolic.models import (
     DAMPED,

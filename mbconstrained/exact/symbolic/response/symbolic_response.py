@@ -16,8 +16,7 @@ from ....ground.errors import InputError
 from ..field.fields import TIME, as_positive, check_one_each, check_start_names, checked_time, exact_expression, generators_of
 from ..symbolic_matrix import SymbolicPolynomialMatrix, checked_matrix
 from .inverse_transform import Combination, ResponseTransform, divisors_of, entries_with
-from .symbolic_sources import SymbolicSource, force_sources, initial_sources, initial_symbols
-from .transform import delta
+from .transform import SymbolicSource, delta, force_sources, initial_sources, initial_symbols
 
 
 @dataclass(frozen=True, repr=False, eq=False)

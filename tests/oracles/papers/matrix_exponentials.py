@@ -13,11 +13,11 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import sympy
 
-from ..exact.symbolic.field.fields import field_of
-from ..exact.symbolic.response.inverse_transform import Quotient, regular_parts
-from ..exact.symbolic.symbolic_matrix import S
-from ..ground.checks import whole_number
-from ..ground.errors import InputError
+from mbconstrained.exact.symbolic.field.fields import field_of
+from mbconstrained.exact.symbolic.response.inverse_transform import Quotient, regular_parts
+from mbconstrained.exact.symbolic.symbolic_matrix import S
+from mbconstrained.ground.checks import whole_number
+from mbconstrained.ground.errors import InputError
 
 
 def exponential_of_jordan_block(zero, size: int, t) -> sympy.ImmutableMatrix:

@@ -10,12 +10,12 @@ from collections.abc import Sequence
 
 import sympy
 
-from ..exact.symbolic.field.fields import TIME, check_one_each, checked_time
-from ..exact.symbolic.response.symbolic_response import checked_initial
-from ..exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix, checked_matrix
-from ..exact.symbolic.symbolic_pairs import Block
-from ..ground.errors import InputError
-from .matrix_exponentials import (
+from mbconstrained.exact.symbolic.field.fields import TIME, check_one_each, checked_time
+from mbconstrained.exact.symbolic.response.symbolic_response import checked_initial
+from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix, checked_matrix
+from mbconstrained.exact.symbolic.symbolic_pairs import Block
+from mbconstrained.ground.errors import InputError
+from tests.oracles.papers.matrix_exponentials import (
     block_functions,
     exponential_of_jordan_block,
     exponential_of_real_jordan_block,

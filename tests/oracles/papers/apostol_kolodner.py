@@ -11,14 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 import sympy
 
-from ..exact.symbolic.field.fields import TIME
-from ..exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix, checked_matrix
-from ..ground.checks import real_array
-from ..ground.errors import InputError
-from ..polynomial.polynomial_matrix import PolynomialMatrix
-from ..response.problem import checked_matrix as checked_numeric_matrix
-from ..signals.bohl import BohlFunction
-from .corollaries import checked_start, closed_blocks, motion_of_blocks
+from mbconstrained.exact.symbolic.field.fields import TIME
+from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix, checked_matrix
+from mbconstrained.ground.checks import real_array
+from mbconstrained.ground.errors import InputError
+from mbconstrained.polynomial.polynomial_matrix import PolynomialMatrix
+from mbconstrained.response.problem import checked_matrix as checked_numeric_matrix
+from mbconstrained.signals.bohl import BohlFunction
+from tests.oracles.papers.corollaries import checked_start, closed_blocks, motion_of_blocks
 
 
 @dataclass(frozen=True, eq=False)
