@@ -29,7 +29,7 @@ HEAVY = {
     "sympy": {"exact"},
     "flint": {"exact", "frequency", "linalg"},
     "matplotlib": {"frequency", "page", "studies"},
-    "pydantic": {"scene"},
+    "pydantic": {"scene", "analyses"},
     "pint": {"scene"},
     "typer": {"cli", "docs"},
     "rich": {"cli"},
