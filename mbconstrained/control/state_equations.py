@@ -17,7 +17,7 @@ from ..signals.impulsive import ImpulsiveSmooth
 
 
 class StateEquations(Displayed):
-    """What a ``StateSpace`` consists of, without the answers to questions about it."""
+    """Data of a ``StateSpace``, without the answers to questions about it."""
 
     def __init__(
         self,

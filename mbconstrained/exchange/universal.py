@@ -228,7 +228,7 @@ def write_functions(path: Path, times: np.ndarray, curves, geometry: Geometry, t
 
 
 class ResponseValues(Protocol):
-    """What a frequency response has to show: names, frequencies in Hz, shape (F,), values and units of each output by input."""
+    """Data of a frequency response for export: names, frequencies in Hz, shape (F,), values and units of each output by input."""
 
     @property
     def inputs(self) -> tuple[str, ...]: ...

@@ -1,4 +1,4 @@
-"""Arrays with an estimate of the rounding noise of each entry, propagated through sums and products.
+"""Arrays with an estimate of the rounding errors of each entry, propagated through sums and products.
 
 Noise adds in quadrature, as independent errors do: bounds by absolute values would grow with every step of a
 staircase by more than the errors themselves, and call regular matrices singular.

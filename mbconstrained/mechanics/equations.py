@@ -52,7 +52,7 @@ class ElementForce(NamedTuple):
 
 
 class EquationsOfMotion(ExportedSystem, Displayed):
-    """What a ``MechanicalSystem`` consists of, without the answers to questions about it.
+    """Data of a ``MechanicalSystem``, without the answers to questions about it.
 
     Attributes:
         base_class: ``MechanicalSystem``, for systems that are derived from others.
@@ -170,7 +170,7 @@ class EquationsOfMotion(ExportedSystem, Displayed):
 
     @property
     def size(self) -> int:
-        """The number n of coordinates."""
+        """Number n of coordinates."""
         return self.mass.shape[0]
 
     @cached_property

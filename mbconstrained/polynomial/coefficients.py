@@ -14,7 +14,7 @@ from ..ground.errors import InputError
 
 
 class PolynomialCoefficients:
-    """What a ``PolynomialMatrix`` consists of, without the answers to questions about it."""
+    """Data of a ``PolynomialMatrix``, without the answers to questions about it."""
 
     def __init__(
         self,

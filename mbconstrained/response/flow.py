@@ -233,7 +233,7 @@ class Flow:
 
     @cached_property
     def records(self) -> list:
-        """What ``methods.record`` has computed of it."""
+        """Results of ``methods.record`` for the flow."""
         return []
 
     def propagator(self, step: float) -> Propagator:

@@ -28,7 +28,7 @@ _ORIGIN = (0.0, 0.0, 0.0)
 
 
 class RobotModel(Displayed):
-    """What a ``Robot`` consists of, without the answers to questions about it."""
+    """Data of a ``Robot``, without the answers to questions about it."""
 
     def __init__(
         self,

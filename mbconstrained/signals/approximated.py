@@ -49,7 +49,7 @@ TO_POWERS: np.ndarray = np.column_stack(
     [np.pad(Chebyshev.basis(j, [0, 1]).convert(kind=Polynomial).coef, (0, DEGREE - j)) for j in range(DEGREE + 1)]
 )
 
-#: The same about the right end: T_j is even or odd about the middle.
+#: The matrix about the right end: T_j is even or odd about the middle.
 TO_POWERS_AT_END = TO_POWERS * (-1.0) ** np.add.outer(np.arange(DEGREE + 1), np.arange(DEGREE + 1))
 
 #: Bound on the change of the coefficients of t^k per error of the polynomial.
@@ -62,7 +62,7 @@ class Fit:
 
     Attributes:
         powers: coefficients of t^k from the left end on, t = 1 at the right end, shape (r, m, DEGREE + 1).
-        powers_at_end: the same about the right end.
+        powers_at_end: coefficients about the right end.
         error: estimated largest error, shape (m,).
         follows: whether it is within the tolerance, shape (m,).
     """

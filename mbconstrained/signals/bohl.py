@@ -437,7 +437,7 @@ class OscillatingPart:
 
 
 def _combined(coefficients, first, vectors, units) -> np.ndarray:
-    """For each pair the columns of C times the entries of its vector, added; unused columns are skipped."""
+    """Columns of C combined with the entries of each pair's vector; unused columns are skipped."""
     combined = np.zeros((len(coefficients), len(first)))
     for place in (0, 1):
         if np.count_nonzero(vectors[:, place]):
@@ -456,7 +456,7 @@ COMPARED_DIGITS = 48
 
 
 class Summand(NamedTuple):
-    """One diagonal block of J, its states and their jumps at K knots, shape (2, m, K), and its columns of C, shape (r, m)."""
+    """A diagonal block of J, its states and their jumps at K knots, shape (2, m, K), and its columns of C, shape (r, m)."""
 
     block: np.ndarray
     values: np.ndarray
@@ -482,13 +482,13 @@ def merged(summands: Sequence[Summand]) -> list[Summand]:
 
 
 def _state_keys(summand: Summand, count: int) -> Iterator[tuple[bytes, bytes]]:
-    """Of its last states, from all of them on, so many times."""
+    """Keys of its last states, from all of them downwards."""
     for skip in range(count):
         yield summand.block[skip:, skip:].tobytes(), summand.values[:, skip:].tobytes()
 
 
 def _direction_keys(summand: Summand, least: int) -> Iterator[tuple[bytes, bytes]]:
-    """Of its first columns, from all of them down to the least number."""
+    """Keys of its first columns, from all of them down to the least number."""
     for size in range(len(summand.block), least - 1, -1):
         columns = summand.coefficients[:, :size]
         if columns.any():
@@ -532,7 +532,7 @@ def _factor(summand: Summand, larger: Summand) -> float | None:
 
 
 def _by_rows(summands: list[Summand]) -> list[Summand]:
-    """The same with one summand for each row of f, where more of them have one block and only its first state is read."""
+    """Summands with one for each row of f, where several have one block and only its first state is read."""
     groups: dict[bytes, list[Summand]] = {}
     for summand in summands:
         groups.setdefault(summand.block.tobytes(), []).append(summand)

@@ -29,7 +29,7 @@ class Term:
 
     @property
     def expression(self) -> sympy.Expr:
-        """Both together."""
+        """Product of coefficient and function."""
         return self.coefficient * self.function
 
 
@@ -72,7 +72,7 @@ def _rank(function: sympy.Expr, form: ClosedForm) -> tuple:
 
 
 def _power(function: sympy.Expr) -> int:
-    """Of t as a factor."""
+    """Exponent of t as a factor."""
     return int(sum(sympy.degree(factor, LAST) for factor in sympy.Mul.make_args(function) if factor.is_polynomial(LAST)))
 
 
@@ -198,7 +198,7 @@ def _shared(coefficient: sympy.Expr) -> sympy.Expr:
 
 
 def _radicands(rows: list[list[Term]], names: dict) -> dict[sympy.Expr, Shorthand]:
-    """What is long under square roots, by itself."""
+    """Long expressions under square roots, as separate shorthands."""
     parts = [part for row in rows for term in row for part in (term.coefficient, term.function)]
     roots = sorted(set().union(*(part.atoms(sympy.Pow) for part in parts)), key=sympy.default_sort_key)
     bases = [root.base for root in roots if root.exp.is_Rational and root.exp.q == 2 and not root.base.has(LAST)]

@@ -60,7 +60,7 @@ class FamilyMotion(Displayed):
         return system.solve(self.initial[place, 0], self.initial[place, 1], added)
 
     def of(self, *coordinates: str | int) -> FamilyMotion:
-        """Some coordinates only, by name or number from 0."""
+        """Return the function of some coordinates, by name or index from 0."""
         places = places_of(coordinates, self.family.base.names, "coordinate")
         return FamilyMotion(self.family, self.initial, self.force, tuple(int(place) for place in places))
 

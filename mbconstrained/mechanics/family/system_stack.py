@@ -19,7 +19,7 @@ from .stacked_poles import StackedPoles, stacked_poles
 
 @dataclass(frozen=True, repr=False, eq=False)
 class SystemStack(Displayed):
-    """What a ``Family`` consists of, without the answers to questions about it; its attributes."""
+    """Data of a ``Family``, without the answers to questions about it; its attributes."""
 
     base: MechanicalSystem
     mass: np.ndarray

@@ -83,7 +83,7 @@ class UndampedModes:
 
 
 def undamped_modes(pencil: ReducedPencil, count: int) -> UndampedModes:
-    """The ``count`` undamped modes of lowest frequency; those of the last count are kept."""
+    """The ``count`` undamped modes of lowest frequency; the last result is cached."""
     if count not in pencil._undamped:
         pencil._undamped.clear()
         pencil._undamped[count] = _lowest_modes(pencil, count)

@@ -221,7 +221,7 @@ class FlowFunction(BohlFunction):
         return FlowFunction(self.flow, place, order, self.evaluations)
 
     def alone(self, flow: Flow) -> FlowFunction:
-        """The same of a piece of the motion, evaluated at many times."""
+        """The function of a piece of the motion, evaluated at many times."""
         return FlowFunction(flow, self.place, self.order, "many")
 
     def of(self, flow: Flow) -> FlowFunction:

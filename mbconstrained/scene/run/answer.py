@@ -1,4 +1,4 @@
-"""What reports, pages and pictures read of the answer to a scene."""
+"""Interface of reports, pages and pictures to the answer to a scene."""
 
 from __future__ import annotations
 

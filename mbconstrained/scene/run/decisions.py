@@ -58,7 +58,7 @@ def normal_form(scene: SceneData) -> Decision:
 
 
 def robot_model(scene: SceneData) -> Decision:
-    """The robot's file."""
+    """The file of the robot."""
     robot = scene.equations.robot_scene
     return True, f"{robot.data.place}: {counted(len(robot.robot.bodies), 'link')}, {counted(len(robot.robot.joints), 'joint')}"
 

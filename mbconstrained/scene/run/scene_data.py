@@ -1,4 +1,4 @@
-"""What was read of a scene: its tables and equations, with notices, before anything is solved."""
+"""Data of a scene: its tables and equations, with notices, before anything is solved."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class SceneData(Displayed):
-    """What a ``Scene`` consists of, without the answers to questions about it; its attributes.
+    """Data of a ``Scene``, without the answers to questions about it; its attributes.
 
     Attributes:
         plan, named_parameters: as of ``Scene``.

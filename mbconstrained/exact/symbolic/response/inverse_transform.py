@@ -307,7 +307,7 @@ def _polynomials(given: list[list[sympy.Expr]]) -> list[sympy.Poly]:
 
 
 def _cancelled(b, factors, leading):
-    """The factors and b / leading without the factors that they share."""
+    """The factors and b / leading without common factors."""
     left = []
     b = b * sympy.Poly([b.domain.one / leading], S, domain=b.domain)
     for q, k in factors:

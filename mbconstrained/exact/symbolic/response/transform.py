@@ -237,13 +237,13 @@ def _rational_and_root(rate) -> tuple[sympy.Expr, sympy.Expr]:
 
 @dataclass(frozen=True)
 class SymbolicSource:
-    """amplitude numerator(s) / denominator(s)^power, from a time on.
+    """amplitude numerator(s) / denominator(s)^power, from a time onwards.
 
     Attributes:
         start: the time.
         amplitude: any expression without s and t.
         numerator: r expressions, polynomials in s with coefficients rational in symbols.
-        denominator, power: as of ``Transform``.
+        denominator, power: as in ``Transform``.
         is_impulse: of a Dirac impulse in the force.
     """
 

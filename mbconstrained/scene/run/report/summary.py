@@ -57,7 +57,7 @@ def response_blocks(
 
 
 def heading(result: SceneAnswer) -> str:
-    """What was solved."""
+    """Heading of the summary: the model, its coordinates and times."""
     scene = result.scene
     coordinates = scene.equations.coordinates
     what = scene.equations.coordinates_called
