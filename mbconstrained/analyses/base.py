@@ -77,7 +77,7 @@ class Answer(Displayed):
         """The answer as plain data, numbers in SI: title, data, notices, whether it is to be trusted, files."""
         notices = [{"kind": one.kind, "text": one.text, "doubtful": one.doubtful} for one in self.notices]
         end = {"notices": notices, "trusted": self.is_trusted, "files": [str(path) for path in files]}
-        return {"title": self.title, **{key: plain(value) for key, value in self.data.items()}, **end}
+        return {"title": self.title, **{key: json_value(value) for key, value in self.data.items()}, **end}
 
     def page(self) -> PageContent:
         """Plots, tables, notices and facts as a page."""
@@ -166,18 +166,18 @@ class Analysis:
         return getattr(validated({cls.name: {**base, **given}}, file_name, only), cls.name)
 
 
-def plain(value):
+def json_value(value):
     """Arrays and tuples as lists, infinite numbers as None, as JSON takes them.
 
-    >>> plain({"a": np.array([1.0, np.inf]), "b": ("x", 2)})
+    >>> json_value({"a": np.array([1.0, np.inf]), "b": ("x", 2)})
     {'a': [1.0, None], 'b': ['x', 2]}
     """
     if isinstance(value, Mapping):
-        return {key: plain(one) for key, one in value.items()}
+        return {key: json_value(one) for key, one in value.items()}
     if isinstance(value, np.ndarray):
-        return plain(value.tolist())
+        return json_value(value.tolist())
     if isinstance(value, (list, tuple)):
-        return [plain(one) for one in value]
+        return [json_value(one) for one in value]
     return finite_or_none(value) if isinstance(value, (float, np.floating)) else value
 
 
