@@ -107,7 +107,7 @@ class ModalAssurance(Analysis):
 def modal_assurance(A: np.ndarray, B: np.ndarray) -> np.ndarray:
     """MAC of the columns of A (n, p) and B (n, q), shape (p, q); 0 of shapes that vanish in the common coordinates.
 
-    >>> modal_assurance(np.array([[1.0, 1.0], [1.0, -1.0]]), np.array([[2.0], [2.0]])).ravel().tolist()
+    >>> modal_assurance(np.array([[1.0, 1.0], [1.0, -1.0]]), np.array([[2.0], [2.0]])).round(12).ravel().tolist()
     [1.0, 0.0]
     """
     sizes = np.outer(np.linalg.norm(A, axis=0) ** 2, np.linalg.norm(B, axis=0) ** 2)

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 LARGEST_DEVIATION = 0.1
 
 #: The share of the motion at which that is reached is sought in steps of this factor, so many at most, then to this relative error.
-DECADE, MOST_DECADES, SHARE_ERROR = 10.0, 12, 0.02
+DECADE, MOST_DECADES, SHARE_ERROR = 10.0, 12, 0.005
 
 #: No motion is enlarged beyond this angle (rad), or this multiple of the size of the robot.
 FURTHEST = 1.5

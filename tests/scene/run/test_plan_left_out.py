@@ -80,7 +80,7 @@ WORK = {
     "read the scene": Work("plain", None, "scene/file/reading.py:parse"),
     "units": Work("all", "plain", "scene/quantities/units.py:registry", ("pint",)),
     "robot model (pinocchio)": Work("robot", "lumped", "scene/build/robot_file.py:robot_of", ("pinocchio", "coal")),
-    "equilibrium": Work("robot", "lumped", "robot/posture.py:find_posture", ("mbconstrained.robot",)),
+    "equilibrium": Work("robot", "lumped", "robot/posture_search.py:find_posture", ("mbconstrained.robot",)),
     "robot meshes": Work("robot with meshes", "robot with unread meshes", "robot/description/mesh_files.py:read_mesh", MESHES_BY),
     "collision geometry": Work(
         "robot with collisions", "robot with unread meshes", "scene/run/picture/robot_drawing.py:RobotPicture._collision"
