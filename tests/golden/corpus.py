@@ -47,6 +47,9 @@ STUDIES = {
     "quarter_car": (("locus", "--vary", "cs=500..4000 N*s/m:21"),),
 }
 
+#: Answers that depend on the load of the machine: the formula of this scene is given up after a time.
+LEFT_OUT = {("gear_tolerances", "formula")}
+
 #: Keys of figures that depend on the machine, or estimate rounding errors.
 VOLATILE = re.compile(
     r"seconds|memory|peak_memory|totals|estimate|residual|error|evidence|condition|gap|files|written|folder|version|stages|evaluations|reason|finite_|phase",
@@ -67,7 +70,11 @@ def scenes() -> list[str]:
 
 def answers(scene: str) -> dict:
     """What a scene answers: by command the exit code, columns of numbers and sets of texts."""
-    return {" ".join(command): _answer(scene, command) for command in (*COMMANDS, *STUDIES.get(scene, ()))}
+    return {" ".join(command): _answer(scene, command) for command in _commands(scene)}
+
+
+def _commands(scene: str) -> list[tuple[str, ...]]:
+    return [command for command in (*COMMANDS, *STUDIES.get(scene, ())) if (scene, command[0]) not in LEFT_OUT]
 
 
 def _answer(scene: str, command: tuple[str, ...]) -> dict:
