@@ -179,5 +179,21 @@ GENERATED = {
     "commands": commands,
     "scene": scene,
     "robot": robot,
-    "rooms": rooms,
 }
+
+#: The list of rooms and files stands in this page on disk too, between these lines.
+MAP, START, END = (
+    PACKAGE / "docs" / "development" / "map.md",
+    "<!-- rooms and files, by `python -m mbconstrained.docs.generated` -->",
+    "<!-- end of the list -->",
+)
+
+
+def current_map() -> str:
+    """The map of the package with its rooms and files as they are."""
+    head, _, rest = MAP.read_text(encoding="utf-8").partition(START)
+    return f"{head}{START}\n\n{rooms()}\n\n{END}{rest.partition(END)[2]}"
+
+
+if __name__ == "__main__":
+    MAP.write_text(current_map(), encoding="utf-8")

@@ -30,3 +30,9 @@ def test_tests_of_the_ledger_exist():
     files = {file for sections in LEDGER.values() for tests in sections.values() for file in tests}
     assert sorted(file for file in files if not (ROOT / file).is_file()) == []
     assert all(tests for sections in LEDGER.values() for tests in sections.values())
+
+
+def test_the_map_lists_the_files_that_are():
+    from mbconstrained.docs.generated import MAP, current_map
+
+    assert MAP.read_text(encoding="utf-8") == current_map(), "write it by: python -m mbconstrained.docs.generated"
