@@ -30,6 +30,9 @@ FOLDER = Path(__file__).parent
 #: Values that are stored of a column, spread over it, and digits of each.
 SAMPLES, DIGITS = 4, 14
 
+#: The arithmetic of OpenBLAS in which the corpus was frozen; SciPy and NumPy have each their own copy.
+FROZEN_ON = "Haswell"
+
 #: Commands that answer any scene, or refuse it in their own words.
 COMMANDS = (
     ("check",), ("run",), ("modes",), ("frequency",), ("random",), ("shock",), ("sensitivity",), ("campbell",), ("path",), ("formula",)
