@@ -15,8 +15,7 @@ from scipy.constants import g as STANDARD_GRAVITY
 from ..ground.checks import counted, real_number, whole_number
 from ..ground.errors import InputError
 from ..ground.files import checked_file, readable_as
-from .matrices import READERS, TEXT, full_matrix, read_matrix
-from .number_table import NumberTable, number_table, text_of
+from .matrices import READERS, TEXT, NumberTable, full_matrix, number_table, read_matrix, text_of
 from .universal import UNIVERSAL, read_function
 
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from ..ground.checks import nearest, optional_package
 from ..ground.errors import InputError
-from ..ground.isolation import damaged, read_isolated
+from ..ground.files import damaged, read_isolated
 
 UNIVERSAL = (".uff", ".unv", ".uf", ".bunv")
 

@@ -18,7 +18,7 @@ import scipy.linalg
 
 from ..ground.tolerances import CLUSTER_SAFETY, EPS, NOISE_SAFETY, rounding_radius
 from ..linalg.blocks import block_slices
-from ..linalg.rounding import Noisy
+from ..linalg.rank import Noisy
 from ..polynomial.jordan_pairs import JordanPairs
 from ..polynomial.structure import FiniteZero
 

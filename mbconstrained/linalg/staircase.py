@@ -17,8 +17,7 @@ from scipy.linalg import lapack
 from ..ground.errors import IllConditioned
 from ..ground.tolerances import EPS, NOISE_SAFETY
 from .precise import inverse, is_precise, magnitude, of_kind, unit
-from .rank import RankDecision, RowCompression, compress_rows, null_columns
-from .rounding import Noisy, stacked
+from .rank import Noisy, RankDecision, RowCompression, compress_rows, null_columns, stacked
 
 
 class SingularPencil(ArithmeticError):

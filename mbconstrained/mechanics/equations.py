@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
 import numpy as np
 import scipy.sparse
 
-from ..exchange.exported import ExportedSystem
+from ..exchange.trajectories import ExportedSystem
 from ..ground.checks import constant_zeros, counted, names_of, nearest, real_array, real_number
 from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Displayed, TextTable, notice_table

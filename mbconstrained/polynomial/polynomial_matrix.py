@@ -13,7 +13,7 @@ from ..ground.checks import real_number
 from ..ground.errors import IllConditioned, InputError
 from ..linalg.staircase import SingularPencil
 from .coefficients import PolynomialCoefficients
-from .companion import scaled_companion
+from .decoupling import scaled_companion
 from .direct_reduction import reduction_of
 from .jordan_pairs import JordanPairs, jordan_pairs
 from .reduced_equations import NotReducible, Reduction

@@ -14,7 +14,7 @@ from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, NOISE_SAFETY
 from ..linalg.staircase import GENERIC
 from .coefficients import PolynomialCoefficients
-from .companion import scaled_companion
+from .decoupling import scaled_companion
 
 
 @dataclass(frozen=True)

@@ -14,13 +14,12 @@ import numpy as np
 from ..ground.checks import counted
 from ..ground.display import Displayed, TextTable
 from ..ground.errors import OUT_OF_RANGE, IllConditioned, within_float64
-from ..linalg.rounding import Noisy, columnwise, eliminate
+from ..linalg.rank import Noisy, columnwise, eliminate
 from ..polynomial.decoupling import WeierstrassForm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.inputs import ImpulsiveSmooth
 from .events import inconsistency_of
-from .forcing import scaled_data
-from .problem import checked_force, checked_matrix
+from .problem import checked_force, checked_matrix, scaled_data
 from .response import Response
 from .response_notices import DERIVATIVE_NAMES
 from .solve import solve

@@ -15,17 +15,17 @@ import numpy as np
 import scipy.sparse
 
 from ..ground.tolerances import noise_of
-from ..linalg.accurate_products import accurately_solved
 from ..linalg.arrays import Matrix, entry_count, full, hstack, of_like_kind, vstack, zeros_of_kind
 from ..linalg.blocks import CHUNK_ENTRIES, block_slices
-from ..linalg.exponential.powers import Propagator
+from ..linalg.division import accurately_solved
+from ..linalg.recursion import Propagator
 from ..linalg.scaling import balanced_norm
 from ..polynomial.reduced_equations import Reduction
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from .events import Event
-from .forcing import Driven, units_of_pieces
 from .methods.finite_motion import FinitePart, driven_motion
+from .problem import Driven, units_of_pieces
 
 #: A force that restarts at fewer knots is not worth a table.
 FEWEST_KNOTS = 64

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from ..exchange.exported import Exported
+from ..exchange.trajectories import Exported
 from ..ground.checks import counted, places_of, whole_number
 from ..ground.display import Presented, TextTable, notice_table
 from ..ground.errors import MbconstrainedError, within_float64

@@ -14,7 +14,7 @@ from ..ground.errors import IllConditioned, Overflow, within_float64
 from ..ground.notices import Notice, NoticeKind, doubts_of
 from ..ground.tolerances import EPS, NOISE_SAFETY, PRECISE_STATES, TRUST_LIMIT, noise_of, rounding_radius
 from ..linalg.blocks import zeros_of
-from ..linalg.exponential.block_exponential import block_states
+from ..linalg.exponential import block_states
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth

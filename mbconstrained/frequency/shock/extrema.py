@@ -21,7 +21,7 @@ import scipy.linalg
 from ...ground.errors import InputError, Overflow
 from ...ground.tolerances import EPS, EXTREMA_ACCURACY, ROUGH_PART, VISIBLE_PART
 from ...linalg.blocks import block_slices
-from ...linalg.exponential.block_exponential import block_states
+from ...linalg.exponential import block_states
 from ...signals.bohl import BohlFunction
 from ...signals.inputs import step
 

@@ -17,8 +17,7 @@ import numpy as np
 from ...ground.checks import real_array, real_number, whole_number
 from ...ground.errors import SingularPolynomialMatrix
 from ...ground.tolerances import EPS, PROVED_ACCURACY
-from ...signals.bohl import BohlFunction
-from ...signals.restarts import Restarts
+from ...signals.bohl import BohlFunction, Restarts
 from ..events import Event, without_zeros
 from .defect import Defect
 
