@@ -20,8 +20,7 @@ from ..ground.files import LARGEST_FILE, checked_file, damaged, read_isolated, r
 from .universal import UNIVERSAL
 
 # Columns of numbers in a text file: comma, semicolon, tab or blanks between them, header lines and comments above them.
-## The first line of numbers decides which sign separates the columns. A decimal comma is read where the comma does not separate.
-
+# The first line of numbers decides which sign separates the columns. A decimal comma is read where the comma does not separate.
 
 COMMENTS = ("#", "%", "!", "//")
 SEPARATORS = {";": "semicolons", "\t": "tabs", ",": "commas", None: "blanks"}
@@ -232,8 +231,7 @@ def _wrong_line(path: Path, number: int, line: str, separator: str | None, more:
 
 
 # Matrices in files, read as data and never as code; sparse matrices in files stay sparse.
-## NumPy .npy and .npz, scipy.sparse .npz, Matrix Market .mtx, MATLAB .mat, Nastran OUTPUT4 .op4, and text with columns of numbers.
-
+# NumPy .npy and .npz, scipy.sparse .npz, Matrix Market .mtx, MATLAB .mat, Nastran OUTPUT4 .op4, and text with columns of numbers.
 
 LARGEST_SIDE = 5000  # rows or columns of an array: 200 MB as float64
 LARGEST_SPARSE_SIDE = 5_000_000  # of a sparse matrix, whose file has at most LARGEST_FILE bytes

@@ -171,7 +171,6 @@ def _from_wav(path: Path, column: int | str) -> Samples:
 
 # Records of ground motion: PEER (.AT2, .VT2, .DT2), K-NET and KiK-net, and the DYNA files of ESM and ITACA, all text.
 
-
 GAL = 0.01  # m/s^2
 HEADER_LINES = 80  # in which a format is recognized; DYNA has 64
 

@@ -181,7 +181,6 @@ def dataset_of(times: np.ndarray, curves: Sequence[Curves], arrays: Mapping[str,
 
 # Exports of responses to other programs: labelled tables of xarray and pandas, trajectories with units, files.
 
-
 #: Kinds of trajectories: x, x', x''.
 RATES = DERIVATIVES[:3]
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 # H(i w) of K + C s + M s^2 with symmetric K and M > 0 as a sum over modes, for many lines of full matrices.
-## The undamped modes, K phi = M phi w^2, are coordinates in which the equations are graded by their frequencies; the damped modes are
+# The undamped modes, K phi = M phi w^2, are coordinates in which the equations are graded by their frequencies; the damped modes are
 # eigenvectors in these. Their errors are relative to each frequency, not to the largest, which those of eigenvalues of A(s) itself are.
 
 
@@ -47,16 +47,7 @@ class ModalSum:
 
     @classmethod
     def of(cls, coefficients, inputs, outputs) -> ModalSum | None:
-        """The modal sum, or None where the matrices do not have that form.
-
-        Args:
-            coefficients: K, C, M, shape (3, r, r), K real or complex.
-            inputs: B, shape (r, m).
-            outputs: C, shape (p, r).
-
-        Returns:
-            The sum.
-        """
+        """The modal sum, or None where the matrices do not have that form."""
         if len(coefficients) != 3 or any((matrix != matrix.T).any() for matrix in (coefficients[0], coefficients[2])):
             return None
         K, C, M = coefficients
@@ -80,14 +71,7 @@ class ModalSum:
         return cls(poles, np.hstack([outputs @ modes / w, np.zeros(outputs.shape)])[:, place] @ right, back)
 
     def values(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The sum, and the scales of its errors, both of shape (p, m, S).
-
-        Args:
-            s: shape (S,).
-
-        Returns:
-            Values and sizes.
-        """
+        """The sum, and the scales of its errors, both of shape (p, m, S)."""
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             inverse = 1 / np.subtract.outer(s, self.poles)
             size = np.abs(inverse)
@@ -108,7 +92,6 @@ def largest_nearby(values: np.ndarray, places: np.ndarray, rank: np.ndarray) -> 
 
 
 # Frequency response H(i w) = (i w)^p C A(i w)^-1 B with an error estimate of every entry, its poles, residues and polynomial part.
-
 
 #: Number of lines from which poles and residues of a full A(s) take less time than solutions at all lines.
 SUM_LINES = 320

@@ -19,14 +19,13 @@ from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .pole_residue_form import PoleResidueForm
 
 # A(i w) X = B for many lines w at once, with an error estimate of every entry of C X.
-## The pattern of A(s) = A_0 + A_1 s + ... is eliminated once, in an order that SuperLU chooses at one line (fill-reducing columns,
+# The pattern of A(s) = A_0 + A_1 s + ... is eliminated once, in an order that SuperLU chooses at one line (fill-reducing columns,
 # rows by threshold pivoting), with vectors over the lines in the place of numbers. An elimination of that kind has a small error
 # entry by entry: of a chain in its stop band every digit is kept, where a sum of modes cancels. What the order loses at other lines
 # is seen in the residual; those lines get an order of their own, in the end LAPACK's pivoting. Lines whose estimate is still too
 # large are refined with residuals in extended precision (Wilkinson 1963; Skeel 1980).
-## The estimate of entry (p, j) is z_p^T (|A X - B| + u (|A_0| + w |A_1| + ...) |X|)_j with C A^-1 = Z^T and u some rounding errors: the
+# The estimate of entry (p, j) is z_p^T (|A X - B| + u (|A_0| + w |A_1| + ...) |X|)_j with C A^-1 = Z^T and u some rounding errors: the
 # first-order bound of the errors by residuals and by relative errors of every entry of every coefficient.
-
 
 #: Number of complex entries of factors and vectors computed at once; and the least number of lines.
 CHUNK, LEAST = 1 << 21, 64
@@ -73,15 +72,7 @@ class StructuredSolver:
     """C A(i w)^-1 B by elimination along the pattern of A(s)."""
 
     def __init__(self, coefficients, inputs, outputs, sizes=None):
-        """The matrices of one transfer function.
-
-        Args:
-            coefficients: A_0 ... A_q, shape (q + 1, r, r), real or complex.
-            inputs: B, shape (r, m).
-            outputs: C, shape (p, r), real or complex.
-            sizes: of the terms of which the coefficients are sums, shape (q + 1, r, r); their moduli by default. Coefficients of larger
-                sizes are known to rounding errors of these, which no refinement removes.
-        """
+        """The matrices of one transfer function."""
         coefficients = np.asarray(coefficients)
         scaling = joint_scaling(np.abs(coefficients))
         self.time = scaling.time
@@ -113,16 +104,7 @@ class StructuredSolver:
         return self._factors(float(np.max(omega) / self.time)) is not None
 
     def solve(self, omega: np.ndarray, accuracy: float = LINE_ACCURACY, with_solutions: bool = False) -> Lines:
-        """Values and errors at these angular frequencies.
-
-        Args:
-            omega: w in rad/s, shape (F,), in extended precision where it is known so.
-            accuracy: lines with a larger relative estimate are solved again, pivoted, and refined.
-            with_solutions: also return A(i w)^-1 B.
-
-        Returns:
-            The lines.
-        """
+        """Values and errors at these angular frequencies."""
         nu = np.asarray(omega) / self.time
         p, m, F = len(self.outputs), self.inputs.shape[1], len(nu)
         values, errors = np.zeros((p, m, F), dtype=complex), np.full((p, m, F), np.inf)
@@ -523,11 +505,7 @@ class Harmonic:
         return StructuredSolver(self.coefficients, self.inputs, self.outputs, self.sizes)
 
     def check(self, frequencies: np.ndarray) -> None:
-        """Raise an InputError for frequencies beyond the range of the computation.
-
-        Args:
-            frequencies: in Hz, shape (F,).
-        """
+        """Raise an InputError for frequencies beyond the range of the computation."""
         highest = frequencies.max(initial=0.0)
         if self.left_out is not None and highest >= self.left_out.highest_hz:
             raise InputError(

@@ -75,18 +75,7 @@ class Replacements:
         self._places: dict[Path, Path] = {}
 
     def temporary(self, path: Path, mark: str = "") -> Path:
-        """The temporary path of a file that replaces the target at the end.
-
-        Args:
-            path: path of the target.
-            mark: the name of a file by which a folder is recognized as one that may be replaced, of formats that are folders.
-
-        Returns:
-            The path.
-
-        Raises:
-            IsADirectoryError: the target is a directory, without the mark.
-        """
+        """The temporary path of a file that replaces the target at the end."""
         if path.is_dir() and not (mark and (path / mark).exists()):  # checked here, before the first files are replaced
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
         temporary = path.with_name(f".{path.name}.{threading.get_ident()}.{os.getpid()}")  # threads may write the same files
@@ -123,7 +112,6 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 # Readers that may crash, never end or exhaust memory on damaged files, run in a separate Python process with limits.
-
 
 #: Limits of a reader: seconds, and bytes of address space.
 LONGEST_READING, READING_MEMORY = 60, 8 << 30

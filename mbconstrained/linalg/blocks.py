@@ -19,10 +19,9 @@ from .precise import of_kind
 from .scaling import balancing_units
 
 # A real Schur form turned into a block diagonal one, with the condition of the decoupling bounded.
-## The leading block is decoupled from the rest by a Sylvester equation. Where that would need a transformation
+# The leading block is decoupled from the rest by a Sylvester equation. Where that would need a transformation
 # with large entries, the zero nearest to the block is swapped in and it is tried again (Bavely and Stewart
 # 1979). Close or defective zeros therefore end up together in one block, a cluster.
-
 
 #: Largest number of entries computed at once (bounds the memory used).
 CHUNK_ENTRIES = 2_000_000
@@ -262,13 +261,12 @@ def _swap(T, basis, inverse, start, source, target) -> bool:
 
 
 # A real matrix decoupled by its eigenvectors: blocks of size one and two, where its eigenvalues are well separated.
-## The eigenvectors x_i and the rows y_i of their inverse give each zero once more as y_i S x_i (Rayleigh's quotient), its error
+# The eigenvectors x_i and the rows y_i of their inverse give each zero once more as y_i S x_i (Rayleigh's quotient), its error
 # the square of theirs: rounding of the QR algorithm grows with the size of S, that of the quotient with that of S x_i. The states are
 # measured in units that balance S. How well an eigenvalue is separated from the others is measured by the sum of |y_i| |x_i| over its
 # states (its condition for small relative errors of S, after Skeel 1979), which no unit of theirs enters. Zeros may be well known,
 # and their vectors hardly independent: where one of two like parts is coupled one way to the other. The modes are huge then, and
 # cancel.
-
 
 #: Number of vectors processed at once.
 COLUMNS = 32

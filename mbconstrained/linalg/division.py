@@ -121,10 +121,9 @@ def _condition(matrix: np.ndarray) -> float:
 
 
 # Sums, products and quotients of float64 matrices in double the precision, for differences of nearly equal terms.
-## A product of matrices is a sum of products of slices of its factors, each exact in float64 (Ozaki, Ogita, Oishi and Rump 2012), and
+# A product of matrices is a sum of products of slices of its factors, each exact in float64 (Ozaki, Ogita, Oishi and Rump 2012), and
 # their sum has an error term of its own (Knuth). A quotient is refined once by its residual (Wilkinson): what cancels in it to a
 # rounding error of its terms is then known to as many digits as were left out.
-
 
 #: Slices of a factor: three hold all 53 bits, and 16 more of entries smaller than the largest of their row.
 SLICES = 3

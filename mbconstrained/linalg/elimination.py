@@ -16,11 +16,10 @@ from ..ground.tolerances import EPS
 from .arrays import Matrix, entries
 
 # Order of elimination of the coordinates of a symmetric matrix with little fill-in, and the entries of each elimination.
-## The coordinates with the fewest neighbours are next (minimum degree: Tinney and Walker 1967; George and Liu 1981, chapter 5), as many
+# The coordinates with the fewest neighbours are next (minimum degree: Tinney and Walker 1967; George and Liu 1981, chapter 5), as many
 # as are not neighbours of each other together (Liu 1985); the neighbours of each become neighbours of each other, its front. A chain
 # or a tree has fronts of one coordinate, a ring and a ladder of two, a beam of three. With fronts twice as wide very many can be
 # eliminated together.
-
 
 #: Wider fronts are not worth it, and those of more than one coordinate only where there are so many coordinates for each of theirs:
 #: else LAPACK's QR algorithm (geev) is as fast (measured: ladders from 250 coordinates, bands of 3 from 350, of 6 from 550).
@@ -266,7 +265,6 @@ def _without_repetition(places: np.ndarray) -> list[tuple[np.ndarray, np.ndarray
 
 
 # Symmetric P(s) = M s^2 + C s + K of sparse topology, a chain, a tree, a ring, a ladder or a beam, by its entries.
-
 
 #: What is cut off is near this part of the whole: two halves of a uniform chain would have the same zeros.
 PART = 0.45

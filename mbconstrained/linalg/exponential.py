@@ -14,9 +14,8 @@ from ..ground.tolerances import CLUSTER_DEGREE, EPS, MODERATE_EXPONENT
 from .blocks import CHUNK_ENTRIES, block_eigenvalues, block_slices
 
 # e^{a t} cos w t and e^{a t} sin w t for many pairs a +- i w at many times, only the requested ones.
-## For many even times they are computed from few: of t = T + tau, T on a coarse grid and tau on a fine one, by the sine and cosine of
+# For many even times they are computed from few: of t = T + tau, T on a coarse grid and tau on a fine one, by the sine and cosine of
 # a sum, so that the square root of the number of times is all that is evaluated.
-
 
 #: From this number of values on, those at even times are products of fewer, and decayed ones are left out; for few rows this many
 #: less.
@@ -224,10 +223,9 @@ def even_step(times: np.ndarray) -> float | None:
 
 
 # e^{J t} v for blocks J of one size, each a cluster of close or defective eigenvalues, all at once.
-## Each is shifted by the mean of its zeros, which leaves a small, nearly nilpotent rest whose Taylor series ends quickly; what is left
+# Each is shifted by the mean of its zeros, which leaves a small, nearly nilpotent rest whose Taylor series ends quickly; what is left
 # of its size is halved away and squared back (Moler and Van Loan 2003, method 3). At 1000 times a block of size four takes 4 ms,
 # with SciPy's exponential 500 ms, which also loses digits on triangular matrices with close diagonal entries.
-
 
 #: Up to so many doublings the Taylor polynomial is applied to the vectors, 2^doublings times; beyond that it is
 #: cheaper to square the matrices.
@@ -449,9 +447,8 @@ def _taylor_exponential(rest, shift, times, doublings) -> np.ndarray:
 
 
 # e^{J t} v for a block diagonal J at many times, without stepping from one time to the next.
-## Blocks of size one and two have a formula; for larger ones, clusters of close or defective zeros, see
+# Blocks of size one and two have a formula; for larger ones, clusters of close or defective zeros, see
 # ``linalg.exponential``.
-
 
 #: Clusters are taken together in arrays of at most so many states.
 CLUSTERED_AT_ONCE = 1 << 17

@@ -15,9 +15,9 @@ from .precise import floats, is_precise, magnitude, midpoints, of_kind, precise,
 from .scaling import equilibration
 
 # Arrays with an estimate of the rounding errors of each entry, propagated through sums and products.
-## Noise adds in quadrature, as independent errors do: bounds by absolute values would grow with every step of a
+# Noise adds in quadrature, as independent errors do: bounds by absolute values would grow with every step of a
 # staircase by more than the errors themselves, and call regular matrices singular.
-## Gaussian elimination with these errors serves rank decisions (``rank``) and rows in a given order. Exact zeros stay zero,
+# Gaussian elimination with these errors serves rank decisions (``rank``) and rows in a given order. Exact zeros stay zero,
 # and ratios of small whole numbers are exact, where orthogonal factors would fill them with rounding errors. A sparse kernel for
 # large models is ``mechanics.sparse.pencil``.
 
@@ -178,12 +178,11 @@ def reduce_in_order(
 
 
 # Rank decisions against accumulated rounding noise, with their evidence.
-## A matrix is reduced by Gauss's elimination with complete pivoting while the noise of every entry is
+# A matrix is reduced by Gauss's elimination with complete pivoting while the noise of every entry is
 # carried along. What is left when all remaining entries are no larger than their noise is zero, and the pivots
 # so far are the rank. Elimination, not orthogonal factors: exact zeros and ratios of the data stay exact, and a
 # small entry that is known accurately (a light mass) is not lost next to large ones. The connected components of the
 # pattern of nonzeros are decided separately, those of a single entry all at once.
-
 
 #: Below this size the elimination is as fast as asking whether it is needed.
 SMALL = 24

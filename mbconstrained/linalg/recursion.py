@@ -1,4 +1,4 @@
-"""From one time to the next: recursions with a block diagonal exponential, and powers of e^{S h} without decomposition."""
+"""Recursions from one time to the next with a block diagonal exponential, and powers of e^{S h} without decomposition."""
 
 from __future__ import annotations
 
@@ -18,10 +18,9 @@ from .exponential import BlockGroups, block_states
 from .tree_modes import ResidueModes
 
 # Linear recursions with a block diagonal exponential: from one time to the next, all blocks of a size at once.
-## The steps are taken in groups, the same step of all groups at once (a scan in two passes, Blelloch 1990): first every group from
+# The steps are taken in groups, the same step of all groups at once (a scan in two passes, Blelloch 1990): first every group from
 # rest, for what it gains; from one group to the next by the exponential of its whole duration; then every group again from its true
 # start. So a record of ten thousand samples takes some hundred operations on long arrays.
-
 
 #: Fewer steps are taken one by one.
 FEW_STEPS = 64
@@ -232,15 +231,7 @@ class ModalBasis:
         return np.concatenate([coordinates[self.single], first - 1j * turned]), coordinates[self.rest]
 
     def states(self, scalars: np.ndarray, rest: np.ndarray) -> np.ndarray:
-        """w of z and the rest of y, shape (n,).
-
-        Args:
-            scalars: z, shape (p,).
-            rest: the rest of y.
-
-        Returns:
-            Shape (n,).
-        """
+        """w of z and the rest of y, shape (n,)."""
         single, pairs = np.split(scalars, [len(self.single)])
         y = np.empty(len(self.single) + 2 * len(self.first) + len(self.rest))
         y[self.single], y[self.first], y[self.rest] = single.real, pairs.real, rest
@@ -248,15 +239,7 @@ class ModalBasis:
         return self.decoupled.modal_output(eye_array(len(y), format="csr")) @ y
 
     def modal_output(self, output: Matrix, order: int = 0) -> tuple[np.ndarray, np.ndarray]:
-        """The derivative of this order of output @ w: factors of real and imaginary parts of z in turn, and of the rest of y.
-
-        Args:
-            output: shape (r, n).
-            order: order of the derivative.
-
-        Returns:
-            Shapes (r, 2 p) and (r, rest).
-        """
+        """The derivative of this order of output @ w: factors of real and imaginary parts of z in turn, and of the rest of y."""
         result = self.decoupled.modal_output(output)
         second, (own, coupling) = result[:, self.first + 1], self.turn.T
         pairs = result[:, self.first] - second * (own / coupling) + 1j * (second * (self.frequency / coupling))
@@ -271,11 +254,10 @@ class ModalBasis:
 
 
 # Values at even times by powers of e^{S h}, without decomposition: the cheapest method for one motion, free or under a record.
-## e^{S h} is SciPy's (Al-Mohy and Higham 2009), S balanced before. Its power for w steps takes w states at once w steps further.
-## Under a record z_(j+1) = E z_j + D v_j and L steps are taken at once: P z_(gL + i) = P E^i z_(gL) + P E^(i-1) D v_(gL) + ...
+# e^{S h} is SciPy's (Al-Mohy and Higham 2009), S balanced before. Its power for w steps takes w states at once w steps further.
+# Under a record z_(j+1) = E z_j + D v_j and L steps are taken at once: P z_(gL + i) = P E^i z_(gL) + P E^(i-1) D v_(gL) + ...
 # + P D v_(gL + i - 1), the same matrix for every group of steps, so one product of matrices gives all of them; from one group to the
 # next by E^L. Only rows of z that P uses are computed.
-
 
 #: Number of states evaluated at once, in parts of their own number.
 CHUNK = 512
@@ -307,16 +289,7 @@ class Propagator:
         return self._units[:, None] * self._step_matrix / self._units
 
     def values(self, output: Matrix, start: np.ndarray, count: int) -> np.ndarray:
-        """output @ e^{S k h} start for k = 0 ... count - 1.
-
-        Args:
-            output: shape (r, n), dense or sparse.
-            start: v, shape (n,), or (n, m), as many starts at once.
-            count: number of times.
-
-        Returns:
-            Shape (r, count), or (r, count, m).
-        """
+        """output @ e^{S k h} start for k = 0 ... count - 1."""
         states, rows, matrix = (
             (start.reshape(len(start), -1).T / self._units).T,
             of_like_kind(output * self._units, output),

@@ -16,11 +16,10 @@ from .blocks import BlockDiagonal, decoupled
 from .division import condition, congruence, exact_row_sums
 
 # Undamped modes refined: K Phi = M Phi diag(k), Phi^T M Phi = I, to rounding errors of each k, not of the largest.
-## A symmetric eigenproblem leaves errors of eps times the largest k in all others: of a beam of 30 elements nine digits of the slowest
+# A symmetric eigenproblem leaves errors of eps times the largest k in all others: of a beam of 30 elements nine digits of the slowest
 # motion. With S = X^T K X and R = I - X^T M X of approximate shapes X, computed with twice the digits, one step
-## k_j = S_jj / (1 - R_jj),    E_ij = (S_ij + k_j R_ij) / (k_j - k_i),    E_jj = R_jj / 2,    Phi = X (I + E)
-## squares the error (Ogita and Aishima 2018).
-
+# k_j = S_jj / (1 - R_jj),    E_ij = (S_ij + k_j R_ij) / (k_j - k_i),    E_jj = R_jj / 2,    Phi = X (I + E)
+# squares the error (Ogita and Aishima 2018).
 
 #: Most steps.
 STEPS = 5
@@ -65,11 +64,10 @@ def _combined(S: np.ndarray, units: np.ndarray, mixed: np.ndarray) -> np.ndarray
 
 
 # M x'' + C x' + K x = 0 with M, K symmetric, M positive definite, decoupled by one symmetric eigenproblem of half the size.
-## With Phi^T M Phi = I and Phi^T K Phi = diag(k_i) the motion is sum of phi_i eta_i, eta_i'' + c_i eta_i' + k_i eta_i = 0, where
+# With Phi^T M Phi = I and Phi^T K Phi = diag(k_i) the motion is sum of phi_i eta_i, eta_i'' + c_i eta_i' + k_i eta_i = 0, where
 # C = 0 or Phi^T C Phi is diagonal (proportional damping: Caughey and O'Kelly 1965). Each k_i is found once more from its vector,
 # in a form in which nothing of a slow motion cancels next to a stiff one:
-## phi^T K phi = sum over i of (sum of row i) phi_i^2 - sum over i < j of K_ij (phi_i - phi_j)^2.
-
+# phi^T K phi = sum over i of (sum of row i) phi_i^2 - sum over i < j of K_ij (phi_i - phi_j)^2.
 
 #: Where a matrix has at most so many entries in a row the differences of coordinates are taken one by one.
 FEW = 12

@@ -18,7 +18,7 @@ from .arrays import Matrix
 from .elimination import SparseQuadratic, are_worth, front_width, sparse_quadratic
 
 # A symmetric system of second order decoupled by the vectors of its coordinates, without an inverse of twice their number.
-## For symmetric M, C, K a zero s of P(s) = M s^2 + C s + K with P(s) x = 0 has x^T P(s) = 0 too. With x^T P'(s) x = 1 or -1 the states
+# For symmetric M, C, K a zero s of P(s) = M s^2 + C s + K with P(s) x = 0 has x^T P(s) = 0 too. With x^T P'(s) x = 1 or -1 the states
 # w = (x_m, x_m', x_d) are sums of (x_m, s x_m, x_d) with coefficients x^T ((s M + C) (x_m, x_d) + M x_m'), by residues of P(s)^-1
 # (Lancaster 1966, chapter 4). Half of the entries of the vectors are all that is stored.
 
@@ -121,10 +121,9 @@ def _complex(rows: np.ndarray) -> np.ndarray:
 
 
 # Simultaneous zeros of a real polynomial p, from approximate ones and p'/p, by the method of Ehrlich and Aberth.
-## Every zero takes Newton's step for p divided by the distances to all others, so that no two go to the same place (Aberth 1973; for
+# Every zero takes Newton's step for p divided by the distances to all others, so that no two go to the same place (Aberth 1973; for
 # eigenproblems Bini, Gemignani and Tisseur 2005). Zeros off the real axis are kept as pairs; near the axis each one moves on its own,
 # so that a pair can become two real zeros and two of those a pair.
-
 
 #: After so many steps what is not found is given up, after the first number where it is more than a part of all and a few.
 MANY_STEPS, STEPS, CORRECTION_PART, FEW = 20, 50, 0.1, 8
@@ -234,12 +233,11 @@ def _sorted(s: np.ndarray, paired: np.ndarray, tolerance: float) -> Zeros:
 
 
 # M x'' + C x' + K x = 0, all symmetric, of sparse topology: its eigenvalues and vectors without a large dense matrix.
-## Meant are chains, trees, rings, ladders, beams (``elimination``). Coordinates without mass have no x''. The zeros of a small model
+# Meant are chains, trees, rings, ladders, beams (``elimination``). Coordinates without mass have no x''. The zeros of a small model
 # are those of a dense generator, those of a large one are found from those of its two halves (divide and conquer: Bini, Gemignani and
 # Tisseur 2005), with all work in vectors over the zeros. A vector is that of inverse iteration, and each zero is found once more from
 # it by Newton's step for x^T P(s) x = 0 (Lancaster 1961), every row of P(s) x summed as (sum of its entries) x_i + sum over j of
 # P_ij (x_j - x_i): slow motions of a chain keep their digits so.
-
 
 #: The zeros of so many states at most are those of a dense matrix.
 DENSE = 120
@@ -279,11 +277,7 @@ class SparseTopology:
     width: int
 
     def modes(self, coordinates: np.ndarray) -> ResidueModes | None:
-        """The states (x_m, x_m', x_d) of some coordinates, coupled to no other, decoupled.
-
-        Returns:
-            None where zeros are hardly separated, or the slowest motion is lost in the rounding errors of K x.
-        """
+        """The states (x_m, x_m', x_d) of some coordinates, coupled to no other, decoupled."""
         heavy = coordinates[coordinates < self.M.shape[0]]
         C, K = (matrix[coordinates][:, coordinates] for matrix in (self.C, self.K))
         return _modes_of(self.M[heavy][:, heavy], C, K)

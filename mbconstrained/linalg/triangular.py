@@ -38,12 +38,11 @@ from .scaling import equilibration
 from .staircase import SingularPencil, split_pencil
 
 # A precise matrix turned into block diagonal form, one block for each eigenvalue, complex pair or cluster.
-## The eigenvectors are those of flint's QR algorithm, of the matrix plus a random perturbation far below every digit that counts. It
+# The eigenvectors are those of flint's QR algorithm, of the matrix plus a random perturbation far below every digit that counts. It
 # separates multiple eigenvalues by so much that the vectors are independent (Davies 2007, "approximate diagonalization"; Banks et al.
 # 2022), and each cluster is joined again through its spectral projector, in which the perturbation cancels. Where the eigenvalues span
 # more orders of magnitude than the digits resolve, all is computed with more digits. A stiff chain of 40 masses, 80 states, takes 4 s,
 # where Newton steps on arrays of ``Decimal`` took 17 s.
-
 
 INSEPARABLE = (
     "the eigenvalues of A(s) span so many orders of magnitude, and are so strongly coupled, that they cannot be separated; "
@@ -114,19 +113,7 @@ class PreciseSpectrum:
 
     @staticmethod
     def of(matrix: np.ndarray, digits: int) -> PreciseSpectrum:
-        """Eigenvalues with their vectors by flint's QR algorithm.
-
-        Args:
-            matrix: precise, shape (n, n).
-            digits: digits of the computation; the matrix is perturbed relative to its largest entry, ``PRECISE_GUARD_DIGITS`` above
-                them.
-
-        Returns:
-            Eigenvalues with their vectors.
-
-        Raises:
-            IllConditioned: there are fewer vectors than rows.
-        """
+        """Eigenvalues with their vectors by flint's QR algorithm."""
         from flint import acb_mat, arb
 
         n = len(matrix)
@@ -280,7 +267,7 @@ def _balancing_exponents(size: np.ndarray) -> np.ndarray:
 
 
 # A regular pencil s E - F with regular E as s I - T, T in real Schur form.
-## Zeros at s = 0 (rigid bodies, the drift of constraints) are split off first, by rank decisions: their part of T is
+# Zeros at s = 0 (rigid bodies, the drift of constraints) are split off first, by rank decisions: their part of T is
 # nilpotent to the last bit, however stiff the rest is. E^-1 F is never formed from an ill-conditioned E: next
 # to fast zeros it has entries so large that rounding errors of its eigenvalues swamps the slow ones. The QZ algorithm
 # works on the equilibrated pencil instead, where a zero lambda suffers a relative error of about

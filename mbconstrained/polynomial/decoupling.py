@@ -19,7 +19,7 @@ from ..linalg.triangular import triangular_form
 from .coefficients import PolynomialCoefficients
 
 # A(s) as a first-order pencil s E - F with states x, x', ..., x^(q-1), in scaled units.
-## E = diag(I, ..., I, A_q), F = [[0, I, ..., 0], ..., [-A_0, ..., -A_(q-1)]] is a strong linearization: it has the
+# E = diag(I, ..., I, A_q), F = [[0, I, ..., 0], ..., [-A_0, ..., -A_(q-1)]] is a strong linearization: it has the
 # finite and the infinite elementary divisors of A(s), and its solutions from values at 0- are those of
 # A(d/dt) x = f exactly, impulses included, because every row but the last only states that the next state is
 # the derivative of the one before.
@@ -80,11 +80,7 @@ class ScaledCompanion:
 
     @cached_property
     def split(self) -> SplitPencil:
-        """The finite and the infinite part.
-
-        Raises:
-            SingularPencil: det A(s) = 0 for every s.
-        """
+        """The finite and the infinite part."""
         return split_regular(*self.pencil)
 
     def scaled_stack(self, initial: np.ndarray) -> np.ndarray:
@@ -148,7 +144,7 @@ def known_coefficient(A: PolynomialCoefficients, power: int) -> Noisy:
 
 
 # The companion pencil decoupled into s I - T (finite, T in real Schur form) and s N - I (infinite).
-## With P (s E - F) Q = diag(s I - T, s N - I) the inverse of A(s) is read off the first r rows of Q and the last
+# With P (s E - F) Q = diag(s I - T, s N - I) the inverse of A(s) is read off the first r rows of Q and the last
 # r columns of P (Moysis et al., Theorem 2.8):  A(s)^-1 = C (s I - T)^-1 B - C2 (I + s N + s^2 N^2 + ...) B2,
 # all in the scaled units of the companion pencil. Values z0 at 0- enter the finite part as P_1 E z0 and the
 # infinite one as P_2 F z0 (Eqs. 43-44).

@@ -279,7 +279,6 @@ def _chains(N, noise) -> tuple[tuple[int, ...], list[RankDecision]]:
 
 # The finite and the infinite Jordan pair of A(s) in the user's units, with their evidence.
 
-
 #: The least normal number of float64.
 TINY = float(np.finfo(float).tiny)
 

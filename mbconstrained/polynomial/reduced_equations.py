@@ -66,7 +66,7 @@ from ..linalg.symmetric import SymmetricModes, may_be_wide, modes_of_wide_spread
 from ..linalg.tree_modes import ResidueModes, SparseTopology, sparse_topology
 
 # Zeros at s = 0 that follow exactly from A(s): rows without stiffness.
-## A row i of M x'' + C x' + K x with K_i = 0 conserves p_i = M_i x' + C_i x, and one with C_i = 0 too lets q_i = M_i x grow with it,
+# A row i of M x'' + C x' + K x with K_i = 0 conserves p_i = M_i x' + C_i x, and one with C_i = 0 too lets q_i = M_i x grow with it,
 # q_i' = p_i: a free mass, the drift of a constraint at velocity or acceleration level. Of the states w these numbers are z = L w
 # with L S = J L, where J has blocks [0] and [[0, 1], [0, 0]] and nothing is rounded. They take the place of as many states, and the
 # others are decoupled from them by a linear equation: S has no more zeros at 0 where the matrix of the rows' lowest coefficients,
@@ -375,9 +375,8 @@ def _whole(result: np.ndarray) -> np.ndarray:
 
 
 # A directly reducible A(s) as first-order equations w' = S w + ..., and S decoupled; ``polynomial.direct_reduction`` creates them.
-## M x_m'' + C (x_m', x_d') + K (x_m, x_d) = right sides, the states w = (x_m, x_m', x_d). What nothing couples is decoupled each for
+# M x_m'' + C (x_m', x_d') + K (x_m, x_d) = right sides, the states w = (x_m, x_m', x_d). What nothing couples is decoupled each for
 # itself, and what rows without stiffness conserve separately from all else, so that zeros at s = 0 are exact.
-
 
 #: Number of states decoupled at once without further structure.
 FEW_STATES = 48

@@ -31,7 +31,7 @@ from ..linalg.symmetric import refined_modes
 from .polynomial_matrix import PolynomialMatrix
 
 # Eigenvalues of A(s) = M s^2 + C s + K with right and left vectors, and their derivatives with respect to a parameter.
-## A(s)^-1 = sum over i of x_i y_i^T / (s - s_i), so that y_i^T A'(s_i) x_i = 1 and ds_i/dp = - y_i^T A_p(s_i) x_i (Lancaster 1964). Of an
+# A(s)^-1 = sum over i of x_i y_i^T / (s - s_i), so that y_i^T A'(s_i) x_i = 1 and ds_i/dp = - y_i^T A_p(s_i) x_i (Lancaster 1964). Of an
 # eigenvalue that is double with two shapes the derivatives are the eigenvalues of the matrix - Y^T A_p(s) X of its group.
 
 
@@ -56,28 +56,13 @@ class VariedSpectrum:
     noise: float
 
     def derivative_matrix(self, slope: np.ndarray) -> np.ndarray:
-        """- y_i^T A_p(s_j) x_j, shape (m, m), its diagonal the derivatives of simple eigenvalues.
-
-        Args:
-            slope: A_p, the derivatives of K, C, M, shape (3, n, n).
-
-        Returns:
-            In 1/s for each unit of p.
-        """
+        """- y_i^T A_p(s_j) x_j, shape (m, m), its diagonal the derivatives of simple eigenvalues."""
         motions = (self.right, self.velocity, self.velocity * self.values)
         zero = np.zeros_like(self.right)
         return -self.left @ sum((matrix @ motion for matrix, motion in zip(slope, motions) if matrix.any()), zero)
 
     def mapped(self, states: np.ndarray, rows: np.ndarray) -> VariedSpectrum:
-        """The vectors combined.
-
-        Args:
-            states: factor of right vectors, shape (m, m).
-            rows: factor of left vectors.
-
-        Returns:
-            The spectrum with these vectors.
-        """
+        """The vectors combined."""
         right, velocity = (matrix @ states for matrix in (self.right, self.velocity))
         return VariedSpectrum(self.values, right, velocity, rows @ self.left, self.states @ states, rows @ self.rows, self.noise)
 
@@ -87,14 +72,7 @@ class VariedSpectrum:
         return VariedSpectrum(self.values[order], right, velocity, self.left[order], states, self.rows[order], self.noise)
 
     def turned(self, slope: np.ndarray) -> tuple[VariedSpectrum, np.ndarray]:
-        """The vectors of equal eigenvalues combined so that they are limits of those for p + dp, and all couplings.
-
-        Args:
-            slope: as in ``derivative_matrix``.
-
-        Returns:
-            The spectrum, and the couplings, their diagonal the derivatives.
-        """
+        """The vectors of equal eigenvalues combined so that they are limits of those for p + dp, and all couplings."""
         coupling = self.derivative_matrix(slope)
         groups = equal_groups(self.values, self.noise)
         if not groups:
@@ -214,7 +192,7 @@ def refined_values(coefficients: Sequence[np.ndarray], values: np.ndarray, right
 
 
 # Eigenvalues followed over a parameter, through crossings and veerings.
-## Between two values of the parameter each eigenvalue is predicted from both sides at the middle, by its derivative; the assignment of
+# Between two values of the parameter each eigenvalue is predicted from both sides at the middle, by its derivative; the assignment of
 # least distance connects the branches. Where it is not clear the interval is halved. Two branches that change places are a crossing
 # where nothing couples them; coupled ones come no nearer than 2 sqrt(c_ij c_ji) |s_i - s_j| / |s_i' - s_j'|, c the couplings of the
 # first order (Leissa 1974, Perkins and Mote 1986), so that their interval is halved until they are seen to turn away from each other.
@@ -238,14 +216,7 @@ class MatrixFamily:
 
     @staticmethod
     def linear(base: np.ndarray, slope: np.ndarray) -> MatrixFamily:
-        """A_0 + p A_1 of constant matrices.
-
-        Args:
-            base, slope: A_0 and A_1, each K, C, M, shape (3, n, n).
-
-        Returns:
-            The family.
-        """
+        """A_0 + p A_1 of constant matrices."""
         return MatrixFamily(lambda p: base + p * slope, lambda p: slope, (base != 0).any(axis=0) | (slope != 0).any(axis=0))
 
     @property
@@ -439,12 +410,11 @@ def _may_veer(a: SpectrumPoint, b: SpectrumPoint, noise: float) -> bool:
 
 
 # Special values of the parameter on branches of eigenvalues: roots of a condition on s, and coalescence of two eigenvalues.
-## A break point is a defective double eigenvalue. With vectors b and c of the smallest singular value of A(s; p),
-##     [A  b; c^H  0] [x; g] = [0; 1],  [y^H  g] [A  b; c^H  0] = [0  1]
-## defines a smooth g(s, p) that is zero where A is singular, with g_s = -y^H A_s x; the break point is the zero of (g, g_s), by Newton's
+# A break point is a defective double eigenvalue. With vectors b and c of the smallest singular value of A(s; p),
+#     [A  b; c^H  0] [x; g] = [0; 1],  [y^H  g] [A  b; c^H  0] = [0  1]
+# defines a smooth g(s, p) that is zero where A is singular, with g_s = -y^H A_s x; the break point is the zero of (g, g_s), by Newton's
 # method with second derivatives from the same matrix (Griewank and Reddien 1984; Govaerts, Numerical Methods for Bifurcations of
 # Dynamical Equilibria, 2000, chapter 3). It is as well conditioned as the data, while the eigenvalues around it have half their digits.
-
 
 #: Most steps of Newton's method.
 STEPS = 30

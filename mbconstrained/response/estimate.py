@@ -33,13 +33,12 @@ from .methods.reduced_solution import FlowFunction
 from .response_notices import SolvedProblem
 
 # The error of a sum of modes to first order: the response of the equations to their residual.
-## The values C e^(J t) v, put into A(d/dt) x = f as it was given, leave a residual R e^(J t) v, and at t = 0 they differ from the start
+# The values C e^(J t) v, put into A(d/dt) x = f as it was given, leave a residual R e^(J t) v, and at t = 0 they differ from the start
 # by d. In the coordinates of the modes X of w' = S w + B f the error is the solution of
-## e' = J e + E e^(J t) v,    E = X^-1 B R,    e(0) = X^-1 d
-## (variation of constants; Hairer, Norsett and Wanner, "Solving ordinary differential equations I", I.11). E has signs: how the error of
+# e' = J e + E e^(J t) v,    E = X^-1 B R,    e(0) = X^-1 d
+# (variation of constants; Hairer, Norsett and Wanner, "Solving ordinary differential equations I", I.11). E has signs: how the error of
 # each mode grows or decays, and what was lost of the data altogether, is in it. R and d are computed with twice the digits. Rounding errors
 # of the evaluation, which no residual shows, are added as independent ones.
-
 
 #: The response to the defect of so many states is computed: 400 take a quarter of a second.
 MOST_STATES = 400
@@ -276,11 +275,11 @@ def divided_exponentials(left: np.ndarray, right: np.ndarray, t: float) -> np.nd
 
 
 # Error estimate of a response: proved, from the defect of its values, or by solutions of the problem with perturbed data.
-## The values of a small model are compared with balls of the exact engine, at each time relative to the largest value then.
-## Of a larger model that the reduced equations serve, values by modes leave a residual in the given equations, and the response to it is
+# The values of a small model are compared with balls of the exact engine, at each time relative to the largest value then.
+# Of a larger model that the reduced equations serve, values by modes leave a residual in the given equations, and the response to it is
 # their error (``methods.defect_response``); values by other methods are compared with those by modes. Nothing but the true error makes
 # this estimate large.
-## Of all others, and before the Taylor series of the start ends, the data of A(s), of the values at 0- and of the force are
+# Of all others, and before the Taylor series of the start ends, the data of A(s), of the values at 0- and of the force are
 # moved entry by entry by a unit in the last place. The largest change of the answer over a few such trials, times a safety factor, is
 # the estimate: it sees the condition of the problem and the rounding errors of the algorithm at once, for the solution and for all
 # that is derived from it.
@@ -290,7 +289,6 @@ def divided_exponentials(left: np.ndarray, right: np.ndarray, t: float) -> np.nd
 # are written, where that makes more of a difference than a free body may. The trials are seeded: the estimate is reproducible.
 # Moved data are summed up by the same rounded functions of time, so cancellation in the sum of modes enters separately, by the
 # size of its terms.
-
 
 #: Number of solved problems with perturbed data.
 TRIALS = 3

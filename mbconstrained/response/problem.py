@@ -20,7 +20,6 @@ from ..signals.inputs import zero
 
 # The initial value problem A(d/dt) x = f with validated data, and the problem with data perturbed by a rounding error.
 
-
 #: The functions that make a force.
 FORCE_FUNCTIONS = "mb.step, mb.ramp, mb.harmonic, mb.term, mb.impulse, mb.pulse, mb.sampled or mb.approximated"
 
@@ -46,20 +45,7 @@ class Problem:
 
     @classmethod
     def checked(cls, A: PolynomialMatrix, initial=None, force=None, rank_tolerance: float | None = None) -> Problem:
-        """The problem of a user's data, None standing for zeros.
-
-        Args:
-            A: the polynomial matrix, degree q, size r.
-            initial: shape (q, r).
-            force: f with r rows.
-            rank_tolerance: as in ``solve``.
-
-        Returns:
-            A ``Problem``.
-
-        Raises:
-            InputError: shapes that do not fit, values that are not finite.
-        """
+        """The problem of a user's data, None standing for zeros."""
         shape = checked_matrix(A).degree, A.size
         initial = np.zeros(shape) if initial is None else real_array(initial, "initial", shape=shape)
         return cls(A, initial, checked_force(force, A.size), rank_tolerance)

@@ -30,10 +30,9 @@ if TYPE_CHECKING:
 
 
 # Many starts or forces of one A(s): one decomposition, and a joint evaluation.
-## The motion is linear in the values at 0-: x_s = x_0 + sum over j of X_s[j] x_j, x_0 that from rest under the force and x_j that from
+# The motion is linear in the values at 0-: x_s = x_0 + sum over j of X_s[j] x_j, x_0 that from rest under the force and x_j that from
 # the j-th unit value alone. Where there are more starts than values at 0-, these are evaluated, each with its own digits just after
 # t = 0, and one product of matrices gives all motions.
-
 
 #: Products are added in parts so many times smaller than other chunks: they are still at hand in the cache.
 IN_CACHE = 16
@@ -92,12 +91,7 @@ class ManyFunctions:
         return self.shape[0] * self.shape[1]
 
     def __call__(self, times) -> np.ndarray:
-        """All functions at a time (-> shape (S, r)) or at times (T,) (-> (S, r, T)); t = 0 means 0+.
-
-        Raises:
-            InputError: negative or not finite times.
-            Overflow: a value leaves the range of float64.
-        """
+        """All functions at a time (-> shape (S, r)) or at times (T,) (-> (S, r, T)); t = 0 means 0+."""
         times = evaluation_times(times)
         values = np.empty((*self.shape, times.size))
         with np.errstate(over="ignore", invalid="ignore"), short_work(self.shape[1]):  # reported below

@@ -86,11 +86,7 @@ class Restarts:
         return Restarts(self.knots, self.states[at], self.jumps[at], self.remainders)
 
     def delayed(self, delay: float) -> Restarts:
-        """The restarts delayed by delay > 0, in s.
-
-        Raises:
-            InputError: as ``later_times``.
-        """
+        """The restarts delayed by delay > 0, in s."""
         first = 0 if self.jumps[:, 0].any() else 1  # without the knot 0 of a function that is delayed already
         knots = self.knots[first:]
         later, nothing = later_times(knots, delay, self.gaps[first:]), np.zeros((len(self.states), 1))
@@ -102,15 +98,7 @@ class Restarts:
         return _restarts(moments, *(np.hstack([nothing, values[:, first:]]) for values in (self.states, self.jumps)))
 
     def on(self, blocks: Sequence[np.ndarray], moments: np.ndarray) -> Restarts:
-        """The restarts of the same function at more knots.
-
-        Args:
-            blocks: the diagonal blocks of J.
-            moments: the new knots with their remainders, its own included, as ``moments``; shape (K,).
-
-        Returns:
-            Restarts with K knots.
-        """
+        """The restarts of the same function at more knots."""
         own = self.moments
         if np.array_equal(moments, own):
             return self
@@ -174,7 +162,7 @@ def later_times(times: np.ndarray, delay: float, gaps: np.ndarray | float = 0.0)
 
 
 # Bohl functions f(t) = C e^{J t} v: sums of t^k e^{a t} (cos w t, sin w t).
-## A function that starts, stops or changes later is piecewise: the state e^{J t} v restarts at given times.
+# A function that starts, stops or changes later is piecewise: the state e^{J t} v restarts at given times.
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -601,7 +589,6 @@ def _combined(coefficients, first, vectors, units) -> np.ndarray:
 
 
 # Sums of Bohl functions: summands with the same generator share their states where possible.
-
 
 #: Vectors whose entries agree to so many binary digits are compared; those that have one direction share their states.
 COMPARED_DIGITS = 48

@@ -15,7 +15,7 @@ from ..ground.tolerances import EPS
 from .bohl import BohlFunction, later_times
 
 # Exact descriptions of inputs: the numbers that the user gave, before any rounding, for ``mbconstrained.exact``.
-## The coefficients of v t^3 / 3! and of v cos(w t + p) are rounded when they become a Bohl function, and so are its states at
+# The coefficients of v t^3 / 3! and of v cos(w t + p) are rounded when they become a Bohl function, and so are its states at
 # later knots. The numbers of the description are not.
 
 

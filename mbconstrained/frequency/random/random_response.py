@@ -30,9 +30,8 @@ if TYPE_CHECKING:
 
 
 # Rates, extremes and fatigue of a stationary Gaussian process, from its spectral moments m_k = integral of f^k G(f) df.
-## Sources: Rice, Bell System Technical Journal 24 (1945); Davenport, Proc. Institution of Civil Engineers 28 (1964); Dirlik, thesis, University of
+# Sources: Rice, Bell System Technical Journal 24 (1945); Davenport, Proc. Institution of Civil Engineers 28 (1964); Dirlik, thesis, University of
 # Warwick (1985), as quoted by Bishop and Sherratt, Finite Element Based Fatigue Calculations (2000).
-
 
 METHODS = ("dirlik", "narrow-band")
 
@@ -138,10 +137,10 @@ def _root_of_ratio(above: np.ndarray, below: np.ndarray) -> np.ndarray:
 
 
 # Random inputs transformed to independent ones: coherent inputs of one shape are combined, filters become equations.
-## Inputs whose spectra are proportional and whose coherences are real have S = G(f) L L^T: B L replaces B, and terms
+# Inputs whose spectra are proportional and whose coherences are real have S = G(f) L L^T: B L replaces B, and terms
 # that cancel are exactly zero. Filtered noise u = n(s) q, d(s) q = w has a white input w in the equations
-##     [[A(s), -b n(s)], [0, d(s)]],
-## so that zeros of the filter at poles of the system, and poles of the filter, are treated as all others.
+#     [[A(s), -b n(s)], [0, d(s)]],
+# so that zeros of the filter at poles of the system, and poles of the filter, are treated as all others.
 
 
 def independent_inputs(harmonic: Harmonic, spectra: SpectralMatrix) -> tuple[Harmonic, SpectralMatrix]:
@@ -218,8 +217,7 @@ def _with_filters(harmonic: Harmonic, spectra: SpectralMatrix) -> tuple[Harmonic
 
 
 # Existence of the variance of an output: poles on the axis, unstable poles, direct paths of white noise, slow decay.
-## The integral of f^k G(f) exists at infinity where the exponent of f is below -1, and at a pole on the axis where the spectrum vanishes fast enough.
-
+# The integral of f^k G(f) exists at infinity where the exponent of f is below -1, and at a pole on the axis where the spectrum vanishes fast enough.
 
 #: The exponent of a spectrum at zero frequency is measured at this share of the frequencies over which it changes.
 NEXT_TO_ZERO = 1e-2
@@ -359,7 +357,6 @@ def _numerical_decays(transfer: SpectralTransfer) -> np.ndarray:
 
 
 # The stationary response to random excitation: covariance, spectral moments, rates, extremes, fatigue.
-
 
 #: Variances of models with at most so many states squared times inputs are computed exactly: always (about 10 ms), and where their sums of residues
 #: leave a doubt (about 0.1 s).

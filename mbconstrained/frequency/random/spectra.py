@@ -137,10 +137,9 @@ class Rational:
 
 
 # One-sided power spectral densities per Hz: tables, white noise, and rational spectra of shaping filters, as pieces between corner frequencies.
-##     E[u^2] = integral from 0 to infinity of G(f) df
-## A two-sided density S per rad/s of the same process is S(w) = G(w / 2 pi) / (4 pi). Every density is analytic between its corner
+#     E[u^2] = integral from 0 to infinity of G(f) df
+# A two-sided density S per rad/s of the same process is S(w) = G(w / 2 pi) / (4 pi). Every density is analytic between its corner
 # frequencies, so that it can be evaluated at complex frequencies, where the integrals have their residues.
-
 
 #: Random quantities, and their orders of derivative of a displacement.
 KINDS = {"force": None, "displacement": 0, "velocity": 1, "acceleration": 2}

@@ -222,14 +222,13 @@ def _bilinear(coefficients: np.ndarray, X: np.ndarray, Y: np.ndarray, p: np.ndar
 
 
 # Integrals of f^k H(f) S(f) H(f)^H over all positive frequencies, in closed form near poles and exactly by Gauss's rule elsewhere.
-## The integrand is analytic between corner frequencies but for the poles of H and their mirror images. Every octave is a panel. A simple pole
+# The integrand is analytic between corner frequencies but for the poles of H and their mirror images. Every octave is a panel. A simple pole
 # f_j that is nearer to its middle than its width has the principal part
-##     r / (f - f_j) + r^H / (f - conj f_j),   r = R S(f_j) H(conj f_j)^H / (2 pi i),
-## whose integral is a logarithm and an arc tangent. What remains has no singularity within two half-widths of the middle: Gauss's rule with
+#     r / (f - f_j) + r^H / (f - conj f_j),   r = R S(f_j) H(conj f_j)^H / (2 pi i),
+# whose integral is a logarithm and an arc tangent. What remains has no singularity within two half-widths of the middle: Gauss's rule with
 # 16 nodes is exact to 3.7^-32 for it. Where principal parts cancel (near multiple poles) and near singularities of other kinds, panels are
 # halved instead: the integrand on the diagonal is positive, so that nothing cancels. Source of the principal parts: residue theorem; of the rule and its
 # error: Trefethen, Approximation Theory and Approximation Practice (2013), Theorem 19.3.
-
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 

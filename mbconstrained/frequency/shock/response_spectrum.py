@@ -19,10 +19,9 @@ from ...signals.impulsive import ExactRecord, ImpulsiveSmooth
 from .extrema import extrema, falling_root
 
 # Response of an oscillator to a record: y'' + 2 z w y' + w^2 y = a(t), a linear between samples, exact at all times.
-## In the triangular form u' = l1 u + a, y' = l2 y + u, with l1, l2 = -z w +- sqrt(z^2 - 1) w, every damping ratio is treated alike: at critical damping
+# In the triangular form u' = l1 u + a, y' = l2 y + u, with l1, l2 = -z w +- sqrt(z^2 - 1) w, every damping ratio is treated alike: at critical damping
 # the divided difference (e^{l1 h} - e^{l2 h}) / (l1 - l2) in the exponential of the step is h e^{l h}. Each recursion is a digital filter of first
 # order. Source: the ramp-invariant filter of Smallwood, Shock and Vibration Bulletin 51 (1981), here without its coefficients of second order.
-
 
 #: Steps that differ by so many units in the last place of the last time are equal.
 EQUAL = 8.0
@@ -337,7 +336,6 @@ class Oscillator:
 
 
 # Shock response spectra: the peaks of single oscillators on a base that follows a signal, over their natural frequency.
-
 
 #: Quantities as (c_0, c_1) of c_0 y + c_1 y', where -y is the displacement relative to the base.
 QUANTITIES = {

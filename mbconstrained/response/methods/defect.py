@@ -43,15 +43,7 @@ class BoundedModes:
 
     @classmethod
     def of(cls, blocks: tuple[np.ndarray, ...], v: np.ndarray) -> BoundedModes | None:
-        """Bounds of e^(J t) v.
-
-        Args:
-            blocks: diagonal blocks of J.
-            v: shape (N,).
-
-        Returns:
-            The bounds; None where a block is not quasi upper triangular, or has a pair of two real eigenvalues.
-        """
+        """Bounds of e^(J t) v."""
         if not blocks:
             return None
         zeros: list[complex] = []
@@ -105,14 +97,6 @@ class BoundedModes:
         """Y, Z, S and X, bounds of motions caused by a term E e^(J t) v.
 
         By the length of time, or by the difference of the eigenvalues: e^(T t) Y - Y e^(J t) with T Y - Y J = E.
-
-        Args:
-            E: shape (k, K), for the first rows.
-            Q: as ``spread``.
-            end: in s.
-
-        Returns:
-            Four arrays of this shape.
         """
         n = len(E)
         distance = np.abs(np.subtract.outer(self.zeros[:n], self.zeros))
@@ -139,13 +123,12 @@ def folded(matrix: np.ndarray, rows: np.ndarray | None, columns: np.ndarray) -> 
 
 
 # A bound of the error of a small model's float64 values at each time, from the defect of the functions that give them.
-## The modes give z = Z e^(J t) v, the Taylor series the solution of z' = G z; put into the equations as they were given,
+# The modes give z = Z e^(J t) v, the Taylor series the solution of z' = G z; put into the equations as they were given,
 # A(d/dt) P z - f, either leaves a residual. The response to it, and to the defect at t = 0, is the error of the answer. It is bounded
 # entry by entry in the coordinates of the modes: a coupling that was lost, whatever its size, is in the residual of its row, and grows
 # or decays with the mode that it drives. The residual is summed in extended precision where the machine has it.
-## Variation of constants (Hairer, Norsett and Wanner, "Solving ordinary differential equations I", I.11), with the bound
+# Variation of constants (Hairer, Norsett and Wanner, "Solving ordinary differential equations I", I.11), with the bound
 # |e^(J t)| <= e^(a t) Q for each block of J; what is of second order in the residual is bounded by norms.
-
 
 #: Rounding errors of a sum of modes in units of EPS, relative to the size of its terms, with and without clusters; and those of a
 #: mode for each radian.

@@ -28,12 +28,11 @@ from .finite_motion import FinitePart, driven_motion
 
 
 # Taylor series of a response just after t = 0+, and a function that uses it while it is more accurate than the modes.
-## From rest a coordinate far from the force begins like t^p, a tiny difference of modes that are not small:
+# From rest a coordinate far from the force begins like t^p, a tiny difference of modes that are not small:
 # their sum cancels, the series (``response.methods.pair_solution``) does not.
-## The series loses up to e^(2 rate t) units in the last place, where the rate bounds the growth from one
+# The series loses up to e^(2 rate t) units in the last place, where the rate bounds the growth from one
 # derivative to the next. The modal sum's loss is measured: by how much more than the noise of the series it differs
 # from it for rate t <= 1. Each row is left to the modal sum where the noise of its series exceeds that.
-
 
 #: The series serves for rate * t up to this: e^(2 rate t) times EPS is then the root of EPS, half of the digits.
 REACH = -log(EPS) / 4
@@ -253,9 +252,9 @@ def _padded_sum(one, two) -> np.ndarray:
 
 
 # Taylor series of a response at t = 0+ from its equations instead of its modes.
-## With z = Z w the pencil's staircase form reads
-##     E11 w1' = F11 w1 + F12 w2 - E12 w2' + b1,    w2 = -(b2 + N b2' + N^2 b2'' + ...)
-## and gives w1^(k+1) from w1^(k). The form results from elimination, so zeros of the structure stay zeros, and the noise
+# With z = Z w the pencil's staircase form reads
+#     E11 w1' = F11 w1 + F12 w2 - E12 w2' + b1,    w2 = -(b2 + N b2' + N^2 b2'' + ...)
+# and gives w1^(k+1) from w1^(k). The form results from elimination, so zeros of the structure stay zeros, and the noise
 # of every coefficient is computed with it.
 
 
@@ -429,16 +428,7 @@ class PairSolution:
 
     @classmethod
     def of(cls, problem: Problem, method: Method, pairs: JordanPairs) -> PairSolution:
-        """The solution of a problem from its pairs.
-
-        Args:
-            problem: A(d/dt) x = f with values at 0-.
-            method: the Jordan pairs, with the reason.
-            pairs: Jordan pairs of A(s).
-
-        Returns:
-            A ``PairSolution``.
-        """
+        """The solution of a problem from its pairs."""
         form, initial, force = pairs.form, problem.initial, problem.force
         start, later = start_of(form, initial, force), knot_jumps(form, force, len(initial))
         function, coupling = _regular_part(form, start, force, later)
@@ -446,15 +436,7 @@ class PairSolution:
         return cls(method, pairs, function, coupling, start.jump, start.impulses, later.events)
 
     def sums(self, count: int, times: np.ndarray | None = None) -> tuple[np.ndarray, list[np.ndarray], np.ndarray, float]:
-        """Rows and states whose products are the derivatives, as ``response_notices.modal_sums``.
-
-        Args:
-            count: number of derivatives.
-            times: times in place of the default ones, shape (T,).
-
-        Returns:
-            Times, rows, states and the rate of the fastest motion.
-        """
+        """Rows and states whose products are the derivatives, as ``response_notices.modal_sums``."""
         return modal_sums(self.function, count, times)
 
     @property

@@ -24,13 +24,12 @@ from ..flow import FEWEST_KNOTS, Flow
 from ..response_notices import growth_notice, modal_sums
 
 # The motion of a large linear system under a force that restarts often, a record of many samples, by its modes.
-## Between two knots x = P (e^{S tau} w + the response from rest to the force). Of the modes, each by itself and complex, e^{s tau} is a
+# Between two knots x = P (e^{S tau} w + the response from rest to the force). Of the modes, each by itself and complex, e^{s tau} is a
 # polynomial in tau on every gap, as no gap is long relative to any motion: a table of them is one product of matrices. So is the
 # response to the force, its Taylor series about the middle of the longest gap: nothing has to be separated for it, be an eigenvalue of
 # A(s) close to one of the force or not. States are kept at the knots, and values between are computed when they are requested. Of a record
 # with even samples the modes are kept at every sixteenth knot only; those at the knots between follow from these, all groups of sixteen
 # a step at once, so that memory stays near that of the answer.
-
 
 #: A gap is short where nothing turns farther within it, rate times length, and the exponential for half of it takes so many terms:
 #: 2^27 / 27! is far below EPS.
@@ -175,15 +174,7 @@ class RecordFlow:
         return modes, np.einsum("tm,tmn->tn", inputs, moved[number])
 
     def values(self, function: FunctionOfFlow, times: np.ndarray) -> np.ndarray:
-        """Values of a function of this flow, shape (r, T).
-
-        Args:
-            function: rows of the motion.
-            times: times in s, shape (T,), in any order.
-
-        Returns:
-            Shape (r, T).
-        """
+        """Values of a function of this flow, shape (r, T)."""
         if (np.diff(times) < 0).any():  # neighbours are computed together
             order = np.argsort(times)
             return self.values(function, times[order])[:, np.argsort(order)]
@@ -387,7 +378,7 @@ class EvenRecord(RecordFlow):
 
 
 # The solution of the reduced equations: its function of time, its evidence and its notices.
-## Coordinates with mass keep their values at 0-, and coordinates with dampers only keep theirs; a coordinate that an algebraic equation
+# Coordinates with mass keep their values at 0-, and coordinates with dampers only keep theirs; a coordinate that an algebraic equation
 # determines satisfies it at 0-, with its velocity, where mass or damping goes with it. All others take the values at 0+ that the
 # equations give them: they jump there without impulses, as they do where the force jumps later.
 
@@ -420,15 +411,7 @@ class ReducedSolution:
         return cls(method, FlowFunction(flow, flow.output, 0, method.evaluations), flow.jump, flow.events)
 
     def sums(self, count: int, times: np.ndarray | None = None) -> tuple[np.ndarray, list[Matrix], np.ndarray, float]:
-        """Rows and states as ``response_notices.modal_sums``; for many states evaluated by powers at 0+ only.
-
-        Args:
-            count: number of derivatives.
-            times: times in place of the default ones, shape (T,).
-
-        Returns:
-            Times, rows, states and the rate of the fastest motion.
-        """
+        """Rows and states as ``response_notices.modal_sums``; for many states evaluated by powers at 0+ only."""
         flow = self.method.flow
         if flow.reduction.is_small or self.method.evaluations == "many":
             return modal_sums(self.function.modal, count, times)
