@@ -117,7 +117,9 @@ def number_table(path: Path, header: int = 0) -> NumberTable:
             break
         above.append((number, line))
     if first is None:
-        raise InputError(f"{path.name}: found no line of numbers; expected columns of numbers between {', '.join(_words())}")
+        raise InputError(
+            f"{path.name}: found no line of numbers; expected columns of numbers between {', '.join(SEPARATORS.values())}"
+        )
     numbers, places, marks = array("d"), array("q"), set[str]()
     columns = len(_numbers(first[1], separator, marks))
     for number, line in above:
@@ -217,10 +219,6 @@ def _is_comment(line: str) -> bool:
 
 def _folded(name: str) -> str:
     return " ".join(name.casefold().split())
-
-
-def _words() -> list[str]:
-    return list(SEPARATORS.values())
 
 
 def _wrong_line(path: Path, number: int, line: str, separator: str | None, more: str = "") -> InputError:

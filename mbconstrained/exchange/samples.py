@@ -60,14 +60,6 @@ def read_samples(
 
     Read are text with columns of numbers (any ending), recordings of ground motion in the text formats of PEER (.AT2), K-NET and DYNA,
     .wav, universal files (functions of data set 58), and arrays in .npy, .npz, .mat, .mtx and .op4.
-
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder, "record.csv")
-    ...     _ = path.write_text("t (s), a (m/s^2), b\\n0, 1, 2\\n0.5, 3, 4\\n")
-    ...     record = read_samples(path, column="a")
-    >>> record.times.tolist(), record.values.tolist(), record.unit
-    ([0.0, 0.5], [1.0, 3.0], 'm/s^2')
     """
     path = checked_file(path)
     step = None if step is None else real_number(step, "step", positive=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -183,13 +183,6 @@ def dataset_of(times: np.ndarray, curves: Sequence[Curves], arrays: Mapping[str,
 
 #: Kinds of trajectories: x, x', x''.
 RATES = DERIVATIVES[:3]
-
-
-class ExportedSystem:
-    """Conversions of a mechanical system: functions of ``control.descriptor_form``, set by ``mbconstrained/__init__.py``."""
-
-    to_state_space: ClassVar[Callable[..., Any]]
-    to_dict: ClassVar[Callable[..., dict]]
 
 
 class Exported:

@@ -13,7 +13,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 
@@ -227,30 +226,8 @@ def write_functions(path: Path, times: np.ndarray, curves, geometry: Geometry, t
     _write(path, datasets)
 
 
-class ResponseValues(Protocol):
-    """Data of a frequency response for export: names, frequencies in Hz, shape (F,), values and units of each output by input."""
-
-    @property
-    def inputs(self) -> tuple[str, ...]: ...
-
-    @property
-    def outputs(self) -> tuple[str, ...]: ...
-
-    @property
-    def quantity(self) -> str: ...
-
-    @property
-    def frequencies_hz(self) -> np.ndarray: ...
-
-    @property
-    def values(self) -> np.ndarray: ...
-
-    @property
-    def units(self) -> np.ndarray: ...
-
-
-def write_frequency_responses(path: Path, response: ResponseValues, geometry: Geometry, title: str, binary: bool = True) -> None:
-    """Write frequency responses as data sets 58 of function type 4, one for each output and input."""
+def write_frequency_responses(path: Path, response, geometry: Geometry, title: str, binary: bool = True) -> None:
+    """Write the data of a ``FrequencyResponse`` as data sets 58 of function type 4, one for each output and input."""
     datasets = [*_headers(title), *geometry.datasets()]
     if len(response.frequencies_hz) < 2:
         raise InputError("frequencies_hz: found one; a function of a universal file needs at least two")

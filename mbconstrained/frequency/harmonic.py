@@ -116,14 +116,11 @@ class StructuredSolver:
             if factors is None:
                 break
             self._pass(values, errors, solutions, left, nu, factors, accuracy)
-            left = left[self._inaccurate(values, errors, left, accuracy)]
+            left = left[(errors[..., left] > accuracy * np.abs(values[..., left])).any(axis=(0, 1))]
         self._pass(values, errors, solutions, left, nu, None, accuracy)
         if solutions is not None:
             solutions *= self.columns[:, None, None]
         return Lines(values, errors, solutions)
-
-    def _inaccurate(self, values, errors, lines, accuracy) -> np.ndarray:
-        return (errors[..., lines] > accuracy * np.abs(values[..., lines])).any(axis=(0, 1))
 
     def _pass(self, values, errors, solutions, lines, nu, factors, accuracy) -> None:
         """Solve some lines in parts and keep improved values; without an order of elimination lines are pivoted and refined."""

@@ -98,11 +98,7 @@ def block_matrix(blocks: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def coupled_rows(matrix: np.ndarray) -> list[np.ndarray]:
-    """The rows of a square matrix in groups that no entry couples to each other, each ascending.
-
-    >>> [rows.tolist() for rows in coupled_rows(np.array([[1.0, 0, 2], [0, 1, 0], [0, 0, 1]]))]
-    [[0, 2], [1]]
-    """
+    """The rows of a square matrix in groups that no entry couples to each other, each ascending."""
     n = len(matrix)
     if n > MANY_ROWS:
         count, which = connected_components(compressed(matrix), directed=False)
@@ -125,9 +121,6 @@ def coupled(pattern: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """The connected components of a matrix of bools: rows that share columns, directly or through others, and these columns.
 
     Rows without any are in none. Sets of columns are kept as the bits of whole numbers.
-
-    >>> [(rows.tolist(), columns.tolist()) for rows, columns in coupled(np.array([[0, 1, 1], [0, 0, 0], [1, 0, 0], [0, 0, 1]]) > 0)]
-    [([0, 3], [1, 2]), ([2], [0])]
     """
     result: list[tuple[int, list[int]]] = []
     met = 0
@@ -193,11 +186,7 @@ def _step(T, at) -> int:
 
 
 def zeros_of(blocks: Sequence[np.ndarray]) -> np.ndarray:
-    """The zeros of diagonal blocks, of each complex pair the one above the real axis.
-
-    >>> zeros_of([np.array([[-1.0, 2.0], [-2.0, -1.0]]), np.array([[3.0]])]).tolist()
-    [(-1+2j), (3+0j)]
-    """
+    """The zeros of diagonal blocks, of each complex pair the one above the real axis."""
     result: list[complex] = []
     for block in blocks:
         if len(block) > 2:
@@ -276,9 +265,6 @@ def decoupled(matrix: Matrix, units: np.ndarray | None = None) -> BlockDiagonal:
     """inverse @ S @ basis = diag(blocks) for a real square matrix S, dense or sparse.
 
     Where an eigenvector is hardly independent of the others, by its Schur form and clusters instead (``linalg.blocks``).
-
-    >>> decoupled(np.array([[0.0, 1.0], [-4.0, 0.0]])).blocks[0].tolist()
-    [[0.0, 2.0], [-2.0, 0.0]]
     """
     if not matrix.shape[0]:
         return BlockDiagonal(*np.zeros((2, 0, 0)), (), 0.0)

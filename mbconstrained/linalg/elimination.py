@@ -149,12 +149,7 @@ class EliminationOrder:
 
 
 def elimination(size: int, ends: np.ndarray, widest: int = WIDEST, together: int = 0) -> EliminationOrder | None:
-    """Order of elimination of coordinates that are coupled in pairs by ``ends``; None where a front is wider.
-
-    >>> chain = np.array([[0, 1, 2, 3], [1, 2, 3, 4]])
-    >>> [elimination(5, chain, together=width).rounds for width in (1, 2)]
-    [(2, 2, 1), (3, 1, 1)]
-    """
+    """Order of elimination of coordinates that are coupled in pairs by ``ends``; None where a front is wider."""
     neighbours = _neighbours(size, ends)
     rounds = _rounds(neighbours, widest, together)
     if rounds is None:
@@ -206,11 +201,7 @@ def are_worth(width: int, size: int) -> bool:
 
 
 def front_width(*matrices: Matrix) -> int | None:
-    """Width of the widest front in the elimination of symmetric matrices of the same first coordinates; None above ``WIDEST``.
-
-    >>> front_width(np.eye(3), np.ones((3, 3))), front_width(np.eye(20), np.ones((20, 20)))
-    (2, None)
-    """
+    """Width of the widest front in the elimination of symmetric matrices of the same first coordinates; None above ``WIDEST``."""
     size, pairs = max(matrix.shape[0] for matrix in matrices), coupled_pairs(*matrices)
     if pairs.shape[1] > WIDEST * size:
         return None
@@ -226,11 +217,7 @@ def coupled_pairs(*matrices: Matrix) -> np.ndarray:
 
 
 def as_slice(places) -> slice | np.ndarray:
-    """Ascending numbers at even distances as a slice, which is faster, others as an array.
-
-    >>> as_slice([2, 4]), as_slice([2, 4, 5]).tolist()
-    (slice(2, 5, 2), [2, 4, 5])
-    """
+    """Ascending numbers at even distances as a slice, which is faster, others as an array."""
     places = list(places)
     gap = places[1] - places[0] if len(places) > 1 else 1
     if gap > 0 and all(following - place == gap for place, following in pairwise(places)):
@@ -361,7 +348,7 @@ class SparseQuadratic:
             near = np.bincount(rows[n:], np.abs(both), n) <= 2 * np.abs(diagonal)
             sums = diagonal.astype(np.longdouble)
             np.add.at(sums, rows[n:], both)
-            of_each.append(_scaled_rows(1.0 - near, matrix) + _diagonal(near * sums.astype(float)))
+            of_each.append(csr_array(_diagonal(1.0 - near) @ matrix) + _diagonal(near * sums.astype(float)))
             signed = np.concatenate([off_diagonal, -off_diagonal]) * near[rows[n:]]
             of_differences.append(csr_array((signed, (rows[n:], np.concatenate([each, each]))), shape=(n, len(each))))
         return (_without_zeros([*of_each, *whole[1:]]), _without_zeros(of_differences))
@@ -403,10 +390,6 @@ def _sparse_quadratic(diagonal, off_diagonal, ends, places) -> SparseQuadratic |
 
 def _diagonal(entries: np.ndarray) -> csr_array:
     return csr_array(scipy.sparse.diags_array(entries))
-
-
-def _scaled_rows(factors: np.ndarray, matrix: csr_array) -> csr_array:
-    return csr_array(_diagonal(factors) @ matrix)
 
 
 def _without_zeros(parts: list[csr_array]) -> csr_array:

@@ -45,12 +45,7 @@ class Oscillations:
     sines: np.ndarray
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
-        """The cosines, below them the sines, shape (number of both, T); denormal numbers are replaced by zero.
-
-        >>> pair = Oscillations(np.zeros(1), np.array([np.pi]), np.array([0]), np.array([0]))
-        >>> pair(np.array([0.0, 1.0])).round(12).tolist()
-        [[1.0, -1.0], [0.0, 0.0]]
-        """
+        """The cosines, below them the sines, shape (number of both, T); denormal numbers are replaced by zero."""
         step = even_step(times) if self.are_many(times) else None
         return self._each(times) if step is None else self._of_sums(times, *self._grids(times, step))
 
@@ -112,7 +107,10 @@ class Oscillations:
     def _of_sums(self, times, coarse, fine) -> np.ndarray:
         """Values by small products: (cos T, -sin T) or (sin T, cos T), by (cos tau; sin tau)."""
         result, begin = np.empty((len(self.cosines) + len(self.sines), coarse.shape[2], fine.shape[2])), 0
-        for chosen, part in ((self.cosines, _quarter_on(coarse)[:, ::-1]), (self.sines, coarse[:, ::-1])):
+        for chosen, part in (
+            (self.cosines, np.stack([-coarse[:, 1], coarse[:, 0]], axis=1)[:, ::-1]),
+            (self.sines, coarse[:, ::-1]),
+        ):
             right = fine if np.array_equal(chosen, np.arange(len(fine))) else fine[chosen]
             np.matmul(part[chosen].transpose(0, 2, 1), right, out=result[begin : begin + len(chosen)])
             begin += len(chosen)
@@ -146,12 +144,7 @@ class Lasting:
 
     @staticmethod
     def of(functions: Oscillations, coefficients: np.ndarray) -> Lasting | None:
-        """The durations; None where nothing decays.
-
-        >>> pairs = Oscillations(np.array([-1.0, -100.0]), np.array([1.0, 2.0]), np.arange(2), np.arange(0))
-        >>> Lasting.of(pairs, np.array([[1.0, 5.0]])).at(np.array([1.0, 1.1])).tolist()
-        [True, False]
-        """
+        """The durations; None where nothing decays."""
         if not (functions.growth < 0).any() or not coefficients.size:
             return None
         pairs = np.concatenate([functions.cosines, functions.sines])
@@ -175,11 +168,6 @@ class Lasting:
         return self.logarithms + largest > min(self.slowest * first, self.slowest * last)
 
 
-def _quarter_on(pairs: np.ndarray) -> np.ndarray:
-    """(-sin; cos) of (cos; sin)."""
-    return np.stack([-pairs[:, 1], pairs[:, 0]], axis=1)
-
-
 def step_of_few_rows(rows: int, pairs: int, times: np.ndarray) -> float | None:
     """h where times are even and a table of all functions at all of them is more than ``of_phasors`` needs, else None."""
     return even_step(times) if rows**2 <= len(times) and 2 * pairs * len(times) >= SEVERAL else None
@@ -189,9 +177,6 @@ def of_phasors(phasors: np.ndarray, rates: np.ndarray, times: np.ndarray, step: 
     """The real part of the sum of conj(z) e^{s t}, that is of e^{a t} (c cos w t + d sin w t) for z = c + i d, s = a + i w.
 
     At even times t = T + tau: z e^{conj(s) T} is made for the coarse ones, and one real product takes them all to the fine ones.
-
-    >>> of_phasors(np.array([[2.0 + 1.0j]]), np.array([0.5j * np.pi]), np.arange(4.0), 1.0).round(12).tolist()
-    [[2.0, 1.0, -2.0, -1.0]]
     """
     fine, decays = int(len(times) ** 0.5), rates.real.min(initial=0.0) * times[-1] < -MODERATE_EXPONENT
     coarse = np.multiply(phasors[:, None], _exponentials(rates.conj(), times[::fine], decays), order="C")
@@ -210,11 +195,7 @@ def _exponentials(rates: np.ndarray, times: np.ndarray, decays: bool) -> np.ndar
 
 
 def even_step(times: np.ndarray) -> float | None:
-    """h where times are t0, t0 + h, t0 + 2 h, ... to rounding, else None.
-
-    >>> even_step(np.array([1.0, 1.5, 2.0])), even_step(np.array([0.0, 1.0, 3.0]))
-    (0.5, None)
-    """
+    """h where times are t0, t0 + h, t0 + 2 h, ... to rounding, else None."""
     if len(times) < 2:
         return None
     step = float(times[-1] - times[0]) / (len(times) - 1)

@@ -27,10 +27,6 @@ class Noisy:
     """An array whose entries have errors of about ``noise`` (same shape, >= 0); those with noise zero are exact.
 
     The data may be float64 or precise (``linalg.precise``), the noise is always float64.
-
-    >>> product = Noisy.exact(np.array([[1.0, -1.0]])) @ Noisy.rounded(np.array([1.0, 1.0]))
-    >>> product.data, bool(product.noise[0] > 0), product.cleaned()
-    (array([0.]), True, array([0.]))
     """
 
     data: np.ndarray

@@ -27,11 +27,7 @@ FEW_STEPS = 64
 
 
 def recursion(blocks: Sequence[np.ndarray], start: np.ndarray, gained: np.ndarray, gaps: np.ndarray) -> np.ndarray:
-    """z_0 = start, z_(j+1) = e^{J h_j} z_j + g_j for J = diag(blocks), all z_j side by side, shape (n, K + 1).
-
-    >>> recursion([np.array([[-np.log(2.0)]])], np.array([8.0]), np.ones((1, 2)), np.ones(2)).round(12)
-    array([[8. , 5. , 3.5]])
-    """
+    """z_0 = start, z_(j+1) = e^{J h_j} z_j + g_j for J = diag(blocks), all z_j side by side, shape (n, K + 1)."""
     states = np.empty((len(start), len(gaps) + 1))
     states[:, 0], states[:, 1:] = start, gained
     advance(blocks, states, gaps)
@@ -51,9 +47,6 @@ def shared_gaps(knots: np.ndarray, gaps: np.ndarray | None = None) -> np.ndarray
     """The differences of ascending times, equal where they differ by rounding errors only.
 
     Not where the times would be moved by more than some units in their last place, or a difference lose half of its digits.
-
-    >>> len(np.unique(shared_gaps(np.linspace(0.0, 1.0, 1000)))), shared_gaps(np.array([0.0, 1.0, 3.0])).tolist()
-    (1, [1.0, 2.0])
     """
     gaps = np.diff(knots) if gaps is None else gaps
     order, limit = np.argsort(gaps), 4 * EPS * knots[-1]
@@ -135,13 +128,7 @@ def _from(now, gained, factors, keep: bool = False) -> np.ndarray:
 
 
 def scanned(states: np.ndarray, factors: np.ndarray) -> None:
-    """z_(j+1) = factors_j z_j + g_j for complex scalars side by side, in place: states (K + 1, p) begin as z_0, g_0, g_1, ...
-
-    >>> states = np.array([[8.0], [1.0], [1.0]], dtype=complex)
-    >>> scanned(states, np.array([[0.5 + 0j]]))
-    >>> states.ravel().real.tolist()
-    [8.0, 5.0, 3.5]
-    """
+    """z_(j+1) = factors_j z_j + g_j for complex scalars side by side, in place: states (K + 1, p) begin as z_0, g_0, g_1, ..."""
     count, p = len(states) - 1, states.shape[1]
     length = max(1, int(count**0.5))
     groups, covered = count // length, count // length * length
@@ -164,11 +151,7 @@ def scanned(states: np.ndarray, factors: np.ndarray) -> None:
 
 
 def powers(values: np.ndarray, count: int) -> np.ndarray:
-    """1, x, x^2, ..., one row for each of values (T,), shape (T, count).
-
-    >>> powers(np.array([2.0]), 5).tolist()
-    [[1.0, 2.0, 4.0, 8.0, 16.0]]
-    """
+    """1, x, x^2, ..., one row for each of values (T,), shape (T, count)."""
     result, done = np.empty((count, len(values))), 1
     result[0] = 1.0
     while done < count:
@@ -208,13 +191,7 @@ class ModalBasis:
 
     @staticmethod
     def of(decoupled: BlockDiagonal | ResidueModes) -> ModalBasis:
-        """The modal basis of a decoupled matrix.
-
-        >>> from mbconstrained.linalg.blocks import block_diagonalize
-        >>> modes = ModalBasis.of(block_diagonalize(np.array([[0.0, 2.0], [-2.0, 0.0]])))
-        >>> modes.rates.tolist(), [part.tolist() for part in modes.split(np.array([3.0, 4.0]))]
-        ([2j], [[(3-4j)], []])
-        """
+        """The modal basis of a decoupled matrix."""
         groups = BlockGroups.of(decoupled.blocks)
         turning = np.flatnonzero(groups.square < 0)
         first, w = groups.first[turning], np.sqrt(-groups.square[turning])
@@ -372,12 +349,7 @@ def cost_of_powers(size: int, count: int, turned: float) -> float:
 def values_of_steps(
     output: Matrix, step: np.ndarray, input_matrix: np.ndarray, start: np.ndarray, inputs: np.ndarray
 ) -> np.ndarray:
-    """P z_0, ..., P z_K, shape (r, K + 1).
-
-    >>> half, one = np.array([[0.5]]), np.ones((1, 1))
-    >>> values_of_steps(one, half, one, np.array([8.0]), np.ones((1, 2))).tolist()
-    [[8.0, 5.0, 3.5]]
-    """
+    """P z_0, ..., P z_K, shape (r, K + 1)."""
     used = np.flatnonzero(filled_columns(output))
     if SPARSE * entry_count(output) >= (output.shape[0] - len(used)) * len(start):
         return _values(full(output), step, input_matrix, start, inputs)
@@ -385,11 +357,7 @@ def values_of_steps(
 
 
 def best_length(rows: int, states: int, driven: int, count: int) -> int:
-    """Number of simultaneous steps, a power of two: many require products of matrices beforehand, few leave many groups.
-
-    >>> best_length(100, 200, 2, 10_000), best_length(8, 200, 2, 10_000)
-    (16, 64)
-    """
+    """Number of simultaneous steps, a power of two: many require products of matrices beforehand, few leave many groups."""
     length = (NARROW_PRODUCT * states**2 * count / (rows * (states**2 + driven * count))) ** 0.5
     return 1 << max(0, round(np.log2(max(length, 1.0))))
 

@@ -155,12 +155,7 @@ class Zeros:
 
 
 def zeros_near(newton: Callable[[np.ndarray], np.ndarray], start: np.ndarray, tolerance: float, left: float = 0.0) -> Zeros | None:
-    """As many zeros as approximate ones; None without convergence.
-
-    >>> cubic = np.polynomial.Polynomial([-6.0, 11.0, -6.0, 1.0])
-    >>> zeros_near(lambda s: cubic.deriv()(s) / cubic(s), np.array([0.5, 2.1, 4.0]), 1e-9).real.round(12).tolist()
-    [1.0, 2.0, 3.0]
-    """
+    """As many zeros as approximate ones; None without convergence."""
     pair, free = start.imag > NEAR * np.abs(start), start[np.abs(start.imag) <= NEAR * np.abs(start)]
     free = free * (1 + NEAR * 1j * (-1.0) ** np.arange(len(free)))  # real ones, too, must be able to become pairs
     s, paired = np.concatenate([start[pair], free]), np.arange(np.count_nonzero(pair) + len(free)) < np.count_nonzero(pair)

@@ -228,7 +228,9 @@ def _triangle(block: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         vector = midpoints(vector / magnitude(vector).max())
         if magnitude(product(inner, vector)).max() > PRECISE_DECOUPLING * size:
             return None
-        reflection = midpoints(vector + (-1 if float(vector[0, 0]) < 0 else 1) * _norm(vector) * own[:, :1])
+        reflection = midpoints(
+            vector + (-1 if float(vector[0, 0]) < 0 else 1) * product(vector.T, vector)[0, 0].sqrt().mid() * own[:, :1]
+        )
         H = identity.copy()
         H[k:, k:] = own - 2 / product(reflection.T, reflection)[0, 0] * product(reflection, reflection.T)
         basis = product(basis, H)
@@ -236,10 +238,6 @@ def _triangle(block: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     if magnitude(np.diag(T)).max() > PRECISE_DECOUPLING * size:
         return None
     return np.triu(floats(T), 1) + float(value) * np.eye(n), basis
-
-
-def _norm(column: np.ndarray):
-    return product(column.T, column)[0, 0].sqrt().mid()
 
 
 def _rotation(block: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:

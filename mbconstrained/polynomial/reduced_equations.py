@@ -92,11 +92,7 @@ class Conserved:
 
 
 def lowest(M: Matrix, C: Matrix, K: Matrix) -> tuple[Matrix, np.ndarray]:
-    """The lowest nonzero coefficient of each row, and its power of s, for M of shape (m, m), C and K of (m + d, m + d).
-
-    >>> lowest(np.array([[5.0]]), np.zeros((2, 2)), np.array([[0.0, 0.0], [0.0, 3.0]]))[0].tolist()
-    [[5.0, 0.0], [0.0, 3.0]]
-    """
+    """The lowest nonzero coefficient of each row, and its power of s, for M of shape (m, m), C and K of (m + d, m + d)."""
     stiff = filled_rows(K)
     if stiff.all():
         return K, np.zeros(len(stiff), dtype=int)
@@ -284,11 +280,7 @@ class Freed:
 
 
 def freed(M: Matrix, C: Matrix, K: Matrix, like: tuple[Freed, Matrix, Matrix] | None = None) -> Freed | None:
-    """The equations with those of free motions; None where there are none, or the decision is not clear.
-
-    >>> freed(np.eye(2), np.zeros((2, 2)), np.array([[1.0, -1.0], [-1.0, 1.0]])).sums
-    array([[1., 1.]])
-    """
+    """The equations with those of free motions; None where there are none, or the decision is not clear."""
     m, (M, C, K) = M.shape[0], (full(matrix).copy() for matrix in (M, C, K))
     known = _sums(M, C, K) if like is None else (like[0].sums, like[0].places, like[0].slowed, _moved_alike(like, C, K))
     if known is None:
@@ -346,10 +338,6 @@ def null_rows(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     """A basis of v A = 0, each vector 1 at an index where the others are 0, and these indices; None for an unclear rank.
 
     v A may be small instead of zero, a soft support of the body.
-
-    >>> (v,), _ = null_rows(np.array([[2.0, -2.0], [-1.0, 1.0]]))
-    >>> bool(np.isclose(v[1], 2 * v[0]))
-    True
     """
     rows, columns = equilibration(np.abs(matrix))
     Q, R, _ = scipy.linalg.qr(rows[:, None] * matrix * columns, pivoting=True)

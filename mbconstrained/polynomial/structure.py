@@ -137,11 +137,7 @@ def _quoted(names) -> str:
 
 
 def polynomial_text(coefficients: Sequence[Rational]) -> str:
-    """A polynomial in s as text, with six digits.
-
-    >>> polynomial_text((-1, 2.5, 1))
-    's^2 + 2.5 s - 1'
-    """
+    """A polynomial in s as text, with six digits."""
     text = ""
     for power, c in reversed(list(enumerate(coefficients))):
         if c:

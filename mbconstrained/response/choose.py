@@ -94,15 +94,7 @@ class Method:
 
 
 def choose(problem: Problem, request: Request = Request()) -> Method:
-    """The method for a problem.
-
-    >>> from mbconstrained.polynomial.polynomial_matrix import PolynomialMatrix
-    >>> A = PolynomialMatrix([[[4.0]], [[0.0]], [[1.0]]])
-    >>> choose(Problem.checked(A))
-    Method(modes, by eigenvectors: 2 states are few)
-    >>> choose(Problem.checked(A, rank_tolerance=1e-9))
-    Method(Jordan pairs, by the Jordan pairs: a rank tolerance is given, and the reduced equations decide no rank)
-    """
+    """The method for a problem."""
     try:
         flow = reduced_flow(problem)
     except NotReducible as condition:

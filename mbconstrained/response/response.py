@@ -34,10 +34,6 @@ if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
     from ..exact.enclosure.intervals import Enclosure
 
-OUT_OF_RANGE = (
-    "products of the data leave the range of float64, or their inverses do; choose other units, in which they are nearer to 1"
-)
-
 #: Number of coordinates named where a response is shown in one line.
 MOST_NAMES = 6
 

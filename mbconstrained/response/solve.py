@@ -119,11 +119,7 @@ class ManyFunctions:
 
 
 def _parts(count: int, each: int) -> Iterator[slice]:
-    """Slices of a number of items, each of a given number of entries, that stay below CHUNK_ENTRIES.
-
-    >>> list(_parts(5, CHUNK_ENTRIES // 3))
-    [slice(0, 3, None), slice(3, 5, None)]
-    """
+    """Slices of a number of items, each of a given number of entries, that stay below CHUNK_ENTRIES."""
     width = max(1, CHUNK_ENTRIES // max(each, 1))
     return (slice(begin, min(begin + width, count)) for begin in range(0, count, width))
 

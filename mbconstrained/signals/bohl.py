@@ -26,11 +26,7 @@ from ..linalg.exponential import AT_ONCE, BlockGroups, Lasting, Oscillations, bl
 
 
 def as_slice(numbers: np.ndarray) -> slice | np.ndarray:
-    """Consecutive whole numbers as a slice, which indexes without a copy; others unchanged.
-
-    >>> as_slice(np.array([3, 4, 5])), as_slice(np.array([3, 5, 4])).tolist()
-    (slice(3, 6, None), [3, 5, 4])
-    """
+    """Consecutive whole numbers as a slice, which indexes without a copy; others unchanged."""
     first, last = int(numbers[0]), int(numbers[-1])
     follow = last - first == len(numbers) - 1 and (np.diff(numbers) == 1).all()
     return slice(first, last + 1) if follow else numbers
@@ -130,8 +126,7 @@ class FreeRestarts(Restarts):
     blocks: Sequence[np.ndarray]
 
     def __init__(self, knots: np.ndarray, states: np.ndarray, remainders: np.ndarray | float, blocks: Sequence[np.ndarray]):
-        for name, value in (("knots", knots), ("states", states), ("remainders", remainders), ("blocks", blocks)):
-            object.__setattr__(self, name, value)
+        self.__dict__.update(knots=knots, states=states, remainders=remainders, blocks=blocks)
 
     @cached_property
     def jumps(self) -> np.ndarray:
@@ -433,7 +428,7 @@ class BohlSum(BohlFunction):
     terms: tuple[BohlFunction, ...]
 
     def __init__(self, terms: tuple[BohlFunction, ...]):
-        object.__setattr__(self, "terms", terms)
+        self.__dict__["terms"] = terms
 
     @cached_property
     def _total(self) -> tuple[np.ndarray, tuple[np.ndarray, ...], np.ndarray | Restarts]:
@@ -452,25 +447,10 @@ class BohlSum(BohlFunction):
         coefficients = np.hstack([np.zeros((self.size, 0)), *(one.coefficients for one in total)])
         return coefficients, tuple(one.block for one in total), start
 
-    @property
-    def size(self) -> int:
-        """Number of rows r of f(t)."""
-        return self.terms[0].size
-
-    @property
-    def coefficients(self) -> np.ndarray:
-        """C."""
-        return self._total[0]
-
-    @property
-    def blocks(self) -> tuple[np.ndarray, ...]:
-        """The diagonal blocks of J."""
-        return self._total[1]
-
-    @property
-    def start(self):
-        """v, or ``Restarts``."""
-        return self._total[2]
+    size = property(lambda self: self.terms[0].size)
+    coefficients = property(lambda self: self._total[0])
+    blocks = property(lambda self: self._total[1])
+    start = property(lambda self: self._total[2])
 
 
 Piece = tuple[np.ndarray, np.ndarray]

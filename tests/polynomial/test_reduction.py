@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import mbconstrained.linalg.blocks
 import numpy as np
 import pytest
 
+import mbconstrained.linalg.blocks
 import mbconstrained.polynomial.reduced_equations
 from mbconstrained.linalg.arrays import full
 from mbconstrained.linalg.blocks import block_matrix

@@ -59,11 +59,7 @@ def octave_bands(low: float, high: float) -> np.ndarray:
 
 
 def crossing_rate(moments: dict[int, np.ndarray], level=0.0) -> np.ndarray:
-    """Upward crossings of a level per second, sqrt(m_2 / m_0) e^{-level^2 / 2 m_0} (Rice).
-
-    >>> crossing_rate({0: np.array([1.0]), 2: np.array([4.0])})
-    array([2.])
-    """
+    """Upward crossings of a level per second, sqrt(m_2 / m_0) e^{-level^2 / 2 m_0} (Rice)."""
     with np.errstate(divide="ignore", invalid="ignore"):
         rate = _root_of_ratio(moments[2], moments[0]) * np.exp(-np.square(level) / (2 * moments[0]))
     return np.where(moments[0] > 0, rate, 0.0)

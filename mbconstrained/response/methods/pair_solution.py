@@ -72,11 +72,7 @@ class Series:
         return f"Series({counted(rows, 'row')}, {counted(terms, 'term')}, for 0 <= t <= {self.span:.6g} s)"
 
     def __call__(self, times) -> np.ndarray:
-        """The sum at a time (-> (r,)) or at times (T,) (-> (r, T)), none later than span.
-
-        >>> Series(2.0, np.array([[1.0, 2.0, 2.0]]), np.zeros((1, 3)))([0.0, 1.0]).tolist()  # 1 + t + t^2 / 2
-        [[1.0, 2.5]]
-        """
+        """The sum at a time (-> (r,)) or at times (T,) (-> (r, T)), none later than span."""
         return self.coefficients @ self._powers(times)
 
     def noise_at(self, times) -> np.ndarray:
@@ -259,15 +255,7 @@ def _padded_sum(one, two) -> np.ndarray:
 
 
 def taylor_series(form: WeierstrassForm, initial: np.ndarray, jump: np.ndarray, force: ImpulsiveSmooth) -> Series:
-    """The Taylor series at t = 0+ of x with A(d/dt) x = f from values at 0-.
-
-    >>> from mbconstrained import PolynomialMatrix
-    >>> from mbconstrained import zero
-    >>> A = PolynomialMatrix([[[1.0]], [[0.0]], [[1.0]]])  # x'' + x = 0 from x = 0, x' = 1
-    >>> sine = taylor_series(A.jordan_pairs().form, np.array([[0.0], [1.0]]), np.zeros((2, 1)), zero(1))
-    >>> float(sine(1e-5)[0] / np.sin(1e-5)), float(sine.coefficients[0, 2])
-    (1.0, 0.0)
-    """
+    """The Taylor series at t = 0+ of x with A(d/dt) x = f from values at 0-."""
     with np.errstate(over="ignore", invalid="ignore"):  # a row with a coefficient out of range is left to the modes
         return _with_known_values(_series(form, *scaled_data(form, initial, force), len(initial)), initial, jump)
 

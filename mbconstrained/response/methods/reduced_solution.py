@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from math import ceil
-from typing import Protocol
+from operator import attrgetter
 
 import numpy as np
 
@@ -55,18 +55,6 @@ KEPT = 2_000_000
 
 #: Number of groups computed at once.
 TOGETHER = 64
-
-
-class FunctionOfFlow(Protocol):
-    """The derivative of some order of place @ z of a flow, output @ z."""
-
-    place: Matrix
-    order: int
-    output: Matrix
-
-    def alone(self, flow: Flow) -> FunctionOfFlow: ...
-
-    def _values(self, times) -> np.ndarray: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,7 +161,7 @@ class RecordFlow:
             modes = modes + column[:, None] * gains[number]
         return modes, np.einsum("tm,tmn->tn", inputs, moved[number])
 
-    def values(self, function: FunctionOfFlow, times: np.ndarray) -> np.ndarray:
+    def values(self, function: FlowFunction, times: np.ndarray) -> np.ndarray:
         """Values of a function of this flow, shape (r, T)."""
         if (np.diff(times) < 0).any():  # neighbours are computed together
             order = np.argsort(times)
@@ -222,10 +210,10 @@ class RecordFlow:
         """The modes at the beginnings of pieces, complex, shape (T, p)."""
         return self.states[0][piece]
 
-    def _alone(self, number: int, function: FunctionOfFlow) -> FunctionOfFlow:
-        """A piece as a separate motion."""
+    def _alone(self, number: int, function: FlowFunction) -> FlowFunction:
+        """A piece as a separate motion, evaluated at many times."""
         modes, rest = self._modes_at(np.array([number]))[0], self.states[1][:, number]
-        return function.alone(self.flow.after(number, self.modes.states(modes, rest)))
+        return FlowFunction(self.flow.after(number, self.modes.states(modes, rest)), function.place, function.order, "many")
 
     @cached_property
     def _inputs(self) -> np.ndarray:
@@ -467,13 +455,7 @@ class ReducedSolution:
 
 
 class FlowFunction(BohlFunction):
-    """P z(t), P of shape (r, n), of the reduced equations z' = G z; a Bohl function whose blocks are computed when they are needed.
-
-    >>> from mbconstrained import PolynomialMatrix, solve
-    >>> cosine = solve(PolynomialMatrix([[[4.0]], [[0.0]], [[1.0]]]), [[1.0], [0.0]]).function
-    >>> bool(np.isclose(cosine(0.5)[0], np.cos(1.0)))
-    True
-    """
+    """P z(t), P of shape (r, n), of the reduced equations z' = G z; a Bohl function whose blocks are computed when they are needed."""
 
     flow: Flow
     place: Matrix
@@ -487,8 +469,7 @@ class FlowFunction(BohlFunction):
         with np.errstate(over="ignore", invalid="ignore"):  # reported when the function is evaluated
             for _ in range(order):
                 output = output @ flow.generator
-        for name, value in (("flow", flow), ("place", place), ("order", order), ("output", output), ("evaluations", evaluations)):
-            object.__setattr__(self, name, value)
+        self.__dict__.update(flow=flow, place=place, order=order, output=output, evaluations=evaluations)
 
     @property
     def modal(self) -> BohlFunction:
@@ -496,28 +477,11 @@ class FlowFunction(BohlFunction):
         function = BohlFunction(self.flow.modal_output(self.place), self.blocks, self.start)
         return function.derivative(self.order) if self.order else function
 
-    @property
-    def _groups(self):
-        return self.flow.states._groups
-
-    @property
-    def _oscillating_part(self):
-        return self.flow.states._oscillating_part
-
-    @property
-    def coefficients(self) -> np.ndarray:
-        """C of C e^{J t} v."""
-        return self.modal.coefficients
-
-    @property
-    def blocks(self) -> tuple[np.ndarray, ...]:
-        """The diagonal blocks of J."""
-        return self.flow.states.blocks
-
-    @property
-    def start(self):
-        """v, or ``Restarts``."""
-        return self.flow.states.start
+    coefficients = property(attrgetter("modal.coefficients"))
+    blocks = property(attrgetter("flow.states.blocks"))
+    start = property(attrgetter("flow.states.start"))
+    _groups = property(attrgetter("flow.states._groups"))
+    _oscillating_part = property(attrgetter("flow.states._oscillating_part"))
 
     @property
     def size(self) -> int:
@@ -537,14 +501,10 @@ class FlowFunction(BohlFunction):
     def _values(self, times) -> np.ndarray:
         flow = self.flow
         name, _ = evaluation_method(flow, self.output.shape, Request(self.evaluations, times))
-        values = self._evaluations[name](times)
+        values = {MODES: self.by_modes, POWERS: self._by_powers, STEPS: self._by_steps}[name](times)
         start = flow.taylor_start(modal=name == MODES)
         start.replace(values, times, self.output, lambda: np.abs(self.coefficients) @ np.abs(flow.states.start_at_zero))
         return values
-
-    @property
-    def _evaluations(self) -> dict[str, Callable[[np.ndarray], np.ndarray]]:
-        return {MODES: self.by_modes, POWERS: self._by_powers, STEPS: self._by_steps}
 
     def by_modes(self, times: np.ndarray) -> np.ndarray:
         """The sum of modes, from t = 0 on."""
@@ -568,10 +528,6 @@ class FlowFunction(BohlFunction):
     def _with(self, place: Matrix, order: int) -> FlowFunction:
         return FlowFunction(self.flow, place, order, self.evaluations)
 
-    def alone(self, flow: Flow) -> FlowFunction:
-        """The function of a piece of the motion, evaluated at many times."""
-        return FlowFunction(flow, self.place, self.order, "many")
-
     def of(self, flow: Flow) -> FlowFunction:
         """The function by other modes of the same motion."""
         return FlowFunction(flow, self.place, self.order, self.evaluations)
@@ -594,7 +550,6 @@ class FlowFunction(BohlFunction):
         return self._with(of_like_kind(matrix, self.place) @ self.place, self.order)
 
     def rows(self, indices) -> BohlFunction:
-
         return self._with(self.place[np.asarray(indices, dtype=int)], self.order)
 
     def __mul__(self, factor: float) -> BohlFunction:
