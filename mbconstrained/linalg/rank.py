@@ -239,10 +239,7 @@ class RowCompression:
 
 
 def compress_rows(
-    matrix: Noisy,
-    weights: np.ndarray | None = None,
-    preferred: np.ndarray | None = None,
-    decided: RankDecision | None = None,
+    matrix: Noisy, weights: np.ndarray | None = None, preferred: np.ndarray | None = None, decided: RankDecision | None = None
 ) -> RowCompression:
     """Find the dependent rows of a matrix with noise."""
     rows, columns = matrix.data.shape

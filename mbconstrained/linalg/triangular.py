@@ -11,14 +11,7 @@ from scipy.linalg import lapack
 
 from ..ground.errors import IllConditioned
 from ..ground.threads import one_thread
-from ..ground.tolerances import (
-    DECOUPLING_LIMIT,
-    PRECISE_DECOUPLING,
-    PRECISE_GUARD_DIGITS,
-    PRECISE_LEVELS,
-    QR_STEPS,
-    STRETCH_LIMIT,
-)
+from ..ground.tolerances import DECOUPLING_LIMIT, PRECISE_DECOUPLING, PRECISE_GUARD_DIGITS, PRECISE_LEVELS, QR_STEPS, STRETCH_LIMIT
 from .blocks import BlockDiagonal, assembled, coupled_rows
 from .precise import (
     floats,

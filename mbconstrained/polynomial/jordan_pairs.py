@@ -50,7 +50,10 @@ def finite_zeros(form: WeierstrassForm) -> tuple[FiniteZero, ...]:
     groups = [zero for block in block_diagonalize(moving).blocks for zero in _merged(_zeros_of_block(block), rounding_radius(2))]
     parts, scale = ZeroParts(form), form.companion.scaling.time
     with_multiplicities = [
-        _with_divisors(zero, parts) for zero in _joined(_merged(sorted(groups, key=_order), rounding_radius(1)), parts)
+        _with_divisors(zero, parts)
+        for zero in _joined(
+            _merged(sorted(groups, key=lambda zero: (abs(zero.value), zero.value.real, zero.value.imag)), rounding_radius(1)), parts
+        )
     ]
     zeros = [replace(zero, value=complex(scale * zero.value)) for zero in with_multiplicities]
     if count := len(form.T) - form.nonzero_count:
@@ -145,10 +148,6 @@ def _merged(zeros, radius) -> list[FiniteZero]:
         else:
             merged.append(zero)
     return merged
-
-
-def _order(zero: FiniteZero):
-    return abs(zero.value), zero.value.real, zero.value.imag
 
 
 def in_order(zeros) -> tuple[FiniteZero, ...]:

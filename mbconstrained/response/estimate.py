@@ -277,7 +277,7 @@ def divided_exponentials(left: np.ndarray, right: np.ndarray, t: float) -> np.nd
 # Error estimate of a response: proved, from the defect of its values, or by solutions of the problem with perturbed data.
 # The values of a small model are compared with balls of the exact engine, at each time relative to the largest value then.
 # Of a larger model that the reduced equations serve, values by modes leave a residual in the given equations, and the response to it is
-# their error (``methods.defect_response``); values by other methods are compared with those by modes. Nothing but the true error makes
+# their error (``DefectResponse``); values by other methods are compared with those by modes. Nothing but the true error makes
 # this estimate large.
 # Of all others, and before the Taylor series of the start ends, the data of A(s), of the values at 0- and of the force are
 # moved entry by entry by a unit in the last place. The largest change of the answer over a few such trials, times a safety factor, is

@@ -208,7 +208,7 @@ class Flow:
 
     @cached_property
     def records(self) -> list:
-        """Results of ``methods.record`` for the flow."""
+        """The ``RecordFlow`` of the flow, or None, once it is known."""
         return []
 
     def propagator(self, step: float) -> Propagator:
