@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..frequency.features import frequencies_by_poles
-from ..frequency.random.random_response import RandomResponse
-from ..frequency.random.statistics import octave_bands
+from ..frequency.random.random_response import RandomResponse, octave_bands
 from ..ground.display import TextTable
 from ..ground.errors import InputError
 from ..ground.notices import distinct

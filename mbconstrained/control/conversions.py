@@ -12,7 +12,7 @@ import numpy as np
 
 from ..ground.checks import counted, nearest, optional_package
 from ..ground.errors import InputError
-from ..linalg.rounding import Noisy
+from ..linalg.rank import Noisy
 from .poles_and_zeros import roots_of, transfer_of
 from .realization import factored_realization, rational_realization
 from .state_equations import StateEquations

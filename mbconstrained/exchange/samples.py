@@ -15,8 +15,7 @@ from scipy.constants import g as STANDARD_GRAVITY
 from ..ground.checks import counted, real_number, whole_number
 from ..ground.errors import InputError
 from ..ground.files import checked_file, readable_as
-from .matrices import READERS, TEXT, full_matrix, read_matrix
-from .number_table import NumberTable, number_table, text_of
+from .matrices import READERS, TEXT, NumberTable, full_matrix, number_table, read_matrix, text_of
 from .universal import UNIVERSAL, read_function
 
 
@@ -61,14 +60,6 @@ def read_samples(
 
     Read are text with columns of numbers (any ending), recordings of ground motion in the text formats of PEER (.AT2), K-NET and DYNA,
     .wav, universal files (functions of data set 58), and arrays in .npy, .npz, .mat, .mtx and .op4.
-
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder, "record.csv")
-    ...     _ = path.write_text("t (s), a (m/s^2), b\\n0, 1, 2\\n0.5, 3, 4\\n")
-    ...     record = read_samples(path, column="a")
-    >>> record.times.tolist(), record.values.tolist(), record.unit
-    ([0.0, 0.5], [1.0, 3.0], 'm/s^2')
     """
     path = checked_file(path)
     step = None if step is None else real_number(step, "step", positive=True)
@@ -171,7 +162,6 @@ def _from_wav(path: Path, column: int | str) -> Samples:
 
 
 # Records of ground motion: PEER (.AT2, .VT2, .DT2), K-NET and KiK-net, and the DYNA files of ESM and ITACA, all text.
-
 
 GAL = 0.01  # m/s^2
 HEADER_LINES = 80  # in which a format is recognized; DYNA has 64

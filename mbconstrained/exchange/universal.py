@@ -13,13 +13,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 
 from ..ground.checks import nearest, optional_package
 from ..ground.errors import InputError
-from ..ground.isolation import damaged, read_isolated
+from ..ground.files import damaged, read_isolated
 
 UNIVERSAL = (".uff", ".unv", ".uf", ".bunv")
 
@@ -206,72 +205,55 @@ class Geometry:
 
 def write_functions(path: Path, times: np.ndarray, curves, geometry: Geometry, title: str, binary: bool = True) -> None:
     """Write functions of time as data sets 58."""
-    datasets = [*_headers(title), *geometry.datasets()]
     kinds = {"displacement": 8, "velocity": 11, "acceleration": 12, "reaction": 9}
     if len(times) < 2:
         raise InputError("times: found one; a function of a universal file needs at least two")
-    for block in curves:
-        for index, (name, unit, values) in enumerate(zip(block.names, block.units, block.values)):
-            rotates = unit.startswith("rad") or unit in ("N m", "N*m")
-            node, direction = geometry.place(name, index, "rad" if rotates else "m")
-            datasets.append(
-                {
-                    "type": 58, "func_type": _TIME_RESPONSE, "binary": int(binary), "id1": _line(f"{name} {block.kind}"),
-                    "id2": _line(title), "rsp_node": node, "rsp_dir": direction, "ref_node": 0, "ref_dir": 0, "x": times,
-                    "data": np.ascontiguousarray(values), "abscissa_spacing": 0, "abscissa_spec_data_type": _TIME,
-                    "ordinate_spec_data_type": kinds.get(block.kind, 0), "orddenom_spec_data_type": 0,
-                    "abscissa_axis_lab": "Time", "abscissa_axis_units_lab": "s", "ordinate_axis_lab": block.kind.capitalize()[:20],
-                    "ordinate_axis_units_lab": unit[:20],
-                }
-            )  # fmt: skip
-    _write(path, datasets)
+    datasets = [
+        _function_dataset(
+            _TIME_RESPONSE, (_TIME, "Time", "s"), times, values, binary, f"{name} {block.kind}", title, block.kind, unit
+        )
+        | {"ordinate_spec_data_type": kinds.get(block.kind, 0)}
+        | dict(zip(("rsp_node", "rsp_dir"), geometry.place(name, index, "rad" if _rotates(unit) else "m")))
+        for block in curves
+        for index, (name, unit, values) in enumerate(zip(block.names, block.units, block.values))
+    ]
+    _write(path, [*_headers(title), *geometry.datasets(), *datasets])
 
 
-class ResponseValues(Protocol):
-    """Data of a frequency response for export: names, frequencies in Hz, shape (F,), values and units of each output by input."""
-
-    @property
-    def inputs(self) -> tuple[str, ...]: ...
-
-    @property
-    def outputs(self) -> tuple[str, ...]: ...
-
-    @property
-    def quantity(self) -> str: ...
-
-    @property
-    def frequencies_hz(self) -> np.ndarray: ...
-
-    @property
-    def values(self) -> np.ndarray: ...
-
-    @property
-    def units(self) -> np.ndarray: ...
+def _rotates(unit: str) -> bool:
+    return unit.startswith("rad") or unit in ("N m", "N*m")
 
 
-def write_frequency_responses(path: Path, response: ResponseValues, geometry: Geometry, title: str, binary: bool = True) -> None:
-    """Write frequency responses as data sets 58 of function type 4, one for each output and input."""
+def _function_dataset(
+    kind: int, abscissa: tuple[int, str, str], x, values, binary: bool, name: str, title: str, what: str, unit: str
+) -> dict:
+    """A data set 58, without the point and direction of an input."""
+    return {
+        "type": 58, "func_type": kind, "binary": int(binary), "id1": _line(name), "id2": _line(title), "ref_node": 0, "ref_dir": 0,
+        "x": x, "data": np.ascontiguousarray(values), "abscissa_spacing": 0, "abscissa_spec_data_type": abscissa[0],
+        "orddenom_spec_data_type": 0, "abscissa_axis_lab": abscissa[1], "abscissa_axis_units_lab": abscissa[2],
+        "ordinate_axis_lab": what.capitalize()[:20], "ordinate_axis_units_lab": unit[:20],
+    }  # fmt: skip
+
+
+def write_frequency_responses(path: Path, response, geometry: Geometry, title: str, binary: bool = True) -> None:
+    """Write the data of a ``FrequencyResponse`` as data sets 58 of function type 4, one for each output and input."""
     datasets = [*_headers(title), *geometry.datasets()]
     if len(response.frequencies_hz) < 2:
         raise InputError("frequencies_hz: found one; a function of a universal file needs at least two")
     codes = {unit: code for code, units in _DATA_TYPES.items() for unit, _, _ in units if code != _REACTION}
     for (i, output), (j, input) in product(enumerate(response.outputs), enumerate(response.inputs)):
-        above, _, below = (
-            response.units[i, j].partition("/(") if "/(" in response.units[i, j] else response.units[i, j].rpartition("/")
-        )
+        unit, H = str(response.units[i, j]), response.values[i, j]
+        above, _, below = unit.partition("/(") if "/(" in unit else unit.rpartition("/")
         above, below = above.replace("N m", "N*m"), below.removesuffix(")").replace("N m", "N*m")
-        node, direction = geometry.place(output, i, "rad" if above.startswith("rad") or above == "N*m" else "m")
-        reference, along = geometry.place(input, j, "rad" if below.startswith("rad") or below == "N*m" else "m")
-        datasets.append(
-            {
-                "type": 58, "func_type": _FREQUENCY_RESPONSE, "binary": int(binary), "id1": _line(f"{output} by {input} {response.quantity}"),
-                "id2": _line(title), "rsp_node": node, "rsp_dir": direction, "ref_node": reference, "ref_dir": along,
-                "x": response.frequencies_hz, "data": np.ascontiguousarray(response.values[i, j]), "abscissa_spacing": 0,
-                "abscissa_spec_data_type": _FREQUENCY, "ordinate_spec_data_type": codes.get(above, 0),
-                "orddenom_spec_data_type": codes.get(below, 0), "abscissa_axis_lab": "Frequency", "abscissa_axis_units_lab": "Hz",
-                "ordinate_axis_lab": response.quantity.capitalize()[:20], "ordinate_axis_units_lab": str(response.units[i, j])[:20],
-            }
-        )  # fmt: skip
+        node, direction = geometry.place(output, i, "rad" if _rotates(above) else "m")
+        reference, along = geometry.place(input, j, "rad" if _rotates(below) else "m")
+        name, abscissa = f"{output} by {input} {response.quantity}", (_FREQUENCY, "Frequency", "Hz")
+        own = _function_dataset(
+            _FREQUENCY_RESPONSE, abscissa, response.frequencies_hz, H, binary, name, title, response.quantity, unit
+        )
+        own |= {"rsp_node": node, "rsp_dir": direction, "ref_node": reference, "ref_dir": along}
+        datasets.append(own | {"ordinate_spec_data_type": codes.get(above, 0), "orddenom_spec_data_type": codes.get(below, 0)})
     _write(path, datasets)
 
 

@@ -1,18 +1,448 @@
-"""The matrices of a frequency response: s^p C A(s)^-1 B, with names and units of its inputs and outputs."""
+"""A(i w) X = B for many frequencies: elimination by the common pattern of all lines, with refinement and errors."""
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+import scipy.linalg
+import scipy.sparse
+from scipy.sparse.linalg import splu
 
 from ..ground.errors import InputError
 from ..ground.notices import Notice
-from ..ground.tolerances import LARGEST_POWER
+from ..ground.tolerances import EPS, LARGEST_POWER, LINE_ACCURACY, LINE_ROUNDING, TRUST_LIMIT
+from ..linalg.scaling import joint_scaling
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .pole_residue_form import PoleResidueForm
-from .structured_solve import StructuredSolver
+
+# A(i w) X = B for many lines w at once, with an error estimate of every entry of C X.
+# The pattern of A(s) = A_0 + A_1 s + ... is eliminated once, in an order that SuperLU chooses at one line (fill-reducing columns,
+# rows by threshold pivoting), with vectors over the lines in the place of numbers. An elimination of that kind has a small error
+# entry by entry: of a chain in its stop band every digit is kept, where a sum of modes cancels. What the order loses at other lines
+# is seen in the residual; those lines get an order of their own, in the end LAPACK's pivoting. Lines whose estimate is still too
+# large are refined with residuals in extended precision (Wilkinson 1963; Skeel 1980).
+# The estimate of entry (p, j) is z_p^T (|A X - B| + u (|A_0| + w |A_1| + ...) |X|)_j with C A^-1 = Z^T and u some rounding errors: the
+# first-order bound of the errors by residuals and by relative errors of every entry of every coefficient.
+
+#: Number of complex entries of factors and vectors computed at once; and the least number of lines.
+CHUNK, LEAST = 1 << 21, 64
+
+#: A threshold pivot is at least this part of the largest of its column.
+THRESHOLD = 0.1
+
+#: Orders that are tried, each chosen at a line where the one before loses digits.
+ORDERS = 3
+
+#: LAPACK solves full matrices where the elimination has more operations than this part of r^3 / 3.
+FULL = 1 / 16
+
+#: Full matrices of more rows are refined only where no digit is sure: products in extended precision take much longer than factors.
+REFINED = 60
+
+#: Steps of refinement, with residuals in extended precision.
+STEPS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """C A(i w)^-1 B at F lines.
+
+    Attributes:
+        values: shape (p, m, F).
+        errors: estimates of the absolute errors, shape (p, m, F); infinite where A(i w) is singular to working precision.
+        solutions: A(i w)^-1 B, shape (r, m, F), where they were requested.
+    """
+
+    values: np.ndarray
+    errors: np.ndarray
+    solutions: np.ndarray | None = None
+
+    @property
+    def relative(self) -> np.ndarray:
+        """The errors relative to the values, at most infinite; 0 of an exact zero."""
+        size = np.abs(self.values)
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            return np.where(self.errors == 0, 0.0, np.where(size > 0, self.errors / size, np.inf))
+
+
+class StructuredSolver:
+    """C A(i w)^-1 B by elimination along the pattern of A(s)."""
+
+    def __init__(self, coefficients, inputs, outputs, sizes=None):
+        """The matrices of one transfer function."""
+        coefficients = np.asarray(coefficients)
+        scaling = joint_scaling(np.abs(coefficients))
+        self.time = scaling.time
+        powers = scaling.time ** np.arange(len(coefficients))[:, None, None]
+        factors = scaling.rows[:, None] * scaling.columns * powers
+        self.coefficients = coefficients * factors
+        self.sizes = np.abs(self.coefficients) if sizes is None else np.maximum(np.abs(coefficients), sizes) * factors
+        self.rounded = sizes is not None and bool((self.sizes > np.abs(self.coefficients)).any())
+        self.inputs = scaling.rows[:, None] * inputs
+        self.outputs = outputs * scaling.columns
+        self.columns = scaling.columns
+        self._orders: dict[float, _Pattern | None] = {}
+        symmetric = all((matrix == matrix.T).all() for matrix in coefficients)
+        if symmetric:  # S = D_r A D_c, and S^-T = D S^-1 D^-1 with D = D_c D_r^-1
+            self._ratio = (scaling.columns / scaling.rows)[:, None]
+            both = np.hstack([self.inputs, self.outputs.T / self._ratio])
+            self._together, where = np.unique(both, axis=1, return_inverse=True)
+            self._where = np.split(where.reshape(-1), [self.inputs.shape[1]])
+        else:
+            self._ratio = None
+
+    @property
+    def size(self) -> int:
+        """r."""
+        return self.coefficients.shape[1]
+
+    def is_sparse(self, omega: np.ndarray) -> bool:
+        """Whether elimination along the pattern is faster than full matrices."""
+        return self._factors(float(np.max(omega) / self.time)) is not None
+
+    def solve(self, omega: np.ndarray, accuracy: float = LINE_ACCURACY, with_solutions: bool = False) -> Lines:
+        """Values and errors at these angular frequencies."""
+        nu = np.asarray(omega) / self.time
+        p, m, F = len(self.outputs), self.inputs.shape[1], len(nu)
+        values, errors = np.zeros((p, m, F), dtype=complex), np.full((p, m, F), np.inf)
+        solutions = np.zeros((self.size, m, F), dtype=complex) if with_solutions else None
+        left = np.arange(F)
+        for attempt in range(ORDERS):  # first where inertia dominates: stop bands need pivots on the diagonal most
+            at = np.argsort(nu[left])[len(left) // 2 if attempt else -1] if len(left) else 0
+            factors = self._factors(float(nu[left[at]])) if len(left) else None
+            if factors is None:
+                break
+            self._pass(values, errors, solutions, left, nu, factors, accuracy)
+            left = left[(errors[..., left] > accuracy * np.abs(values[..., left])).any(axis=(0, 1))]
+        self._pass(values, errors, solutions, left, nu, None, accuracy)
+        if solutions is not None:
+            solutions *= self.columns[:, None, None]
+        return Lines(values, errors, solutions)
+
+    def _pass(self, values, errors, solutions, lines, nu, factors, accuracy) -> None:
+        """Solve some lines in parts and keep improved values; without an order of elimination lines are pivoted and refined."""
+        entries = self.size**2 if factors is None else len(factors.rows) + 4 * self.size * self.inputs.shape[1]
+        count = max(LEAST, CHUNK // max(entries, 1))
+        for part in np.array_split(lines, -(-len(lines) // count)) if len(lines) else ():
+            lost: list[str] = []
+            with np.errstate(all="ignore", under="call", call=lambda kind, _, kinds=lost: kinds.append(kind)):
+                own = nu[part].astype(float)
+                solver = _Full(self, own) if factors is None else _Eliminated(self, own, factors)
+                X, Z = solver.both()
+                H, error, X = self._estimated(own, X, Z)
+                limit = TRUST_LIMIT if factors is None and self.size > REFINED else accuracy
+                bad = ~(error <= limit * np.abs(H)).all(axis=(0, 1)) & np.isfinite(error).all(axis=(0, 1))
+                if bad.any():
+                    refined = self._refined(solver.at(bad), nu[part][bad], X[..., bad], Z[..., bad])
+                    H[..., bad], error[..., bad], X[..., bad] = refined
+            if lost:  # below the range of float64 a value is no digit of the answer
+                error = np.where(np.abs(H) < np.finfo(float).tiny / EPS, np.inf, error)
+            error = np.where(np.isfinite(error) & np.isfinite(H), error, np.inf)
+            better = error < errors[..., part]
+            values[..., part] = np.where(better, H, values[..., part])
+            errors[..., part] = np.where(better, error, errors[..., part])
+            if solutions is not None:
+                solutions[..., part] = np.where(np.isfinite(X), X, 0)
+
+    # Residuals and errors.
+
+    @cached_property
+    def _stacked(self):
+        return scipy.sparse.csr_array(np.concatenate(list(self.coefficients)))
+
+    @cached_property
+    def _stacked_sizes(self):
+        return scipy.sparse.csr_array(np.concatenate(list(self.sizes)))
+
+    @cached_property
+    def _stacked_excess(self):
+        return scipy.sparse.csr_array(np.concatenate(list(self.sizes - np.abs(self.coefficients))))
+
+    def _applied(self, nu, X) -> np.ndarray:
+        """A(i nu) X of X with shape (r, m, F)."""
+        return _horner(_product(self._stacked, X), 1j * nu, len(self.coefficients))
+
+    def _estimated(self, nu, X, Z, residual=None, rounding=LINE_ROUNDING * EPS):
+        if residual is None:
+            residual = _modulus(self._applied(nu, X) - self.inputs[:, :, None])
+        terms = _horner(_product(self._stacked_sizes, _modulus(X)), np.abs(nu), len(self.sizes))
+        H = _contracted(self.outputs, X)
+        return H, np.einsum("rpf,rmf->pmf", _modulus(Z), residual + rounding * terms), X
+
+    def _refined(self, solver, nu, X, Z):
+        """Steps of refinement with residuals in extended precision, and the error after them."""
+        X, inputs = X.astype(np.clongdouble), self.inputs[:, :, None]
+        coefficients, s = [_triplets(matrix) for matrix in self.coefficients], 1j * nu.astype(np.longdouble)
+        rounding = LINE_ROUNDING * float(np.finfo(np.longdouble).eps)
+        residual = _extended_product(coefficients, s, X) - inputs
+        for _ in range(STEPS):
+            X = X - solver.solved(residual.astype(complex))
+            residual = _extended_product(coefficients, s, X) - inputs
+            left = np.abs(residual).astype(float)
+            if self.rounded:
+                terms = _product(self._stacked_excess, np.abs(X).astype(float))
+                left = left + LINE_ROUNDING * EPS * _horner(terms, np.abs(nu).astype(float), len(self.sizes))
+            H, error, _ = self._estimated(nu.astype(float), X, Z, left, rounding)
+            if (error <= EPS * np.abs(H)).all():
+                break
+        H = H.astype(complex)
+        return H, error + EPS * np.abs(H), X.astype(complex)
+
+    # The order of elimination.
+
+    def _factors(self, nu: float) -> _Pattern | None:
+        """The filled pattern of SuperLU's elimination at one line; None where full matrices are faster, or that line is singular."""
+        if nu not in self._orders:
+            self._orders[nu] = self._ordered(nu)
+        return self._orders[nu]
+
+    def _ordered(self, nu: float) -> _Pattern | None:
+        r = self.size
+        pattern = (self.coefficients != 0).any(axis=0)
+        if pattern.sum() > FULL * r * r + 4 * r and r > 4:
+            return None
+        A = sum(matrix * (1j * nu) ** k for k, matrix in enumerate(self.coefficients))
+        A = np.where(pattern & (A == 0), EPS, A)
+        try:
+            lu = splu(scipy.sparse.csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=THRESHOLD)
+        except RuntimeError:  # exactly singular: another line has an order
+            generic = nu * (1 + THRESHOLD) + THRESHOLD
+            A = sum(matrix * (1j * generic) ** k for k, matrix in enumerate(self.coefficients))
+            try:
+                lu = splu(scipy.sparse.csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=THRESHOLD)
+            except RuntimeError:
+                return None
+        rows, columns = np.argsort(lu.perm_r), np.argsort(lu.perm_c)
+        result = _Pattern.of(pattern[np.ix_(rows, columns)], rows, columns)
+        return None if result.operations > FULL * r**3 / 3 + 8 * r else result
+
+
+def _product(stacked, X) -> np.ndarray:
+    flat = np.ascontiguousarray(X).reshape(len(X), -1)
+    if np.iscomplexobj(flat) and not np.iscomplexobj(stacked.data):
+        return (stacked @ flat.view(float)).view(complex).reshape(-1, *X.shape)[: stacked.shape[0]].reshape(-1, *X.shape[1:])
+    return (stacked @ flat).reshape(-1, *X.shape[1:])
+
+
+def _horner(stacked, s, count: int) -> np.ndarray:
+    parts = np.split(stacked, count)
+    total = parts[-1]
+    for part in parts[-2::-1]:
+        total = total * s + part
+    return total
+
+
+def _modulus(x) -> np.ndarray:
+    """|Re x| + |Im x|, at most sqrt(2) times the modulus."""
+    return np.abs(x.real) + np.abs(x.imag) if np.iscomplexobj(x) else np.abs(x)
+
+
+def _contracted(outputs, X) -> np.ndarray:
+    """C X, each row from its nonzero columns only."""
+    result = np.zeros((len(outputs), *X.shape[1:]), dtype=X.dtype)
+    for row, line in zip(result, outputs):
+        for place in np.flatnonzero(line):
+            row += line[place] * X[place]
+    return result
+
+
+def _triplets(matrix):
+    """Rows that are not empty, where their entries begin, columns and entries."""
+    rows, columns = np.nonzero(matrix)
+    filled, begins = np.unique(rows, return_index=True)
+    return filled, begins, columns, matrix[rows, columns][:, None, None]
+
+
+def _extended_product(coefficients, s, X) -> np.ndarray:
+    """A(s) X in extended precision."""
+    total = np.zeros_like(X)
+    for filled, begins, columns, entries in coefficients[::-1]:
+        total = total * s
+        if len(filled):
+            total[filled] += np.add.reduceat(entries * X[columns], begins, axis=0)
+    return total
+
+
+# The two solvers: along a pattern, and by LAPACK.
+
+
+@dataclass(frozen=True, eq=False)
+class _Pattern:
+    """The filled pattern of the permuted matrix.
+
+    Attributes:
+        rows, columns: the permutations, shape (r,).
+        own: places of the entries of A in the factors, with their rows and columns there.
+        lower, upper: for each pivot the rows below it and the columns right of it.
+        place: place of each entry of the factors.
+        operations: of the elimination.
+    """
+
+    row_order: np.ndarray
+    column_order: np.ndarray
+    rows: np.ndarray
+    columns: np.ndarray
+    lower: list[list[int]]
+    upper: list[list[int]]
+    place: dict[tuple[int, int], int]
+    operations: int
+
+    @classmethod
+    def of(cls, pattern, row_order, column_order) -> _Pattern:
+        r = len(pattern)
+        by_row = [set(np.flatnonzero(line).tolist()) for line in pattern]
+        by_column = [set(np.flatnonzero(line).tolist()) for line in pattern.T]
+        lower, upper, operations = [], [], 0
+        for k in range(r):
+            below = sorted(i for i in by_column[k] if i > k)
+            right = sorted(j for j in by_row[k] if j > k)
+            for i in below:
+                by_row[i].update(right)
+            for j in right:
+                by_column[j].update(below)
+            lower.append(below)
+            upper.append(right)
+            operations += len(below) * (1 + len(right))
+        entries = [(k, k) for k in range(r)]
+        entries += [(i, k) for k, below in enumerate(lower) for i in below]
+        entries += [(k, j) for k, right in enumerate(upper) for j in right]
+        rows, columns = np.array(entries).T if entries else np.zeros((2, 0), dtype=int)
+        return cls(row_order, column_order, rows, columns, lower, upper, {e: n for n, e in enumerate(entries)}, operations)
+
+    @cached_property
+    def steps(self):
+        """For each pivot: the positions of its column, of its row, and of the entries that they change."""
+        place, result = self.place, []
+        for k, (below, right) in enumerate(zip(self.lower, self.upper)):
+            column, row = [place[i, k] for i in below], [place[k, j] for j in right]
+            changed = [[place[i, j] for j in right] for i in below]
+            result.append((k, below, right, column, row, changed))
+        return result
+
+
+class _Eliminated:
+    """The factors at some lines; rows of the permuted matrix are equations, its columns unknowns."""
+
+    def __init__(self, solver: StructuredSolver, nu, pattern: _Pattern):
+        self.solver, self.pattern = solver, pattern
+        entries = solver.coefficients[:, pattern.row_order[pattern.rows], pattern.column_order[pattern.columns]]
+        powers = (1j * nu) ** np.arange(len(entries))[:, None]
+        W = np.zeros((entries.shape[1], len(nu)), dtype=complex)
+        for k, (line, power) in enumerate(zip(entries, powers)):
+            used = np.flatnonzero(line)
+            if len(used):
+                W[used] += line[used, None] * (power if k else 1.0)
+        self.inverse = np.empty((solver.size, len(nu)), dtype=complex)
+        for k, _, _, column, row, changed in pattern.steps:
+            np.divide(1.0, W[k], out=self.inverse[k])
+            for at, places in zip(column, changed):
+                factor = W[at]
+                factor *= self.inverse[k]
+                for one, other in zip(places, row):
+                    W[one] -= factor * W[other]
+        self.W = W
+
+    def at(self, lines: np.ndarray) -> _Eliminated:
+        """The factors at some of the lines."""
+        part = copy(self)
+        part.W, part.inverse = self.W[:, lines], self.inverse[:, lines]
+        return part
+
+    def both(self):
+        """A^-1 B, and Z with C A^-1 = Z^T."""
+        solver = self.solver
+        if solver._ratio is None:
+            return self.solved(solver.inputs), self._transposed(solver.outputs.T)
+        X, (right, left) = self.solved(solver._together), solver._where
+        return X[:, right], X[:, left] * solver._ratio[..., None]
+
+    def solved(self, right) -> np.ndarray:
+        """A^-1 right, of right with shape (r, m) or (r, m, F)."""
+        pattern, W = self.pattern, self.W
+        x = _spread(right[pattern.row_order], W.shape[1])
+        filled = [bool(row.any()) for row in x]
+        for k, below, _, column, _, _ in pattern.steps:
+            if filled[k]:
+                for i, at in zip(below, column):
+                    x[i] -= W[at] * x[k]
+                    filled[i] = True
+        for k, _, after, _, row, _ in reversed(pattern.steps):
+            for j, at in zip(after, row):
+                x[k] -= W[at] * x[j]
+            x[k] *= self.inverse[k]
+        result = np.empty_like(x)
+        result[pattern.column_order] = x
+        return result
+
+    def _transposed(self, right) -> np.ndarray:
+        """A^-T right."""
+        pattern, W = self.pattern, self.W
+        x = _spread(right[pattern.column_order], W.shape[1])
+        for k, _, after, _, row, _ in pattern.steps:
+            x[k] *= self.inverse[k]
+            for j, at in zip(after, row):
+                x[j] -= W[at] * x[k]
+        for k, below, _, column, _, _ in reversed(pattern.steps):
+            for i, at in zip(below, column):
+                x[k] -= W[at] * x[i]
+        result = np.empty_like(x)
+        result[pattern.row_order] = x
+        return result
+
+
+class _Full:
+    """Factors by LAPACK with partial pivoting, line by line."""
+
+    def __init__(self, solver: StructuredSolver, nu):
+        self.solver = solver
+        s = 1j * np.asarray(nu)
+        self.matrices = np.zeros((len(nu), solver.size, solver.size), dtype=complex)
+        for matrix in solver.coefficients[::-1]:
+            self.matrices *= s[:, None, None]
+            self.matrices += matrix
+        self.factors = [_lu(matrix) for matrix in self.matrices]
+
+    def at(self, lines: np.ndarray) -> _Full:
+        """The factors at some of the lines."""
+        part = copy(self)
+        part.factors = [self.factors[line] for line in np.flatnonzero(lines)]
+        return part
+
+    def both(self):
+        """A^-1 B, and Z with C A^-1 = Z^T."""
+        return self.solved(self.solver.inputs), self._each(self.solver.outputs.T, transposed=1)
+
+    def solved(self, right) -> np.ndarray:
+        """A^-1 right, of right with shape (r, m) or (r, m, F)."""
+        return self._each(right, transposed=0)
+
+    def _each(self, right, transposed: int) -> np.ndarray:
+        result = np.empty((len(right), right.shape[1], len(self.factors)), dtype=complex)
+        for line, factors in enumerate(self.factors):
+            own = right if right.ndim == 2 else right[..., line]
+            if factors is None:
+                result[..., line] = np.nan
+            else:
+                result[..., line] = scipy.linalg.lu_solve(factors, own, trans=transposed, check_finite=False)
+        return result
+
+
+def _lu(matrix):
+    lu, pivots, info = scipy.linalg.lapack.zgetrf(matrix)
+    return (lu, pivots) if info == 0 else None
+
+
+def _spread(right, count: int) -> np.ndarray:
+    """One right side for all lines, or one for each, as a new array."""
+    if right.ndim == 3:
+        return right.astype(complex)
+    return np.repeat(right[:, :, None].astype(complex), count, axis=2)
+
+
+# The matrices of a frequency response: s^p C A(s)^-1 B, with names and units of its inputs and outputs.
 
 
 class LeftOut:
@@ -72,11 +502,7 @@ class Harmonic:
         return StructuredSolver(self.coefficients, self.inputs, self.outputs, self.sizes)
 
     def check(self, frequencies: np.ndarray) -> None:
-        """Raise an InputError for frequencies beyond the range of the computation.
-
-        Args:
-            frequencies: in Hz, shape (F,).
-        """
+        """Raise an InputError for frequencies beyond the range of the computation."""
         highest = frequencies.max(initial=0.0)
         if self.left_out is not None and highest >= self.left_out.highest_hz:
             raise InputError(

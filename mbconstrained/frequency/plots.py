@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
-from ..exchange.universal import ResponseValues
 from ..ground.errors import InputError
-from .features import Peak
-from .pole_residue_form import PoleOnLine
 
 KINDS = ("bode", "nyquist", "parts")
 
@@ -45,18 +40,8 @@ class PlotStyle:
         return 20 * np.log10(size) if self.amplitude == "dB" else size
 
 
-class PlottedResponse(ResponseValues, Protocol):
-    """A frequency response with what its pictures mark."""
-
-    @property
-    def peaks(self) -> Sequence[Peak]: ...
-
-    @property
-    def poles_on_lines(self) -> Sequence[PoleOnLine]: ...
-
-
-def draw(response: PlottedResponse, kind: str, figure=None, style: PlotStyle = PlotStyle()):
-    """The response as a matplotlib figure; lines at poles are left out."""
+def draw(response, kind: str, figure=None, style: PlotStyle = PlotStyle()):
+    """A ``FrequencyResponse`` as a matplotlib figure; lines at poles are left out."""
     if kind not in KINDS:
         raise InputError(f"kind: found {kind!r}; expected one of {', '.join(KINDS)}")
     lower = 1 if kind == "nyquist" else 2
@@ -81,7 +66,7 @@ def draw(response: PlottedResponse, kind: str, figure=None, style: PlotStyle = P
     return figure
 
 
-def _mark_peaks(axes, response: PlottedResponse, entry: tuple[str, str], ends: tuple[float, float], style: PlotStyle) -> None:
+def _mark_peaks(axes, response, entry: tuple[str, str], ends: tuple[float, float], style: PlotStyle) -> None:
     """Mark the highest peaks within the plot with their frequencies."""
     known = [
         p for p in response.peaks if (p.output, p.input) == entry and ends[0] <= p.frequency_hz <= ends[1] and p.frequency_hz > 0

@@ -18,7 +18,7 @@ import scipy.linalg
 
 from ..ground.tolerances import CLUSTER_SAFETY, EPS, NOISE_SAFETY, rounding_radius
 from ..linalg.blocks import block_slices
-from ..linalg.rounding import Noisy
+from ..linalg.rank import Noisy
 from ..polynomial.jordan_pairs import JordanPairs
 from ..polynomial.structure import FiniteZero
 
@@ -130,15 +130,7 @@ class PoleResidueForm:
         return one, conjugate
 
     def subspace(self, zero: FiniteZero, value: complex) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """The states of the blocks that contain an eigenvalue, with its right vectors, matrix and left vectors.
-
-        Args:
-            zero: of A(s).
-            value: its value, or the conjugate.
-
-        Returns:
-            Numbers of states, and the three of ``invariant_vectors``.
-        """
+        """The states of the blocks that contain an eigenvalue, with its right vectors, matrix and left vectors."""
         pair, chosen = self.pairs.finite, self._blocks_of(zero)
         at = np.concatenate([np.arange(*self._slices[i].indices(len(pair.B))) for i in chosen])
         J = scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))
@@ -165,12 +157,6 @@ class PoleResidueForm:
         """s^p times the sum of all terms, and the scales of its errors, both of shape (p, m, S).
 
         The size of a term is what its residue is made of, next to the pole times its relative distance.
-
-        Args:
-            s: shape (S,).
-
-        Returns:
-            Values and sizes.
         """
         p, m = len(self.outputs), self.inputs.shape[1]
         total, size = np.zeros((p, m, len(s)), dtype=complex), np.zeros(len(s))
@@ -198,15 +184,7 @@ class PoleResidueForm:
         return _joined(parts)
 
     def finite_part(self, s: complex, pole: Pole | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """H(s) without the terms of a pole, and the sum of the sizes of its terms, both of shape (p, m).
-
-        Args:
-            s: in 1/s.
-            pole: one of ``poles``; None to leave out nothing.
-
-        Returns:
-            At a pole the constant term of the Laurent series of H about it, and sizes.
-        """
+        """H(s) without the terms of a pole, and the sum of the sizes of its terms, both of shape (p, m)."""
         shape = (len(self.outputs), self.inputs.shape[1])
         terms = [np.zeros(shape, dtype=complex), *(D * s**k for k, D in enumerate(self.polynomial))]
         for other in self.poles:
@@ -215,14 +193,7 @@ class PoleResidueForm:
         return np.sum(terms, axis=0), np.abs(terms).sum(axis=0)
 
     def pole_at(self, s: complex) -> Pole | None:
-        """The pole that equals s to rounding errors; None without one.
-
-        Args:
-            s: in 1/s.
-
-        Returns:
-            A pole or None.
-        """
+        """The pole that equals s to rounding errors; None without one."""
         near = [pole for pole in self.poles if abs(s - pole.value) <= _radius(pole)]
         return min(near, key=lambda pole: abs(s - pole.value), default=None)
 

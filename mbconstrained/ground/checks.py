@@ -73,7 +73,7 @@ def real_array(value, what: str, *, shape: tuple[int | None, ...] | None = None)
         advice = " in SI units without quotes; texts with units belong to scene files" if is_quantity else ""
         raise InputError(f"{what}: found {_sample(array)}; expected {'a number' if is_quantity else 'numbers'}{advice}")
     array = np.array(array, dtype=float)
-    if shape is not None and not _fits(array.shape, shape):
+    if shape is not None and not (array.ndim == len(shape) and all(w in (None, n) for n, w in zip(array.shape, shape))):
         wanted = " x ".join("any" if n is None else str(n) for n in shape) or "a single number"
         actual = " x ".join(map(str, array.shape)) or "a single number"
         raise InputError(f"{what}: expected shape {wanted}, found {actual}")
@@ -182,10 +182,6 @@ def places_of(chosen: Iterable, names: Sequence[str], what: str) -> list[int]:
     if not indices:
         raise InputError(f"{what}: none was named; give one or several of {', '.join(names[:6])}{', ...' * (len(names) > 6)}")
     return indices
-
-
-def _fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
-    return len(shape) == len(wanted) and all(w is None or n == w for n, w in zip(shape, wanted))
 
 
 def _sample(array: np.ndarray) -> str:

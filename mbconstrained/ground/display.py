@@ -121,17 +121,6 @@ class Studied(Displayed):
     def sweep(self, parameters=None, **options):
         """A study of many samples of parameters, which ``run`` computes.
 
-        Args:
-            parameters: by name or place a range (``linspace``), a list, numbers, or a text such as "1..3 N/mm:50" or "normal(10 kg, 2 %)"; in
-                addition to those of [vary].
-            options: method, samples, seed, correlation, keep, limits and chunk, as in the table [vary].
-
-        Returns:
-            A ``Sweep``.
-
-        Raises:
-            InputError: an unknown or unused parameter, a range of the wrong kind, empty or reversed.
-
         >>> import mbconstrained as mb
         >>> scene = mb.read_scene("examples/tuned_mass_damper.toml")
         >>> study = scene.sweep({"zeta": mb.linspace(0.1, 0.2, 3)}, keep=["response peaks"])
@@ -142,16 +131,6 @@ class Studied(Displayed):
 
     def optimise(self, parameters=None, **options):
         """Minimise or maximise a scalar quantity over parameters between bounds.
-
-        Args:
-            parameters: ranges by name or place, such as {"zeta": "0.05..0.3"}; in addition to those of [vary].
-            options: minimise or maximise, a figure such as "response peak" or "largest x"; seed.
-
-        Returns:
-            An ``Optimum``: ``parameters``, ``value``, ``at_bounds``.
-
-        Raises:
-            InputError: no figure, given values instead of a range, no sample with an answer.
 
         >>> import mbconstrained as mb
         >>> scene = mb.read_scene("examples/tuned_mass_damper.toml")

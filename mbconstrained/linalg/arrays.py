@@ -24,11 +24,7 @@ def kept(matrix: np.ndarray) -> Matrix:
 
 
 def compressed(matrix: np.ndarray) -> csr_array:
-    """The matrix without stored zeros.
-
-    >>> compressed(np.array([[0.0, 2.0], [3.0, 0.0]])).indices.tolist()
-    [1, 0]
-    """
+    """The matrix without stored zeros."""
     values = np.ascontiguousarray(matrix).reshape(-1)
     places = np.flatnonzero(values != 0)
     rows, columns = np.divmod(places, max(matrix.shape[1], 1))
@@ -43,11 +39,7 @@ def of_like_kind(matrix, other: Matrix) -> Matrix:
 
 
 def full(matrix: Matrix) -> np.ndarray:
-    """All entries as an array.
-
-    >>> full(csr_array([[0.0, 2.0]])).tolist()
-    [[0.0, 2.0]]
-    """
+    """All entries as an array."""
     return matrix if isinstance(matrix, np.ndarray) else matrix.toarray()
 
 
@@ -82,11 +74,7 @@ def shifted_unit(rows: int, columns: int, shift: int, like: Matrix) -> Matrix:
 
 
 def entries(matrix: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows, columns and values of the stored entries.
-
-    >>> [part.tolist() for part in entries(np.array([[0.0, 2.0]]))]
-    [[0], [1], [2.0]]
-    """
+    """Rows, columns and values of the stored entries."""
     if isinstance(matrix, np.ndarray):
         row, column = matrix.nonzero()
         return row, column, matrix[row, column]
@@ -95,11 +83,7 @@ def entries(matrix: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def others(size: int, places: np.ndarray) -> np.ndarray:
-    """All indices below a size other than the given ones.
-
-    >>> others(4, np.array([2, 0])).tolist()
-    [1, 3]
-    """
+    """All indices below a size other than the given ones."""
     free = np.ones(size, dtype=bool)
     free[places] = False
     return free.nonzero()[0]

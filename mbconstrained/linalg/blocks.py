@@ -1,9 +1,4 @@
-"""A real Schur form turned into a block diagonal one, with the condition of the decoupling bounded.
-
-The leading block is decoupled from the rest by a Sylvester equation. Where that would need a transformation
-with large entries, the zero nearest to the block is swapped in and it is tried again (Bavely and Stewart
-1979). Close or defective zeros therefore end up together in one block, a cluster.
-"""
+"""Real matrices in block diagonal form: by Schur forms and clusters, or by eigenvectors where eigenvalues are well separated."""
 
 from __future__ import annotations
 
@@ -12,12 +7,21 @@ from dataclasses import dataclass
 from itertools import accumulate
 
 import numpy as np
+import scipy.linalg
 from scipy.linalg import lapack
+from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from ..ground.tolerances import DECOUPLING_LIMIT
-from .arrays import Matrix, compressed
+from ..ground.threads import one_thread
+from ..ground.tolerances import DECOUPLING_LIMIT, EPS, MODE_AMPLIFICATION, SEPARATION_STEPS, WEAK_COUPLING
+from .arrays import Matrix, compressed, entries, full, kept, of_like_kind
 from .precise import of_kind
+from .scaling import balancing_units
+
+# A real Schur form turned into a block diagonal one, with the condition of the decoupling bounded.
+# The leading block is decoupled from the rest by a Sylvester equation. Where that would need a transformation
+# with large entries, the zero nearest to the block is swapped in and it is tried again (Bavely and Stewart
+# 1979). Close or defective zeros therefore end up together in one block, a cluster.
 
 #: Largest number of entries computed at once (bounds the memory used).
 CHUNK_ENTRIES = 2_000_000
@@ -94,11 +98,7 @@ def block_matrix(blocks: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def coupled_rows(matrix: np.ndarray) -> list[np.ndarray]:
-    """The rows of a square matrix in groups that no entry couples to each other, each ascending.
-
-    >>> [rows.tolist() for rows in coupled_rows(np.array([[1.0, 0, 2], [0, 1, 0], [0, 0, 1]]))]
-    [[0, 2], [1]]
-    """
+    """The rows of a square matrix in groups that no entry couples to each other, each ascending."""
     n = len(matrix)
     if n > MANY_ROWS:
         count, which = connected_components(compressed(matrix), directed=False)
@@ -121,9 +121,6 @@ def coupled(pattern: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """The connected components of a matrix of bools: rows that share columns, directly or through others, and these columns.
 
     Rows without any are in none. Sets of columns are kept as the bits of whole numbers.
-
-    >>> [(rows.tolist(), columns.tolist()) for rows, columns in coupled(np.array([[0, 1, 1], [0, 0, 0], [1, 0, 0], [0, 0, 1]]) > 0)]
-    [([0, 3], [1, 2]), ([2], [0])]
     """
     result: list[tuple[int, list[int]]] = []
     met = 0
@@ -189,11 +186,7 @@ def _step(T, at) -> int:
 
 
 def zeros_of(blocks: Sequence[np.ndarray]) -> np.ndarray:
-    """The zeros of diagonal blocks, of each complex pair the one above the real axis.
-
-    >>> zeros_of([np.array([[-1.0, 2.0], [-2.0, -1.0]]), np.array([[3.0]])]).tolist()
-    [(-1+2j), (3+0j)]
-    """
+    """The zeros of diagonal blocks, of each complex pair the one above the real axis."""
     result: list[complex] = []
     for block in blocks:
         if len(block) > 2:
@@ -254,3 +247,217 @@ def _swap(T, basis, inverse, start, source, target) -> bool:
     basis[:, start:] = basis[:, start:] @ turn
     inverse[start:] = turn.T @ inverse[start:]
     return info == 0
+
+
+# A real matrix decoupled by its eigenvectors: blocks of size one and two, where its eigenvalues are well separated.
+# The eigenvectors x_i and the rows y_i of their inverse give each zero once more as y_i S x_i (Rayleigh's quotient), its error
+# the square of theirs: rounding of the QR algorithm grows with the size of S, that of the quotient with that of S x_i. The states are
+# measured in units that balance S. How well an eigenvalue is separated from the others is measured by the sum of |y_i| |x_i| over its
+# states (its condition for small relative errors of S, after Skeel 1979), which no unit of theirs enters. Zeros may be well known,
+# and their vectors hardly independent: where one of two like parts is coupled one way to the other. The modes are huge then, and
+# cancel.
+
+#: Number of vectors processed at once.
+COLUMNS = 32
+
+
+def decoupled(matrix: Matrix, units: np.ndarray | None = None) -> BlockDiagonal:
+    """inverse @ S @ basis = diag(blocks) for a real square matrix S, dense or sparse.
+
+    Where an eigenvector is hardly independent of the others, by its Schur form and clusters instead (``linalg.blocks``).
+    """
+    if not matrix.shape[0]:
+        return BlockDiagonal(*np.zeros((2, 0, 0)), (), 0.0)
+    matrix = kept(matrix) if isinstance(matrix, np.ndarray) else matrix
+    units = balancing_units(matrix) if units is None else units
+    balanced = of_like_kind(matrix * units / units[:, None], matrix)
+    result = _by_groups(balanced) or _by_eigenvectors(balanced) or _by_clusters(balanced)
+    basis, inverse = result.basis, result.inverse
+    basis *= units[:, None]
+    inverse /= units
+    return BlockDiagonal(basis, inverse, result.blocks, result.coupling)
+
+
+def _by_clusters(matrix: Matrix) -> BlockDiagonal:
+    triangle, rotation = scipy.linalg.schur(full(matrix), output="real")
+    parts = block_diagonalize(triangle)
+    return BlockDiagonal(rotation @ parts.basis, parts.inverse @ rotation.T, parts.blocks, parts.coupling)
+
+
+def _by_eigenvectors(matrix: Matrix) -> BlockDiagonal | None:
+    """Decoupled form with LAPACK's real and imaginary parts of the vectors side by side as basis, without a complex matrix."""
+    n = matrix.shape[0]
+    room = int(lapack.dgeev_lwork(n, compute_vl=0)[0])
+    with one_thread(n):
+        _, imaginary, _, basis, failed = lapack.dgeev(np.array(full(matrix), order="F"), compute_vl=0, lwork=room, overwrite_a=1)
+    factors, pivots, singular = lapack.dgetrf(basis)
+    if failed or singular:
+        return None
+    inverse = lapack.dgetri(factors, pivots, lwork=room, overwrite_lu=1)[0]
+    single, upper = (imaginary == 0).nonzero()[0], (imaginary > 0).nonzero()[0]
+    worst = _worst_condition(basis, inverse, single, upper)
+    if not (worst <= DECOUPLING_LIMIT and _largest_mode(basis, inverse) <= MODE_AMPLIFICATION):
+        return None
+    result: dict[int, np.ndarray] = {}
+    for at in _some(single):  # y S x of real x, y
+        result |= zip(at.tolist(), inverse[at].dot(matrix @ basis[:, at]).diagonal()[:, None, None])
+    for at in _some(upper):
+        result |= zip(at.tolist(), _pairs(matrix, basis, inverse, at))
+    return BlockDiagonal(basis, inverse, tuple(result[at] for at in sorted(result)), worst)
+
+
+def _pairs(matrix, basis, inverse, upper) -> np.ndarray:
+    """The blocks [[a, b], [-b, a]] of pairs of complex ones, shape (k, 2, 2)."""
+    k, both = len(upper), np.concatenate([upper, upper + 1])
+    quotients = inverse[both].dot(matrix @ basis[:, both])
+    diagonal = quotients.diagonal()
+    a, b = (diagonal[:k] + diagonal[k:]) / 2, (quotients.diagonal(k) - quotients.diagonal(-k)) / 2
+    return np.array([a, b, -b, a]).T.reshape(-1, 2, 2)
+
+
+def _worst_condition(basis, inverse, single, upper) -> float:
+    """The largest sum of |y_i| |x_i|, of zeros with real x, y and of pairs of complex ones."""
+    worst = 0.0
+    for at in _some(single):
+        worst = max(worst, _sums(np.abs(basis[:, at]), np.abs(inverse[at])).max())
+    for at in _some(upper):
+        sizes = np.hypot(basis[:, at], basis[:, at + 1]), np.hypot(inverse[at], inverse[at + 1])
+        worst = max(worst, _sums(*sizes).max() / 2)
+    return float(worst)
+
+
+def _sums(columns, rows) -> np.ndarray:
+    """Inner products of columns and rows with the same index."""
+    return (columns * rows.T).sum(axis=0)
+
+
+def _largest_mode(basis, inverse) -> float:
+    """The largest ratio of a mode to the states that it is a sum of."""
+    return float(np.sqrt((np.einsum("ij,ij->j", basis, basis) * np.einsum("ij,ij->i", inverse, inverse)).max()))
+
+
+def _some(columns: np.ndarray) -> list[np.ndarray]:
+    """Chunks of columns, whose products stay small relative to the matrix."""
+    return [columns[begin : begin + COLUMNS] for begin in range(0, len(columns), COLUMNS)]
+
+
+# Groups of states that are coupled weakly, or one way only, decoupled each for itself and then from each other.
+#
+# Errors of the QR algorithm are relative to the largest entries: of a coupling of 1e-12 it keeps four digits. With the modes V of the
+# groups V^-1 S V = D + E, and the entries of E, the couplings, have errors relative to their own block of two groups. Then
+# (D + E)(I + X) = (I + X)(D + F) is solved entry by entry (Stewart 1973), F between close rates only and X between all others.
+
+
+def _by_groups(matrix: Matrix) -> BlockDiagonal | None:
+    """Decoupled form by weakly coupled groups; None for one group, or couplings not weak relative to differences of rates."""
+    groups = weakly_coupled_groups(matrix)
+    if len(groups) == 1:
+        return None
+    S = full(matrix)
+    parts = [_by_eigenvectors(S[np.ix_(at, at)]) for at in groups]
+    if not all(parts):
+        return None
+    whole, between = assembled(groups, parts), S.copy()
+    for at in groups:
+        between[np.ix_(at, at)] = 0.0
+    turn, back, rates = _complex_modes(whole.blocks)
+    separated = _separation(back @ (whole.inverse @ between @ whole.basis) @ turn, rates, len(groups))
+    if separated is None:
+        return None
+    X, D = (turn @ separated[0] @ back).real, (turn @ (separated[1] + np.diag(rates)) @ back).real
+    undone = _inverse_of_sum(X)
+    if undone is None:
+        return None
+    clusters = _clusters(whole.blocks, separated[1])
+    order = np.concatenate(clusters)
+    basis, inverse = (whole.basis + whole.basis @ X)[:, order], (undone @ whole.inverse)[order]
+    worst = float((np.abs(basis) * np.abs(inverse.T)).sum(axis=0).max())
+    blocks = tuple(_paired(D[np.ix_(at, at)]) for at in clusters)
+    return BlockDiagonal(basis, inverse, blocks, worst) if worst <= DECOUPLING_LIMIT else None
+
+
+def weakly_coupled_groups(matrix: Matrix) -> list[np.ndarray]:
+    """The states of a balanced matrix in groups that excite each other by more than weak couplings."""
+    n = matrix.shape[0]
+    row, column, strong, largest = _coupled_states(matrix)
+    if strong.all() and WEAK_COUPLING * largest.max(initial=0.0) <= largest.min(initial=np.inf):
+        return [np.arange(n)]
+    joined = csr_array((strong[strong], (row[strong], column[strong])), shape=(n, n))
+    count, which = connected_components(joined, connection="strong")
+    return [np.flatnonzero(which == group) for group in range(count)]
+
+
+def is_weakly_coupled(matrix: Matrix) -> bool:
+    """Whether some states of a balanced matrix are weakly coupled."""
+    return not _coupled_states(matrix)[2].all()
+
+
+def _coupled_states(matrix: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Rows and columns of the entries, which of them are strong, and the largest size in each row.
+
+    What couples a fast state with a slow one moves the rates by its square over the faster rate, and counts relative to that.
+    """
+    row, column, values = entries(matrix)
+    largest, sizes = np.zeros(matrix.shape[0]), np.abs(values)
+    np.maximum.at(largest, row, sizes)
+    less, more = np.minimum(largest[row], largest[column]), np.maximum(largest[row], largest[column])
+    return row, column, sizes > WEAK_COUPLING * np.where(less > WEAK_COUPLING * more, less, more), largest
+
+
+def _complex_modes(blocks: tuple[np.ndarray, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """U, U^-1 and s with U^-1 diag(blocks) U = diag(s) for blocks [a] and [[a, b], [-b, a]]."""
+    turns = [np.array([[1.0, 1.0], [1j, -1j]]) if len(block) == 2 else np.eye(1) for block in blocks]
+    rates = [block[0, 0] + 1j * block[0, 1] * np.array([1.0, -1.0]) if len(block) == 2 else block[0] for block in blocks]
+    turn = scipy.linalg.block_diag(*turns)
+    return turn, (turn / np.abs(turn).sum(axis=0)).conj().T, np.concatenate(rates)
+
+
+def _separation(E: np.ndarray, rates: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray] | None:
+    """X and F for these groups, None where the couplings are too strong."""
+    gaps, sizes = rates - rates[:, None], np.maximum(np.abs(rates), np.abs(rates)[:, None])
+    close = np.abs(gaps) * DECOUPLING_LIMIT <= sizes
+    gaps[close] = 1.0
+    X = F = np.zeros_like(E)
+    last = np.inf
+    for step in range(SEPARATION_STEPS):
+        change = E + E @ X - X @ F
+        following = np.where(close, 0.0, change / gaps)
+        F = np.where(close, change, 0.0)
+        rounding = 4 * EPS * (np.abs(E) + np.abs(E) @ np.abs(X) + np.abs(X) @ np.abs(F)) / np.abs(gaps)
+        moved = np.abs(following - X)
+        if (moved <= rounding).all():
+            return following, F * ((np.abs(F) > EPS / 2 * sizes) | (E != 0))
+        if moved.max() > DECOUPLING_LIMIT or (step > count and moved.max() > last / 2):
+            return None
+        X, last = following, moved.max()
+    return None
+
+
+def _inverse_of_sum(X: np.ndarray) -> np.ndarray | None:
+    """(I + X)^-1, with accurate small entries."""
+    result, size = np.eye(len(X)), np.abs(X)
+    for _ in range(SEPARATION_STEPS):
+        following = np.eye(len(X)) - X @ result
+        if (np.abs(following - result) <= 4 * EPS * (size @ np.abs(result))).all():
+            return following
+        result = following
+    return None
+
+
+def _paired(block: np.ndarray) -> np.ndarray:
+    """A cluster of pairs [[a, b], [-b, a]] whose couplings agree to rounding errors, without these errors; any other unchanged."""
+    pairs = block[0::2, 0::2], block[0::2, 1::2], -block[1::2, 0::2], block[1::2, 1::2]
+    if len(block) % 2 or not (np.diag(pairs[0]) == np.diag(pairs[3])).all() or not np.diag(pairs[1]).all():
+        return block
+    result = block.copy()
+    result[1::2, 1::2], result[1::2, 0::2] = pairs[0], -pairs[1]
+    return result if np.abs(result - block).max() <= EPS * np.abs(block).max() else block
+
+
+def _clusters(blocks: tuple[np.ndarray, ...], F: np.ndarray) -> list[np.ndarray]:
+    """The modal states in clusters, those of one block and of blocks that F couples together."""
+    number = np.repeat(np.arange(len(blocks)), list(map(len, blocks)))
+    row, column = F.nonzero()
+    joined = csr_array((np.ones(len(row)), (number[row], number[column])), shape=(len(blocks),) * 2)
+    which = connected_components(joined, directed=False)[1][number]
+    return [np.flatnonzero(which == cluster) for cluster in np.unique(which)]

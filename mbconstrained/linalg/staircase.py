@@ -17,8 +17,7 @@ from scipy.linalg import lapack
 from ..ground.errors import IllConditioned
 from ..ground.tolerances import EPS, NOISE_SAFETY
 from .precise import inverse, is_precise, magnitude, of_kind, unit
-from .rank import RankDecision, RowCompression, compress_rows, null_columns
-from .rounding import Noisy, stacked
+from .rank import Noisy, RankDecision, RowCompression, compress_rows, null_columns, stacked
 
 
 class SingularPencil(ArithmeticError):
@@ -173,7 +172,7 @@ def _finished(work: _Work, n: int, deficiencies, decisions) -> SplitPencil:
     finite, infinite = slice(n), slice(n, None)
     F22 = work.F.data[infinite, infinite]
     if len(F22):
-        work.rows(infinite, _with_rounding(_triangular_inverse(F22)))
+        work.rows(infinite, _with_rounding(inverse(F22) if is_precise(F22) else lapack.dtrtrs(F22, np.eye(len(F22)))[0]))
     nilpotent, above = work.E[infinite, infinite], ~np.tri(len(F22), dtype=bool)
     return SplitPencil(
         left=work.left,
@@ -186,10 +185,6 @@ def _finished(work: _Work, n: int, deficiencies, decisions) -> SplitPencil:
         deficiencies=deficiencies,
         decisions=decisions,
     )
-
-
-def _triangular_inverse(matrix: np.ndarray) -> np.ndarray:
-    return inverse(matrix) if is_precise(matrix) else lapack.dtrtrs(matrix, np.eye(len(matrix)))[0]
 
 
 def _with_rounding(matrix: np.ndarray) -> Noisy:

@@ -18,8 +18,7 @@ from ..ground.errors import IllConditioned, NotUnique
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import ASSEMBLED_SPREAD, DOUBTFUL_SUM, EPS, LARGEST_SPREAD
 from ..linalg.precise import is_worthwhile
-from ..linalg.rank import null_columns
-from ..linalg.rounding import Noisy
+from ..linalg.rank import Noisy, null_columns
 from ..linalg.scaling import equilibration
 from ..polynomial.coefficients import Factors
 from ..polynomial.polynomial_matrix import PolynomialMatrix

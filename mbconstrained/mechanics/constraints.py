@@ -17,7 +17,7 @@ from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import CLEAR_KEPT, DOUBTFUL_SUM, EPS, NOISE_SAFETY, NULL_SPACE_LIMIT, noise_of
 from ..linalg.arrays import full, others
 from ..linalg.division import solution
-from ..linalg.rounding import Noisy, reduce_in_order
+from ..linalg.rank import Noisy, reduce_in_order
 from ..linalg.scaling import column_units
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth

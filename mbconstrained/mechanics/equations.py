@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
 import numpy as np
 import scipy.sparse
 
-from ..exchange.exported import ExportedSystem
 from ..ground.checks import constant_zeros, counted, names_of, nearest, real_array, real_number
 from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Displayed, TextTable, notice_table
@@ -51,7 +50,7 @@ class ElementForce(NamedTuple):
     unit: str
 
 
-class EquationsOfMotion(ExportedSystem, Displayed):
+class EquationsOfMotion(Displayed):
     """Data of a ``MechanicalSystem``, without the answers to questions about it.
 
     Attributes:

@@ -32,10 +32,9 @@ from ..linalg.arrays import full
 from ..linalg.blocks import block_slices
 from ..linalg.division import definite_condition, is_symmetric, solved
 from ..linalg.precise import floats, is_precise, is_worthwhile, precise_arithmetic
-from ..linalg.rank import null_columns
-from ..linalg.rounding import Noisy
-from ..linalg.symmetric.symmetric_modes import undamped_shapes
-from ..polynomial.companion import known_coefficient
+from ..linalg.rank import Noisy, null_columns
+from ..linalg.symmetric import undamped_shapes
+from ..polynomial.decoupling import known_coefficient
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..polynomial.reduced_equations import NotReducible, Reduction
 from ..response.choose import serving_reduction

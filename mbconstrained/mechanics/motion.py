@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ..exchange.exported import RATES
-from ..exchange.trajectories import Curves
+from ..exchange.trajectories import RATES, Curves
 from ..ground.checks import counted, nearest, real_array, whole_number
 from ..ground.coordinate_units import force_unit, impulse_unit, rate_unit
 from ..ground.errors import InputError, within_float64

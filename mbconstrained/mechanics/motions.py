@@ -1,4 +1,4 @@
-"""Many motions of one mechanical system at once, of several initial values or forces, by one decomposition (``response.many``)."""
+"""Many motions of one mechanical system at once, of several initial values or forces, by one decomposition (``response.solve``)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from ..ground.checks import counted, real_array
 from ..ground.errors import InputError
 from ..response.choose import Request
-from ..response.many import Responses, solve_many
+from ..response.solve import Responses, solve_many
 from ..signals.impulsive import ImpulsiveSmooth
 from .equations import EquationsOfMotion
 from .motion import Motion, SystemMotion

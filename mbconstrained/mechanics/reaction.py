@@ -18,7 +18,7 @@ from functools import cached_property, reduce
 import numpy as np
 
 from ..ground.tolerances import EPS
-from ..linalg.rounding import Noisy
+from ..linalg.rank import Noisy
 from ..response.events import Event, without_zeros
 from ..response.response import Response
 from ..signals.bohl import BohlFunction

@@ -98,10 +98,6 @@ class Factors:
         left: L, shape (r, m).
         values: v, shape (m,): stiffnesses, dampings, masses; what is uncertain about the matrix.
         right: R, shape (m, r).
-
-    >>> stiff = Factors(np.array([[1.0, -1.0], [0.0, 1.0]]), np.array([1.0, 1e16]), np.array([[1.0, 0.0], [-1.0, 1.0]]))
-    >>> float(stiff.matrix[0, 0]), stiff.exact[0, 0]
-    (1e+16, Fraction(10000000000000001, 1))
     """
 
     left: np.ndarray

@@ -5,8 +5,8 @@ massless joint without damper). Of the rest, rows with s^2 make accelerations of
 velocities of the others, x_d; the states are w = (x_m, x_m', x_d). Which row is of which kind is read off entries that are
 exactly zero, and each part that is divided by must be well conditioned: where that does not hold, the staircase algorithm
 (``linalg.staircase``) decides. For large models this takes milliseconds where that takes minutes, for small ones a part of a
-millisecond. Zeros at s = 0 are those of rows without stiffness (``polynomial.conserved``), or of sums of
-rows without (``polynomial.conserved``), or there are none.
+millisecond. Zeros at s = 0 are those of rows without stiffness (``polynomial.reduced_equations``), or of sums of
+rows without (``polynomial.reduced_equations``), or there are none.
 """
 
 from __future__ import annotations
@@ -31,12 +31,11 @@ from ..linalg.arrays import (
     zeros_of_kind,
 )
 from ..linalg.division import condition, definite_condition, is_symmetric, solution, without_noise
-from ..linalg.rounding import Noisy, reduce_in_order
+from ..linalg.rank import Noisy, reduce_in_order
 from ..linalg.scaling import column_units, equilibration
-from ..linalg.symmetric.symmetric_modes import may_be_wide
+from ..linalg.symmetric import may_be_wide
 from .coefficients import PolynomialCoefficients
-from .conserved import Conserved, Freed, conserved, freed, lowest
-from .reduced_equations import FEW_STATES, NotReducible, Reduction
+from .reduced_equations import FEW_STATES, Conserved, Freed, NotReducible, Reduction, conserved, freed, lowest
 
 _SINGULAR_MASS = "the mass matrix of the reduced equations is singular"
 _SINGULAR_STIFFNESS = "the stiffness matrix is near-singular: rank decisions have to settle whether a body is free"

@@ -13,7 +13,7 @@ from ..ground.checks import real_number
 from ..ground.errors import IllConditioned, InputError
 from ..linalg.staircase import SingularPencil
 from .coefficients import PolynomialCoefficients
-from .companion import scaled_companion
+from .decoupling import scaled_companion
 from .direct_reduction import reduction_of
 from .jordan_pairs import JordanPairs, jordan_pairs
 from .reduced_equations import NotReducible, Reduction
@@ -80,19 +80,17 @@ class PolynomialMatrix(PolynomialCoefficients):
         Returns:
             Another A(s).
         """
-        result = PolynomialMatrix(self._moved_coefficients(move), self.coordinates, self.equations, self.uncertainty)
+        moved = [
+            move(matrix, uncertainty) if factors is None else replace(factors, values=move(factors.values, np.zeros(())))
+            for matrix, factors, uncertainty in zip(self.coefficients, self.factors, self.uncertainty)
+        ]
+        result = PolynomialMatrix(moved, self.coordinates, self.equations, self.uncertainty)
         like = self.reduction
         if isinstance(like, Reduction) and like.wide_modes is not None:
             result = PolynomialMatrix(self.coefficients, self.coordinates, self.equations, self.uncertainty)
             result._order = random.permutation(len(like.second))
         result._like = self
         return result
-
-    def _moved_coefficients(self, move) -> list:
-        return [
-            move(matrix, uncertainty) if factors is None else replace(factors, values=move(factors.values, np.zeros(())))
-            for matrix, factors, uncertainty in zip(self.coefficients, self.factors, self.uncertainty)
-        ]
 
     @property
     def is_regular(self) -> bool:

@@ -14,7 +14,7 @@ from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, NOISE_SAFETY
 from ..linalg.staircase import GENERIC
 from .coefficients import PolynomialCoefficients
-from .companion import scaled_companion
+from .decoupling import scaled_companion
 
 
 @dataclass(frozen=True)
@@ -137,11 +137,7 @@ def _quoted(names) -> str:
 
 
 def polynomial_text(coefficients: Sequence[Rational]) -> str:
-    """A polynomial in s as text, with six digits.
-
-    >>> polynomial_text((-1, 2.5, 1))
-    's^2 + 2.5 s - 1'
-    """
+    """A polynomial in s as text, with six digits."""
     text = ""
     for power, c in reversed(list(enumerate(coefficients))):
         if c:

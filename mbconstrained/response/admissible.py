@@ -14,15 +14,14 @@ import numpy as np
 from ..ground.checks import counted
 from ..ground.display import Displayed, TextTable
 from ..ground.errors import OUT_OF_RANGE, IllConditioned, within_float64
-from ..linalg.rounding import Noisy, columnwise, eliminate
+from ..linalg.rank import Noisy, columnwise, eliminate
 from ..polynomial.decoupling import WeierstrassForm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.inputs import ImpulsiveSmooth
 from .events import inconsistency_of
-from .forcing import scaled_data
-from .problem import checked_force, checked_matrix
+from .problem import checked_force, checked_matrix, scaled_data
 from .response import Response
-from .response_notices import DERIVATIVE_NAMES
+from .response_notices import derivative_word
 from .solve import solve
 
 
@@ -173,9 +172,11 @@ class Violation:
     @property
     def text(self) -> str:
         """Text of the violation, one sentence."""
-        leading, *others = (f'"{name}"{_times(order)}' for name, order in self.equations)
+        leading, *others = (
+            f'"{name}"{TIMES[order] if order < len(TIMES) else f" differentiated {order} times"}' for name, order in self.equations
+        )
         together = f" together with {_listed(others)}" if others else ""
-        involved = _listed([f'the {_derivative(order)} of "{name}"' for name, order in self.coordinates])
+        involved = _listed([f'the {derivative_word(order)} of "{name}"' for name, order in self.coordinates])
         contradicted = f", on {involved}" if involved else ""
         return (
             f"condition {self.number}: {leading}{together}{contradicted}, does not hold at 0-: the left side less the right is "
@@ -270,14 +271,6 @@ def _impulses(form, combination) -> np.ndarray:
         power = form.nilpotent @ power
         impulsive |= (form.C2 @ power).cleaned().any(axis=0)
     return impulsive
-
-
-def _times(order: int) -> str:
-    return TIMES[order] if order < len(TIMES) else f" differentiated {order} times"
-
-
-def _derivative(order: int) -> str:
-    return DERIVATIVE_NAMES[order] if order < len(DERIVATIVE_NAMES) else f"derivative {order}"
 
 
 def _listed(parts: Sequence[str]) -> str:

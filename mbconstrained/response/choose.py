@@ -10,7 +10,7 @@ Two questions are answered here, both from the data alone.
 
 Measured with OpenBLAS on machines of one to two cores: LAPACK's QR algorithm (geev) takes the time of 40 products for 2000 states
 and of 100 for 200, a symmetric eigenproblem of half the size that of 2 and of 7; powers of e^(S h) are counted
-(``linalg.exponential.powers``).
+(``linalg.recursion``).
 """
 
 from __future__ import annotations
@@ -25,10 +25,9 @@ import numpy as np
 from ..ground.checks import counted
 from ..ground.errors import InputError
 from ..ground.tolerances import EPS, PROVED_RESTARTS, PROVED_STATES, noise_of
-from ..linalg.exponential.oscillations import even_step
-from ..linalg.exponential.powers import cost_of_exponential, cost_of_powers, cost_of_steps
-from ..linalg.exponential.recursion import shared_gaps
+from ..linalg.exponential import even_step
 from ..linalg.precise import is_worthwhile
+from ..linalg.recursion import cost_of_exponential, cost_of_powers, cost_of_steps, shared_gaps
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..polynomial.reduced_equations import NotReducible, Reduction
 from ..signals.impulsive import ImpulsiveSmooth
@@ -95,15 +94,7 @@ class Method:
 
 
 def choose(problem: Problem, request: Request = Request()) -> Method:
-    """The method for a problem.
-
-    >>> from mbconstrained.polynomial.polynomial_matrix import PolynomialMatrix
-    >>> A = PolynomialMatrix([[[4.0]], [[0.0]], [[1.0]]])
-    >>> choose(Problem.checked(A))
-    Method(modes, by eigenvectors: 2 states are few)
-    >>> choose(Problem.checked(A, rank_tolerance=1e-9))
-    Method(Jordan pairs, by the Jordan pairs: a rank tolerance is given, and the reduced equations decide no rank)
-    """
+    """The method for a problem."""
     try:
         flow = reduced_flow(problem)
     except NotReducible as condition:

@@ -9,10 +9,10 @@ import numpy as np
 
 from ..ground.errors import Overflow
 from ..ground.tolerances import noise_of
-from ..linalg.rounding import Noisy, stacked
+from ..linalg.rank import Noisy, stacked
 from ..polynomial.decoupling import WeierstrassForm
 from ..signals.impulsive import ImpulsiveSmooth
-from .forcing import ScaledForce, power_of_two_of, scaled_force, scaled_impulses
+from .problem import ScaledForce, power_of_two_of, scaled_force, scaled_impulses
 
 
 @dataclass(frozen=True, eq=False)

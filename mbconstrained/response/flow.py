@@ -15,17 +15,17 @@ import numpy as np
 import scipy.sparse
 
 from ..ground.tolerances import noise_of
-from ..linalg.accurate_products import accurately_solved
 from ..linalg.arrays import Matrix, entry_count, full, hstack, of_like_kind, vstack, zeros_of_kind
 from ..linalg.blocks import CHUNK_ENTRIES, block_slices
-from ..linalg.exponential.powers import Propagator
+from ..linalg.division import accurately_solved
+from ..linalg.recursion import Propagator
 from ..linalg.scaling import balanced_norm
 from ..polynomial.reduced_equations import Reduction
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from .events import Event
-from .forcing import Driven, units_of_pieces
 from .methods.finite_motion import FinitePart, driven_motion
+from .problem import Driven, units_of_pieces
 
 #: A force that restarts at fewer knots is not worth a table.
 FEWEST_KNOTS = 64
@@ -66,14 +66,7 @@ class TaylorStart:
     bounds: np.ndarray | None = None
 
     def replace(self, values: np.ndarray, times: np.ndarray, output: Matrix, sizes: Callable[[], np.ndarray]) -> None:
-        """Put output @ z in place of the values at early times.
-
-        Args:
-            values: shape (r, T), changed in place.
-            times: in s, shape (T,).
-            output: shape (r, n).
-            sizes: gives the sizes of the sums of modes by which the rows are evaluated otherwise, shape (r,).
-        """
+        """Put output @ z in place of the values at early times."""
         early = (times < self.end).nonzero()[0]
         if not early.size:
             return
@@ -119,17 +112,7 @@ class Flow:
 
     @classmethod
     def of(cls, reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth, *, jumping: bool = False) -> Flow:
-        """The flow from values at 0- (q, r).
-
-        Args:
-            reduction: the reduced equations.
-            initial: values x^(i)(0-) as row i, shape (q, r).
-            force: f, with Dirac impulses on rows with mass or dampers only, without derivatives of them.
-            jumping: whether the values violate the algebraic equations, and jump.
-
-        Returns:
-            The ``Flow``.
-        """
+        """The flow from values at 0- (q, r)."""
         smooth, start = force.smooth, reduction.state(initial)
         if jumping:
             start = start + _jumps_to_algebraic_equations(reduction, initial[None], smooth)[:, 0]
@@ -150,15 +133,7 @@ class Flow:
         return cls(reduction, force, initial, start, excitation, output, impulsive, jumping=jumping)
 
     def after(self, knot: int, states: np.ndarray) -> Flow:
-        """The motion after a knot of the force as a separate flow, for states w there.
-
-        Args:
-            knot: its number.
-            states: w there, shape (n,).
-
-        Returns:
-            A ``Flow`` whose force does not restart.
-        """
+        """The motion after a knot of the force as a separate flow, for states w there."""
         smooth = self.force.smooth
         smooth = BohlFunction(smooth.coefficients, smooth.blocks, smooth.restarts.states[:, knot])
         return Flow(self.reduction, ImpulsiveSmooth(smooth), self.initial, states, self.excitation, self.output)
@@ -233,7 +208,7 @@ class Flow:
 
     @cached_property
     def records(self) -> list:
-        """Results of ``methods.record`` for the flow."""
+        """The ``RecordFlow`` of the flow, or None, once it is known."""
         return []
 
     def propagator(self, step: float) -> Propagator:
@@ -316,15 +291,7 @@ class Flow:
         return tuple(Event(float(self.knots[1 + k]), jumps[:, :, place].copy(), ()) for place, k in enumerate(places))
 
     def derivatives_less(self, states: np.ndarray, given: np.ndarray) -> np.ndarray:
-        """x^(i) of states (n + m, K) less given values, shape (q, r, K); zero where the difference is a rounding error.
-
-        Args:
-            states: states of the motion and the force, shape (n + m, K).
-            given: values of x, x', ..., shape (q, r, K).
-
-        Returns:
-            Shape (q, r, K).
-        """
+        """x^(i) of states (n + m, K) less given values, shape (q, r, K); zero where the difference is a rounding error."""
         differences, sizes, G, reduction = [], np.abs(states), self.generator, self.reduction
         Y, rows = reduction.Y, reduction.given[0][reduction.algebraic]
         for order, values in enumerate(given):

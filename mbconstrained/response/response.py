@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from ..exchange.exported import Exported
+from ..exchange.trajectories import Exported
 from ..ground.checks import counted, places_of, whole_number
 from ..ground.display import Presented, TextTable, notice_table
 from ..ground.errors import MbconstrainedError, within_float64
@@ -33,10 +33,6 @@ from .response_notices import response_notices, unsatisfied
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
     from ..exact.enclosure.intervals import Enclosure
-
-OUT_OF_RANGE = (
-    "products of the data leave the range of float64, or their inverses do; choose other units, in which they are nearer to 1"
-)
 
 #: Number of coordinates named where a response is shown in one line.
 MOST_NAMES = 6

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
-from typing import Any, Protocol
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -14,12 +14,10 @@ from ..ground.errors import IllConditioned, Overflow, within_float64
 from ..ground.notices import Notice, NoticeKind, doubts_of
 from ..ground.tolerances import EPS, NOISE_SAFETY, PRECISE_STATES, TRUST_LIMIT, noise_of, rounding_radius
 from ..linalg.blocks import zeros_of
-from ..linalg.exponential.block_exponential import block_states
-from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..linalg.exponential import block_states
 from ..signals.bohl import BohlFunction
-from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
+from ..signals.impulsive import ImpulsiveLoad
 from .events import Event
-from .problem import Problem
 
 #: Number of jumps and impulses after t = 0 reported in a sentence each; the others are counted.
 MOST_LATER = 6
@@ -33,62 +31,8 @@ LISTED_SINGULAR_VALUES = 4
 DERIVATIVE_NAMES = ("value", "velocity", "acceleration", "jerk")
 
 
-class SolvedProblem(Protocol):
-    """A solved A(d/dt) x = f, its attributes as of ``Response``."""
-
-    @property
-    def polynomial_matrix(self) -> PolynomialMatrix: ...
-
-    @property
-    def problem(self) -> Problem: ...
-
-    @property
-    def solution(self) -> Any: ...
-
-    @property
-    def initial(self) -> np.ndarray: ...
-
-    @property
-    def start(self) -> np.ndarray: ...
-
-    @property
-    def jump(self) -> np.ndarray: ...
-
-    @property
-    def impulses(self) -> Sequence[np.ndarray]: ...
-
-    @property
-    def events(self) -> Sequence[Event]: ...
-
-    @property
-    def kinks(self) -> Sequence[Event]: ...
-
-    @property
-    def force(self) -> ImpulsiveSmooth: ...
-
-    @property
-    def unproved(self) -> str: ...
-
-    @property
-    def is_proved(self) -> bool: ...
-
-    @property
-    def doubts(self) -> Sequence[Notice]: ...
-
-    @property
-    def moved(self) -> Sequence[Any]: ...
-
-    @property
-    def written(self) -> Any: ...
-
-    @property
-    def decided_otherwise(self) -> Any: ...
-
-    def __call__(self, times) -> np.ndarray: ...
-
-    def derivative(self, order: int = 1) -> BohlFunction: ...
-
-    def estimates_without_trials(self, times: np.ndarray) -> np.ndarray | None: ...
+#: A ``Response``, whose file imports this one.
+SolvedProblem: TypeAlias = Any
 
 
 @within_float64()
@@ -283,11 +227,12 @@ def growth_notice(growing: np.ndarray) -> tuple[Notice, ...]:
 def _rank(pairs):
     for decision in pairs.form.decisions:
         if not decision.clear:
+            smallest = ", ".join(f"{value:.3g}" for value in decision.singular_values[-LISTED_SINGULAR_VALUES:])
             yield Notice(
                 NoticeKind.RANK,
                 f"a rank decision has no clear gap: the smallest value kept is {decision.smallest_kept:.3g} times, the largest "
                 f"dropped {decision.largest_dropped:.3g} times its rounding noise; rank {decision.rank} was decided; smallest "
-                f"singular values of the scaled matrix: {_few(decision.singular_values)}. Give rank_tolerance to decide otherwise",
+                f"singular values of the scaled matrix: {smallest}. Give rank_tolerance to decide otherwise",
                 doubtful=True,
             )
 
@@ -302,10 +247,6 @@ def _digits(pairs):
             "are not solved with more digits, and the softest may have lost theirs",
             doubtful=True,
         )
-
-
-def _few(values) -> str:
-    return ", ".join(f"{value:.3g}" for value in values[-LISTED_SINGULAR_VALUES:])
 
 
 def _residual(pairs):

@@ -24,9 +24,8 @@ from ..ground.tolerances import (
     JOINT_SAFETY,
     LEAST_APPROXIMATION_TOLERANCE,
 )
-from .bohl import BohlFunction
+from .bohl import BohlFunction, Restarts
 from .impulsive import ImpulsiveSmooth
-from .restarts import Restarts
 
 # Polynomials through Chebyshev points on many intervals at once, each in its own time from 0 to 1.
 

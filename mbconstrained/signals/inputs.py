@@ -14,10 +14,8 @@ import numpy as np
 from ..ground.checks import nearest, real_array, real_number, whole_number
 from ..ground.errors import InputError
 from ..ground.tolerances import noise_of
-from .bohl import BohlFunction
-from .exact_inputs import ExactImpulse, ExactInput, ExactRecord, ExactTerm, without_phase_noise
-from .impulsive import ImpulsiveSmooth
-from .restarts import Restarts
+from .bohl import BohlFunction, Restarts
+from .impulsive import ExactImpulse, ExactInput, ExactRecord, ExactTerm, ImpulsiveSmooth, without_phase_noise
 
 #: The largest n with (n - 1)! in the range of float64.
 LARGEST_FACTORIAL = 171

@@ -27,7 +27,7 @@ NUMERICAL_ROOMS = {
 #: Modules with small named constants of their own. The list may only shrink.
 OWN_CONSTANTS = {
     "linalg/scaling.py",
-    "linalg/tree_modes/topology.py",
+    "linalg/tree_modes.py",
     "response/estimate.py",
     "robot/description/urdf.py",
     "robot/statics/equilibrium.py",

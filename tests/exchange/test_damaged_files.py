@@ -14,7 +14,7 @@ from mbconstrained.exchange.matrices import read_matrix
 from mbconstrained.exchange.samples import read_samples
 from mbconstrained.exchange.trajectories import Curves
 from mbconstrained.exchange.universal import Geometry, write_functions
-from mbconstrained.ground import isolation
+from mbconstrained.ground import files
 
 DAMAGED = Path(__file__).with_name("damaged")
 
@@ -29,7 +29,7 @@ DAMAGED = Path(__file__).with_name("damaged")
     ],
 )
 def test_damaged_files_are_refused(name, message, monkeypatch):
-    monkeypatch.setattr(isolation, "LONGEST_READING", 5)
+    monkeypatch.setattr(files, "LONGEST_READING", 5)
     with pytest.raises(mb.InputError, match=message):
         (read_samples if name.endswith("wav") else read_matrix)(DAMAGED / name)
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.frequency.frequency_response import MODAL_SIZE, SUM_LINES
-from mbconstrained.frequency.modal_sum import ModalSum
+from mbconstrained.frequency.frequency_response import MODAL_SIZE, SUM_LINES, ModalSum
 
 
 def matrices(n, free=False, structural=0.0):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mbconstrained.linalg.tree_modes.ehrlich_aberth import zeros_near
+from mbconstrained.linalg.tree_modes import zeros_near
 
 ROOTS = {
     "real ones": [-1.0, -2.0, -5.0, 3.0],

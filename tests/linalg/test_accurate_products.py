@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from mbconstrained.linalg.accurate_products import PRODUCT_ERROR, accurate_product, accurately_solved
+from mbconstrained.linalg.division import PRODUCT_ERROR, accurate_product, accurately_solved
 
 EPS = np.finfo(float).eps
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mbconstrained.ground.errors import IllConditioned
-from mbconstrained.linalg.exponential.block_exponential import block_states
+from mbconstrained.linalg.exponential import block_states
 
 TIMES = np.array([0.0, 1e-7, 0.03, 0.4, 1.7, 6.0, 25.0])
 
@@ -81,7 +81,7 @@ def test_so_many_that_they_are_taken_in_parts(monkeypatch):
     blocks = STACKS[4] * 3
     start = starts(4, len(blocks))
     whole = block_states(blocks, start, TIMES)
-    monkeypatch.setattr("mbconstrained.linalg.exponential.block_exponential.AT_ONCE", 100)
+    monkeypatch.setattr("mbconstrained.linalg.exponential.AT_ONCE", 100)
     parts = block_states(blocks, start, TIMES)
     assert np.allclose(parts, whole, rtol=1e-12, atol=1e-15 * np.abs(whole).max())
 

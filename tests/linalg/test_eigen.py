@@ -8,8 +8,7 @@ import pytest
 import scipy.linalg
 
 from mbconstrained.ground.tolerances import DECOUPLING_LIMIT, EPS
-from mbconstrained.linalg.blocks import block_matrix
-from mbconstrained.linalg.eigen import decoupled
+from mbconstrained.linalg.blocks import block_matrix, decoupled
 
 
 def stiff_chain(masses: int, ratio: float) -> np.ndarray:

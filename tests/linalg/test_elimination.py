@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mbconstrained.linalg.tree_modes.ordering import WIDEST, are_worth, as_slice, coupled_pairs, elimination, front_width
+from mbconstrained.linalg.elimination import WIDEST, are_worth, as_slice, coupled_pairs, elimination, front_width
 
 from .few_couplings import band, beam, ladder, ring
 from .test_quadratic_modes import chain_between_walls, random_tree, tree

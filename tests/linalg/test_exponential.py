@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from mbconstrained.linalg.exponential.block_exponential import block_states
+from mbconstrained.linalg.exponential import block_states
 
 NILPOTENT = np.eye(6, k=1)
 START = np.array([1.0, -2.0, 3.0, 0.5, -1.0, 2.0])
@@ -161,7 +161,7 @@ def test_no_blocks_and_no_times():
 
 
 def test_many_times_are_taken_in_chunks(monkeypatch):
-    monkeypatch.setattr("mbconstrained.linalg.exponential.clusters.CHUNK_ENTRIES", 50)
+    monkeypatch.setattr("mbconstrained.linalg.exponential.CHUNK_ENTRIES", 50)
     block, times = triangle([-1.0] * 4), np.linspace(0, 3, 17)
     known = np.array([reference(block, START[:4], time) for time in times]).T
     assert np.allclose(block_states([block], START[:4], times), known, rtol=1e-12)

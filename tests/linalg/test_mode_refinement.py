@@ -6,8 +6,8 @@ import numpy as np
 import scipy.linalg
 from mpmath import mp, mpf
 
-from mbconstrained.linalg.accurate_products import congruence
-from mbconstrained.linalg.symmetric.mode_refinement import refined_modes
+from mbconstrained.linalg.division import congruence
+from mbconstrained.linalg.symmetric import refined_modes
 
 
 def test_congruence_is_rounded_once():

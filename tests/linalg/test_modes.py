@@ -7,8 +7,8 @@ import pytest
 import scipy.linalg
 
 from mbconstrained.linalg.blocks import block_diagonalize
-from mbconstrained.linalg.exponential.block_exponential import block_states
-from mbconstrained.linalg.exponential.recursion import ModalBasis
+from mbconstrained.linalg.exponential import block_states
+from mbconstrained.linalg.recursion import ModalBasis
 
 RANDOM = np.random.default_rng(2)
 

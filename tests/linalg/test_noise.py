@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mbconstrained.linalg.precise import precise, precise_arithmetic
-from mbconstrained.linalg.rounding import Noisy
+from mbconstrained.linalg.rank import Noisy
 
 seeds = st.integers(0, 10**6)
 

@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from mbconstrained.linalg.exponential.oscillations import MANY, Lasting, Oscillations, even_step, of_phasors, step_of_few_rows
+from mbconstrained.linalg.exponential import MANY, Lasting, Oscillations, even_step, of_phasors, step_of_few_rows
 
 PAIRS = 40
 

@@ -21,8 +21,7 @@ from mbconstrained.linalg.precise import (
     product,
     solved,
 )
-from mbconstrained.linalg.rank import compress_rows
-from mbconstrained.linalg.rounding import Noisy
+from mbconstrained.linalg.rank import Noisy, compress_rows
 
 
 def exact(value) -> Fraction:

@@ -9,7 +9,7 @@ import scipy.linalg
 from scipy.sparse import csr_array
 
 from mbconstrained.ground.tolerances import EPS
-from mbconstrained.linalg.exponential.powers import Propagator
+from mbconstrained.linalg.recursion import Propagator
 
 COUNTS = (1, 2, 31, 33, 1000)
 

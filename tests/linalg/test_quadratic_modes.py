@@ -7,8 +7,8 @@ import pytest
 import scipy.linalg
 
 from mbconstrained.linalg.blocks import block_matrix
-from mbconstrained.linalg.exponential.block_exponential import block_states
-from mbconstrained.linalg.tree_modes.topology import DENSE, SparseTopology
+from mbconstrained.linalg.exponential import block_states
+from mbconstrained.linalg.tree_modes import DENSE, SparseTopology
 
 #: Coordinates, so that a model is divided at least twice.
 MANY = 150

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mbconstrained.linalg.tree_modes.ordering import EACH, front_width
+from mbconstrained.linalg.elimination import EACH, front_width
 
 from .few_couplings import band, beam, ladder, ring, uniform_ring
 from .test_elimination import shuffled
@@ -80,7 +80,7 @@ def test_a_free_ring_is_refused():
 
 def test_a_long_beam_is_refused_before_its_zeros_are_looked_for(monkeypatch):
     model = beam(3 * EACH // 2)
-    monkeypatch.setattr("mbconstrained.linalg.tree_modes.topology._zeros", None)
+    monkeypatch.setattr("mbconstrained.linalg.tree_modes._zeros", None)
     assert front_width(*model) == 3 and quadratic_modes(*model) is None
 
 

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbconstrained.linalg.rank import RankDecision, compress_rows, null_columns
-from mbconstrained.linalg.rounding import Noisy
+from mbconstrained.linalg.rank import Noisy, RankDecision, compress_rows, null_columns
 
 
 def rank(matrix) -> int:

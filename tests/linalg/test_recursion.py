@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from mbconstrained.linalg.exponential.block_exponential import block_states
-from mbconstrained.linalg.exponential.recursion import recursion, shared_gaps
+from mbconstrained.linalg.exponential import block_states
+from mbconstrained.linalg.recursion import recursion, shared_gaps
 
 BLOCKS = [
     np.array([[-0.5]]),
@@ -41,7 +41,7 @@ def test_it_is_the_recursion(gaps):
 def test_it_is_done_in_chunks(monkeypatch):
     gaps, start, gained = np.linspace(0.1, 1, 9), np.ones(SIZE), np.ones((SIZE, 9))
     whole = recursion(BLOCKS, start, gained, gaps)
-    monkeypatch.setattr("mbconstrained.linalg.exponential.recursion.CHUNK_ENTRIES", 40)
+    monkeypatch.setattr("mbconstrained.linalg.recursion.CHUNK_ENTRIES", 40)
     assert np.allclose(recursion(BLOCKS, start, gained, gaps), whole, rtol=1e-14)
 
 

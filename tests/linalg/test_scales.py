@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from mbconstrained.ground.tolerances import EPS
 from mbconstrained.linalg.precise import magnitude, power_of_two, precise, precise_arithmetic, product
-from mbconstrained.linalg.precise_blocks import block_diagonal
+from mbconstrained.linalg.triangular import block_diagonal
 
 
 def eigenvalues(matrix):

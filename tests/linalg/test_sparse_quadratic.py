@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mbconstrained.ground.tolerances import EPS
-from mbconstrained.linalg.tree_modes.fronts import FEW, FRONTS, sparse_quadratic
+from mbconstrained.linalg.elimination import FEW, FRONTS, sparse_quadratic
 
 from .few_couplings import band, beam, ladder, ring
 from .test_quadratic_modes import random_tree, tree

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mbconstrained.ground.errors import IllConditioned
-from mbconstrained.linalg.rounding import Noisy
+from mbconstrained.linalg.rank import Noisy
 from mbconstrained.linalg.staircase import SingularPencil, split_regular
 
 chains = st.lists(st.integers(1, 4), max_size=3)

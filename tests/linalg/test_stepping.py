@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.sparse import csr_array
 
-from mbconstrained.linalg.exponential.powers import best_length, values_of_steps
-from mbconstrained.linalg.exponential.recursion import powers, scanned
+from mbconstrained.linalg.recursion import best_length, powers, scanned, values_of_steps
 
 
 def one_by_one(output, step, drive, start, inputs):

@@ -10,8 +10,8 @@ from scipy.sparse import csr_array
 
 from mbconstrained.ground.tolerances import EPS
 from mbconstrained.linalg.blocks import block_matrix
-from mbconstrained.linalg.exponential.block_exponential import block_states
-from mbconstrained.linalg.symmetric.symmetric_modes import symmetric_modes
+from mbconstrained.linalg.exponential import block_states
+from mbconstrained.linalg.symmetric import symmetric_modes
 
 
 def generator(M, C, K) -> np.ndarray:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mbconstrained.linalg.blocks import eigenvalues
-from mbconstrained.linalg.rounding import Noisy
+from mbconstrained.linalg.rank import Noisy
 from mbconstrained.linalg.triangular import TriangularForm, triangular_form
 
 

@@ -8,9 +8,9 @@ from flint import arb, arb_mat, ctx, fmpq
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mbconstrained.linalg.blocks import decoupled, weakly_coupled_groups
 from mbconstrained.linalg.division import is_symmetric
-from mbconstrained.linalg.eigen import decoupled, weakly_coupled_groups
-from mbconstrained.linalg.exponential.block_exponential import block_states
+from mbconstrained.linalg.exponential import block_states
 
 
 def balls(matrix: np.ndarray) -> arb_mat:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import sympy
 
-from mbconstrained.linalg.exponential.block_exponential import block_states
+from mbconstrained.linalg.exponential import block_states
 from tests.oracles.papers.matrix_exponentials import (
     exponential_by_blocks,
     exponential_by_interpolation,

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 import mbconstrained as mb
-from mbconstrained.polynomial.conserved import freed, null_rows
 from mbconstrained.polynomial.direct_reduction import reduction_of
-from mbconstrained.polynomial.reduced_equations import Reduction
+from mbconstrained.polynomial.reduced_equations import Reduction, freed, null_rows
 
 TIMES = np.linspace(0.0, 1000.0, 41)
 

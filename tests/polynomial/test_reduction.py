@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import mbconstrained.linalg.eigen
+import mbconstrained.linalg.blocks
 import mbconstrained.polynomial.reduced_equations
 from mbconstrained.linalg.arrays import full
 from mbconstrained.linalg.blocks import block_matrix
@@ -265,7 +265,7 @@ def conserving(random, ignorable: bool) -> PolynomialMatrix:
 def test_what_is_conserved_is_apart_from_the_rest_which_keeps_the_units_of_all_states(ignorable, seed, monkeypatch):
     """S is decoupled; balanced once, whether conserved numbers drive what is left of it or not."""
     balanced = []
-    for module in (mbconstrained.linalg.eigen, mbconstrained.polynomial.reduced_equations):
+    for module in (mbconstrained.linalg.blocks, mbconstrained.polynomial.reduced_equations):
         found = module.balancing_units
         monkeypatch.setattr(module, "balancing_units", lambda S, found=found: balanced.append(len(S)) or found(S))
     reduction = check(conserving(np.random.default_rng(seed), ignorable), states=6)

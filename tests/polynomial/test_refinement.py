@@ -6,7 +6,7 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.linalg.arrays import full
-from mbconstrained.linalg.eigen import decoupled
+from mbconstrained.linalg.blocks import decoupled
 from mbconstrained.polynomial.direct_reduction import reduction_of
 from mbconstrained.polynomial.reduced_equations import refined
 

@@ -10,7 +10,7 @@ from scipy.linalg import block_diag
 
 import mbconstrained as mb
 from mbconstrained.ground.errors import InputError
-from mbconstrained.linalg.exponential.powers import cost_of_powers
+from mbconstrained.linalg.recursion import cost_of_powers
 from mbconstrained.response.choose import (
     MODES,
     PAIRS,

@@ -11,7 +11,7 @@ import pytest
 import mbconstrained as mb
 from mbconstrained.ground.errors import InputError
 from mbconstrained.linalg.arrays import full
-from mbconstrained.linalg.exponential.oscillations import even_step
+from mbconstrained.linalg.exponential import even_step
 from mbconstrained.response.choose import FEWEST_TIMES, MODES, Request, evaluation_method
 from mbconstrained.response.flow import EARLY
 from mbconstrained.response.methods.reduced_solution import FlowFunction

@@ -8,7 +8,7 @@ import scipy.linalg
 
 import mbconstrained as mb
 from mbconstrained.response.response import Response
-from mbconstrained.signals.restarts import FreeRestarts
+from mbconstrained.signals.bohl import FreeRestarts
 from tests.response.chains import COUNT, chain, first_order, masses
 
 PUSHED = 11

@@ -195,9 +195,9 @@ def test_all_need_little_more_memory_than_their_values(make, monkeypatch):
     xs(1.0)
     for place in (
         "signals.bohl",
-        "response.methods.series",
+        "response.methods.pair_solution",
         "response.flow",
-        "response.many",
+        "response.solve",
     ):
         monkeypatch.setattr(f"mbconstrained.{place}.CHUNK_ENTRIES", 20_000)
     times = RANDOM.uniform(0.0, 40.0, 1000)

@@ -14,8 +14,8 @@ import mbconstrained as mb
 from mbconstrained.ground.errors import Overflow
 from mbconstrained.polynomial.jordan_pairs import JordanPairs
 from mbconstrained.response.flow import FEWEST_KNOTS as FEW_PIECES
-from mbconstrained.response.methods import record as even_pieces
-from mbconstrained.response.methods.record import record_of
+from mbconstrained.response.methods import reduced_solution as even_pieces
+from mbconstrained.response.methods.reduced_solution import record_of
 from mbconstrained.response.response import Response
 from tests.response.chains import COUNT, chain
 

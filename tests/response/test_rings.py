@@ -7,7 +7,7 @@ import pytest
 import scipy.linalg
 
 import mbconstrained as mb
-from mbconstrained.linalg.tree_modes.residue_modes import ResidueModes
+from mbconstrained.linalg.tree_modes import ResidueModes
 from mbconstrained.response.solve import solve
 
 COUNT, UNEVEN = 250, np.array([0.0, 0.2, 1.0, 7.0, 30.0])

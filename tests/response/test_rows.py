@@ -104,7 +104,7 @@ def test_what_are_no_times_is_told_at_once(times, count, text):
 
 @pytest.mark.parametrize("at_samples", [True, False])
 def test_an_answer_needs_little_more_memory_than_itself(x, at_samples, monkeypatch):
-    for place in ("signals.bohl", "response.methods.series", "response.flow"):
+    for place in ("signals.bohl", "response.methods.pair_solution", "response.flow"):
         monkeypatch.setattr(f"mbconstrained.{place}.CHUNK_ENTRIES", 10_000)
     times = np.repeat(np.linspace(0, 20, 40), 500) if at_samples else np.random.default_rng(1).uniform(0, 20, 20_000)
     float64 = x.solution.function
@@ -117,7 +117,7 @@ def test_an_answer_needs_little_more_memory_than_itself(x, at_samples, monkeypat
 
 
 def test_early_times_need_little_more_memory_than_the_answer(x, monkeypatch):
-    for place in ("signals.bohl", "response.methods.series", "response.flow"):
+    for place in ("signals.bohl", "response.methods.pair_solution", "response.flow"):
         monkeypatch.setattr(f"mbconstrained.{place}.CHUNK_ENTRIES", 10_000)
     times, float64 = np.linspace(0.0, 1e-3, 20_001)[1:] ** 1.1, x.solution.function
     float64(times[:10])

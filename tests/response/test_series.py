@@ -11,8 +11,7 @@ import pytest
 from hypothesis import given
 
 import mbconstrained as mb
-from mbconstrained.response.methods.series import Series, series_of, with_series
-from mbconstrained.response.methods.taylor import taylor_series
+from mbconstrained.response.methods.pair_solution import Series, series_of, taylor_series, with_series
 from mbconstrained.signals.bohl import BohlFunction
 from tests.properties.problems import Problem, problems
 

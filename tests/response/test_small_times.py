@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.response.methods.series import with_series
-from mbconstrained.response.methods.taylor import taylor_series
+from mbconstrained.response.methods.pair_solution import taylor_series, with_series
 
 DENOMINATOR = (
     "9009004301/31250000000000 11673172709/1562500000000 18352013733/250000000000 185730207/500000000 "

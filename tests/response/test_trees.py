@@ -7,7 +7,7 @@ import pytest
 import scipy.linalg
 
 import mbconstrained as mb
-from mbconstrained.linalg.tree_modes.residue_modes import ResidueModes
+from mbconstrained.linalg.tree_modes import ResidueModes
 from mbconstrained.response.solve import solve
 
 from .plain_models import plain_system

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mbconstrained.ground.errors import Overflow
-from mbconstrained.linalg.exponential.block_exponential import block_states
+from mbconstrained.linalg.exponential import block_states
 from mbconstrained.signals.bohl import BohlFunction
 
 PAIRS = 60

@@ -16,7 +16,7 @@ from ...ground.errors import Overflow
 from ...ground.tolerances import EARLY_ERROR, EPS, PRECISE_DIGITS
 from ...linalg.blocks import eigenvalues
 from ...linalg.precise import midpoints, precise, precise_arithmetic
-from ...response.methods.series import ResponseFunction
+from ...response.methods.pair_solution import ResponseFunction
 from .rational import RationalFunction, laurent
 
 #: The least normal number of float64.

@@ -14,8 +14,7 @@ import flint
 import numpy as np
 
 from ...linalg.blocks import block_slices
-from ...signals.exact_inputs import ExactImpulse, ExactInput, ExactRecord, ExactStates, ExactTerm, without_phase_noise
-from ...signals.impulsive import ImpulsiveSmooth
+from ...signals.impulsive import ExactImpulse, ExactInput, ExactRecord, ExactStates, ExactTerm, ImpulsiveSmooth, without_phase_noise
 from ..rational.flint_numbers import rational
 from ..rational.rational_matrix import RationalMatrix
 
@@ -230,7 +229,7 @@ def _sum(one: Any, two: Any) -> Factor:
 
 
 def phase_factors(phase: float) -> Sequence[Factor]:
-    """cos p and sin p; a quarter turn up to rounding errors is taken as exact (``signals.exact_inputs``)."""
+    """cos p and sin p; a quarter turn up to rounding errors is taken as exact (``signals.impulsive``)."""
     factors, values = [], (math.cos(phase), math.sin(phase))
     for sine, value in enumerate(values):
         other = values[1 - sine]

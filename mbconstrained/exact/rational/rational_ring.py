@@ -10,8 +10,8 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from ...ground.checks import whole_number
+from ...polynomial.jordan_pairs import in_order
 from ...polynomial.structure import FiniteZero, polynomial_text
-from ...polynomial.zeros import in_order
 from ..core.jordan_blocks import JordanChain
 from .flint_numbers import enclosed_roots, fraction, fractions_of, rounded_roots, working_precision
 

@@ -16,10 +16,9 @@ import numpy as np
 from ...ground.checks import evaluation_times, real_array
 from ...ground.errors import InputError
 from ...ground.tolerances import EPS, FORM_ROUNDING, PROVED_ACCURACY
-from .spectral_integral import TURN, _Integration
+from .spectra import PowerLaw, Rational
+from .spectral_integral import TURN, SpectralTransfer, _Integration
 from .spectral_matrix import INDEFINITE, SpectralMatrix
-from .spectrum_pieces import PowerLaw, Rational
-from .transfer import SpectralTransfer
 
 #: Harmonics that are added at once, times the number of times.
 CHUNK = 1 << 22

@@ -1,4 +1,4 @@
-"""The stationary response to random excitation: covariance, spectral moments, rates, extremes, fatigue."""
+"""Stationary response to random excitation: spectra, covariances with errors, statistics of peaks."""
 
 from __future__ import annotations
 
@@ -8,23 +8,351 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy.linalg
+from scipy.special import gamma
 
 from ...ground.checks import counted, nearest, optional_package, real_array, real_number, whole_number
 from ...ground.display import Displayed, TextTable, notice_table, number_text
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
-from ...ground.tolerances import EPS, FLOAT64_DIGITS, PROVED_ACCURACY, REPORTED_ERROR, TRUST_LIMIT
+from ...ground.tolerances import CLUSTER_SAFETY, EPS, FLOAT64_DIGITS, NOISE_SAFETY, PROVED_ACCURACY, REPORTED_ERROR, TRUST_LIMIT
+from ...linalg.precise import relative_degrees
+from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..frequency_response import evaluated
 from ..harmonic import Harmonic
-from . import nonstationary, statistics
-from .independent_inputs import independent_inputs
-from .infinite_variance import Existence, existence
-from .spectral_integral import SpectralIntegral, spectral_integral
-from .spectral_matrix import SpectralMatrix
-from .transfer import SpectralTransfer
+from . import nonstationary
+from .spectra import PowerLaw, Rational, Spectrum
+from .spectral_integral import RefinedPole, SpectralIntegral, SpectralTransfer, spectral_integral
+from .spectral_matrix import INDEFINITE, SpectralMatrix
 
 if TYPE_CHECKING:
     from ...exact.enclosure.intervals import Enclosure
+
+
+# Rates, extremes and fatigue of a stationary Gaussian process, from its spectral moments m_k = integral of f^k G(f) df.
+# Sources: Rice, Bell System Technical Journal 24 (1945); Davenport, Proc. Institution of Civil Engineers 28 (1964); Dirlik, thesis, University of
+# Warwick (1985), as quoted by Bishop and Sherratt, Finite Element Based Fatigue Calculations (2000).
+
+METHODS = ("dirlik", "narrow-band")
+
+
+def octave_bands(low: float, high: float) -> np.ndarray:
+    """Edges of octaves around 1000 Hz times a power of two, as in IEC 61260-1 with base two.
+
+    Args:
+        low, high: in Hz; the bands cover what is between them.
+
+    Returns:
+        Ascending, in Hz, for ``RandomResponse.rms_in_bands``.
+
+    Raises:
+        InputError: frequencies that are not positive or do not ascend.
+
+    >>> octave_bands(20.0, 80.0).round(3)
+    array([11.049, 22.097, 44.194, 88.388])
+    """
+    low, high = (real_number(one, name, positive=True) for one, name in ((low, "low"), (high, "high")))
+    if not low < high:
+        raise InputError(f"high: found {high:g} Hz; expected more than low, {low:g} Hz")
+    first, last = (np.log2(one / 1000.0) + 0.5 for one in (low, high))
+    return 1000.0 * 2.0 ** (np.arange(np.floor(first), np.ceil(last) + 1) - 0.5)
+
+
+def crossing_rate(moments: dict[int, np.ndarray], level=0.0) -> np.ndarray:
+    """Upward crossings of a level per second, sqrt(m_2 / m_0) e^{-level^2 / 2 m_0} (Rice)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rate = _root_of_ratio(moments[2], moments[0]) * np.exp(-np.square(level) / (2 * moments[0]))
+    return np.where(moments[0] > 0, rate, 0.0)
+
+
+def peak_rate(moments: dict[int, np.ndarray]) -> np.ndarray:
+    """Maxima per second, sqrt(m_4 / m_2) (Rice).
+
+    >>> peak_rate({2: np.array([4.0]), 4: np.array([36.0])})
+    array([3.])
+    """
+    return _root_of_ratio(moments[4], moments[2])
+
+
+def irregularity(moments: dict[int, np.ndarray]) -> np.ndarray:
+    """Upward zero crossings by maxima, m_2 / sqrt(m_0 m_4): 1 for a narrow band.
+
+    >>> irregularity({0: np.array([1.0]), 2: np.array([4.0]), 4: np.array([16.0])})
+    array([1.])
+    """
+    return _root_of_ratio(moments[2], moments[0]) / np.maximum(_root_of_ratio(moments[4], moments[2]), np.finfo(float).tiny)
+
+
+def expected_maximum(moments: dict[int, np.ndarray], duration: float) -> np.ndarray:
+    """The mean of the largest |y| over a duration, sigma (g + 0.5772 / g), g = sqrt(2 ln(2 n T)), n the rate of upward zero crossings (Davenport)."""
+    T = real_number(duration, "duration", positive=True)
+    cycles = 2 * crossing_rate(moments) * T
+    if (cycles[np.isfinite(cycles) & (moments[0] > 0)] < np.e).any():
+        raise InputError(f"duration: found {T:g} s, about {cycles.min() / 2:.2g} periods; the formula holds for many periods")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        g = np.sqrt(2 * np.log(np.maximum(cycles, np.e)))
+    return np.where(np.isinf(moments[0]), np.inf, np.sqrt(moments[0]) * (g + np.euler_gamma / g))
+
+
+def damage_rate(moments: dict[int, np.ndarray], exponent: float, strength: float = 1.0, method: str = "dirlik") -> np.ndarray:
+    """Fatigue damage per second by Miner's rule, cycles of the amplitude a taking N(a) = (strength / a)^exponent of them.
+
+    Narrow band: n (sqrt(2) sigma / strength)^k Gamma(1 + k / 2); Dirlik's formula counts the ranges of a broad band. Where m_4 is infinite its limit
+    stands, which is the formula of the narrow band with the mean frequency m_1 / m_0 in the place of n, for k > 1.
+
+    >>> narrow = {k: np.array([10.0**k]) for k in (0, 1, 2, 4)}
+    >>> rate = damage_rate(narrow, 4.0, 100.0, "narrow-band")
+    >>> bool(np.isclose(rate[0], 10 * (np.sqrt(2) / 100) ** 4 * 2))
+    True
+    """
+    k, strength = real_number(exponent, "exponent", positive=True), real_number(strength, "strength", positive=True)
+    if method not in METHODS:
+        raise InputError(f"method: found {method!r}; expected one of {', '.join(METHODS)}{nearest(str(method), METHODS)}")
+    sigma = np.sqrt(moments[0]) / strength
+    each = (np.sqrt(2.0) * sigma) ** k * gamma(1 + k / 2)
+    if method == "narrow-band":
+        return crossing_rate(moments) * each
+    ratio, rate = np.minimum(irregularity(moments), 1.0), peak_rate(moments)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean = moments[1] / moments[0] * _root_of_ratio(moments[2], moments[4])
+        first = np.clip(2 * (mean - ratio**2) / (1 + ratio**2), 0.0, 1.0)
+        R = np.where(ratio < 1, (ratio - mean - first**2) / (1 - ratio - first + first**2), 0.0)
+        second = np.where(R != 1, (1 - ratio - first + first**2) / (1 - R), 0.0)
+        third = 1 - first - second
+        Q = np.where(first > 0, 1.25 * (ratio - third - second * R) / first, 0.0)
+        shape = first * np.abs(Q) ** k * gamma(1 + k) + np.sqrt(2.0) ** k * gamma(1 + k / 2) * (second * np.abs(R) ** k + third)
+        damage, limit = rate * sigma**k * shape, moments[1] / moments[0] * each if k > 1 else np.inf
+    damage = np.where(np.isinf(moments[4]), np.where(np.isinf(moments[2]), np.inf, limit), damage)
+    return np.where(moments[0] > 0, damage, 0.0)
+
+
+def _root_of_ratio(above: np.ndarray, below: np.ndarray) -> np.ndarray:
+    """sqrt(above / below): 0 for 0 / 0, infinite where above is infinite."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(np.isinf(above), np.inf, np.where(np.asarray(below) > 0, np.sqrt(np.asarray(above) / below), 0.0))
+
+
+# Random inputs transformed to independent ones: coherent inputs of one shape are combined, filters become equations.
+# Inputs whose spectra are proportional and whose coherences are real have S = G(f) L L^T: B L replaces B, and terms
+# that cancel are exactly zero. Filtered noise u = n(s) q, d(s) q = w has a white input w in the equations
+#     [[A(s), -b n(s)], [0, d(s)]],
+# so that zeros of the filter at poles of the system, and poles of the filter, are treated as all others.
+
+
+def independent_inputs(harmonic: Harmonic, spectra: SpectralMatrix) -> tuple[Harmonic, SpectralMatrix]:
+    """An equivalent process whose inputs are as independent and as white as possible."""
+    m = len(spectra.names)
+    ratios = np.array([[one.ratio(other) for other in spectra.spectra] for one in spectra.spectra]).reshape(m, m)
+    coupled = spectra.coherence != 0
+    for i, j in spectra.cross:
+        coupled[i, j] = coupled[j, i] = True
+    if (np.isnan(ratios) & coupled).any():
+        return harmonic, spectra
+    if not spectra.longest_delay:
+        harmonic, spectra = _combined(harmonic, spectra, ratios)
+    return _with_filters(harmonic, spectra)
+
+
+def _combined(harmonic: Harmonic, spectra: SpectralMatrix, ratios: np.ndarray):
+    """Equations with B L for each group of coupled inputs; inputs with a cross spectrum of another shape or a complex one are kept."""
+    share = spectra.coherence.copy()
+    for (i, j), given in spectra.cross.items():
+        own = spectra.spectra[i].ratio(given)
+        if np.isnan(own) or own.imag or not own:
+            return harmonic, spectra
+        share[i, j] = share[j, i] = own.real / np.sqrt(ratios[i, j].real)
+    columns, chosen = [], []
+    for group in spectra.groups:
+        first = group[0]
+        size = np.sqrt(ratios[first, group].real)
+        factor = _root(share[np.ix_(group, group)]) * size[:, None]
+        columns.append(harmonic.inputs[:, group] @ factor)
+        chosen += [(spectra.names[first], spectra.spectra[first])] * factor.shape[1]
+    names, pieces = tuple(name for name, _ in chosen), tuple(spectrum for _, spectrum in chosen)
+    inputs = np.hstack(columns) if columns else harmonic.inputs[:, :0]
+    count = len(names)
+    return replace(harmonic, inputs=inputs, input_names=names), SpectralMatrix(names, pieces, np.eye(count), np.zeros(count))
+
+
+def _root(matrix: np.ndarray) -> np.ndarray:
+    """L with L L^T = matrix, positive semidefinite, with as many columns as its rank: exact for independent and for fully coherent inputs."""
+    if (matrix == np.diag(matrix.diagonal())).all():
+        return np.diag(np.sqrt(matrix.diagonal()))
+    factor, pivots, rank, _ = scipy.linalg.lapack.dpstrf(matrix, lower=1, tol=INDEFINITE * matrix.max())
+    result = np.zeros_like(matrix)
+    result[pivots - 1] = np.tril(factor)
+    return result[:, :rank]
+
+
+def _with_filters(harmonic: Harmonic, spectra: SpectralMatrix) -> tuple[Harmonic, SpectralMatrix]:
+    """Equations with the filters as additional unknowns and white noise as input."""
+    filtered = [(i, one.pieces[0]) for i, one in enumerate(spectra.spectra) if one.pieces and isinstance(one.pieces[0], Rational)]
+    if not filtered:
+        return harmonic, spectra
+    A, r, extra = harmonic.A.coefficients, harmonic.A.size, len(filtered)
+    degree = max(len(A), *(len(part) for _, piece in filtered for part in (piece.numerator, piece.denominator)))
+    coefficients, imaginary = np.zeros((degree, r + extra, r + extra)), harmonic.imaginary
+    coefficients[: len(A), :r, :r] = A
+    inputs, white = np.pad(harmonic.inputs, ((0, extra), (0, 0))), list(spectra.spectra)
+    for place, (i, piece) in enumerate(filtered, start=r):
+        for k, (above, below) in enumerate(itertools.zip_longest(piece.numerator[::-1], piece.denominator[::-1], fillvalue=0.0)):
+            coefficients[k, :r, place] = -above * harmonic.inputs[:, i]
+            coefficients[k, place, place] = below
+        inputs[:, i] = np.eye(r + extra)[place]
+        white[i] = Spectrum((PowerLaw(0.0, np.inf, piece.intensity),), spectra.spectra[i].of, "white noise")
+    sizes = harmonic.sizes
+    if sizes is not None:
+        own = np.abs(coefficients)
+        own[: len(sizes), :r, :r] = sizes
+        sizes = own
+    if imaginary is not None:
+        imaginary = np.pad(imaginary, (0, extra))
+    outputs = np.pad(harmonic.outputs, ((0, 0), (0, extra)))
+    extended = replace(harmonic, A=PolynomialMatrix(coefficients), inputs=inputs, outputs=outputs, imaginary=imaginary, sizes=sizes)
+    return extended, replace(spectra, spectra=tuple(white))
+
+
+# Existence of the variance of an output: poles on the axis, unstable poles, direct paths of white noise, slow decay.
+# The integral of f^k G(f) exists at infinity where the exponent of f is below -1, and at a pole on the axis where the spectrum vanishes fast enough.
+
+#: The exponent of a spectrum at zero frequency is measured at this share of the frequencies over which it changes.
+NEXT_TO_ZERO = 1e-2
+
+
+@dataclass(frozen=True, eq=False)
+class Existence:
+    """Reasons why integrals of f^k G(f) are infinite.
+
+    Attributes:
+        reasons: for each power k and output a sentence, "" where the integral is finite, shape (K, p).
+        white_part: the one-sided intensity per Hz of the white part of each output, shape (p,); infinite where it is rougher than white noise.
+    """
+
+    reasons: np.ndarray
+    white_part: np.ndarray
+
+
+def existence(transfer: SpectralTransfer, spectra: SpectralMatrix, powers: tuple[int, ...], units: tuple[str, ...]) -> Existence:
+    """Existence of the spectral integrals."""
+    p = len(transfer.harmonic.outputs)
+    reasons = np.full((len(powers), p), "", dtype=object)
+    has_structural_damping = transfer.harmonic.imaginary is not None  # then H holds for f > 0 and has no stable poles below
+    for pole in transfer.poles:
+        if has_structural_damping and pole.value.imag < 0:
+            continue
+        for output in np.flatnonzero(pole.residues.any(axis=(0, 2))).tolist():
+            for row, power in enumerate(powers):
+                reasons[row, output] = reasons[row, output] or _at_pole(pole, output, spectra, power)
+    white = np.zeros(p)
+    corners = spectra.corners
+    if len(corners) and np.isinf(corners[-1]):
+        exponents, white = _growth(transfer, spectra, corners[-2] + 1.0)
+        for row, power in enumerate(powers):
+            for output in np.flatnonzero(exponents + power >= -1).tolist():
+                if not reasons[row, output]:
+                    intensity = (
+                        f"; its intensity is {number_text(white[output])} ({units[output]})^2/Hz"
+                        if np.isfinite(white[output])
+                        else ""
+                    )
+                    reasons[row, output] = (
+                        f"white noise reaches it directly{intensity}"
+                        if exponents[output] == 0 and not power
+                        else f"its spectrum{' times f^' + str(power) if power else ''} falls no faster than f^{exponents[output] + power:g}"
+                    )
+    return Existence(reasons, white)
+
+
+def _at_pole(pole: RefinedPole, output: int, spectra: SpectralMatrix, power: int) -> str:
+    """The reason for which a pole makes the integral infinite, or ""."""
+    f0 = abs(pole.value.imag) / (2 * np.pi)
+    if pole.value.real > 0 and not pole.on_axis:
+        reached = pole.residues[:, output, [piece for piece in range(len(spectra.spectra)) if spectra.spectra[piece].pieces]]
+        return f"the motion with the eigenvalue {pole.value:.4g} 1/s is unstable and grows" if reached.any() else ""
+    if not pole.on_axis:
+        return ""
+    for a, b in itertools.pairwise(spectra.corners):
+        if not a <= f0 <= b:
+            continue
+        middle = a + 1.0 if np.isinf(b) else (a + b) / 2
+        for j in range(pole.order - 1, -1, -1):
+            rise = _rise(spectra, middle, pole.residues[j][output], f0) + (0 if f0 else power)
+            if rise - 2 * (j + 1) <= -1:
+                kind = "a rigid-body motion" if not f0 else "an undamped motion"
+                return f"{kind} of {number_text(f0)} Hz has no damping and its excitation does not vanish there"
+    return ""
+
+
+def _rise(spectra: SpectralMatrix, middle: float, R: np.ndarray, f0: float) -> float:
+    """The exponent of |f - f0| of R S R^H at a pole on the axis, infinite where it vanishes; for f0 = 0 from next to it."""
+
+    def reached(f: float) -> float:
+        S = spectra(np.array([f + 0j]), middle)[..., 0]
+        value, size = (R @ S @ R.conj()).real, np.abs(R) @ np.abs(S) @ np.abs(R)
+        return value if value > CLUSTER_SAFETY * EPS * size else 0.0
+
+    if f0:
+        return 0.0 if reached(f0) else np.inf
+    lengths = [1.0, *(1 / abs(one) for one in spectra.singularities(middle) if one), 2 * np.pi * spectra.longest_delay]
+    lengths.append(1 / spectra.corners[spectra.corners > 0][0])
+    f = NEXT_TO_ZERO / max(lengths)
+    one, two = reached(f), reached(2 * f)
+    return float(np.round(np.log2(two / one))) if one else np.inf
+
+
+def _growth(transfer: SpectralTransfer, spectra: SpectralMatrix, middle: float) -> tuple[np.ndarray, np.ndarray]:
+    """The exponent of f of the spectrum of each output towards infinity, and the intensity of its white part, both of shape (p,)."""
+    harmonic = transfer.harmonic
+    slopes, D = spectra.slopes(middle), transfer.polynomial
+    p = len(harmonic.outputs)
+    exponents, white = np.full(p, -np.inf), np.zeros(p)
+    S = spectra(np.array([middle + 0j]), middle)[..., 0]
+    decays = _decays(transfer)
+    for output in range(p):
+        for entry, slope in enumerate(slopes):
+            if np.isfinite(slope):
+                exponents[output] = max(exponents[output], slope - 2 * decays[output, entry])
+        if exponents[output] == 0:
+            flat = [entry for entry, slope in enumerate(slopes) if slope == 0]
+            if len(D) and flat:
+                row = D[0, output, flat]
+                white[output] = (row @ S[np.ix_(flat, flat)] @ row.conj()).real
+        elif exponents[output] > 0:
+            white[output] = np.inf
+    return exponents, white
+
+
+def _decays(transfer: SpectralTransfer) -> np.ndarray:
+    """The relative degrees: H ~ s^-decay towards infinity, shape (p, m), infinite where H is zero."""
+    harmonic = transfer.harmonic
+    degrees = relative_degrees(harmonic.coefficients, harmonic.inputs, harmonic.outputs)
+    if degrees is not None:
+        return degrees - harmonic.power
+    decays, D = _numerical_decays(transfer), transfer.polynomial
+    for k in range(len(D)):
+        decays[D[k] != 0] = -k
+    return decays
+
+
+def _numerical_decays(transfer: SpectralTransfer) -> np.ndarray:
+    """The relative degrees of large models, from C J^k B without rounding errors."""
+    form = transfer.harmonic.form
+    C, B = np.abs(form.outputs @ form.pairs.finite.C), np.abs(form.pairs.finite.B @ form.inputs)
+    right, right_size = form.pairs.finite.B @ form.inputs, B
+    result = np.full((len(C), B.shape[1]), np.inf)
+    J = form.pairs.finite.J
+    for index in range(len(J) + 1):
+        values, noise = form.outputs @ form.pairs.finite.C @ right, NOISE_SAFETY * EPS * max(len(J), 1) * C @ right_size
+        if index >= form.power:
+            first = (np.abs(values) > noise) & np.isinf(result)
+            result[first] = index + 1 - form.power
+        right, right_size = J @ right, np.abs(J) @ right_size
+        if np.isfinite(result).all():
+            break
+    return result
+
+
+# The stationary response to random excitation: covariance, spectral moments, rates, extremes, fatigue.
 
 #: Variances of models with at most so many states squared times inputs are computed exactly: always (about 10 ms), and where their sums of residues
 #: leave a doubt (about 0.1 s).
@@ -332,17 +660,17 @@ class RandomResponse(Displayed):
         Args:
             level: in the unit of the outputs.
         """
-        return statistics.crossing_rate(self._moments(0, 2), real_number(level, "level"))
+        return crossing_rate(self._moments(0, 2), real_number(level, "level"))
 
     @property
     def peak_rate(self) -> np.ndarray:
         """Maxima per second (Rice 1945), shape (p,)."""
-        return statistics.peak_rate(self._moments(2, 4))
+        return peak_rate(self._moments(2, 4))
 
     @property
     def irregularity(self) -> np.ndarray:
         """Upward zero crossings by maxima, 1 for a narrow band, shape (p,)."""
-        return statistics.irregularity(self._moments(0, 2, 4))
+        return irregularity(self._moments(0, 2, 4))
 
     def expected_maximum(self, duration: float) -> np.ndarray:
         """The mean of the largest |y| over a duration in s (Davenport 1964), shape (p,).
@@ -350,7 +678,7 @@ class RandomResponse(Displayed):
         Args:
             duration: in s.
         """
-        return statistics.expected_maximum(self._moments(0, 2), duration)
+        return expected_maximum(self._moments(0, 2), duration)
 
     def damage_rate(self, exponent: float, strength: float = 1.0, method: str = "dirlik") -> np.ndarray:
         """Fatigue damage per second of outputs that are stresses or proportional to them, shape (p,).
@@ -363,7 +691,7 @@ class RandomResponse(Displayed):
         Returns:
             In 1/s.
         """
-        return statistics.damage_rate(self._moments(0, 1, 2, 4), exponent, strength, method)
+        return damage_rate(self._moments(0, 1, 2, 4), exponent, strength, method)
 
     # Functions of time.
 

@@ -93,15 +93,7 @@ class SpectralMatrix:
         return np.array([-np.inf if piece is None else piece.slope for piece in pieces])
 
     def __call__(self, f: np.ndarray, middle: float) -> np.ndarray:
-        """S at real or complex frequencies, continued from the pieces at ``middle``, shape (m, m, F).
-
-        Args:
-            f: in Hz, shape (F,).
-            middle: a real frequency inside the pieces.
-
-        Returns:
-            Complex; S_ji(f) is the conjugate of S_ij at the conjugate of f.
-        """
+        """S at real or complex frequencies, continued from the pieces at ``middle``, shape (m, m, F)."""
         f = np.asarray(f)
         pieces = [spectrum.piece_at(middle) for spectrum in self.spectra]
         own = [np.zeros(f.shape, dtype=complex) if piece is None else np.asarray(piece(f), dtype=complex) for piece in pieces]
@@ -122,23 +114,12 @@ class SpectralMatrix:
         return S
 
     def within(self, low: float, high: float) -> SpectralMatrix:
-        """The matrix between two frequencies, zero outside.
-
-        Args:
-            low, high: frequencies in Hz.
-
-        Returns:
-            Another matrix.
-        """
+        """The matrix between two frequencies, zero outside."""
         spectra = tuple(spectrum.within(low, high) for spectrum in self.spectra)
         return replace(self, spectra=spectra, cross={key: spectrum.within(low, high) for key, spectrum in self.cross.items()})
 
     def check(self) -> None:
-        """Refuse a matrix that is not positive semidefinite.
-
-        Raises:
-            InputError: with a frequency.
-        """
+        """Refuse a matrix that is not positive semidefinite."""
         corners = self.corners
         if not len(corners) or not (self.cross or (self.coherence != np.eye(len(self.names))).any()):
             return

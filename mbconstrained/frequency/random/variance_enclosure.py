@@ -20,8 +20,8 @@ from ...exact.rational.rational_matrix import RationalMatrix
 from ...ground.checks import whole_number
 from ...ground.errors import InputError
 from ..harmonic import Harmonic
+from .spectra import PowerLaw, Rational
 from .spectral_matrix import SpectralMatrix
-from .spectrum_pieces import PowerLaw, Rational
 
 #: Working precision in bits beyond the digits, in turn.
 GUARDS = (96, 384, 1536)

@@ -1,5 +1,1 @@
-"""Shock: peaks of functions of time, and shock response spectra.
-
-Read ``response_spectrum`` (the public function), then ``oscillator`` (records, exactly between their samples) and ``extrema`` (peaks of closed
-forms).
-"""
+"""Shock: peaks of functions of time (``extrema``), and shock response spectra (``response_spectrum``)."""

@@ -1,10 +1,12 @@
-"""Shock response spectra: the peaks of single oscillators on a base that follows a signal, over their natural frequency."""
+"""Shock response spectra: the largest answers of oscillators to a motion of their support."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
+import scipy.linalg
 
 from ...ground.checks import counted, nearest, optional_package, real_array, real_number
 from ...ground.display import Displayed
@@ -13,10 +15,327 @@ from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS, STEP_AGREEMENT
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...response.solve import solve
-from ...signals.exact_inputs import ExactRecord
-from ...signals.impulsive import ImpulsiveSmooth
-from .extrema import extrema
-from .oscillator import Oscillator
+from ...signals.impulsive import ExactRecord, ImpulsiveSmooth
+from .extrema import extrema, falling_root
+
+# Response of an oscillator to a record: y'' + 2 z w y' + w^2 y = a(t), a linear between samples, exact at all times.
+# In the triangular form u' = l1 u + a, y' = l2 y + u, with l1, l2 = -z w +- sqrt(z^2 - 1) w, every damping ratio is treated alike: at critical damping
+# the divided difference (e^{l1 h} - e^{l2 h}) / (l1 - l2) in the exponential of the step is h e^{l h}. Each recursion is a digital filter of first
+# order. Source: the ramp-invariant filter of Smallwood, Shock and Vibration Bulletin 51 (1981), here without its coefficients of second order.
+
+#: Steps that differ by so many units in the last place of the last time are equal.
+EQUAL = 8.0
+
+#: So many intervals are searched at once, those with the highest bounds first; then twice as many each time, up to the most.
+TOGETHER, MOST_TOGETHER = 64, 4096
+
+#: Up to this damping ratio the conjugate roots are so far from each other that u alone has y.
+LIGHT = 0.9
+
+#: Intervals of more radians than LONG are searched at their ends: see ``_ends``. The free motion has decayed after so many time constants.
+LONG, DECAYED = 100.0, 40.0
+
+#: Steps of more radians have their exponentials in closed form, in which nothing cancels then.
+CLOSED = 20.0
+
+#: Roots that are closer, in units of w, are treated as those of critical damping.
+CLOSE = 0.1
+
+#: Up to this damping ratio the extrema of successive cycles are ordered.
+ORDERED = 0.35
+
+#: Steps shorter than this, in units of the fastest rate, take Taylor's series of so many terms: 1 / 20! is below rounding error.
+SHORT, DEGREE = 1.0, 20
+
+
+def _taylor(derivatives: list, tau) -> np.ndarray:
+    """sum of derivatives[k] tau^k / k! by Horner's rule."""
+    total = np.zeros(np.broadcast(derivatives[0], tau).shape)
+    for k in range(len(derivatives) - 1, -1, -1):
+        total = derivatives[k] + total * tau / (k + 1)
+    return total
+
+
+def _slopes(h: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Slopes of a record; 0 where it jumps."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(h > 0, np.diff(values) / h, 0.0)
+
+
+def _filtered(factor: complex, constant: complex, rising: complex, values: np.ndarray, more=None) -> np.ndarray:
+    """z_(k+1) = factor z_k + constant a_k + rising (a_(k+1) - a_k) + more_k, z_0 = 0."""
+    from scipy.signal import lfilter  # scipy.signal takes a second to import
+
+    if more is None:
+        return lfilter([rising, constant - rising], [1.0, -factor], values, zi=[-rising * values[0]])[0]
+    z = np.zeros(len(values), dtype=complex)
+    z[1:] = lfilter([1.0], [1.0, -factor], constant * values[:-1] + rising * np.diff(values) + more)
+    return z
+
+
+def _phi(order: int, x: np.ndarray) -> np.ndarray:
+    """phi_1 = (e^x - 1) / x or phi_2 = (e^x - 1 - x) / x^2 for x <= 0."""
+    near = _taylor([1 / math.perm(k + order, order) for k in range(DEGREE)], np.where(np.abs(x) < 1, x, 0.0))
+    far = np.where(np.abs(x) < 1, -1.0, x)
+    value = np.expm1(far) / far if order == 1 else (np.expm1(far) - far) / far**2
+    return np.where(np.abs(x) < 1, near, value)
+
+
+@dataclass(frozen=True)
+class Oscillator:
+    """y'' + 2 z w y' + w^2 y = a.
+
+    Attributes:
+        w: natural angular frequency in rad/s.
+        zeta: damping ratio.
+    """
+
+    w: float
+    zeta: float
+
+    @property
+    def roots(self) -> tuple[complex, complex]:
+        """l1 and l2, without cancellation for heavy damping; of two real ones l2 is the slower."""
+        w, z = self.w, self.zeta
+        if z <= 1:
+            l1 = complex(-z * w, np.sqrt((1 - z) * (1 + z)) * w)
+            return l1, l1.conjugate()
+        fast = -(z + np.sqrt((z - 1) * (z + 1))) * w
+        return complex(fast), complex(w**2 / fast)
+
+    def steps(self, h: np.ndarray) -> np.ndarray:
+        """The exponentials of steps h of (y, u, a, a'), complex, shape (H, 4, 4)."""
+        l1, l2 = self.roots
+        J = np.array([[l2, 1, 0, 0], [0, l1, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]], dtype=complex)
+        units = np.array([1.0, self.w, self.w**2, self.w**3])  # y w^2, u w, a, a' / w have one size
+        is_long = np.asarray(h) * self.w > CLOSED
+        close = abs(l1 - l2) < CLOSE * self.w
+        if close:  # SciPy takes differences of the diagonal of a triangle: (y, y', a, a') has none
+            J = np.array([[0, 1, 0, 0], [-(self.w**2), -2 * self.zeta * self.w, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]], dtype=float)
+        scaled = np.multiply.outer(np.where(is_long, 0.0, h), J * units / units[:, None])
+        result = scipy.linalg.expm(scaled) * units[:, None] / units
+        if close:
+            change = np.eye(4, dtype=complex)
+            change[1, 0] = -l2
+            result = change @ result @ (2 * np.eye(4) - change)
+            result[:, 1, 0] = 0.0  # u' = l1 u + a is without y: what the change of variables leaves there is rounding error
+        if is_long.any():
+            result[is_long] = self._long_steps(h[is_long])
+        return result
+
+    def _long_steps(self, h: np.ndarray) -> np.ndarray:
+        """Exponentials of long steps in closed form: squaring loses the phase, SciPy's recurrence loses values near underflow."""
+        l1, l2 = self.roots
+        e1, e2, result = np.exp(l1 * h), np.exp(l2 * h), np.tile(np.eye(4, dtype=complex), (len(h), 1, 1))
+        gap = l1 - l2
+        x = gap * h / 2  # (e^(l1 h) - e^(l2 h)) / (l1 - l2) = h e^((l1 + l2) h / 2) sinh(x) / x
+        series = 1 + x**2 / 6 * (1 + x**2 / 20 * (1 + x**2 / 42 * (1 + x**2 / 72)))
+        mixed = h * np.exp((l1 + l2) / 2 * h) * series if abs(gap) * np.max(h) < CLOSE else (e1 - e2) / gap if gap else h * e1
+        more = (mixed - e1 / l1) / l2  # (e1 / l1 - e2 / l2) / (l1 - l2)
+        result[:, 0, 0], result[:, 1, 1], result[:, 0, 1], result[:, 2, 3] = e2, e1, mixed, h
+        result[:, 1, 2], result[:, 1, 3] = (e1 - 1) / l1, (e1 - 1 - l1 * h) / l1**2
+        result[:, 0, 2] = (mixed - (e2 - 1) / l2) / l1
+        result[:, 0, 3] = (1 / (l1 * l2) + more - ((e2 - 1) / l2 - h) / l2) / l1
+        return result
+
+    def states(self, times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """y and y' at the samples, from rest before the first."""
+        h, l2 = np.diff(times), self.roots[1]
+        y, u = np.zeros(len(times), dtype=complex), np.zeros(len(times), dtype=complex)
+        equal = len(h) > 0 and np.ptp(h) <= EQUAL * EPS * np.abs(times).max()
+        if equal and h[0] > 0:
+            step = (times[-1] - times[0]) / len(h)
+            E = self.steps(np.array([step]))[0]
+            u = _filtered(E[1, 1], E[1, 2], E[1, 3] / step, values)
+            if self.zeta <= LIGHT:  # u = (d/dt - l2) y with l2 the conjugate of l1
+                y = u.imag / self.roots[0].imag
+                return y, u.real - self.zeta * self.w * y
+            y = _filtered(E[0, 0], E[0, 2], E[0, 3] / step, values, E[0, 1] * u[:-1])
+        else:
+            own, where = np.unique(h, return_inverse=True)
+            E = self.steps(own)[where]
+            slopes = _slopes(h, values)
+            from_u = E[:, 1, 2] * values[:-1] + E[:, 1, 3] * slopes
+            from_y = E[:, 0, 2] * values[:-1] + E[:, 0, 3] * slopes
+            decay, keep, mix = E[:, 1, 1].tolist(), E[:, 0, 0].tolist(), E[:, 0, 1].tolist()
+            now_y, now_u, ys, us = 0j, 0j, [0j], [0j]
+            for p, q, r, a, b in zip(decay, keep, mix, from_u.tolist(), from_y.tolist()):
+                now_y, now_u = q * now_y + r * now_u + b, p * now_u + a
+                ys.append(now_y)
+                us.append(now_u)
+            y, u = np.array(ys), np.array(us)
+        return y.real, (l2 * y + u).real
+
+    def inside(self, y, v, a, slope, tau) -> tuple[np.ndarray, np.ndarray]:
+        """y and y' at times tau after samples with y, v = y', a and the slope of a; all of shape (K,) or broadcast to it."""
+        w, z = self.w, self.zeta
+        if np.max(tau, initial=0.0) * w * (1 + 2 * z) < SHORT:  # Taylor's series, in which no particular solution cancels
+            terms = [y, v, a - 2 * z * w * v - w**2 * y]
+            terms.append(slope - 2 * z * w * terms[2] - w**2 * v)
+            while len(terms) < DEGREE:
+                terms.append(-2 * z * w * terms[-1] - w**2 * terms[-2])
+            return _taylor(terms, tau), _taylor(terms[1:], tau)
+        if z >= 1:  # u' = l1 u + a with the fast root first: its particular solution does not cancel
+            l1, l2 = (root.real for root in self.roots)
+            k, start = -slope / l1, -a / l1 - slope / l1**2
+            rest = v - l2 * y - start
+            u = start + k * tau + rest * np.exp(l1 * tau)
+            moved = (
+                np.exp(l2 * tau) * y + tau * _phi(1, l2 * tau) * start + tau**2 * _phi(2, l2 * tau) * k + rest * self._mixed(tau)
+            )
+            return moved, l2 * moved + u
+        # y = p + s tau + g(tau), the free motion g from y - p, v - s.
+        s = slope / w**2
+        p = a / w**2 - 2 * z * s / w
+        position, rate = self.free(y - p, v - s, tau)
+        return p + s * tau + position, s + rate
+
+    def free(self, y, v, tau) -> tuple[np.ndarray, np.ndarray]:
+        """Free motion from y and v."""
+        w, z = self.w, self.zeta
+        l1, l2 = self.roots
+        if z < 1:
+            wd = l1.imag
+            decay, cosine, sine = np.exp(-z * w * tau), np.cos(wd * tau), tau * np.sinc(wd * tau / np.pi)
+            return decay * (y * cosine + (v + z * w * y) * sine), decay * (v * cosine - (w**2 * y + z * w * v) * sine)
+        first, mixed = np.exp(l2.real * tau), self._mixed(tau)
+        rate = v - l2.real * y
+        return y * first + rate * mixed, l2.real * y * first + rate * (l1.real * mixed + first)
+
+    def _mixed(self, tau) -> np.ndarray:
+        """(e^{l2 tau} - e^{l1 tau}) / (l2 - l1) of real roots."""
+        l1, l2 = (root.real for root in self.roots)
+        first, gap = np.exp(l2 * tau), l2 - l1
+        return first * -np.expm1(-gap * tau) / gap if gap else tau * first
+
+    def peaks(self, times, values, output) -> tuple[float, float, float, float]:
+        """max and min of c_0 y + c_1 y' during the record, and after it."""
+        y, v = self.states(times, values)
+        c0, c1 = output
+        r = c0 * y + c1 * v
+        high, low = max(float(r.max()), 0.0), min(float(r.min()), 0.0)
+        h, slopes = np.diff(times), _slopes(np.diff(times), values)
+        # A bound of the free motions in all intervals, by their energy; a curve leaves its chord by an eighth of its curvature times h^2.
+        whole = (abs(c0) + abs(c1) * self.w) * (1 + 2 * self.zeta) ** 2
+        speed, load = np.abs(slopes).max(initial=0.0) / self.w**2, np.abs(values).max() / self.w**2
+        most = whole * (np.abs(y).max() + load + np.abs(v).max() / self.w + (1 + 2 * self.zeta) * speed / self.w)
+        bend = most * min(2.0, (self.w * h.max(initial=0.0)) ** 2 / 8)
+        for sign in (1.0, -1.0):
+            best, signed = high if sign > 0 else -low, (sign * c0, sign * c1)
+            highest = np.maximum(sign * r[:-1], sign * r[1:])
+            chosen = np.flatnonzero(highest + bend > best)
+            y0, v0, a0, s0, own = y[chosen], v[chosen], values[chosen], slopes[chosen], h[chosen]
+            limit = self._limits(y0, v0, a0, s0, own, highest[chosen], signed)
+            left, together = np.arange(len(limit)), TOGETHER
+            while len(left := left[limit[left] > best]):
+                now = left[np.argpartition(-limit[left], together)[:together]] if len(left) > together else left
+                is_short, is_long = own[now] * self.w * (1 + 2 * self.zeta) < SHORT, (own[now] * self.w > LONG) & (self.zeta < 1)
+                for at in (now[is_short], now[~is_short & ~is_long]):
+                    if len(at):
+                        best = self._highest(y0[at], v0[at], a0[at], s0[at], own[at], signed, best)
+                at = now[is_long]
+                for part in self._ends(y0[at], v0[at], a0[at], s0[at], own[at]) if len(at) else ():
+                    best = self._highest(*part, signed, best)
+                limit[now], together = -np.inf, min(2 * together, MOST_TOGETHER)
+            high, low = (best, low) if sign > 0 else (high, -best)
+        after = self.residual(y[-1], v[-1], output)
+        return high, low, *after
+
+    def _rates(self, y, v, a, slope, output) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """The second and third derivative of y, and the first three of r = c_0 y + c_1 y', at one time."""
+        w, z = self.w, self.zeta
+        c0, c1 = output
+        bend = a - 2 * z * w * v - w**2 * y
+        twist = slope - 2 * z * w * bend - w**2 * v
+        return bend, twist, c0 * v + c1 * bend, c0 * bend + c1 * twist, c0 * twist - c1 * (2 * z * w * twist + w**2 * bend)
+
+    def _most(self, g, rate) -> np.ndarray:
+        """A bound of |g| of free motions from g and g': by their energy, of real roots also by both ends of g e^{-l2 t}."""
+        most = np.hypot(g, rate / self.w)
+        if self.zeta <= 1:
+            return most
+        l1, l2 = (root.real for root in self.roots)
+        return np.minimum(most, np.maximum(np.abs(g), np.abs((rate - l1 * g) / (l2 - l1))))
+
+    def _limits(self, y, v, a, slope, h, highest, output) -> np.ndarray:
+        """Bounds of r = c_0 y + c_1 y' inside intervals: r'' is a free motion, and so is r without a straight line."""
+        c0, c1 = output
+        _, _, rate, curve, turn = self._rates(y, v, a, slope, output)
+        s = slope / self.w**2
+        start = c0 * (a / self.w**2 - 2 * self.zeta * s / self.w) + c1 * s
+        line = start + np.maximum(c0 * s * h, 0.0) + self._most(c0 * y + c1 * v - start, rate - c0 * s)
+        return np.minimum(line, highest + self._most(curve, turn) * h**2 / 8)
+
+    def _ends(self, y, v, a, slope, h) -> list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
+        """The parts of long intervals that have their extrema, as y, v, a, slope and length; zeta < 1.
+
+        r = p + s tau + g, g a damped cosine. At a maximum r' = 0 >= r'', so that g >= 2 z s / w. From cycle to cycle s tau is even and a positive g
+        convex: the largest of the values a cycle apart is the first or the last. A negative g, with s < 0, is smaller than what s tau gains one
+        cycle before, while 2 z (e^{2 pi z / sqrt(1 - z^2)} - 1) < 2 pi / sqrt(1 - z^2), which holds up to z = 0.35. With more damping, only
+        the line is left after some cycles.
+        """
+        length = DECAYED / -self.roots[1].real if self.zeta > ORDERED else 2 * np.pi / self.roots[0].imag
+        length = np.minimum(length * (1 + STEP_AGREEMENT), h)
+        late = h - length
+        y_late, v_late = self.inside(y, v, a, slope, late)
+        return [(y, v, a, slope, length), (y_late, v_late, a + slope * late, slope, length)]
+
+    def _zero(self, g, rate) -> np.ndarray:
+        """The first nonnegative time at which a free motion from g and g' is zero; infinity without one."""
+        l1, l2 = self.roots
+        with np.errstate(divide="ignore", invalid="ignore"):
+            if self.zeta < 1:
+                return np.arctan2(-g * l1.imag, rate + self.zeta * self.w * g) % np.pi / l1.imag
+            share, gap = -g / (rate - l2.real * g), (l2 - l1).real
+            return np.where((share >= 0) & (gap * share < 1), -np.log1p(-gap * share) / gap if gap else share, np.inf)
+
+    def _highest(self, y, v, a, slope, h, output, best: float) -> float:
+        """The largest value of r = c_0 y + c_1 y' inside these intervals, or a known larger one.
+
+        The curvature r'' is a free motion, whose zeros are known. Between them r' is monotone: r has one maximum at most there, where r' falls from
+        positive to negative, and lies below the tangents at both ends.
+        """
+        c0, c1 = output
+        bend, twist, _, *curvature = self._rates(y, v, a, slope, output)
+        zero = self._zero(*curvature)
+        more, turning = np.zeros(1), self.roots[0].imag
+        if self.zeta < 1:
+            more = np.pi / turning * np.arange(np.ceil(h.max() * turning / np.pi))
+        grid = np.minimum(np.column_stack([np.zeros(len(h)), zero[:, None] + more, h]), h[:, None])
+
+        def curve(row, tau):
+            """r and r'; y'' is a free motion as well."""
+            now_y, now_v = self.inside(y[row], v[row], a[row], slope[row], tau)
+            now_bend = self.free(bend[row], twist[row], tau)[0] if c1 else 0.0
+            return c0 * now_y + c1 * now_v, c0 * now_v + c1 * now_bend
+
+        values, rates = curve(np.arange(len(h))[:, None], grid)
+        best, length = max(best, float(values.max())), np.diff(grid, axis=1)
+        reach = np.minimum(values[:, :-1] + rates[:, :-1] * length, values[:, 1:] - rates[:, 1:] * length)
+        row, place = np.nonzero((rates[:, :-1] > 0) & (rates[:, 1:] < 0) & (reach > best))
+        if not len(row):
+            return best
+        top = falling_root(
+            lambda tau: curve(row, tau)[1],
+            grid[row, place],
+            grid[row, place + 1],
+            rates[row, place],
+            rates[row, place + 1],
+            lambda now, width: (np.abs(now) * width).max() <= EPS * abs(best),  # no more is left to gain
+        )
+        return max(best, float(curve(row, top)[0].max()))
+
+    def residual(self, y: float, v: float, output) -> tuple[float, float]:
+        """The extrema of the free motion after the record: at its start or where its rate is zero, the first two times."""
+        c0, c1 = output
+        first = self._zero(*self._rates(np.float64(y), v, 0.0, 0.0, output)[2:4])
+        times = np.array([0.0, first, first + np.pi / self.roots[0].imag if self.zeta < 1 else 0.0])
+        later_y, later_v = self.free(y, v, np.where(np.isfinite(times), times, 0.0))
+        values = c0 * later_y + c1 * later_v
+        return max(float(values.max()), 0.0), min(float(values.min()), 0.0)
+
+
+# Shock response spectra: the peaks of single oscillators on a base that follows a signal, over their natural frequency.
 
 #: Quantities as (c_0, c_1) of c_0 y + c_1 y', where -y is the displacement relative to the base.
 QUANTITIES = {

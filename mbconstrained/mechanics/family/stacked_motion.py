@@ -12,13 +12,11 @@ import numpy as np
 import scipy.linalg
 
 from ...ground.tolerances import EPS
-from ...linalg.eigen import decoupled
-from ...linalg.exponential.block_exponential import block_states
-from ...linalg.exponential.oscillations import even_step
-from ...linalg.exponential.recursion import shared_gaps
+from ...linalg.blocks import decoupled
+from ...linalg.exponential import block_states, even_step
+from ...linalg.recursion import shared_gaps
 from ...linalg.scaling import balancing_units
-from ...signals.bohl import BohlFunction
-from ...signals.restarts import FreeRestarts
+from ...signals.bohl import BohlFunction, FreeRestarts
 from .stacked_equations import StackedEquations
 
 #: Number of times computed together on an even grid.

@@ -10,8 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from ...ground.checks import counted, real_array
 from ...ground.errors import InputError, NoNormalForm, SingularPolynomialMatrix
 from ...ground.tolerances import EPS, NOISE_SAFETY, ROUNDED_COUPLING
-from ...linalg.rank import compress_rows, null_columns
-from ...linalg.rounding import Noisy
+from ...linalg.rank import Noisy, compress_rows, null_columns
 from ...linalg.scaling import joint_scaling
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 

@@ -14,10 +14,9 @@ import scipy.linalg
 from ...ground.errors import InputError
 from ...ground.tolerances import EPS, FREQUENCY_GAP, NOISE_SAFETY, RESONANCE_RATIO
 from ...linalg.blocks import block_slices
-from ...linalg.exponential.block_exponential import block_states
-from ...linalg.exponential.recursion import recursion
-from ...signals.bohl import BohlFunction
-from ...signals.restarts import Restarts
+from ...linalg.exponential import block_states
+from ...linalg.recursion import recursion
+from ...signals.bohl import BohlFunction, Restarts
 from .damped_modes import damped_modes, is_modal, modal_rates
 from .pencil import ReducedPencil
 from .sparse_matrices import asymmetry, quadratic_form, times

@@ -22,7 +22,7 @@ from ...ground.checks import real_array
 from ...ground.coordinate_units import force_unit, rate_unit, ratio_unit
 from ...ground.errors import InputError
 from ...ground.tolerances import EPS
-from ...linalg.accurate_products import accurate_product
+from ...linalg.division import accurate_product
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..channels import chosen_by_name
 from ..equations import EquationsOfMotion

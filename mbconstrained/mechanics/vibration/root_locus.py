@@ -13,8 +13,7 @@ from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError
 from ...ground.threads import short_work
 from ...ground.tolerances import NEWTON_STEP, noise_of
-from ...polynomial.variation.branches import MatrixFamily, followed
-from ...polynomial.variation.special_points import BreakPoint, break_points, stability_limits
+from ...polynomial.variation import BreakPoint, MatrixFamily, break_points, followed, stability_limits
 from ..equations import EquationsOfMotion
 from ..sensitivity.parameter import Parameter
 

@@ -17,9 +17,7 @@ from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError
 from ...ground.threads import short_work
 from ...ground.tolerances import EPS, NEWTON_STEP, noise_of
-from ...polynomial.variation.branches import FamilyPart, followed
-from ...polynomial.variation.special_points import located, stability_limits
-from ...polynomial.variation.spectrum import refined_values
+from ...polynomial.variation import FamilyPart, followed, located, refined_values, stability_limits
 from ..equations import EquationsOfMotion
 from .rotor_equations import check_rotor, rotor_family, speed_ranges
 

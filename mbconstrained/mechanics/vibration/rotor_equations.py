@@ -14,7 +14,7 @@ from ..equations import EquationsOfMotion
 from ..sensitivity.parameter import Parameter
 
 if TYPE_CHECKING:
-    from ...polynomial.variation.branches import MatrixFamily
+    from ...polynomial.variation import MatrixFamily
 
 
 Rotor = TypeVar("Rotor", bound=EquationsOfMotion)
@@ -96,7 +96,7 @@ def _knots(system: EquationsOfMotion) -> np.ndarray:
 
 def rotor_family(system: EquationsOfMotion, within: float | None = None) -> tuple[MatrixFamily, np.ndarray]:
     """The equations over the speed, in coordinates that satisfy all constraint rows."""
-    from ...polynomial.variation.branches import MatrixFamily
+    from ...polynomial.variation import MatrixFamily
 
     check_rotor(system)
     V = system.position_form().null_space

@@ -25,8 +25,7 @@ from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError
 from ...ground.tolerances import SAME_FREQUENCY
 from ...polynomial.polynomial_matrix import PolynomialMatrix
-from ...signals.exact_inputs import ExactInput, ExactRecord, ExactTerm
-from ...signals.impulsive import ImpulsiveSmooth
+from ...signals.impulsive import ExactInput, ExactRecord, ExactTerm, ImpulsiveSmooth
 from ..equations import EquationsOfMotion
 from .harmonic_equations import saddle_point
 

@@ -14,12 +14,11 @@ import numpy as np
 from scipy.linalg import lapack
 
 from ...linalg.blocks import BlockDiagonal, block_slices
-from ...linalg.exponential.block_exponential import block_states
-from ...linalg.exponential.recursion import advance, shared_gaps
-from ...signals.bohl import BohlFunction
+from ...linalg.exponential import block_states
+from ...linalg.recursion import advance, shared_gaps
+from ...signals.bohl import BohlFunction, FreeRestarts
 from ...signals.impulsive import ImpulsiveSmooth
-from ...signals.restarts import FreeRestarts
-from ..forcing import Driven, power_of_two_of
+from ..problem import Driven, power_of_two_of
 
 #: An eigenvalue of A(s) and one of the force are separated where their distance is at least this part of the largest rate: their
 #: motions cancel each other at first, and only as long as nothing else has moved much the Taylor series takes their place. With

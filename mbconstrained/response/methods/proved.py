@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +19,6 @@ from ...ground.checks import real_array, real_number, whole_number
 from ...ground.errors import SingularPolynomialMatrix
 from ...ground.tolerances import EPS, PROVED_ACCURACY
 from ...signals.bohl import BohlFunction
-from ...signals.restarts import Restarts
 from ..events import Event, without_zeros
 from .defect import Defect
 
@@ -55,46 +55,14 @@ class ProvedFunction(BohlFunction):
     defect: Defect | None
 
     def __init__(self, rough: BohlFunction, exact, finite_count: int, defect: Defect | None, order: int = 0, matrix=None):
-        attributes = {
-            "rough": rough,
-            "exact": exact,
-            "finite_count": finite_count,
-            "defect": defect,
-            "order": order,
-            "matrix": matrix,
-        }
-        for name, value in attributes.items():
-            object.__setattr__(self, name, value)
+        self.__dict__.update(rough=rough, exact=exact, finite_count=finite_count, defect=defect, order=order, matrix=matrix)
 
-    @property
-    def coefficients(self) -> np.ndarray:
-        """C of C e^{J t} v."""
-        return self.rough.coefficients
-
-    @property
-    def blocks(self) -> tuple[np.ndarray, ...]:
-        """The diagonal blocks of J."""
-        return self.rough.blocks
-
-    @property
-    def start(self) -> np.ndarray | Restarts:
-        """v, or ``Restarts``."""
-        return self.rough.start
-
-    @property
-    def size(self) -> int:
-        """Number of rows."""
-        return self.rough.size
-
-    @property
-    def state_count(self) -> int:
-        """Number of states."""
-        return self.rough.state_count
-
-    @property
-    def summed_from(self) -> np.ndarray:
-        """First time of evaluation by modes, as in ``BohlFunction``."""
-        return self.rough.summed_from
+    coefficients = property(attrgetter("rough.coefficients"))
+    blocks = property(attrgetter("rough.blocks"))
+    start = property(attrgetter("rough.start"))
+    size = property(attrgetter("rough.size"))
+    state_count = property(attrgetter("rough.state_count"))
+    summed_from = property(attrgetter("rough.summed_from"))
 
     @property
     def is_provable(self) -> bool:

@@ -24,7 +24,7 @@ import numpy as np
 from ...ground.checks import counted
 from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
-from ...ground.isolation import isolated
+from ...ground.files import isolated
 from ...ground.notices import Notice, NoticeKind
 from ..connections import Bushing, Loop
 from ..flexible_joint import Motor

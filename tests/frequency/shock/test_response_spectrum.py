@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.frequency.shock.oscillator import Oscillator
+from mbconstrained.frequency.shock.response_spectrum import Oscillator
 
 QUANTITIES = ("absolute acceleration", "relative displacement", "relative velocity")
 PARTS = ("primary_positive", "primary_negative", "residual_positive", "residual_negative")

@@ -1,7 +1,7 @@
 """The formulas for e^{J t} of Moysis et al., section 2.2, as printed there and corrected: views for study and comparison.
 
 Zeros, entries and times are numbers or expressions; the result is a matrix of sympy. The engine uses none of the formulas as they
-stand (``linalg.exponential.block_exponential``): for clusters they need the exact zeros and exponents, which rounded data do not have;
+stand (``linalg.exponential``): for clusters they need the exact zeros and exponents, which rounded data do not have;
 (35) is a confluent Vandermonde system whose condition grows without bound as zeros come close, and the sums (34) and (37) cancel
 where |lambda t| is large. The engine takes a Taylor polynomial about the mean of a cluster instead, which is accurate however close
 the zeros are. For a single block of size one, or a pair a +- i b, its closed formulas are (32) and (40).

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbconstrained.polynomial.variation.branches import MatrixFamily, followed
+from mbconstrained.polynomial.variation import MatrixFamily, followed
 
 
 def pairs_of_curves(blocks, p):

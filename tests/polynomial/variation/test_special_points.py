@@ -7,8 +7,7 @@ import pytest
 import sympy
 
 import mbconstrained as mb
-from mbconstrained.polynomial.variation.branches import MatrixFamily, followed
-from mbconstrained.polynomial.variation.special_points import break_points
+from mbconstrained.polynomial.variation import MatrixFamily, break_points, followed
 
 
 def points(base, slope, parameters):
