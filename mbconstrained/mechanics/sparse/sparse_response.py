@@ -26,7 +26,7 @@ from ...linalg.accurate_products import accurate_product
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..channels import chosen_by_name
 from ..equations import EquationsOfMotion
-from .sparse_matrices import asymmetry, times
+from .pencil import asymmetry, times
 from .undamped_modes import UndampedModes, undamped_modes
 
 #: Corrections of a force: its static deflection, that of the inertia of this one, and so on.

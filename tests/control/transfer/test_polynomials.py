@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbconstrained.control.transfer.rational import ONE, RationalFunction, laurent, trimmed
+from mbconstrained.control.rational import ONE, RationalFunction, laurent, trimmed
 
 rationals = st.fractions(min_value=-20, max_value=20, max_denominator=12)
 polynomials = st.lists(rationals, min_size=1, max_size=6).map(trimmed).filter(bool)

@@ -10,7 +10,7 @@ import pytest
 import sympy
 
 import mbconstrained as mb
-from mbconstrained.control.transfer.rational import rational_function
+from mbconstrained.control.rational import rational_function
 from mbconstrained.polynomial.structure import polynomial_text
 
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 import mbconstrained as mb
-from mbconstrained.mechanics.vibration.steady_state import fourier_coefficient
+from mbconstrained.mechanics.harmonic_response import fourier_coefficient
 
 
 def pair():

@@ -6,22 +6,120 @@ Sources: Genta, Dynamics of Rotating Systems (2005), chapters 3 and 4; Friswell,
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise, product
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 import scipy.linalg
 
-from ...ground.checks import counted, real_array, real_number
-from ...ground.display import Displayed, TextTable, number_text
-from ...ground.errors import InputError
-from ...ground.threads import short_work
-from ...ground.tolerances import EPS, NEWTON_STEP, noise_of
-from ...polynomial.variation.branches import FamilyPart, followed
-from ...polynomial.variation.special_points import located, stability_limits
-from ...polynomial.variation.spectrum import refined_values
-from ..equations import EquationsOfMotion
-from .rotor_equations import check_rotor, rotor_family, speed_ranges
+from ..ground.checks import counted, nearest, real_array, real_number
+from ..ground.display import Displayed, TextTable, number_text
+from ..ground.errors import InputError
+from ..ground.threads import short_work
+from ..ground.tolerances import EPS, NEWTON_STEP, noise_of
+from ..polynomial.variation.branches import FamilyPart, followed
+from ..polynomial.variation.special_points import located, stability_limits
+from ..polynomial.variation.spectrum import refined_values
+from .equations import EquationsOfMotion
+from .parameter import Parameter
+
+if TYPE_CHECKING:
+    from ..polynomial.variation.branches import MatrixFamily
+
+
+# The equations of a rotor at constant speed W, M x'' + (C + W G) x' + (K + W N) x = f, with speed-dependent bearings.
+
+Rotor = TypeVar("Rotor", bound=EquationsOfMotion)
+
+
+def at_speed(system: Rotor, speed: float) -> Rotor:
+    """The rotor at a constant speed."""
+    speed = real_number(speed, "speed")
+    check_rotor(system, speed)
+    stiffness, damping, mass = system.given
+    result, rest = copy(system), (system.stiffness, system.damping)
+    now, slope = rotor_matrices(system, speed), rotor_slopes(system, speed)
+    if (now[0] != rest[0]).any():
+        result.stiffness = stiffness = system._matrix(now[0], "stiffness", system.size)
+    if (now[1] != rest[1]).any():
+        result.damping = damping = system._matrix(now[1], "damping", system.size)
+    result.given, result._forms = (stiffness, damping, mass), {}
+    result.gyroscopic = result.circulatory = result.unbalance = None
+    result.speed_tables = ()
+    own = Parameter("speed", speed, stiffness=slope[0], damping=slope[1], unit="rad/s")
+    result.parameter_source = lambda: (*system.parameters(), own)
+    return result
+
+
+def check_rotor(system: EquationsOfMotion, *speeds: float) -> None:
+    """Raise an InputError unless the system has dense arrays and depends on a speed."""
+    system._refuse_sparse("rotation")
+    if not system.turns:
+        raise InputError(
+            "speed: this system does not depend on a speed of rotation; give MechanicalSystem(..., gyroscopic=G) or circulatory=N, "
+            "or a rotor of a lumped model"
+        )
+    for table, speed in product(system.speed_tables, speeds):
+        low, high = table.speeds[[0, -1]]
+        if not low <= speed <= high:
+            raise InputError(
+                f'speed: found {speed:g} rad/s; the table of the bearing "{table.name}" is from {low:g} to {high:g} rad/s, '
+                "and is not continued beyond"
+            )
+
+
+def rotor_matrices(system: EquationsOfMotion, speed: float) -> np.ndarray:
+    """K, C and M at a speed."""
+    zero = np.zeros((system.size,) * 2)
+    N, G = (zero if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic))
+    total = np.array([system.stiffness + speed * N, system.damping + speed * G, system.mass])
+    for table in system.speed_tables:
+        total[:2] += table.at(speed)
+    return total
+
+
+def rotor_slopes(system: EquationsOfMotion, speed: float) -> np.ndarray:
+    """The derivatives of K, C and M with respect to the speed."""
+    zero = np.zeros((system.size,) * 2)
+    total = np.array([zero if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic, None)])
+    for table in system.speed_tables:
+        total[:2] += table.slope(speed)
+    return total
+
+
+def speed_ranges(system: EquationsOfMotion) -> list[tuple[float, float]]:
+    """The intervals in which the matrices are linear in the speed: all speeds without tables, else those that all tables cover."""
+    if not system.speed_tables:
+        return [(0.0, np.inf)]
+    low, high = (pick(table.speeds[end] for table in system.speed_tables) for pick, end in ((max, 0), (min, -1)))
+    return [(a, b) for a, b in pairwise(_knots(system)) if low <= a and b <= high]
+
+
+def _knots(system: EquationsOfMotion) -> np.ndarray:
+    return np.unique([speed for table in system.speed_tables for speed in table.speeds])
+
+
+def rotor_family(system: EquationsOfMotion, within: float | None = None) -> tuple[MatrixFamily, np.ndarray]:
+    """The equations over the speed, in coordinates that satisfy all constraint rows."""
+    from ..polynomial.variation.branches import MatrixFamily
+
+    check_rotor(system)
+    V = system.position_form().null_space
+
+    def reduced(matrices: np.ndarray) -> np.ndarray:
+        return np.array([V.T @ matrix @ V for matrix in matrices])
+
+    if within is not None or not system.speed_tables:
+        at = within or 0.0
+        slope = rotor_slopes(system, at)
+        return MatrixFamily.linear(reduced(rotor_matrices(system, at) - at * slope), reduced(slope)), V
+    knots = _knots(system)
+    pattern = (np.array([reduced(rotor_matrices(system, knot)) for knot in knots]) != 0).any(axis=(0, 1))
+    return MatrixFamily(lambda W: reduced(rotor_matrices(system, W)), lambda W: reduced(rotor_slopes(system, W)), pattern, knots), V
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -278,3 +376,166 @@ def _damped_points(coefficients, part: FamilyPart, order: float) -> list[tuple[c
         ):
             located_points.append((speed, complex(value.real, order * speed), x))
     return [(value, x) for _, value, x in located_points]
+
+
+# Steady states of a rotor under unbalance over the speed, with their peaks.
+#
+# At each constant speed W the force W^2 Re(u e^{i n W t}) has the steady state Re(x e^{i n W t}),
+#
+#     (K(W) + i n W C(W) - n^2 W^2 M) x = W^2 u.
+#
+# A peak is a zero of d|x_j|^2 / dW, in closed form from x' = A^-1 (2 W u - A' x), by bisection and interpolation (Brent). Source: Friswell,
+# Penny, Garvey and Lees, Dynamics of Rotating Machines (2010), chapter 6.
+
+#: Half bandwidths of a resonance at which peaks are searched, besides the given speeds.
+NEAR_RESONANCE = np.array([-4.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 4.0])
+
+#: Distances from an undamped critical speed, as parts of it.
+NEAR_POLE = np.array([-0.02, -0.002, 0.002, 0.02])
+
+
+@dataclass(frozen=True)
+class UnbalancePeak:
+    """A speed at which the amplitude of a coordinate has a maximum.
+
+    Attributes:
+        coordinate: its name.
+        speed: W in rad/s.
+        amplitude: in m or rad; infinite at an undamped resonance, where no steady state exists.
+        unit: unit of the amplitude.
+    """
+
+    coordinate: str
+    speed: float
+    amplitude: float
+    unit: str
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class UnbalanceResponse(Displayed):
+    """Steady states over the speed.
+
+    Attributes:
+        system: the rotor at rest.
+        order: n of the frequency n W; 1 for unbalance.
+        speeds: W in rad/s, shape (S,).
+        values: x complex, in m or rad, shape (S, n); infinite at an undamped resonance.
+        peaks: peaks of all coordinates between the first and the last speed, by coordinate, ascending.
+    """
+
+    system: EquationsOfMotion
+    order: float
+    speeds: np.ndarray
+    values: np.ndarray
+    peaks: tuple[UnbalancePeak, ...] = field(repr=False)
+
+    def _summary(self) -> str:
+        return f"{counted(len(self.speeds), 'speed')}, {counted(len(self.peaks), 'peak')}"
+
+    @property
+    def amplitudes(self) -> np.ndarray:
+        """|x| in m or rad, shape (S, n)."""
+        return np.abs(self.values)
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        return (peak_table(self.peaks),)
+
+
+def peak_table(peaks, title: str = "Peaks of the unbalance response") -> TextTable:
+    """A row for each peak."""
+    rows = (
+        (one.coordinate, number_text(one.speed), number_text(one.speed * 30 / np.pi), f"{one.amplitude:.6g} {one.unit}")
+        for one in peaks
+    )
+    return TextTable(title, ("coordinate", "rad/s", "rev/min", "amplitude"), tuple(rows))
+
+
+def unbalance_response(system: EquationsOfMotion, speeds, unbalance=None, order: float = 1.0) -> UnbalanceResponse:
+    """The steady states over the speed."""
+    speeds = real_array(speeds, "speeds", shape=(None,))
+    order = real_number(order, "order", positive=True)
+    if len(speeds) < 2 or not (np.diff(speeds) > 0).all() or speeds[0] < 0:
+        raise InputError(f"speeds: found {len(speeds)} values; expected two or more, ascending, at least 0, in rad/s")
+    check_rotor(system, *speeds[[0, -1]])
+    steady = SteadyStates(system, _unbalance(system, unbalance), order)
+    with short_work(2 * system.size):
+        critical = critical_points(system, order)
+        values = np.array([steady.at(speed)[0] for speed in speeds.tolist()])
+        return UnbalanceResponse(system, order, speeds, values, tuple(_peaks(steady, speeds, critical)))
+
+
+def _unbalance(system: EquationsOfMotion, given) -> np.ndarray:
+    if given is None:
+        if system.unbalance is None:
+            raise InputError("unbalance: the system has none; give it in kg m, complex, one number for each coordinate or by name")
+        return system.unbalance
+    if isinstance(given, Mapping):
+        for name in given:
+            if name not in system.names:
+                raise InputError(f'unbalance: there is no coordinate "{name}"{nearest(name, system.names)}')
+        given = [given.get(name, 0.0) for name in system.names]
+    values = np.asarray(given)
+    parts = (real_array(part, "unbalance", shape=(system.size,)) for part in (values.real, values.imag))
+    real, imaginary = parts
+    return real + 1j * imaginary
+
+
+class SteadyStates:
+    """The steady state at any speed.
+
+    Args:
+        system: the rotor at rest.
+        unbalance: u, shape (n,).
+        order: n.
+    """
+
+    def __init__(self, system: EquationsOfMotion, unbalance: np.ndarray, order: float):
+        self.system, self.order = system, order
+        self.family, self.basis = rotor_family(system)
+        self.load = self.basis.T @ unbalance
+
+    def at(self, speed: float) -> tuple[np.ndarray, np.ndarray]:
+        """x and dx/dW, each of shape (n,); infinite where no steady state exists."""
+        s, (K, C, M), (K1, C1, _) = 1j * self.order * speed, self.family.at(speed), self.family.slope(speed)
+        A, slope = K + s * C + s * s * M, K1 + s * C1 + 1j * self.order * (C + 2 * s * M)
+        try:
+            x = np.linalg.solve(A, speed**2 * self.load)
+            return self.basis @ x, self.basis @ np.linalg.solve(A, 2 * speed * self.load - slope @ x)
+        except np.linalg.LinAlgError:
+            if not speed:
+                raise InputError("speeds: at 0 rad/s the position of a free rotor is not determined; begin above 0") from None
+            return (np.full(len(self.basis), np.inf, dtype=complex),) * 2
+
+    def growth(self, speed: float) -> np.ndarray:
+        """d|x|^2 / dW / 2 of each coordinate, 0 where no steady state exists, shape (n,)."""
+        x, slope = self.at(speed)
+        return (x.conj() * slope).real if np.isfinite(x).all() else np.zeros(len(x))
+
+
+def with_resonances(speeds: np.ndarray, critical: Sequence[CriticalSpeed]) -> np.ndarray:
+    """The speeds, with further ones near critical speeds, where amplitudes change fast."""
+    near = [one.speed * (1 + (one.damping_ratio * NEAR_RESONANCE if _is_damped(one) else NEAR_POLE)) for one in critical]
+    places = np.unique(np.concatenate([speeds, *near]))
+    return places[(places > 0) & (places >= speeds[0]) & (places <= speeds[-1])]
+
+
+def _is_damped(point: CriticalSpeed) -> bool:
+    return abs(point.damping_ratio) > EPS**0.5
+
+
+def _peaks(steady: SteadyStates, speeds: np.ndarray, critical: list[CriticalSpeed]):
+    """The maxima between speeds, and near critical speeds at which the amplitude first grows and then falls."""
+    from scipy.optimize import brentq
+
+    system, poles = steady.system, [point.speed for point in critical if not _is_damped(point)]
+    places = with_resonances(speeds, critical)
+    for pole in poles:
+        places = places[np.abs(places - pole) > NEWTON_STEP * pole]
+    growth = np.array([steady.growth(place) for place in places.tolist()])
+    for j, (name, unit) in enumerate(zip(system.names, (system.units[name] for name in system.names))):
+        for (a, low), (b, high) in pairwise(zip(places.tolist(), growth[:, j])):
+            if not (low > 0 > high):
+                continue
+            speed = float(brentq(lambda W, j=j: steady.growth(W)[j], a, b, xtol=4 * EPS * b, rtol=4 * EPS))
+            infinite = any(abs(speed - pole) <= NEWTON_STEP * pole for pole in poles)
+            yield UnbalancePeak(name, speed, np.inf if infinite else float(np.abs(steady.at(speed)[0][j])), unit)

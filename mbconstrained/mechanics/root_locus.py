@@ -8,15 +8,15 @@ from functools import cache
 
 import numpy as np
 
-from ...ground.checks import counted, nearest, real_array
-from ...ground.display import Displayed, TextTable, number_text
-from ...ground.errors import InputError
-from ...ground.threads import short_work
-from ...ground.tolerances import NEWTON_STEP, noise_of
-from ...polynomial.variation.branches import MatrixFamily, followed
-from ...polynomial.variation.special_points import BreakPoint, break_points, stability_limits
-from ..equations import EquationsOfMotion
-from ..sensitivity.parameter import Parameter
+from ..ground.checks import counted, nearest, real_array
+from ..ground.display import Displayed, TextTable, number_text
+from ..ground.errors import InputError
+from ..ground.threads import short_work
+from ..ground.tolerances import NEWTON_STEP, noise_of
+from ..polynomial.variation.branches import MatrixFamily, followed
+from ..polynomial.variation.special_points import BreakPoint, break_points, stability_limits
+from .equations import EquationsOfMotion
+from .parameter import Parameter
 
 #: Parts of the range at which matrices are compared with linear ones, nowhere symmetric.
 INNER = (0.29, 0.53, 0.83)

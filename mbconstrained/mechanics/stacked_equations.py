@@ -11,34 +11,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...ground.tolerances import CLEAR_KEPT, DIVISOR_CONDITION, GOOD_CONDITION, noise_of
-from ...linalg.arrays import others
-from ...polynomial.direct_reduction import matching_rows, pivots_of
+from ..ground.tolerances import CLEAR_KEPT, DIVISOR_CONDITION, GOOD_CONDITION, noise_of
+from ..linalg.arrays import others
+from ..polynomial.direct_reduction import matching_rows, pivots_of
 
 
 @dataclass(frozen=True, eq=False)
 class StackedEquations:
-    """S models with the coordinates q, the first m of which have mass, the other d dampers only.
+    """S models with the coordinates q, the first m of which have mass, the other d dampers only."""
 
-    Attributes:
-        M, C, K: shape (S, m + d, m + d); M is zero outside its first m rows and columns.
-        T: x from q, shape (S, n, m + d).
-        L: forces on q from f, shape (S, m + d, n).
-        free: which columns of V move the coordinates q, shape (m + d,).
-        Y: x from f directly, of massless coordinates without dampers, shape (S, n, n).
-        masses: m.
-        serve: which models have this structure with a margin, shape (S,).
-    """
-
-    M: np.ndarray
+    M: np.ndarray  # M, C, K: shape (S, m + d, m + d); M is zero outside its first m rows and columns
     C: np.ndarray
     K: np.ndarray
-    T: np.ndarray
-    L: np.ndarray
-    Y: np.ndarray
-    free: np.ndarray
-    masses: int
-    serve: np.ndarray
+    T: np.ndarray  # x from q, shape (S, n, m + d)
+    L: np.ndarray  # forces on q from f, shape (S, m + d, n)
+    Y: np.ndarray  # x from f directly, of massless coordinates without dampers, shape (S, n, n)
+    free: np.ndarray  # which columns of V move the coordinates q, shape (m + d,)
+    masses: int  # m
+    serve: np.ndarray  # which models have this structure with a margin, shape (S,)
 
     @property
     def generator(self) -> np.ndarray:

@@ -11,28 +11,22 @@ from numbers import Rational, Real
 
 import numpy as np
 
-from ...ground.checks import counted
-from ...ground.errors import InputError
-from ...ground.notices import Notice, NoticeKind
-from ...polynomial.structure import polynomial_text
+from ..ground.checks import counted
+from ..ground.errors import InputError
+from ..ground.notices import Notice, NoticeKind
+from ..polynomial.structure import polynomial_text
 
 EXPECTED = "expected its coefficients as a list of real numbers, the highest power first, e.g. [1.0, 3.0, 2.0]"
 
 
 @dataclass(frozen=True)
 class RationalFunction:
-    """b(s)/a(s) with exact coefficients, lowest power first.
+    """b(s)/a(s) with exact coefficients, lowest power first."""
 
-    Attributes:
-        numerator, denominator: b and a as given, without zeros at the highest powers; b empty where it is zero.
-        left_out: number of leading zeros removed from both.
-        rounded: whether some coefficient was given in float64, known up to its rounding error; other numbers are exact.
-    """
-
-    numerator: Polynomial
+    numerator: Polynomial  # numerator, denominator: b and a as given, without zeros at the highest powers; b empty where it is zero
     denominator: Polynomial
-    left_out: tuple[int, int] = (0, 0)
-    rounded: bool = False
+    left_out: tuple[int, int] = (0, 0)  # number of leading zeros removed from both
+    rounded: bool = False  # whether some coefficient was given in float64, known up to its rounding error; other numbers are exact
 
     @cached_property
     def as_written(self) -> RationalFunction:
@@ -50,7 +44,7 @@ class RationalFunction:
     @cached_property
     def reduced(self) -> RationalFunction:
         """The fraction without its common factor."""
-        from ...exact.rational.flint_numbers import fractions_of, polynomial
+        from ..exact.rational.flint_numbers import fractions_of, polynomial
 
         if len(self.common_factor) == 1:
             return self
@@ -97,7 +91,7 @@ class RationalFunction:
 
     @cached_property
     def _common_factor(self) -> Polynomial:
-        from ...exact.rational.flint_numbers import fractions_of, polynomial
+        from ..exact.rational.flint_numbers import fractions_of, polynomial
 
         return fractions_of(polynomial(self.numerator).gcd(polynomial(self.denominator))) if self.numerator else ONE
 

@@ -8,16 +8,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from ...ground.checks import counted, real_array
-from ...ground.errors import InputError
-from ...ground.tolerances import EPS
-from ...polynomial.coefficients import Factors
-from ...polynomial.polynomial_matrix import PolynomialMatrix
-from ...response.problem import FORCE_FUNCTIONS
-from ...response.response import Response
-from ...response.solve import solve
-from ...signals.impulsive import ImpulsiveSmooth
-from ...signals.inputs import power, zero
+from ..ground.checks import counted, real_array
+from ..ground.errors import InputError
+from ..ground.tolerances import EPS
+from ..polynomial.coefficients import Factors
+from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..response.problem import FORCE_FUNCTIONS
+from ..response.response import Response
+from ..response.solve import solve
+from ..signals.impulsive import ImpulsiveSmooth
+from ..signals.inputs import power, zero
 from .rational import Polynomial
 
 

@@ -11,14 +11,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.linalg
 
-from ...ground.tolerances import EPS
-from ...linalg.eigen import decoupled
-from ...linalg.exponential.block_exponential import block_states
-from ...linalg.exponential.oscillations import even_step
-from ...linalg.exponential.recursion import shared_gaps
-from ...linalg.scaling import balancing_units
-from ...signals.bohl import BohlFunction
-from ...signals.restarts import FreeRestarts
+from ..ground.tolerances import EPS
+from ..linalg.eigen import decoupled
+from ..linalg.exponential.block_exponential import block_states
+from ..linalg.exponential.oscillations import even_step
+from ..linalg.exponential.recursion import shared_gaps
+from ..linalg.scaling import balancing_units
+from ..signals.bohl import BohlFunction
+from ..signals.restarts import FreeRestarts
 from .stacked_equations import StackedEquations
 
 #: Number of times computed together on an even grid.
@@ -30,25 +30,15 @@ TERMS = 5
 
 @dataclass(frozen=True, eq=False)
 class StackedFlow:
-    """z' = G z and x = P z of S models.
+    """z' = G z and x = P z of S models."""
 
-    Attributes:
-        generator: G, shape (S, N, N).
-        output: P, shape (S, n, N).
-        start: z at 0+, shape (S, N).
-        states: states of the force, the last of z, at its knots, shape (v, K).
-        knots: times of restart, beginning with 0, shape (K,).
-        moved: perturbation of the generator, in rounding errors of squarings.
-        trial: which pattern of signs these have.
-    """
-
-    generator: np.ndarray
-    output: np.ndarray
-    start: np.ndarray
-    states: np.ndarray
-    knots: np.ndarray
-    moved: float = 0.0
-    trial: int = 0
+    generator: np.ndarray  # G, shape (S, N, N)
+    output: np.ndarray  # P, shape (S, n, N)
+    start: np.ndarray  # z at 0+, shape (S, N)
+    states: np.ndarray  # states of the force, the last of z, at its knots, shape (v, K)
+    knots: np.ndarray  # times of restart, beginning with 0, shape (K,)
+    moved: float = 0.0  # perturbation of the generator, in rounding errors of squarings
+    trial: int = 0  # which pattern of signs these have
 
     def derivative(self, order: int = 1) -> StackedFlow:
         """P G^order z."""

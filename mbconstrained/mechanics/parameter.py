@@ -8,11 +8,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ...ground.checks import real_number
-from ...ground.errors import InputError
-from ...ground.tolerances import DIFFERENCE_STEP, EPS
-from ...linalg.division import is_symmetric
-from ..constraints import ConstraintRow
+from ..ground.checks import real_number
+from ..ground.errors import InputError
+from ..ground.tolerances import DIFFERENCE_STEP, EPS
+from ..linalg.division import is_symmetric
+from .constraints import ConstraintRow
 
 MATRICES = ("stiffness", "damping", "mass", "force")
 

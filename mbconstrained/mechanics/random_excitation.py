@@ -6,17 +6,17 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ...frequency.harmonic import Harmonic
-from ...frequency.random.random_response import RandomResponse
-from ...frequency.random.spectra import KINDS
-from ...frequency.random.spectral_matrix import SpectralMatrix, spectral_matrix
-from ...ground.checks import nearest
-from ...ground.coordinate_units import force_unit, rate_unit
-from ...ground.errors import InputError
-from ...polynomial.polynomial_matrix import PolynomialMatrix
-from ..channels import Channel, channels, chosen_by_name, coordinate_channels, reference, row_channels
-from ..equations import EquationsOfMotion
-from .harmonic_equations import saddle_point, with_element_forces
+from ..frequency.harmonic import Harmonic
+from ..frequency.random.random_response import RandomResponse
+from ..frequency.random.spectra import KINDS
+from ..frequency.random.spectral_matrix import SpectralMatrix, spectral_matrix
+from ..ground.checks import nearest
+from ..ground.coordinate_units import force_unit, rate_unit
+from ..ground.errors import InputError
+from ..polynomial.polynomial_matrix import PolynomialMatrix
+from .channels import Channel, channels, chosen_by_name, coordinate_channels, reference, row_channels
+from .equations import EquationsOfMotion
+from .harmonic_response import saddle_point, with_element_forces
 
 #: Quantities of outputs, and their orders of derivative of the displacements; None for forces.
 QUANTITIES = {"displacement": 0, "velocity": 1, "acceleration": 2, "reaction": None, "force": None}

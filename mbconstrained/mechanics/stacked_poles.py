@@ -10,10 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
-from ...ground.tolerances import EPS, FORM_ROUNDING, PROVED_ACCURACY
+from ..ground.tolerances import EPS, FORM_ROUNDING, PROVED_ACCURACY
 from .stacked_equations import StackedEquations
 
 #: Number of models computed together, whose matrices fit into the cache.
@@ -25,26 +26,17 @@ JACOBI_STEPS = 24
 
 @dataclass(frozen=True, eq=False)
 class StackedPoles:
-    """Poles and residues of S models, of complex pairs those above the real axis.
+    """Poles and residues of S models, of complex pairs those above the real axis."""
 
-    Attributes:
-        values: s_k, shape (S, P).
-        weights: 2 of a complex pair, 1 of a real pole, 0 where a model has fewer, shape (S, P).
-        shapes: x_k, shape (S, n, P).
-        left: y_k^T, scaled to the residue x_k y_k^T, shape (S, P, n).
-        direct: Y, shape (S, n, n).
-        value_errors, shape_errors: estimates relative to |s_k| and to the largest entry of x_k, shape (S, P).
-        serve: whether a model has the structure and separate poles, shape (S,).
-    """
-
-    values: np.ndarray
-    weights: np.ndarray
-    shapes: np.ndarray
-    left: np.ndarray
-    direct: np.ndarray
+    values: np.ndarray  # s_k, shape (S, P)
+    weights: np.ndarray  # 2 of a complex pair, 1 of a real pole, 0 where a model has fewer, shape (S, P)
+    shapes: np.ndarray  # x_k, shape (S, n, P)
+    left: np.ndarray  # y_k^T, scaled to the residue x_k y_k^T, shape (S, P, n)
+    direct: np.ndarray  # Y, shape (S, n, n)
+    # value_errors, shape_errors: estimates relative to |s_k| and to the largest entry of x_k, shape (S, P)
     value_errors: np.ndarray
     shape_errors: np.ndarray
-    serve: np.ndarray
+    serve: np.ndarray  # whether a model has the structure and separate poles, shape (S,)
 
     def of(self, members) -> StackedPoles:
         """The poles of some models, selected by a slice or an array of indices."""
@@ -233,3 +225,58 @@ def _left_of(M, C, K, X, s) -> np.ndarray:
     """|A(s_k) x_k|, shape (S, n, P)."""
     s = s[:, None, :]
     return np.abs((M @ X * s + C @ X) * s + K @ X)
+
+
+# Transfer functions of S models of one structure, from their poles and residues: H(s) = s^p C (s I - J)^-1 B and polynomial parts.
+#
+# Forces f and prescribed motions b of constraint rows are inputs. x = G^T b + A(s)^-1 (f - (M s^2 + C s + K) G^T b), A(s)^-1 the sum of
+# residues over s - s_k and the part of massless coordinates.
+
+
+@dataclass(frozen=True, eq=False)
+class StackedTransfer:
+    """H(s) of S models, from m inputs to p outputs."""
+
+    poles: StackedPoles  # poles of the models
+    outputs: np.ndarray  # shape (p, n)
+    motions: np.ndarray  # of the coordinates by prescribed motions alone, shape (n, m)
+    loads: tuple[np.ndarray, ...]  # coefficients of 1, s, s^2 in what acts on the coordinates, each of shape (S, n, m)
+    order: int  # p in s^p
+    levels: np.ndarray  # l in s^-l of each input: that of its prescribed derivative, shape (m,)
+
+    def __call__(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """H and estimates of its absolute errors, shape (S, p, m, F)."""
+        poles = self.poles
+        s = np.atleast_2d(s)[:, None, :]
+        values, pairs = poles.values[:, :, None], (poles.weights == 2)[:, :, None]
+        with np.errstate(all="ignore"):
+            each = np.where(poles.weights[:, :, None] > 0, 1 / (s - values), 0.0)
+            mirrored = np.where(pairs, 1 / (s - values.conj()), 0.0)
+            sizes = np.abs(each) + np.abs(mirrored)
+            doubt = (2 * poles.shape_errors + FORM_ROUNDING * EPS)[:, :, None] * sizes
+            doubt += (poles.value_errors * np.abs(poles.values))[:, :, None] * sizes**2
+            total: Any = (self.outputs @ self.motions)[:, :, None]
+            error: Any = 0.0
+            powers = s[:, :, None]
+            for power, (residues, bound, direct) in enumerate(self._terms()):
+                shape = (len(values), -1, residues.shape[3])
+                part = residues.reshape(shape) @ each + residues.conj().reshape(shape) @ mirrored
+                total = total + (part.reshape(*residues.shape[:3], -1) + direct[..., None]) * powers**power
+                error = error + (bound.reshape(shape) @ doubt).reshape(*residues.shape[:3], -1) * np.abs(powers) ** power
+            factor = powers ** (self.order - self.levels[:, None])
+        return total * factor, error * np.abs(factor)
+
+    def residues(self) -> np.ndarray:
+        """The residues of H at the poles, shape (S, p, m, P)."""
+        s = self.poles.values[:, None, None, :]
+        total = sum(residues * s**power for power, (residues, _, _) in enumerate(self._terms()))
+        return total * s ** (self.order - self.levels[:, None])
+
+    def _terms(self):
+        """For each power of s: residues, a bound of their size by the largest entries of the shapes, and the part without poles."""
+        poles = self.poles
+        X = self.outputs @ poles.shapes
+        largest = np.abs(self.outputs).sum(axis=1)[:, None] * np.abs(poles.shapes).max(axis=1, keepdims=True)
+        for load in self.loads:
+            rows = (poles.left @ load).transpose(0, 2, 1)[:, None]  # (S, 1, m, P)
+            yield X[:, :, None, :] * rows, largest[:, :, None, :] * np.abs(rows), self.outputs @ poles.direct @ load
