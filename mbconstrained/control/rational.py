@@ -132,7 +132,11 @@ def _number(item, what: str, place: int) -> Fraction:
         remedy = "; of several inputs or outputs use mb.matrix_fraction_response" if several else ""
         raise InputError(f"{what}: the coefficient at {place} is {_short(item)}; {EXPECTED}{remedy}")
     try:
-        number = Fraction(int(item.numerator), int(item.denominator)) if isinstance(item, Rational) else _of_real(item)
+        number = (
+            Fraction(int(item.numerator), int(item.denominator))
+            if isinstance(item, Rational)
+            else Fraction(item if isinstance(item, Decimal) else float(item))
+        )
         lost = bool(number) and float(number) == 0.0
     except (ValueError, OverflowError):
         raise InputError(
@@ -141,10 +145,6 @@ def _number(item, what: str, place: int) -> Fraction:
     if lost:
         raise InputError(f"{what}: the coefficient at {place} lies below the range of float64; choose another unit of time")
     return number
-
-
-def _of_real(item) -> Fraction:
-    return Fraction(item) if isinstance(item, Decimal) else Fraction(float(item))
 
 
 def _as_written(number: Fraction) -> Fraction:

@@ -36,11 +36,16 @@ class StateEquations(Displayed):
         outputs: Sequence[str] | None = None,
         units: Mapping[str, str] | None = None,
     ):
-        self.A = _square(A)
-        n = len(self.A)
-        self.B = _fixed(np.zeros((n, _width(D))) if B is None else real_array(B, "B", shape=(n, None)))
+        A = real_array(A, "A", shape=(None, None))
+        if A.shape[0] != A.shape[1]:
+            raise InputError(f"A: expected a square matrix, found {A.shape[0]} x {A.shape[1]}")
+        if not len(A):
+            raise InputError("A: found no entries; a state space needs at least one state")
+        self.A, n = _fixed(A), len(A)
+        feedthrough = (0, 0) if D is None else real_array(D, "D", shape=(None, None)).shape if B is None or C is None else None
+        self.B = _fixed(np.zeros((n, feedthrough[1])) if B is None else real_array(B, "B", shape=(n, None)))
         p = self.B.shape[1]
-        self.C = _fixed(np.zeros((_height(D), n)) if C is None else real_array(C, "C", shape=(None, n)))
+        self.C = _fixed(np.zeros((feedthrough[0], n)) if C is None else real_array(C, "C", shape=(None, n)))
         q = len(self.C)
         self.D = _fixed(np.zeros((q, p)) if D is None else real_array(D, "D", shape=(q, p)))
         self.is_descriptor = descriptor is not None
@@ -48,7 +53,11 @@ class StateEquations(Displayed):
         self.states, self.inputs = names_of(states, n, "states", "x"), names_of(inputs, p, "inputs", "u")
         self.outputs = names_of(outputs, q, "outputs", "y")
         names_of((*self.states, *self.outputs), n + q, "states and outputs", "x")  # unknowns of one problem
-        self.units = _units(units, (*self.states, *self.inputs, *self.outputs))
+        names = (*self.states, *self.inputs, *self.outputs)
+        for name in units or {}:
+            if name not in names:
+                raise InputError(f'units: there is no state, input or output "{name}"{nearest(name, names)}')
+        self.units = {name: str((units or {}).get(name, "1")) for name in names}
 
     def _summary(self) -> str:
         named = ((self.states, "state"), (self.inputs, "input"), (self.outputs, "output"))
@@ -114,33 +123,9 @@ class StateEquations(Displayed):
         return u.mapped(np.vstack([self.B, self.D]))
 
 
-def _square(A) -> np.ndarray:
-    matrix = real_array(A, "A", shape=(None, None))
-    if matrix.shape[0] != matrix.shape[1]:
-        raise InputError(f"A: expected a square matrix, found {matrix.shape[0]} x {matrix.shape[1]}")
-    if not len(matrix):
-        raise InputError("A: found no entries; a state space needs at least one state")
-    return _fixed(matrix)
-
-
-def _width(D) -> int:
-    return 0 if D is None else real_array(D, "D", shape=(None, None)).shape[1]
-
-
-def _height(D) -> int:
-    return 0 if D is None else len(real_array(D, "D", shape=(None, None)))
-
-
 def _fixed(matrix: np.ndarray) -> np.ndarray:
     matrix.flags.writeable = False
     return matrix
-
-
-def _units(units, names) -> dict[str, str]:
-    for name in units or {}:
-        if name not in names:
-            raise InputError(f'units: there is no state, input or output "{name}"{nearest(name, names)}')
-    return {name: str((units or {}).get(name, "1")) for name in names}
 
 
 # Zeros, poles and gain from one input to one output, from the Jordan pairs of polynomial matrices.

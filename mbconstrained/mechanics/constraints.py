@@ -193,13 +193,11 @@ def constraint_rows(constraints: Sequence[Constraint], units: dict[str, str]) ->
         given = zip(full(constraint.rows), constraint.values, full(constraint.uncertainty))
         for place, (coefficients, value, uncertainty) in enumerate(given):
             unit, name = constraint.unit or _unit(coefficients, each), names[len(rows)]
-            signal = None if constraint.signal is None else _row_of(constraint.signal, place)
+            signal = constraint.signal
+            if signal is not None and signal.size != 1:
+                signal = signal.mapped(np.eye(1, signal.size, place))
             rows.append(ConstraintRow(name, coefficients, constraint.level, float(value), unit, uncertainty, signal))
     return tuple(rows)
-
-
-def _row_of(signal: ImpulsiveSmooth, place: int) -> ImpulsiveSmooth:
-    return signal if signal.size == 1 else signal.mapped(np.eye(1, signal.size, place))
 
 
 def right_sides(rows: Sequence[ConstraintRow]) -> ImpulsiveSmooth | None:

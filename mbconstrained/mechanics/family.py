@@ -31,12 +31,74 @@ from .stacked_motion import StackedFlow, stacked_flow
 from .stacked_poles import TOGETHER, StackedPoles, StackedTransfer, stacked_poles
 from .system import MechanicalSystem
 
-# The systems of a family as stacks of matrices.
+
+def family(
+    mass,
+    damping=None,
+    stiffness=None,
+    constraints: Sequence[Constraint] = (),
+    names: Sequence[str] | None = None,
+    force=None,
+    static_force=None,
+    units=None,
+) -> Family:
+    """Create S mechanical systems of one structure with different constants, such as the samples of a tolerance study.
+
+    The structure (constraints, massless coordinates, which equation has which order) is decided once, for the first system. Modes,
+    motions and frequency responses are computed in stacks of matrices; each has an error estimate, and systems that fall short of
+    1e-12, or of the structure, are solved one by one (``MechanicalSystem``).
+
+    Args:
+        mass, damping, stiffness: as in ``MechanicalSystem``, of shape (n, n), common to all, or (S, n, n).
+        constraints: common to all.
+        names, force, units: as in ``MechanicalSystem``, common to all.
+        static_force: a constant force, shape (n,) or (S, n).
+
+    Returns:
+        A ``Family``, a sequence of S systems.
+
+    Raises:
+        InputError: shapes that do not match, no matrix with a leading axis.
+
+    >>> k = np.array([4.0, 9.0, 16.0])
+    >>> oscillators = family([[1.0]], stiffness=k.reshape(-1, 1, 1))
+    >>> oscillators.modes().natural_frequencies.round(12).tolist()
+    [[2.0], [3.0], [4.0]]
+    >>> oscillators.solve([1.0])([np.pi]).round(12).tolist()
+    [[[1.0]], [[-1.0]], [[1.0]]]
+    """
+    given = {"mass": mass, "damping": damping, "stiffness": stiffness}
+    arrays = {name: real_array(value, name) for name, value in given.items() if value is not None}
+    if static_force is not None:
+        arrays["static_force"] = real_array(static_force, "static_force")
+    counts = {name: len(array) for name, array in arrays.items() if array.ndim == (2 if name == "static_force" else 3)}
+    if not counts:
+        raise InputError("family: found no matrix of shape (S, n, n); expected at least one, with a matrix for each of S systems")
+    if len(set(counts.values())) > 1 or not min(counts.values()):
+        sizes = ", ".join(f"{name} of {counted(count, 'system')}" for name, count in counts.items())
+        raise InputError(f"family: found {sizes}; expected one number of systems, at least 1")
+    first = {name: array[0] if name in counts else array for name, array in arrays.items()}
+    M, C, K = (first.get(name) for name in given)
+    base = MechanicalSystem(M, C, K, constraints, names, force, first.get("static_force"), units)
+    count, shape = next(iter(counts.values())), (base.size, base.size)
+    for name, array in arrays.items():
+        expected = (base.size,) if name == "static_force" else shape
+        if array.shape[name in counts :] != expected:
+            raise InputError(f"{name}: expected shape {expected} or ({count}, ...), found {array.shape}")
+    stacks = [np.broadcast_to(arrays.get(name, np.zeros(shape)), (count, *shape)) for name in given]
+    own = arrays["static_force"] - arrays["static_force"][0] if "static_force" in counts else np.zeros((count, base.size))
+    return Family(base, stacks[0], stacks[1], stacks[2], base.static_force + own)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class SystemStack(Displayed):
-    """Data of a ``Family``, without the answers to questions about it; its attributes."""
+class Family(Displayed):
+    """S systems; ``systems[3]`` is one ``MechanicalSystem``.
+
+    Attributes:
+        base: the first system, whose structure, names, constraints and force all have.
+        mass, damping, stiffness: shape (S, n, n).
+        static_force: shape (S, n).
+    """
 
     base: MechanicalSystem
     mass: np.ndarray
@@ -85,18 +147,111 @@ class SystemStack(Displayed):
         return StackedTransfer(self.poles.of(at), C[:, :n], motions, tuple(loads), harmonic.power, np.asarray(levels, dtype=int))
 
     def is_free(self, shapes: np.ndarray, of: Literal["stiffness", "damping"]) -> np.ndarray:
-        """Return which systems have no springs, or no dampers, that resist some motions, up to rounding errors of the entries.
-
-        Args:
-            shapes: displacements that satisfy the constraints, shape (n, z).
-            of: the matrices to check.
-
-        Returns:
-            Truth values, shape (S,).
-        """
+        """Which systems have no springs, or no dampers, that resist motions of shape (n, z) that satisfy the constraints, shape (S,)."""
         V, matrices = self.base.position_form().null_space, getattr(self, of)
         noise = noise_of(np.abs(V.T) @ np.abs(matrices) @ np.abs(shapes))
         return (np.abs(V.T @ (matrices @ shapes)) <= noise).all(axis=(1, 2))
+
+    def modes(self) -> FamilyModes:
+        """The modes of all systems.
+
+        Returns:
+            ``FamilyModes``.
+
+        Raises:
+            SingularPolynomialMatrix: the motion of a system is not determined.
+        """
+        return _modes_of_all(self)
+
+    def solve(self, displacement=None, velocity=None, force=None) -> FamilyMotion:
+        """The motions of all systems from values at 0-, under the same force.
+
+        Args:
+            displacement, velocity: x and x' at 0-, shape (n,) or by name, common to all; or (S, n).
+            force: f in addition to that of the systems, as in ``MechanicalSystem.solve``.
+
+        Returns:
+            A ``FamilyMotion``, a function of time.
+        """
+        base, count = self.base, len(self)
+        start = np.empty((count, 2, base.size))
+        for place, (value, what) in enumerate(((displacement, "displacement"), (velocity, "velocity"))):
+            if value is not None and not hasattr(value, "items") and np.ndim(value) == 2:
+                start[:, place] = real_array(value, what, shape=(count, base.size))
+            else:
+                start[:, place] = base._vector(value, what)
+        if force is None:
+            added = zero(base.size)
+        else:
+            added = base._signal(force if isinstance(force, ImpulsiveSmooth) else step(base._vector(force, "force")))
+        return FamilyMotion(self, start, added if base.excitation is None else base.excitation + added)
+
+    def frequency_response(
+        self, frequencies_hz, inputs=None, outputs=None, quantity: str = "receptance", relative_to: str | None = None
+    ) -> FamilyFrequencyResponse:
+        """The frequency responses of all systems from their poles and residues.
+
+        Args:
+            frequencies_hz: shape (F,).
+            inputs, outputs, quantity, relative_to: as in ``MechanicalSystem.frequency_response``.
+
+        Returns:
+            A ``FamilyFrequencyResponse``.
+        """
+        frequencies = np.atleast_1d(real_array(frequencies_hz, "frequencies_hz"))
+        first = self[0].frequency_response(frequencies, inputs, outputs, quantity, relative_to=relative_to)  # checks the arguments
+        names = (first.inputs, first.outputs)
+        values = np.empty((len(self), len(names[1]), len(names[0]), len(frequencies)), dtype=complex)
+        errors = np.full((len(self), len(names[1]), len(names[0])), np.inf)
+        at_level = quantity in BY_POLES and not any(row.order for row in self.base.rows)
+        for begin in range(0, len(self) if at_level else 0, TOGETHER):
+            at = slice(begin, begin + TOGETHER)
+            transfer = self.transfer(at, first.harmonic, np.zeros(len(first.inputs)))
+            if transfer is not None:
+                values[at], absolute = transfer(2j * np.pi * frequencies)
+                errors[at] = np.where(transfer.poles.serve[:, None, None], _relative(values[at], absolute), np.inf)
+        alone = np.flatnonzero(~(errors <= LINE_ACCURACY).all(axis=(1, 2)))
+        for place in alone.tolist():
+            H = first if not place else self[place].frequency_response(frequencies, *names, quantity, relative_to=relative_to)
+            values[place] = H.values
+            errors[place] = _relative(H.values, np.where(H.values == 0, 0.0, np.abs(H.values) * H.error_estimate))
+        return FamilyFrequencyResponse(self, frequencies, values, errors, *names, quantity, first.units, alone)
+
+    def random_response(self, excitation: Mapping, outputs=None, quantity: str = "displacement", **options) -> FamilyRandomResponse:
+        """The RMS values of all systems under the same random excitation.
+
+        Args:
+            excitation, outputs, quantity, options: as in ``MechanicalSystem.random_response``.
+
+        Returns:
+            A ``FamilyRandomResponse``.
+
+        >>> import mbconstrained as mb
+        >>> systems = mb.family([[1.0]], [[0.5]], [[[2.0]], [[8.0]]])
+        >>> systems.random_response({"x1": mb.white_noise(4.0)}).rms.round(12).tolist()  # sqrt(G / (4 c k))
+        [[1.0], [0.5]]
+        """
+        arguments = (excitation, outputs, quantity)
+        first = self[0].random_response(*arguments, **options)  # checks the arguments
+        count, p = len(self), len(first.outputs)
+        squares, errors = np.full((count, p), np.nan), np.full((count, p), np.inf)
+        spectra = first.spectra
+        if not (first.infinite or spectra.longest_delay or options.get("modal_damping") is not None):
+            levels = [KINDS[spectrum.of] or 0 for spectrum in spectra.spectra]
+            for begin in range(0, count, TOGETHER):
+                at = slice(begin, begin + TOGETHER)
+                transfer = self.transfer(at, first.harmonic, levels)
+                if transfer is not None:
+                    squares[at], errors[at] = _variances(transfer, spectra)
+        served = (errors <= STACKED_VARIANCE * squares).all(axis=1)
+        with np.errstate(all="ignore"):
+            rms, relative = np.sqrt(squares), errors / (2 * squares) + EPS
+        relative[squares == 0] = 0.0
+        alone = np.flatnonzero(~served)
+        for place in alone.tolist():
+            own = first if not place else self[place].random_response(*arguments, **options)
+            rms[place], relative[place] = own.rms, own.error_estimate
+        return FamilyRandomResponse(self, rms, relative, first.outputs, first.units, alone, (arguments, options))
 
 
 # The modes of a family of systems: eigenvalues and shapes from the stacked poles, of some systems one by one.
@@ -114,7 +269,7 @@ class FamilyModes(Displayed):
         alone: places of the systems that were solved one by one.
     """
 
-    family: SystemStack
+    family: Family
     eigenvalues: np.ndarray
     shapes: np.ndarray
     error_estimate: np.ndarray
@@ -161,7 +316,7 @@ class FamilyModes(Displayed):
         return chosen[:, : int(oscillates.sum(axis=1).max(initial=0))]
 
 
-def family_modes(family: SystemStack) -> FamilyModes:
+def _modes_of_all(family: Family) -> FamilyModes:
     """The modes of all systems."""
     count, stacks = len(family), [one for one in (_regular_stack(family),) if one]
     waiting = ~np.any([np.zeros(count, dtype=bool), *(one.serve for one in stacks)], axis=0)
@@ -207,7 +362,7 @@ class _Stack:
         return int((self.poles.weights[self.serve] > 0).sum(axis=1).max()) + len(self.zeros)
 
 
-def _regular_stack(family: SystemStack) -> _Stack | None:
+def _regular_stack(family: Family) -> _Stack | None:
     """The systems without eigenvalues 0 but those of drift."""
     poles = family.poles
     if poles is None:
@@ -215,7 +370,7 @@ def _regular_stack(family: SystemStack) -> _Stack | None:
     return _Stack(poles, poles.serve & (poles.value_errors <= PROVED_ACCURACY).all(axis=1), np.zeros((0, family.base.size)))
 
 
-def _free_stack(family: SystemStack, waiting: np.ndarray) -> _Stack | None:
+def _free_stack(family: Family, waiting: np.ndarray) -> _Stack | None:
     """Systems with the free motions of the first of those that wait: free bodies, or one motion that dampers alone resist.
 
     Whether a motion is free is a decision on rank, which is made for that system; for the others it is seen whether springs
@@ -303,7 +458,7 @@ class FamilyMotion(Displayed):
         outputs: places of the coordinates that are given.
     """
 
-    family: SystemStack
+    family: Family
     initial: np.ndarray
     force: ImpulsiveSmooth
     outputs: tuple[int, ...] | None = field(default=None)
@@ -538,7 +693,7 @@ class FamilyFrequencyResponse(Displayed):
         alone: places of the systems that were solved one by one.
     """
 
-    family: SystemStack
+    family: Family
     frequencies_hz: np.ndarray
     values: np.ndarray
     error_estimate: np.ndarray
@@ -559,30 +714,6 @@ class FamilyFrequencyResponse(Displayed):
         """Notices on systems solved one by one and on inaccurate values; values at a pole on the imaginary axis are infinite."""
         worst = self.error_estimate.max(initial=0.0, where=np.isfinite(self.error_estimate))
         return (*one_by_one(self.alone, len(self.family), LINE_ACCURACY), *doubts_of("the responses of a system", worst))
-
-
-def family_frequency_response(
-    family: SystemStack, frequencies_hz, inputs, outputs, quantity: str, relative_to: str | None
-) -> FamilyFrequencyResponse:
-    """The frequency responses of all systems."""
-    frequencies = np.atleast_1d(real_array(frequencies_hz, "frequencies_hz"))
-    first = family[0].frequency_response(frequencies, inputs, outputs, quantity, relative_to=relative_to)  # checks the arguments
-    names = (first.inputs, first.outputs)
-    values = np.empty((len(family), len(names[1]), len(names[0]), len(frequencies)), dtype=complex)
-    errors = np.full((len(family), len(names[1]), len(names[0])), np.inf)
-    at_level = quantity in BY_POLES and not any(row.order for row in family.base.rows)
-    for begin in range(0, len(family) if at_level else 0, TOGETHER):
-        at = slice(begin, begin + TOGETHER)
-        transfer = family.transfer(at, first.harmonic, np.zeros(len(first.inputs)))
-        if transfer is not None:
-            values[at], absolute = transfer(2j * np.pi * frequencies)
-            errors[at] = np.where(transfer.poles.serve[:, None, None], _relative(values[at], absolute), np.inf)
-    alone = np.flatnonzero(~(errors <= LINE_ACCURACY).all(axis=(1, 2)))
-    for place in alone.tolist():
-        H = first if not place else family[place].frequency_response(frequencies, *names, quantity, relative_to=relative_to)
-        values[place] = H.values
-        errors[place] = _relative(H.values, np.where(H.values == 0, 0.0, np.abs(H.values) * H.error_estimate))
-    return FamilyFrequencyResponse(family, frequencies, values, errors, *names, quantity, first.units, alone)
 
 
 def _relative(values: np.ndarray, absolute: np.ndarray) -> np.ndarray:
@@ -620,7 +751,7 @@ class FamilyRandomResponse(Displayed):
         excitation: the arguments of ``MechanicalSystem.random_response``.
     """
 
-    family: SystemStack
+    family: Family
     rms: np.ndarray
     error_estimate: np.ndarray
     outputs: tuple[str, ...]
@@ -646,31 +777,6 @@ class FamilyRandomResponse(Displayed):
         """Notices on systems that were solved one by one and on inaccurate finite values."""
         worst = self.error_estimate.max(initial=0.0, where=np.isfinite(self.rms))
         return (*one_by_one(self.alone, len(self.family), STACKED_VARIANCE), *doubts_of("RMS values of a system", worst))
-
-
-def family_random_response(family: SystemStack, excitation, outputs, quantity: str, options: dict) -> FamilyRandomResponse:
-    """The RMS values of all systems."""
-    arguments = (excitation, outputs, quantity)
-    first = family[0].random_response(*arguments, **options)  # checks the arguments
-    count, p = len(family), len(first.outputs)
-    squares, errors = np.full((count, p), np.nan), np.full((count, p), np.inf)
-    spectra = first.spectra
-    if not (first.infinite or spectra.longest_delay or options.get("modal_damping") is not None):
-        levels = [KINDS[spectrum.of] or 0 for spectrum in spectra.spectra]
-        for begin in range(0, count, TOGETHER):
-            at = slice(begin, begin + TOGETHER)
-            transfer = family.transfer(at, first.harmonic, levels)
-            if transfer is not None:
-                squares[at], errors[at] = _variances(transfer, spectra)
-    served = (errors <= STACKED_VARIANCE * squares).all(axis=1)
-    with np.errstate(all="ignore"):
-        rms, relative = np.sqrt(squares), errors / (2 * squares) + EPS
-    relative[squares == 0] = 0.0
-    alone = np.flatnonzero(~served)
-    for place in alone.tolist():
-        own = first if not place else family[place].random_response(*arguments, **options)
-        rms[place], relative[place] = own.rms, own.error_estimate
-    return FamilyRandomResponse(family, rms, relative, first.outputs, first.units, alone, (arguments, options))
 
 
 @dataclass(frozen=True)
@@ -758,135 +864,3 @@ def _variances(transfer: StackedTransfer, spectra: SpectralMatrix) -> tuple[np.n
         np.add.at(error, member, 2 * own_errors * np.abs(r) * angle[:, None])
     good = damped & np.isfinite(total).all(axis=1) & np.isfinite(error).all(axis=1)
     return np.where(good[:, None], total, np.nan), np.where(good[:, None], error, np.inf)
-
-
-def family(
-    mass,
-    damping=None,
-    stiffness=None,
-    constraints: Sequence[Constraint] = (),
-    names: Sequence[str] | None = None,
-    force=None,
-    static_force=None,
-    units=None,
-) -> Family:
-    """Create S mechanical systems of one structure with different constants, such as the samples of a tolerance study.
-
-    The structure (constraints, massless coordinates, which equation has which order) is decided once, for the first system. Modes,
-    motions and frequency responses are computed in stacks of matrices; each has an error estimate, and systems that fall short of
-    1e-12, or of the structure, are solved one by one (``MechanicalSystem``).
-
-    Args:
-        mass, damping, stiffness: as in ``MechanicalSystem``, of shape (n, n), common to all, or (S, n, n).
-        constraints: common to all.
-        names, force, units: as in ``MechanicalSystem``, common to all.
-        static_force: a constant force, shape (n,) or (S, n).
-
-    Returns:
-        A ``Family``, a sequence of S systems.
-
-    Raises:
-        InputError: shapes that do not match, no matrix with a leading axis.
-
-    >>> k = np.array([4.0, 9.0, 16.0])
-    >>> oscillators = family([[1.0]], stiffness=k.reshape(-1, 1, 1))
-    >>> oscillators.modes().natural_frequencies.round(12).tolist()
-    [[2.0], [3.0], [4.0]]
-    >>> oscillators.solve([1.0])([np.pi]).round(12).tolist()
-    [[[1.0]], [[-1.0]], [[1.0]]]
-    """
-    given = {"mass": mass, "damping": damping, "stiffness": stiffness}
-    arrays = {name: real_array(value, name) for name, value in given.items() if value is not None}
-    if static_force is not None:
-        arrays["static_force"] = real_array(static_force, "static_force")
-    counts = {name: len(array) for name, array in arrays.items() if array.ndim == (2 if name == "static_force" else 3)}
-    if not counts:
-        raise InputError("family: found no matrix of shape (S, n, n); expected at least one, with a matrix for each of S systems")
-    if len(set(counts.values())) > 1 or not min(counts.values()):
-        sizes = ", ".join(f"{name} of {counted(count, 'system')}" for name, count in counts.items())
-        raise InputError(f"family: found {sizes}; expected one number of systems, at least 1")
-    first = {name: array[0] if name in counts else array for name, array in arrays.items()}
-    M, C, K = (first.get(name) for name in given)
-    base = MechanicalSystem(M, C, K, constraints, names, force, first.get("static_force"), units)
-    count, shape = next(iter(counts.values())), (base.size, base.size)
-    for name, array in arrays.items():
-        expected = (base.size,) if name == "static_force" else shape
-        if array.shape[name in counts :] != expected:
-            raise InputError(f"{name}: expected shape {expected} or ({count}, ...), found {array.shape}")
-    stacks = [np.broadcast_to(arrays.get(name, np.zeros(shape)), (count, *shape)) for name in given]
-    own = arrays["static_force"] - arrays["static_force"][0] if "static_force" in counts else np.zeros((count, base.size))
-    return Family(base, stacks[0], stacks[1], stacks[2], base.static_force + own)
-
-
-class Family(SystemStack):
-    """S systems; ``systems[3]`` is one ``MechanicalSystem``.
-
-    Attributes:
-        base: the first system, whose structure, names, constraints and force all have.
-        mass, damping, stiffness: shape (S, n, n).
-        static_force: shape (S, n).
-    """
-
-    def modes(self) -> FamilyModes:
-        """The modes of all systems.
-
-        Returns:
-            ``FamilyModes``.
-
-        Raises:
-            SingularPolynomialMatrix: the motion of a system is not determined.
-        """
-        return family_modes(self)
-
-    def solve(self, displacement=None, velocity=None, force=None) -> FamilyMotion:
-        """The motions of all systems from values at 0-, under the same force.
-
-        Args:
-            displacement, velocity: x and x' at 0-, shape (n,) or by name, common to all; or (S, n).
-            force: f in addition to that of the systems, as in ``MechanicalSystem.solve``.
-
-        Returns:
-            A ``FamilyMotion``, a function of time.
-        """
-        base, count = self.base, len(self)
-        start = np.empty((count, 2, base.size))
-        for place, (value, what) in enumerate(((displacement, "displacement"), (velocity, "velocity"))):
-            if value is not None and not hasattr(value, "items") and np.ndim(value) == 2:
-                start[:, place] = real_array(value, what, shape=(count, base.size))
-            else:
-                start[:, place] = base._vector(value, what)
-        if force is None:
-            added = zero(base.size)
-        else:
-            added = base._signal(force if isinstance(force, ImpulsiveSmooth) else step(base._vector(force, "force")))
-        return FamilyMotion(self, start, added if base.excitation is None else base.excitation + added)
-
-    def frequency_response(
-        self, frequencies_hz, inputs=None, outputs=None, quantity: str = "receptance", relative_to: str | None = None
-    ) -> FamilyFrequencyResponse:
-        """The frequency responses of all systems from their poles and residues.
-
-        Args:
-            frequencies_hz: shape (F,).
-            inputs, outputs, quantity, relative_to: as in ``MechanicalSystem.frequency_response``.
-
-        Returns:
-            A ``FamilyFrequencyResponse``.
-        """
-        return family_frequency_response(self, frequencies_hz, inputs, outputs, quantity, relative_to)
-
-    def random_response(self, excitation: Mapping, outputs=None, quantity: str = "displacement", **options) -> FamilyRandomResponse:
-        """The RMS values of all systems under the same random excitation.
-
-        Args:
-            excitation, outputs, quantity, options: as in ``MechanicalSystem.random_response``.
-
-        Returns:
-            A ``FamilyRandomResponse``.
-
-        >>> import mbconstrained as mb
-        >>> systems = mb.family([[1.0]], [[0.5]], [[[2.0]], [[8.0]]])
-        >>> systems.random_response({"x1": mb.white_noise(4.0)}).rms.round(12).tolist()  # sqrt(G / (4 c k))
-        [[1.0], [0.5]]
-        """
-        return family_random_response(self, excitation, outputs, quantity, options)

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -365,13 +364,9 @@ class SteadyState(Displayed):
     def _in_period(self, times) -> np.ndarray:
         return np.mod(real_array(times, "times"), self.period)
 
-    @cached_property
-    def _turning(self) -> np.ndarray:
-        return 1j * self.angular_frequencies
-
     def _sum(self, amplitudes, times) -> np.ndarray:
         times = real_array(times, "times")
-        return np.real(amplitudes @ np.exp(np.multiply.outer(self._turning, times)))
+        return np.real(amplitudes @ np.exp(np.multiply.outer(1j * self.angular_frequencies, times)))
 
 
 def steady_state(

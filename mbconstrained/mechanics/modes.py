@@ -18,9 +18,10 @@ from ..exchange.trajectories import write_arrays
 from ..exchange.universal import UNIVERSAL, Geometry, write_modes
 from ..ground.checks import counted, whole_number
 from ..ground.coordinate_units import coordinate_units
-from ..ground.display import Presented, TextTable
+from ..ground.display import Presented, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.files import replacing
+from ..ground.notices import Notice
 from ..ground.threads import short_work
 from ..ground.tolerances import (
     DECOUPLING_LIMIT,
@@ -132,29 +133,55 @@ class Modes(Presented, Sequence):
         names: names of the coordinates, in the order of the rows of the shapes.
         polynomial_matrix: A(s) with A(s) u = 0 for each eigenvalue s and shape u; None where it is not known.
         system: system of arrays, that has these modes; None where it is not known.
+
+    Of sparse matrices they are those of lowest frequency, with shapes that satisfy the constraints: of undamped modes real with
+    X^T M X = I, of damped ones complex with x^T (2 s M + C) x = 2 i |Im s|, which is x^T M x = 1 without damping. They have further
+    attributes, None of modes of arrays and of a slice:
+
+        vectors: the shapes of all modes, one a column, shape (n, m).
+        bounds: the part of the residuals that rounding errors and the stopping rule explain, in the same measure, shape (m,).
+        orthogonality: the largest entry of X^T M X - I; of damped modes that of the corresponding bilinear form.
+        counted_below: the frequency in rad/s below which Sylvester's law of inertia counted the undamped modes; None where it
+            could not.
+        none_missed: whether the count agrees with the modes below that frequency.
+        complete: whether the system has no other finite undamped modes.
+        notices: modes that may be missing, residuals beyond their bound, redundant rows.
     """
 
     modes: tuple[Mode, ...]
     names: tuple[str, ...]
     polynomial_matrix: PolynomialMatrix | None = field(default=None, repr=False, kw_only=True)
     system: EquationsOfMotion | None = field(default=None, repr=False, compare=False, kw_only=True)
+    vectors: np.ndarray | None = field(default=None, kw_only=True)
+    known_residuals: np.ndarray | None = field(default=None, kw_only=True)
+    bounds: np.ndarray | None = field(default=None, kw_only=True)
+    orthogonality: float | None = field(default=None, kw_only=True)
+    counted_below: float | None = field(default=None, kw_only=True)
+    none_missed: bool | None = field(default=None, kw_only=True)
+    complete: bool | None = field(default=None, kw_only=True)
+    notices: tuple[Notice, ...] = field(default=(), kw_only=True)
 
     def __len__(self) -> int:
         return len(self.modes)
 
     def __getitem__(self, index):
         """A ``Mode``; for a slice ``Modes``."""
-        return replace(self, modes=self.modes[index]) if isinstance(index, slice) else self.modes[index]
+        if not isinstance(index, slice):
+            return self.modes[index]
+        return Modes(self.modes[index], self.names, polynomial_matrix=self.polynomial_matrix, system=self.system)
 
     def _summary(self) -> str:
         hz = self.frequencies_hz
         band = f": {hz[0]:.4g} Hz" + (f" to {hz[-1]:.4g} Hz" if len(hz) > 1 else "") if len(hz) else ""
-        return f"{counted(len(self), 'mode')} of {counted(len(self.names), 'coordinate')}{band}"
+        count = "" if self.none_missed is None else ", none missed" if self.none_missed else ", not counted"
+        return f"{counted(len(self), 'mode')} of {counted(len(self.names), 'coordinate')}{band}{count}"
 
     def _tables(self) -> tuple[TextTable, ...]:
         columns = ("kind", "frequency (Hz)", "damping ratio")
         rows = ((str(number), *(row[column] for column in columns)) for number, row in enumerate(self.table(), 1))
-        return (TextTable("Modes", ("no.", *columns), tuple(rows)),)
+        return TextTable("Modes", ("no.", *columns), tuple(rows)), *(
+            (notice_table(self.notices),) if self.bounds is not None else ()
+        )
 
     @property
     def oscillating(self) -> tuple[Mode, ...]:
@@ -194,7 +221,9 @@ class Modes(Presented, Sequence):
 
     @cached_property
     def residuals(self) -> np.ndarray:
-        """|A(s) u| of each mode, relative to the sizes of its terms, the largest of its shapes, shape (m,)."""
+        """|A(s) u| of each mode without constraint forces, relative to the sizes of its terms, the largest of its shapes, shape (m,)."""
+        if self.known_residuals is not None:
+            return self.known_residuals
         A, counts = self.polynomial_matrix, [mode.shapes.shape[1] for mode in self.modes]
         if A is None or not sum(counts):
             return np.zeros(len(counts))
@@ -221,8 +250,12 @@ class Modes(Presented, Sequence):
         return sum(mode.multiplicity for mode in self.modes if mode.kind == "drift")
 
     def table(self) -> list[dict[str, str]]:
-        """A row of texts per mode: kind, frequency in Hz, damping ratio, eigenvalue, frequency in rad/s, multiplicity, meaning."""
-        return [_table_row(mode) for mode in self.modes]
+        """A row of texts per mode: kind, frequency in Hz, damping ratio, eigenvalue, frequency in rad/s, multiplicity, meaning.
+
+        Of sparse matrices also the residual.
+        """
+        residuals = [{}] * len(self) if self.bounds is None else [{"residual": f"{one:.2g}"} for one in self.residuals]
+        return [_table_row(mode) | residual for mode, residual in zip(self.modes, residuals)]
 
     def arrays(self) -> dict[str, np.ndarray]:
         """eigenvalues, natural_frequencies, frequencies_hz, damping_ratios, shapes (of the oscillating modes) and names, as arrays."""

@@ -187,16 +187,18 @@ class SystemMotion:
     def _relative(self, values: np.ndarray, relative_to: str | None) -> np.ndarray:
         if relative_to is None:
             return values
-        along = np.moveaxis(values, self.coordinate_axis, 0)
-        return np.moveaxis(np.tensordot(_relative_matrix(self.system, relative_to), along, 1), 0, self.coordinate_axis)
+        system, other = self.system, reference(self.system, relative_to)  # I - e a, e the coordinates of the unit of a x
+        matrix = np.eye(system.size) - np.outer([own == other.unit for own in system.units.values()], other.direction)
+        along = np.moveaxis(values, self._coordinate_axis, 0)
+        return np.moveaxis(np.tensordot(matrix, along, 1), 0, self._coordinate_axis)
 
     def energy(self, times) -> Energy:
         """Kinetic, strain and static energy at a time or at times (T,), in J; of S motions of shape (S,) or (S, T)."""
         return energy_of(
-            self.system.given, self.system.static_force, *(np.moveaxis(x, self.coordinate_axis, 0) for x in self._states(times))
+            self.system.given, self.system.static_force, *(np.moveaxis(x, self._coordinate_axis, 0) for x in self._states(times))
         )
 
-    coordinate_axis = 0
+    _coordinate_axis = 0
 
     def _states(self, times) -> tuple[np.ndarray, np.ndarray]:
         """x and x'."""
@@ -205,12 +207,6 @@ class SystemMotion:
     def _rate(self, order: int, times) -> np.ndarray:
         """The derivative of a given order."""
         return self.derivative(order)(times) if order else self(times)  # type: ignore[attr-defined]
-
-
-def _relative_matrix(system: EquationsOfMotion, name: str) -> np.ndarray:
-    """I - e a: subtracts from x the value a x of a coordinate or of a constraint row, in the coordinates e of its unit."""
-    other = reference(system, name)
-    return np.eye(system.size) - np.outer([own == other.unit for own in system.units.values()], other.direction)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -224,20 +220,6 @@ class Motion(SystemMotion, Response):
 
     system: EquationsOfMotion
     applied: ImpulsiveSmooth
-
-    @classmethod
-    def started(cls, system: EquationsOfMotion, start: np.ndarray, applied: ImpulsiveSmooth, rank_tolerance, request: Request):
-        """Return the motion from values at 0-.
-
-        Args:
-            system: with n coordinates.
-            start: x(0-), x'(0-) in its rows, shape (2, n).
-            applied: all forces, n rows.
-            rank_tolerance, request: see ``mbconstrained.solve``.
-        """
-        form = system.constrained_form()
-        x = Response.solved(Problem.checked(form.polynomial_matrix, start, form.force(applied), rank_tolerance), request)
-        return cls(x.problem, x.solution, system, applied)
 
     kinds = (*RATES, "reaction")
 
@@ -298,7 +280,7 @@ class Motion(SystemMotion, Response):
         function = reaction_function(self.system, response, self.applied)
         if response is not self or not self.is_decided_exactly:
             return function
-        return ProvedFunction(function, partial(getattr, self, "exact_reaction"), self.solution.finite_count, None)
+        return ProvedFunction(function, partial(getattr, self, "_exact_reaction"), self.solution.finite_count, None)
 
     @cached_property
     def _constraint_loads(self) -> tuple[ImpulsiveLoad, ...]:
@@ -306,7 +288,7 @@ class Motion(SystemMotion, Response):
         if not self.is_decided_exactly:
             return loads
         none = np.zeros((len(self.initial), len(self.system.rows)))
-        events = [proved_event(self.exact_reaction, Event(load.time, none, load.impulses), none) for load in loads]
+        events = [proved_event(self._exact_reaction, Event(load.time, none, load.impulses), none) for load in loads]
         return tuple(ImpulsiveLoad(event.time, event.impulses) for event in events)
 
     @property
@@ -344,7 +326,7 @@ class Motion(SystemMotion, Response):
         return exact_motion(self.system, self.initial, self.applied)
 
     @cached_property
-    def exact_reaction(self) -> ExactResponse:
+    def _exact_reaction(self) -> ExactResponse:
         """The exact multipliers lambda, one per row of ``system.rows``; without values at 0-, and so without jumps."""
         n = self.system.size
         return self.exact.with_rows(range(n, n + len(self.system.rows)))
@@ -366,7 +348,7 @@ class Motion(SystemMotion, Response):
         """
         order, own = whole_number(order, "order"), _order_of(of)
         if own is None:
-            return self.exact_reaction.enclose(times, digits, order=order)
+            return self._exact_reaction.enclose(times, digits, order=order)
         return super().enclose(times, digits, order=own + order)
 
     def peaks(self, end: float, of: str = "displacement", combinations=None, names=None) -> Peaks:
@@ -448,6 +430,13 @@ class Motion(SystemMotion, Response):
         if ranks and self.is_proved:
             own = tuple(replace(notice, doubtful=False) if notice in ranks else notice for notice in own)
         return (*own, *of_form)
+
+
+def motion_of(system: EquationsOfMotion, start: np.ndarray, applied: ImpulsiveSmooth, rank_tolerance, request: Request) -> Motion:
+    """The motion from x(0-), x'(0-) in the rows of start, shape (2, n), under all forces, n rows."""
+    form = system.constrained_form()
+    x = Response.solved(Problem.checked(form.polynomial_matrix, start, form.force(applied), rank_tolerance), request)
+    return Motion(x.problem, x.solution, system, applied)
 
 
 def _order_of(quantity) -> int | None:

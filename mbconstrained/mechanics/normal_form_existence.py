@@ -19,7 +19,6 @@ compression of the pencil P to n/2 rows and columns has this lambda as a semisim
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -327,9 +326,11 @@ class NormalFormExistence:
                 "their row and their column; if they are rounding errors of zeros there is none"
             )
             return (*replace(self, rests_on=0).notices, Notice(NoticeKind.RANK, text, doubtful=True))
+        rate = self.eigenvalues.eigenvalue
+        where = "" if rate is None else f" at lambda = {rate:.6g}"
         named = (
             ("rank [B, A B] = 2 p", self.inputs),
-            (f"rank [A - lambda I, B] >= n/2 + p{_at(self.eigenvalues)}", self.eigenvalues),
+            (f"rank [A - lambda I, B] >= n/2 + p{where}", self.eigenvalues),
         )
         return tuple(
             Notice(
@@ -368,15 +369,24 @@ def _margins(pair: ScaledPencil) -> NormalFormExistence:
     noise = size * float(np.hypot(pair.known, max(condition * pair.known, pair.input_space_noise) if p else 0.0))
     inputs = _margin(2 * p, np.linalg.svd(Q[:, p:].T @ pair.A @ W[:, :p], compute_uv=False), p, noise, size)
     if not inputs.holds:
-        raise _no_inputs(inputs, pair)
+        text = (
+            f" = {inputs.rank}, but 2 p = {inputs.needed} is needed: some combination of the inputs acts on no velocity of its own, but on "
+            "displacements at once, or on a velocity of another input"
+        )
+        raise _no_form("rank [B, A B]", text, inputs, pair)
     noise = size * pair.known * float(np.hypot(1.0, condition if p else 0.0))
     eigenvalues = Margin(n // 2 + p, n // 2 + p, np.inf, NOISE_SAFETY * noise, size)
     if 2 * p < n:
-        rate, values = min(_values_at_candidates(pair, Q[:, p:]), key=lambda candidate: candidate[1][n // 2 - 1])
+        P = Q[:, p:].T @ pair.A, Q[:, p:].T @ pair.F  # its rank may fall, or nearly does, at some real lambda
+        rate, values = min((_refined(value, *P) for value in _candidates(*P)), key=lambda candidate: candidate[1][n // 2 - 1])
         of_F = 0.0 if pair.explicit else pair.known * abs(rate) * float(np.linalg.norm(pair.F))
         eigenvalues = _margin(n // 2 + p, values, n // 2, np.hypot(noise, of_F), size, rate * pair.rate)
     if not eigenvalues.holds:
-        raise _no_eigenvalues(eigenvalues, pair)
+        text = (
+            f" = {eigenvalues.rank} at the eigenvalue lambda = {eigenvalues.eigenvalue:.6g}, but at least n/2 + p = {eigenvalues.needed} is "
+            "needed: too many motions exp(lambda t) that no input reaches, more than one for each coordinate that is left"
+        )
+        raise _no_form("rank [A - lambda I, B]", text, eigenvalues, pair)
     return NormalFormExistence(inputs, eigenvalues)
 
 
@@ -395,13 +405,6 @@ def _margin(needed: int, values, count: int, noise, size, eigenvalue=None) -> Ma
     missing = int((values[:count] <= COUNTED_DISTANCE * bound).sum())
     distance = float(values[count - 1]) if count else np.inf
     return Margin(needed - missing, needed, distance, float(bound), size, eigenvalue)
-
-
-def _values_at_candidates(pair: ScaledPencil, complement) -> Iterator[tuple[float, np.ndarray]]:
-    """(lambda, singular values of P(lambda)) at the real lambda where the rank may fall, or nearly does."""
-    constant, linear = complement.T @ pair.A, complement.T @ pair.F
-    for value in _candidates(constant, linear):
-        yield _refined(value, constant, linear)
 
 
 def _candidates(constant, linear) -> list[float]:
@@ -444,26 +447,6 @@ def _left_vectors(matrix) -> np.ndarray:
         return scipy.linalg.svd(matrix, full_matrices=False)[0]
     except np.linalg.LinAlgError:  # the fast algorithm may not converge for many equal singular values, the slow one does
         return scipy.linalg.svd(matrix, full_matrices=False, lapack_driver="gesvd")[0]
-
-
-def _at(margin: Margin) -> str:
-    return "" if margin.eigenvalue is None else f" at lambda = {margin.eigenvalue:.6g}"
-
-
-def _no_inputs(margin: Margin, pair: ScaledPencil) -> NoNormalForm:
-    text = (
-        f" = {margin.rank}, but 2 p = {margin.needed} is needed: some combination of the inputs acts on no velocity of its own, but on "
-        "displacements at once, or on a velocity of another input"
-    )
-    return _no_form("rank [B, A B]", text, margin, pair)
-
-
-def _no_eigenvalues(margin: Margin, pair: ScaledPencil) -> NoNormalForm:
-    text = (
-        f" = {margin.rank} at the eigenvalue lambda = {margin.eigenvalue:.6g}, but at least n/2 + p = {margin.needed} is needed: too "
-        "many motions exp(lambda t) that no input reaches, more than one for each coordinate that is left"
-    )
-    return _no_form("rank [A - lambda I, B]", text, margin, pair)
 
 
 def _no_form(name: str, text: str, margin: Margin, pair: ScaledPencil) -> NoNormalForm:

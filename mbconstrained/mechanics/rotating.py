@@ -11,7 +11,7 @@ from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise, product
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import scipy.linalg
@@ -21,15 +21,11 @@ from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.threads import short_work
 from ..ground.tolerances import EPS, NEWTON_STEP, noise_of
-from ..polynomial.variation.branches import FamilyPart, followed
+from ..polynomial.variation.branches import FamilyPart, MatrixFamily, followed
 from ..polynomial.variation.special_points import located, stability_limits
 from ..polynomial.variation.spectrum import refined_values
 from .equations import EquationsOfMotion
 from .parameter import Parameter
-
-if TYPE_CHECKING:
-    from ..polynomial.variation.branches import MatrixFamily
-
 
 # The equations of a rotor at constant speed W, M x'' + (C + W G) x' + (K + W N) x = f, with speed-dependent bearings.
 
@@ -105,8 +101,6 @@ def _knots(system: EquationsOfMotion) -> np.ndarray:
 
 def rotor_family(system: EquationsOfMotion, within: float | None = None) -> tuple[MatrixFamily, np.ndarray]:
     """The equations over the speed, in coordinates that satisfy all constraint rows."""
-    from ..polynomial.variation.branches import MatrixFamily
-
     check_rotor(system)
     V = system.position_form().null_space
 
@@ -438,16 +432,11 @@ class UnbalanceResponse(Displayed):
         return np.abs(self.values)
 
     def _tables(self) -> tuple[TextTable, ...]:
-        return (peak_table(self.peaks),)
-
-
-def peak_table(peaks, title: str = "Peaks of the unbalance response") -> TextTable:
-    """A row for each peak."""
-    rows = (
-        (one.coordinate, number_text(one.speed), number_text(one.speed * 30 / np.pi), f"{one.amplitude:.6g} {one.unit}")
-        for one in peaks
-    )
-    return TextTable(title, ("coordinate", "rad/s", "rev/min", "amplitude"), tuple(rows))
+        rows = (
+            (one.coordinate, number_text(one.speed), number_text(one.speed * 30 / np.pi), f"{one.amplitude:.6g} {one.unit}")
+            for one in self.peaks
+        )
+        return (TextTable("Peaks of the unbalance response", ("coordinate", "rad/s", "rev/min", "amplitude"), tuple(rows)),)
 
 
 def unbalance_response(system: EquationsOfMotion, speeds, unbalance=None, order: float = 1.0) -> UnbalanceResponse:

@@ -8,7 +8,6 @@ pole. What is left of the equations, with the rounding errors of its terms, boun
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -45,14 +44,11 @@ class StackedPoles:
 
 def stacked_poles(equations: StackedEquations, M: np.ndarray, C: np.ndarray, K: np.ndarray) -> StackedPoles:
     """The poles of all models."""
-    parts = [dict(vars(_refined(_part(equations, at), M[at], C[at], K[at]))) for at in _chunks(len(K))]
+    chunks = (slice(begin, begin + TOGETHER) for begin in range(0, len(K), TOGETHER))
+    parts = [dict(vars(_refined(_part(equations.of(at)), M[at], C[at], K[at]))) for at in chunks]
     width = max(part["values"].shape[1] for part in parts)
     names = [field.name for field in fields(StackedPoles)]  # each leaves the parts as it is joined, so that memory holds it once
     return StackedPoles(*(np.concatenate([_padded(part.pop(name), name, width) for part in parts]) for name in names))
-
-
-def _chunks(count: int) -> Iterator[slice]:
-    return (slice(begin, begin + TOGETHER) for begin in range(0, count, TOGETHER))
 
 
 def _padded(array: np.ndarray, name: str, width: int) -> np.ndarray:
@@ -63,11 +59,10 @@ def _padded(array: np.ndarray, name: str, width: int) -> np.ndarray:
     return np.pad(array, [(0, width - array.shape[axis] if i == axis else 0) for i in range(array.ndim)])
 
 
-def _part(equations: StackedEquations, at: slice) -> tuple[StackedEquations, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _part(equations: StackedEquations) -> tuple[StackedEquations, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Equations of some models with values, weights, shapes and left vectors in the coordinates q, before refinement."""
-    own = equations.of(at)
-    oscillating = _symmetric(own) if own.is_symmetric else None
-    return own, *(oscillating or _general(own))
+    oscillating = _symmetric(equations) if equations.is_symmetric else None
+    return equations, *(oscillating or _general(equations))
 
 
 def _symmetric(equations: StackedEquations) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None:

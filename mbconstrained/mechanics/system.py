@@ -16,7 +16,7 @@ from .descriptor_form import system_to_dict, to_state_space
 from .equations import EquationsOfMotion
 from .harmonic_response import frequency_response, steady_state
 from .modes import Modes, modes_of
-from .motion import Motion
+from .motion import Motion, motion_of
 
 if TYPE_CHECKING:
     from ..frequency.random.random_response import RandomResponse
@@ -140,7 +140,7 @@ class MechanicalSystem(EquationsOfMotion):
             applied = {id(one): self._applied(one) for one in forces}
             forces = [applied[id(one)] for one in forces]
             return motions_of(self, displacement, velocity, forces, rank_tolerance, request)
-        return Motion.started(self, self._start(displacement, velocity), self._applied(force), rank_tolerance, request)
+        return motion_of(self, self._start(displacement, velocity), self._applied(force), rank_tolerance, request)
 
     def modes(self, count: int | None = None, damped: bool = True) -> Modes:
         """Return the finite eigenvalues of A(s) with shapes and meaning: oscillation, decay, rigid body, drift, ...

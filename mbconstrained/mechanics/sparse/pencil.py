@@ -9,7 +9,7 @@ on those before it. Of the entries that are large enough as pivots the one whose
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -155,6 +155,9 @@ def sparse_rows(constraints: Sequence[Constraint], size: int) -> SparseRows:
     return SparseRows(scipy.sparse.csr_array(matrix), values, row_names(constraints))
 
 
+#: Solutions for one or several right sides.
+Solver = Callable[[np.ndarray], np.ndarray]
+
 # K - s M of a constrained sparse pencil as L U: solutions, and how many of its eigenvalues lie below s.
 #
 # SuperLU takes the pivots from the diagonal, in an order of minimum degree that is the same for rows and columns: P^T (K - s M) P
@@ -165,20 +168,25 @@ def sparse_rows(constraints: Sequence[Constraint], size: int) -> SparseRows:
 
 @dataclass(frozen=True, eq=False)
 class Factorization:
-    """Solutions of [[P, L^T], [L, 0]] with P = K - s M."""
+    """The factors of P = K - s M."""
 
     lower_upper: SuperLU  # SuperLU's factors of P
     negative: int | None  # number of eigenvalues of the pencil below s; None where it could not be counted
-    reach: np.ndarray | None = None  # P^-1 L^T, shape (r, k); None without rows
-    schur: tuple | None = None  # the factors of L P^-1 L^T
-    rows: scipy.sparse.csr_array | None = None  # L
+    solve: Solver
+    is_bordered: bool  # whether rows L remain
 
-    def solve(self, right: np.ndarray) -> np.ndarray:
-        """x in the null space of L with P x = right up to forces of the rows, for one or several right sides."""
-        solution = self.lower_upper.solve(np.asfortranarray(right))
-        if self.rows is None:
-            return solution
-        return solution - self.reach @ scipy.linalg.lu_solve(self.schur, self.rows @ solution)
+
+def bordered(solve: Solver, rows: scipy.sparse.csr_array, kind: type) -> tuple[Solver, np.ndarray]:
+    """x in the null space of sparse rows L with P x = right up to forces of the rows, from solutions with P; and L P^-1 L^T."""
+    reach = solve(rows.T.toarray().astype(kind))
+    schur = rows @ reach
+    factors = scipy.linalg.lu_factor(schur)
+
+    def constrained(right: np.ndarray) -> np.ndarray:
+        solution = solve(right)
+        return solution - reach @ scipy.linalg.lu_solve(factors, rows @ solution)
+
+    return constrained, schur
 
 
 def factorize(matrix: scipy.sparse.csc_array, rows: scipy.sparse.csr_array, describe, counted: bool = True) -> Factorization:
@@ -192,14 +200,17 @@ def factorize(matrix: scipy.sparse.csc_array, rows: scipy.sparse.csr_array, desc
     except RuntimeError:
         raise _singular(matrix, describe) from None
     negative = _negative(matrix, factors) if counted else None
+
+    def solve(right: np.ndarray) -> np.ndarray:
+        return factors.solve(np.asfortranarray(right))
+
     if not rows.shape[0]:
-        return Factorization(factors, negative)
-    reach = factors.solve(np.asfortranarray(rows.T.toarray().astype(matrix.dtype)))
-    schur = rows @ reach
+        return Factorization(factors, negative, solve, False)
+    constrained, schur = bordered(solve, rows, matrix.dtype)
     if negative is not None:
         signs = np.linalg.eigvalsh((schur + schur.T) / 2)
         negative += int((signs > 0).sum()) - rows.shape[0]
-    return Factorization(factors, negative, reach, scipy.linalg.lu_factor(schur), rows)
+    return Factorization(factors, negative, constrained, True)
 
 
 def _negative(matrix, factors) -> int | None:

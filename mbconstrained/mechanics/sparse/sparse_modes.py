@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise, repeat
-from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -15,12 +14,11 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.sparse.linalg import splu
 
 from ...ground.checks import counted
-from ...ground.display import TextTable, notice_table
 from ...ground.errors import IllConditioned
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import DEPENDENT_DIRECTION, EPS, NEWTON_STEP, NOISE_SAFETY, RITZ_RESIDUAL, SAME_SHAPE, TRUST_LIMIT
 from ..modes import Kind, Mode, Modes
-from .pencil import Factorization, ReducedPencil, combined, quadratic_form, times
+from .pencil import ReducedPencil, Solver, bordered, combined, quadratic_form, times
 from .undamped_modes import SOFT, UndampedModes, balanced, undamped_modes
 
 # s^2 M + s C + K for many s: one pattern, one order of elimination, no sums of sparse matrices.
@@ -39,21 +37,13 @@ MOST_STEPS = 8
 
 @dataclass(frozen=True, eq=False)
 class Residual:
-    """P(s) x without the forces of the long rows.
+    """P(s) x without the forces of the long rows, and norms."""
 
-    Attributes:
-        forces: it, shape (r,), and its
-        norm, besides those of
-        terms: terms of the sum of the sizes of its terms,
-        inertia: inertia of s^2 M x, and
-        damping: of s C x.
-    """
-
-    forces: np.ndarray
-    norm: float
-    terms: float
-    inertia: float
-    damping: float
+    forces: np.ndarray  # P(s) x, shape (r,)
+    norm: float  # that of P(s) x
+    terms: float  # that of the sums of the sizes of its terms
+    inertia: float  # that of s^2 M x
+    damping: float  # that of s C x
 
     @property
     def relative(self) -> float:
@@ -101,7 +91,7 @@ def newton(quadratic, estimate: Pair, room: float) -> Pair:
     for _ in range(MOST_STEPS):
         slope = quadratic.slope(value, x)
         try:
-            image = quadratic.factors(value).solve(slope)
+            image = quadratic.solver(value)(slope)
         except IllConditioned:  # the value is a zero to the last digit
             break
         if not np.isfinite(image).all():
@@ -173,24 +163,27 @@ class QuadraticPencil:
         column = np.repeat(np.arange(whole.shape[0]), np.diff(whole.indptr))
         return 2 * band + whole.indices + 3 * band * column, (3 * band + 1) * whole.shape[0]
 
-    def factors(self, s: complex) -> Factorization:
-        """The factors of P(s), with the rows that were not eliminated."""
+    def solver(self, s: complex) -> Solver:
+        """Solutions with P(s), up to forces of the rows that were not eliminated."""
         whole, (stiffness, damping, mass) = self._pattern
         data = stiffness + s * (damping + s * mass)
         try:
             if self.is_narrow:
-                lower_upper = _Banded.of(data, self._diagonals, self._narrow[1])
+                solve = _banded(data, self._diagonals, self._narrow[1])
             else:
                 matrix = scipy.sparse.csc_array((data, whole.indices, whole.indptr), shape=whole.shape)
-                lower_upper = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+                solve = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve
         except (RuntimeError, np.linalg.LinAlgError):
             raise IllConditioned(f"s^2 M + s C + K is singular at s = {s:.6g} 1/s") from None
-        ordered = _Ordered(lower_upper, self.order, data.dtype)
+
+        def ordered(right: np.ndarray) -> np.ndarray:
+            solved = solve(np.asfortranarray(right[self.order]).astype(data.dtype))
+            solution = np.empty_like(solved)
+            solution[self.order] = solved
+            return solution
+
         rows = self.pencil.rows
-        if not rows.shape[0]:
-            return Factorization(ordered, None)
-        reach = ordered.solve(rows.T.toarray().astype(data.dtype))
-        return Factorization(ordered, None, reach, scipy.linalg.lu_factor(rows @ reach), rows)
+        return bordered(ordered, rows, data.dtype)[0] if rows.shape[0] else ordered
 
     def applied(self, s: complex, x: np.ndarray) -> np.ndarray:
         """P(s) x."""
@@ -220,45 +213,17 @@ def _product(matrix, x: np.ndarray) -> np.ndarray:
     return matrix @ x.real + 1j * (matrix @ x.imag) if x.dtype.kind == "c" else matrix @ x
 
 
-@dataclass(frozen=True, eq=False)
-class _Ordered:
-    """Factors of a permuted matrix."""
-
-    factors: Any
-    order: np.ndarray
-    kind: type
-
-    def solve(self, right: np.ndarray) -> np.ndarray:
-        """Solve for one or several right sides in the order of the coordinates."""
-        solved = self.factors.solve(np.asfortranarray(right[self.order]).astype(self.kind))
-        solution = np.empty_like(solved)
-        solution[self.order] = solved
-        return solution
-
-
-@dataclass(frozen=True, eq=False)
-class _Banded:
-    """Factors of a banded matrix, by LAPACK."""
-
-    factors: np.ndarray
-    pivots: np.ndarray
-    band: int
-
-    @classmethod
-    def of(cls, data: np.ndarray, diagonals: tuple[np.ndarray, int], band: int) -> _Banded:
-        places, size = diagonals
-        stored = np.zeros(size, dtype=data.dtype)
-        stored[places] = data
-        stored = stored.reshape((3 * band + 1, -1), order="F")
-        (factorize,) = scipy.linalg.get_lapack_funcs(("gbtrf",), (stored,))
-        factors, pivots, singular = factorize(stored, band, band, overwrite_ab=True)
-        if singular:
-            raise np.linalg.LinAlgError
-        return cls(factors, pivots, band)
-
-    def solve(self, right: np.ndarray) -> np.ndarray:
-        (solve,) = scipy.linalg.get_lapack_funcs(("gbtrs",), (self.factors, right))
-        return solve(self.factors, self.band, self.band, right, self.pivots)[0]
+def _banded(data: np.ndarray, diagonals: tuple[np.ndarray, int], band: int) -> Solver:
+    """Solutions with a banded matrix, by LAPACK's factors."""
+    places, size = diagonals
+    stored = np.zeros(size, dtype=data.dtype)
+    stored[places] = data
+    stored = stored.reshape((3 * band + 1, -1), order="F")
+    factorize, solve = scipy.linalg.get_lapack_funcs(("gbtrf", "gbtrs"), (stored,))
+    factors, pivots, singular = factorize(stored, band, band, overwrite_ab=True)
+    if singular:
+        raise np.linalg.LinAlgError
+    return lambda right: solve(factors, band, band, right, pivots)[0]
 
 
 # Damped modes, refined from undamped ones: in a common small space, then one by one where that is not sufficient.
@@ -388,7 +353,7 @@ def _coupled(quadratic: QuadraticPencil) -> tuple[list[Pair], SlowBody | None]:
         if undamped.complete or all(pair.converged for pair in pairs):
             return pairs, body
     space = _mixed_space(pencil, undamped, ~free, forces)
-    padded = [replace(pair, vector=_padded(pair.vector, len(space.mass))) for pair in estimates]
+    padded = [replace(pair, vector=np.pad(pair.vector, (0, len(space.mass) - len(pair.vector)))) for pair in estimates]
     mixed = [newton(space, pair, room) for pair, room in zip(padded, gaps)]
     pairs = _corrected(quadratic, _shown(np.hstack([space.shapes, space.mixed]), mixed))
     return _sorted(resting + [_settled(quadratic, pair, room) for pair, room in zip(pairs, gaps)]), body
@@ -433,10 +398,6 @@ def _shown(basis: np.ndarray, pairs: list[Pair]) -> list[Pair]:
     return [replace(pair, vector=x) for pair, x in zip(pairs, combined(basis, coordinates).T)]
 
 
-def _padded(x, size) -> np.ndarray:
-    return np.concatenate([x, np.zeros(size - len(x))])
-
-
 def _projected(C: np.ndarray, w2: np.ndarray, at_zero: int) -> list[Pair]:
     """The pairs of s^2 + s C + W^2, without a given number of those nearest to 0."""
     m, unit = len(w2), float(np.abs(w2).max(initial=0.0)) ** 0.5 or 1.0
@@ -451,8 +412,8 @@ def _followed(quadratic: QuadraticPencil, pair: Pair, room: float) -> Pair:
     """Newton's method on all free coordinates, and its vector without the rounding errors of the factors."""
     refined = newton(quadratic, pair, room)
     try:
-        neighbour = quadratic.factors(refined.value + room * GAP_SHIFT)
-        cleared = refined.vector - neighbour.solve(quadratic.applied(refined.value, refined.vector))
+        neighbour = quadratic.solver(refined.value + room * GAP_SHIFT)
+        cleared = refined.vector - neighbour(quadratic.applied(refined.value, refined.vector))
     except IllConditioned:
         cleared = refined.vector
     after = quadratic.residual(refined.value, cleared)
@@ -550,19 +511,12 @@ class _MixedSpace:
         """(2 s M + C) x."""
         return self.damping @ x + 2 * s * (self.mass @ x)
 
-    def factors(self, s: complex) -> _Factors:
-        """The factors of P(s)."""
-        return _Factors(self.stiffness + s * (self.damping + s * self.mass))
-
-
-class _Factors:
-    def __init__(self, matrix):
-        self.lower_upper = scipy.linalg.lu_factor(matrix, check_finite=False)
-        if not np.diag(self.lower_upper[0]).all():
+    def solver(self, s: complex) -> Solver:
+        """Solutions with P(s)."""
+        factors = scipy.linalg.lu_factor(self.stiffness + s * (self.damping + s * self.mass), check_finite=False)
+        if not np.diag(factors[0]).all():
             raise IllConditioned("s^2 M + s C + K is singular")
-
-    def solve(self, right: np.ndarray) -> np.ndarray:
-        return scipy.linalg.lu_solve(self.lower_upper, right, check_finite=False)
+        return lambda right: scipy.linalg.lu_solve(factors, right, check_finite=False)
 
 
 def _mixed_space(pencil: ReducedPencil, undamped: UndampedModes, moving: np.ndarray, forces: np.ndarray) -> _MixedSpace:
@@ -596,55 +550,7 @@ def _outside(pencil: ReducedPencil, undamped: UndampedModes, forces: np.ndarray)
     return response - X @ (X.T @ times(pencil.mass, response))
 
 
-@dataclass(frozen=True, repr=False, eq=False)
-class SparseModes(Modes):
-    """Modes of lowest frequency of M x'' + C x' + K x = 0 with A x = 0, each Re(u e^{s t}); ascending by |s|.
-
-    The shapes u satisfy the constraints. Those of undamped modes are real with X^T M X = I, those of damped modes complex with
-    x^T (2 s M + C) x = 2 i |Im s|, which is x^T M x = 1 without damping.
-
-    Attributes:
-        vectors: the shapes of all modes, one a column, shape (n, m).
-        residuals: |s^2 M u + s C u + K u| of each mode without constraint forces, relative to the sizes of its terms, shape (m,).
-        bounds: the part of the residuals that rounding errors and the stopping rule explain, in the same measure, shape (m,).
-        orthogonality: the largest entry of X^T M X - I; of damped modes that of the corresponding bilinear form.
-        counted_below: the frequency in rad/s below which Sylvester's law of inertia counted the undamped modes; None where it
-            could not.
-        none_missed: whether the count agrees with the modes below that frequency.
-        complete: whether the system has no other finite undamped modes.
-        notices: modes that may be missing, residuals beyond their bound, redundant rows.
-    """
-
-    vectors: np.ndarray
-    residuals: np.ndarray = field()
-    bounds: np.ndarray
-    orthogonality: float
-    counted_below: float | None
-    none_missed: bool
-    complete: bool
-    notices: tuple[Notice, ...] = ()
-
-    def __getitem__(self, index):
-        """A ``Mode``; for a slice ``Modes``, whose evidence stays here."""
-        return Modes(self.modes[index], self.names) if isinstance(index, slice) else self.modes[index]
-
-    def _summary(self) -> str:
-        return f"{super()._summary()}, {'none missed' if self.none_missed else 'not counted'}"
-
-    def _tables(self) -> tuple[TextTable, ...]:
-        return *super()._tables(), notice_table(self.notices)
-
-    @property
-    def shapes(self) -> np.ndarray:
-        """The shapes of the oscillating modes, one a column."""
-        return self.vectors[:, self.eigenvalues.imag != 0]
-
-    def table(self) -> list[dict[str, str]]:
-        """A row of texts per mode, as ``Modes.table``, with the residual."""
-        return [{**row, "residual": f"{residual:.2g}"} for row, residual in zip(super().table(), self.residuals)]
-
-
-def sparse_modes(pencil: ReducedPencil, count: int, damped: bool) -> SparseModes:
+def sparse_modes(pencil: ReducedPencil, count: int, damped: bool) -> Modes:
     """The modes of lowest frequency of a system of sparse matrices."""
     undamped = undamped_modes(pencil, count)
     if damped:
@@ -653,16 +559,16 @@ def sparse_modes(pencil: ReducedPencil, count: int, damped: bool) -> SparseModes
     values = np.where(w2 < 0, np.abs(w2) ** 0.5, 1j * np.abs(w2) ** 0.5)
     kinds = ["rigid body" if not value else "growth" if value < 0 else "oscillation" for value in w2]
     orthogonality = float(np.abs(X.T @ times(pencil.mass, X) - np.eye(X.shape[1])).max(initial=0.0))
-    evidence = undamped.residuals, undamped.bounds
-    notices = (
-        *_count_notices(undamped, count),
-        *_residual_notices(evidence[0] > evidence[1]),
-        *_rounding_notices(pencil, undamped),
-    )
-    return _modes(pencil, undamped, values, X, kinds, evidence, orthogonality, notices)
+    notices = list(_count_notices(undamped, count))
+    if (beyond := undamped.residuals > undamped.bounds).any():
+        listed = ", ".join(str(place + 1) for place in np.flatnonzero(beyond)[:5])
+        text = f"{counted(int(beyond.sum()), 'mode')} (number {listed}) did not converge to the accuracy of the others"
+        notices.append(Notice(NoticeKind.ACCURACY, text, doubtful=True))
+    notices += _rounding_notices(pencil, undamped)
+    return _modes(pencil, undamped, values, X, kinds, (undamped.residuals, undamped.bounds), orthogonality, notices)
 
 
-def _damped(pencil: ReducedPencil, undamped: UndampedModes, modes: DampedModes, count: int) -> SparseModes:
+def _damped(pencil: ReducedPencil, undamped: UndampedModes, modes: DampedModes, count: int) -> Modes:
     chosen = np.flatnonzero(modes.converged)[:count]
     values, X = modes.values[chosen], modes.vectors[:, chosen]
     inertia, damping = X.T @ times(pencil.mass, X), X.T @ times(pencil.damping, X)
@@ -679,16 +585,17 @@ def _damped(pencil: ReducedPencil, undamped: UndampedModes, modes: DampedModes, 
     return _modes(pencil, undamped, values, X, kinds, (modes.residuals[chosen], modes.bounds[chosen]), coupling, notices)
 
 
-def _modes(pencil, undamped: UndampedModes, values, X, kinds: list[Kind], evidence, orthogonality, notices) -> SparseModes:
+def _modes(pencil, undamped: UndampedModes, values, X, kinds: list[Kind], evidence, orthogonality, notices) -> Modes:
     """The modes on all coordinates from their vectors X on the free ones."""
     vectors = times(pencil.basis, X)
     modes = (Mode(kind, complex(value), 1, vectors[:, [i]]) for i, (kind, value) in enumerate(zip(kinds, values)))
-    return SparseModes(
+    return Modes(
         tuple(modes),
         pencil.names,
-        vectors,
-        *evidence,
-        orthogonality,
+        vectors=vectors,
+        known_residuals=evidence[0],
+        bounds=evidence[1],
+        orthogonality=orthogonality,
         counted_below=None if undamped.counted is None else max(undamped.below, 0.0) ** 0.5,
         none_missed=undamped.counted is not None and undamped.counted == undamped.computed_below,
         complete=undamped.complete,
@@ -732,13 +639,6 @@ def _count_notices(undamped: UndampedModes, count: int) -> Iterator[Notice]:
         yield Notice(NoticeKind.OMITTED, text)
     if growing := int((undamped.values < 0).sum()):
         yield Notice(NoticeKind.UNSTABLE, f"{counted(growing, 'growing mode')}: the stiffness is negative there")
-
-
-def _residual_notices(beyond) -> Iterator[Notice]:
-    if beyond.any():
-        listed = ", ".join(str(place + 1) for place in np.flatnonzero(beyond)[:5])
-        text = f"{counted(int(beyond.sum()), 'mode')} (number {listed}) did not converge to the accuracy of the others"
-        yield Notice(NoticeKind.ACCURACY, text, doubtful=True)
 
 
 def _rounding_notices(pencil: ReducedPencil, undamped: UndampedModes) -> Iterator[Notice]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -25,7 +24,7 @@ from ...signals.inputs import step
 from ...signals.restarts import Restarts
 from ..equations import EquationsOfMotion
 from ..motion import FunctionSum, SystemMotion
-from .pencil import ReducedPencil, asymmetry, factorize, quadratic_form, times
+from .pencil import ReducedPencil, Solver, asymmetry, factorize, quadratic_form, times
 from .sparse_modes import QuadraticPencil, damped_modes, is_modal, modal_rates
 from .undamped_modes import SOFT, UndampedModes, balanced, undamped_modes
 
@@ -208,7 +207,7 @@ class Amplitudes:
             for J, of in zip(smooth.blocks, outer):
                 if coupling[at, of].any():
                     units[at] = _state_units(block, J)
-                    own, U = _measured(block, units[at]), coupling[at, of] / units[at][:, None]
+                    own, U = block * units[at] / units[at][:, None], coupling[at, of] / units[at][:, None]
                     solution = _separated(own, J, U)
                     if solution is None:
                         unit = max(np.abs(U).max(), np.finfo(float).tiny) / max(np.abs(own).max(), np.abs(J).max(), 1.0)
@@ -218,7 +217,9 @@ class Amplitudes:
             blocks.append(block)
         self.Y, self.coupled = Y, coupled
         knots, inputs = restarts.knots, restarts.states
-        caused = np.vstack([-Y @ inputs, inputs, *(_from_rest(at, inputs[of]) for at, of, _, _ in coupled)])
+        caused = np.vstack(
+            [-Y @ inputs, inputs, *(np.pad(inputs[of], ((at.stop - at.start, 0), (0, 0))) for at, of, _, _ in coupled)]
+        )
         blocks += [*smooth.blocks, *(block for _, _, block, _ in coupled)]
         gaps = restarts.gaps
         with np.errstate(over="ignore", invalid="ignore"):  # reported when the function is evaluated
@@ -227,7 +228,8 @@ class Amplitudes:
             states = caused
             states[: space.count] += own
             before = np.hstack([np.zeros((len(states), 1)), block_states(blocks, states[:, :-1], gaps)])
-        rows = np.vstack([self._rows(len(inputs), len(states)), self._force_rows(len(inputs), len(states))])
+        of_force = np.eye(len(inputs), len(states), space.count)
+        rows = np.vstack([self._rows(len(inputs), len(states)), of_force])
         at_knots = states[:, 0] if len(knots) == 1 else Restarts(knots, states, states - before, restarts.remainders)
         self.function, self.start = BohlFunction(rows, tuple(blocks), at_knots), start
 
@@ -250,11 +252,6 @@ class Amplitudes:
             begin += len(block)
         return rows[places]
 
-    def _force_rows(self, inputs, size) -> np.ndarray:
-        rows = np.zeros((inputs, size))
-        rows[:, self.space.count : self.space.count + inputs] = np.eye(inputs)
-        return rows
-
 
 def _state_units(block, J) -> np.ndarray:
     """Scales of displacement and velocity of a mode: 1 and the larger rate of the two."""
@@ -262,10 +259,6 @@ def _state_units(block, J) -> np.ndarray:
         return np.ones(len(block))
     rate = max(abs(block[1, 0]) ** 0.5, abs(block[1, 1]), float(np.abs(np.diag(J)).max()), float(np.abs(J).max()))
     return np.array([1.0, 2.0 ** np.round(np.log2(rate)) if rate else 1.0])
-
-
-def _measured(block, units) -> np.ndarray:
-    return block * units / units[:, None]
 
 
 def _separated(own, J, U) -> np.ndarray | None:
@@ -285,10 +278,6 @@ def _separated(own, J, U) -> np.ndarray | None:
     return solution.reshape(U.shape)
 
 
-def _from_rest(at, inputs) -> np.ndarray:
-    return np.vstack([np.zeros((at.stop - at.start, inputs.shape[1])), inputs])
-
-
 # The static correction, exact for every force: X with M X J^2 + C X J + K X = D outside of the kept modes.
 #
 # For a force D e^{J t} v the left-out modes follow X e^{J t} v exactly, whatever their number, and beyond it move freely. A static
@@ -304,7 +293,7 @@ class StaticCorrection:
     def __init__(self, pencil: ReducedPencil, undamped: UndampedModes, space: ModeSpace):
         self.pencil, self.undamped, self.space = pencil, undamped, space
         self.quadratic = QuadraticPencil(pencil, undamped)
-        self.known: dict[complex, Any] = {}
+        self.known: dict[complex, Solver] = {}
 
     def _residual_forces(self, forces: np.ndarray, blocks) -> np.ndarray:
         """D without the part that acts on the kept modes."""
@@ -357,16 +346,16 @@ class StaticCorrection:
 
     def _solver(self, s: complex):
         if not s:  # the first steps of a Neumann series, with factors that are there
-            factors = self.undamped.factors
-            return lambda right: factors.solve(right.real) + 1j * factors.solve(right.imag)
+            solve = self.undamped.factors.solve
+            return lambda right: solve(right.real) + 1j * solve(right.imag)
         for moved in (s, s * (1 + EPS**0.5)):  # next to an eigenvalue in the last digit, which refinement corrects
             if moved in self.known:
-                return self.known[moved].solve
+                return self.known[moved]
             try:
-                self.known = {moved: self.quadratic.factors(moved)}
+                self.known = {moved: self.quadratic.solver(moved)}
             except IllConditioned:
                 continue
-            return self.known[moved].solve
+            return self.known[moved]
         raise InputError(f"force: it is in resonance with an undamped mode at {abs(s):.6g} rad/s; increase count")
 
     def _outside(self, x: np.ndarray) -> np.ndarray:
@@ -407,7 +396,7 @@ def remainder(left: StaticCorrection, displacement, velocity, amplitudes: Amplit
     generator = smooth.generator
     z, jumps = restarts.states[:, 0], restarts.jumps[:, 1:]
     states = amplitudes.start[:, None]
-    forced = space.modal_forces(np.asarray(_forces(left, smooth)) @ z[:, None])
+    forced = space.modal_forces(np.asarray(pencil.basis.T @ smooth.coefficients) @ z[:, None])
     kept = space.displacements(states)[:, 0], space.displacements(space.times_generator(states) + forced)[:, 0]
     forced = followed @ z, followed @ (generator @ z)
     rest, jumped = _relaxed(pencil, displacement - kept[0] - forced[0])
@@ -421,10 +410,6 @@ def remainder(left: StaticCorrection, displacement, velocity, amplitudes: Amplit
     whole = max(sizes[0], sizes[1]) + sizes[2] + changes.sum()
     relative = min(norm / np.hypot(norm, whole), 1.0) if norm else 0.0
     return Remainder(norm, float(relative), _is_passive(left), jumped)
-
-
-def _forces(left: StaticCorrection, smooth: BohlFunction) -> np.ndarray:
-    return left.pencil.basis.T @ smooth.coefficients
 
 
 def _norm(pencil: ReducedPencil, x, v) -> float:
@@ -592,7 +577,7 @@ class SparseMotion(SystemMotion, Displayed):
             return max(float(unit @ self.left.solved(0j, unit.astype(complex)).real), 0.0)
         if (self.left.undamped.values <= 0).any():
             return np.inf
-        return max(float(unit @ self.left.quadratic.factors(0.0).solve(unit).real), 0.0)
+        return max(float(unit @ self.left.quadratic.solver(0.0)(unit).real), 0.0)
 
 
 def sparse_motion(system: EquationsOfMotion, start: np.ndarray, applied: ImpulsiveSmooth, count: int) -> SparseMotion:

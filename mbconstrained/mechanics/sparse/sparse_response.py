@@ -164,7 +164,7 @@ class _Residuals(LeftOut):
         parts = [reduced.inertia] if reduced.damped is None else [reduced.inertia, reduced.damped]
         columns = np.hstack([reduced.sources, *parts, reduced.unequal])
         solved = reduced.undamped.factors.solve(columns)
-        left = _remainder(reduced.shifted, solved, columns) if reduced.undamped.factors.rows is None else 0.0 * columns
+        left = _remainder(reduced.shifted, solved, columns) if not reduced.undamped.factors.is_bordered else 0.0 * columns
         inner = columns.T @ X  # along the modes there is nothing to leave out
         along = inner / (reduced.undamped.values - reduced.undamped.shift)
         gram = columns.T @ solved - solved.T @ left - along @ inner.T

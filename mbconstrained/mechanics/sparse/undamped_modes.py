@@ -41,21 +41,6 @@ BETWEEN_LOOKS = 3
 MOST_RESTARTS = 60
 
 
-@dataclass(frozen=True, eq=False)
-class RitzPairs:
-    """P^-1 M X = X diag(values), X^T M X = I."""
-
-    values: np.ndarray  # descending
-    vectors: np.ndarray  # X, shape (r, m)
-    residuals: np.ndarray  # residuals of each pair in the norm of M, divided by its value
-    exhausted: bool  # whether there are no others
-
-
-def largest_pairs(apply: Callable, mass, requested: int, locked: np.ndarray, block: int = BLOCK) -> RitzPairs:
-    """The pairs with the largest values of a self-adjoint positive map, outside of locked ones."""
-    return _Lanczos(apply, mass, requested, locked, block).run()
-
-
 def first_values(apply: Callable, mass, steps: int) -> np.ndarray:
     """Estimates of the largest values from below, descending, by a given number of blocks."""
     lanczos = _Lanczos(apply, mass, BLOCK * steps, np.zeros((mass.shape[0], 0)), BLOCK)
@@ -90,8 +75,8 @@ class _Lanczos:
         self.recent = 0  # the first vector that the next product is not orthogonal to by itself
         self.generator = np.random.default_rng(self.size)
 
-    def run(self) -> RitzPairs:
-        """Expand until enough pairs have converged."""
+    def run(self) -> tuple[np.ndarray, np.ndarray, bool]:
+        """The pairs P^-1 M X = X diag(values), X^T M X = I, with the largest values, descending, and whether there are no others."""
         fresh, coupling = self._random(), np.zeros((0, 0))
         restarts, looks, exhausted = 0, 0, False
         while fresh.shape[1]:
@@ -108,12 +93,11 @@ class _Lanczos:
         else:
             exhausted = True
         if not self.count:
-            return RitzPairs(np.zeros(0), np.zeros((self.size, 0)), np.zeros(0), True)
-        values, turn, residuals = self._ritz(coupling)
+            return np.zeros(0), np.zeros((self.size, 0)), True
+        values, turn, _ = self._ritz(coupling)
         take = min(self.requested, self.count)
         self._rotate(turn[:, :take])
-        relative = residuals[:take] / np.where(values[:take] > 0, values[:take], 1.0)
-        return RitzPairs(values[:take], self.basis[:, :take].copy(order="F"), relative, exhausted)
+        return values[:take], self.basis[:, :take].copy(order="F"), exhausted
 
     def _expand(self, fresh) -> tuple[np.ndarray, np.ndarray]:
         """Add a block; return the coupling to the next one, and the next one."""
@@ -337,9 +321,9 @@ def _settled(pencil: ReducedPencil, shift: float, factors: Factorization) -> tup
 
 def _computed(pencil: ReducedPencil, shift, factors, wanted, locked, block: int = BLOCK) -> tuple[np.ndarray, np.ndarray, bool]:
     """Values, ascending, and vectors by Lanczos, outside of locked vectors."""
-    pairs = largest_pairs(factors.solve, pencil.mass, wanted, locked, block)
-    values, vectors = _purified(pencil, factors, pairs.values, pairs.vectors)
-    return shift + 1 / values, vectors, pairs.exhausted
+    *pairs, exhausted = _Lanczos(factors.solve, pencil.mass, wanted, locked, block).run()
+    values, vectors = _purified(pencil, factors, *pairs)
+    return shift + 1 / values, vectors, exhausted
 
 
 def _purified(pencil: ReducedPencil, factors, values, vectors) -> tuple[np.ndarray, np.ndarray]:
