@@ -99,7 +99,7 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     if count is not None:
         raise InputError("count: the response of a system given by arrays has all its modes; leave count out")
     chosen, rows = QUANTITIES[quantity], system.rows
-    elements = {name: Channel(name, one.elongation, one.unit, element=one) for name, one in system.elements.items()}
+    elements = element_channels(system)
     default = {"reaction": row_channels(system), "force": list(elements.values())}.get(quantity, coordinate_channels(system))
     known_inputs = chosen_by_name("inputs", inputs, channels(system, "inputs"), coordinate_channels(system))
     known = channels(system, "outputs")
@@ -107,22 +107,9 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     known_outputs = chosen_by_name("outputs", outputs, known, default)
     _check(quantity, known_inputs, known_outputs)
     levels = [0 if quantity == "transmissibility" else row.order for row in rows]
-    coefficients, imaginary, sizes = saddle_point(system, levels, modal_damping, loss_factor)
-    B = np.array([channel.unknowns(system) for channel in known_inputs]).T
-    C = np.array([channel.unknowns(system) for channel in known_outputs])
-    C[:, system.size :] *= -1.0  # the unknowns are -lambda
-    if forces := {one.name: one for one in known_outputs if one.element is not None}:
-        coefficients, imaginary, sizes = with_element_forces(
-            system, (coefficients, imaginary, sizes), {name: one.element for name, one in forces.items()}, loss_factor
-        )
-        whole = len(coefficients[0])
-        B, C = np.pad(B, ((0, len(forces)), (0, 0))), np.pad(C, ((0, 0), (0, len(forces))))
-        for place, one in enumerate(forces.values(), whole - len(forces)):
-            C[[other is one for other in known_outputs]] = np.eye(1, whole, place)
-    if relative_to is not None:
-        other = reference(system, relative_to)
-        moving = [one.row is None and one.element is None and one.unit == other.unit for one in known_outputs]
-        C[:, : system.size] -= np.outer(moving, other.direction)
+    own = saddle_point(system, levels, modal_damping, loss_factor)
+    (coefficients, imaginary, sizes), B, C = with_channels(system, own, known_inputs, known_outputs, loss_factor, relative_to)
+    forces = [one.name for one in known_outputs if one.element is not None]
     names = (*system.names, *(row.name for row in rows), *(f"force of {name}" for name in forces))
     equations = [f"motion of {name}" for name in system.names] + [f"constraint {row.name}" for row in rows]
     equations += [f"force of {name}" for name in forces]
@@ -143,7 +130,30 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     return Harmonic(A, select.T, select, 0, imaginary, sizes, output_names, input_names, table.T, quantity)
 
 
-def with_element_forces(system, equations, elements: Mapping[str, ElementForce], loss_factor):
+def with_channels(system, equations, inputs: Sequence[Channel], outputs: Sequence[Channel], loss_factor, relative_to):
+    """The equations, with the forces of elements among the outputs as more unknowns, B of the inputs and C of the outputs."""
+    B = np.array([channel.unknowns(system) for channel in inputs]).T
+    C = np.array([channel.unknowns(system) for channel in outputs]).reshape(len(outputs), len(B))
+    C[:, system.size :] *= -1.0  # the unknowns are -lambda
+    if forces := {one.name: one for one in outputs if one.element is not None}:
+        equations = _with_element_forces(system, equations, {name: one.element for name, one in forces.items()}, loss_factor)
+        whole = len(equations[0][0])
+        B, C = np.pad(B, ((0, len(forces)), (0, 0))), np.pad(C, ((0, 0), (0, len(forces))))
+        for place, one in enumerate(forces.values(), whole - len(forces)):
+            C[[other is one for other in outputs]] = np.eye(1, whole, place)
+    if relative_to is not None:
+        other = reference(system, relative_to)
+        moving = [one.row is None and one.element is None and one.unit == other.unit for one in outputs]
+        C[:, : system.size] -= np.outer(moving, other.direction)
+    return equations, B, C
+
+
+def element_channels(system: EquationsOfMotion) -> dict[str, Channel]:
+    """The forces of springs and dampers, by name."""
+    return {name: Channel(name, one.elongation, one.unit, element=one) for name, one in system.elements.items()}
+
+
+def _with_element_forces(system, equations, elements: Mapping[str, ElementForce], loss_factor):
     """Equations with the forces F of springs and dampers as more unknowns, F - (k (1 + i eta) + c s) a x = 0."""
     coefficients, imaginary, sizes = equations
     n, size, count = system.size, len(coefficients[0]), len(elements)

@@ -14,9 +14,9 @@ from ..ground.checks import nearest
 from ..ground.coordinate_units import force_unit, rate_unit
 from ..ground.errors import InputError
 from ..polynomial.polynomial_matrix import PolynomialMatrix
-from .channels import Channel, channels, chosen_by_name, coordinate_channels, reference, row_channels
+from .channels import Channel, channels, chosen_by_name, coordinate_channels, row_channels
 from .equations import EquationsOfMotion
-from .harmonic_response import saddle_point, with_element_forces
+from .harmonic_response import element_channels, saddle_point, with_channels
 
 #: Quantities of outputs, and their orders of derivative of the displacements; None for forces.
 QUANTITIES = {"displacement": 0, "velocity": 1, "acceleration": 2, "reaction": None, "force": None}
@@ -54,41 +54,18 @@ def random_response(
     spectra, order = spectral_matrix(excitation, coherence, delays), QUANTITIES[quantity]
     inputs, levels = _inputs(system, spectra)
     equations = saddle_point(system, levels, modal_damping, loss_factor)
-    B = np.array([channel.unknowns(system) for channel in inputs]).T
     if order is None and relative_to is not None:
         raise InputError("relative_to: forces are not relative; expected a displacement, velocity or acceleration")
-    if quantity == "force":
-        names, units, C, equations = _element_forces(system, outputs, equations, loss_factor)
-        B = np.pad(B, ((0, len(equations[0][0]) - len(B)), (0, 0)))
-    else:
-        chosen = _outputs(system, outputs, quantity)
-        names, C = (
-            tuple(one.name for one in chosen),
-            np.array([one.unknowns(system) for one in chosen]).reshape(len(chosen), len(B)),
-        )
-        C[:, system.size :] *= -1.0  # the unknowns are -lambda
-        if relative_to is not None:
-            other = reference(system, relative_to)
-            C[:, : system.size] -= np.outer([one.unit == other.unit for one in chosen], other.direction)
-        units = [force_unit(one.unit) if order is None else rate_unit(one.unit, order) for one in chosen]
-    coefficients, imaginary, sizes = equations
+    chosen = _outputs(system, outputs, quantity)
+    (coefficients, imaginary, sizes), B, C = with_channels(system, equations, inputs, chosen, loss_factor, relative_to)
+    names = tuple(one.name for one in chosen)
+    units = [force_unit(one.unit) if order is None else rate_unit(one.unit, order) for one in chosen]
     unknowns = [f"x {name}" for name in system.names] + [f"reaction {row.name}" for row in system.rows]
     A = PolynomialMatrix(coefficients, [*unknowns, *(f"force {name}" for name in names)][: len(B)])
     harmonic = Harmonic(
         A, B, C, order or 0, imaginary, sizes, spectra.names, names, np.array(units), quantity, notices=system.notices
     )
     return RandomResponse(harmonic, spectra)
-
-
-def _element_forces(system: EquationsOfMotion, outputs, equations, loss_factor):
-    """Names, units, C and equations of the forces of springs and dampers."""
-    known = system.elements
-    names = tuple(chosen_by_name("outputs", outputs, {name: name for name in known}, tuple(known)))
-    if not names:
-        raise InputError("force: the system has no springs and dampers with names; expected one of a lumped model or a robot")
-    elements, size = {name: known[name] for name in names}, len(equations[0][0])
-    extended = with_element_forces(system, equations, elements, loss_factor)
-    return names, [force_unit(one.unit) for one in elements.values()], np.eye(len(names), size + len(names), size), extended
 
 
 def _inputs(system: EquationsOfMotion, spectra: SpectralMatrix) -> tuple[list[Channel], list[int]]:
@@ -106,6 +83,11 @@ def _inputs(system: EquationsOfMotion, spectra: SpectralMatrix) -> tuple[list[Ch
 
 def _outputs(system: EquationsOfMotion, outputs, quantity: str) -> list[Channel]:
     """The channels of the outputs."""
+    if quantity == "force":
+        elements = element_channels(system)
+        if not (chosen := chosen_by_name("outputs", outputs, elements, list(elements.values()))):
+            raise InputError("force: the system has no springs and dampers with names; expected one of a lumped model or a robot")
+        return chosen
     default = row_channels(system) if quantity == "reaction" else coordinate_channels(system)
     chosen = chosen_by_name("outputs", outputs, channels(system, "outputs"), default)
     for one in chosen:
