@@ -98,10 +98,9 @@ class StateEquations(Displayed):
     @cached_property
     def _pencil_with_outputs(self) -> PolynomialMatrix:
         n, q = len(self.A), len(self.C)
-        names = names_of((*self.states, *self.outputs), n + q, "states and outputs", "x")
         rows = [f"row {i + 1}" for i in range(n)] + [f"output {name}" for name in self.outputs]
         constant = np.block([[-self.A, np.zeros((n, q))], [-self.C, np.eye(q)]])
-        return PolynomialMatrix([constant, np.pad(self.E, (0, q))], names, rows)
+        return PolynomialMatrix([constant, np.pad(self.E, (0, q))], (*self.states, *self.outputs), rows)
 
     def start(self, initial) -> np.ndarray:
         """x(0-), shape (n,), from an array, a mapping from names, or None for zeros."""
