@@ -103,7 +103,7 @@ def test_rounding_errors_are_no_peaks():
 @pytest.mark.parametrize("of", ["displacement", "velocity", "acceleration", "reaction"])
 def test_reactions_whose_terms_cancel(of):
     """A parallel robot: reactions in redundant directions are sums of terms that cancel, and have fewer states than the motion."""
-    scene = mb.read_scene(Path(__file__).parents[3] / "examples" / "delta.toml")
+    scene = mb.read_scene(Path(__file__).parents[2] / "examples" / "delta.toml")
     motion = scene.run().motion
     peaks, times = motion.peaks(1.0, of), np.linspace(0.0, 1.0, 2001)
     values = getattr(motion, of)(times)

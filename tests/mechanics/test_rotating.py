@@ -138,7 +138,7 @@ def test_what_is_wrong_is_named(call, message):
 @pytest.fixture(scope="module")
 def large_rotor():
     """A rotor of 42 coordinates; its critical speeds by mpmath, 40 digits, K x = w^2 (M - i G) x."""
-    with np.load(Path(__file__).parents[2] / "oracles" / "rotor_example.npz") as data:
+    with np.load(Path(__file__).parents[1] / "oracles" / "rotor_example.npz") as data:
         return {name: data[name] for name in data.files}
 
 

@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 
 import mbconstrained as mb
 
-VIBRATION = json.loads((Path(__file__).parents[2] / "oracles" / "vibration.json").read_text(encoding="utf-8"))
+VIBRATION = json.loads((Path(__file__).parents[1] / "oracles" / "vibration.json").read_text(encoding="utf-8"))
 
 
 def row_of_eight():

@@ -15,7 +15,7 @@ import mbconstrained as mb
 from examples.simulators import example_47
 from tests.oracles.transfer import descending, factors, impulses, multiplied, residues, taylor
 
-REFERENCE = json.loads((Path(__file__).parents[2] / "oracles" / "hauksdottir.json").read_text())
+REFERENCE = json.loads((Path(__file__).parents[1] / "oracles" / "hauksdottir.json").read_text())
 NUMERATOR, DENOMINATOR = example_47()
 
 small = st.fractions(min_value=-2, max_value=1, max_denominator=4)
