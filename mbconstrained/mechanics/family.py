@@ -135,7 +135,7 @@ class Family(Displayed):
         """M, C and K of some systems, or of one."""
         return self.mass[at], self.damping[at], self.stiffness[at]
 
-    def transfer(self, at: slice, harmonic: Harmonic, levels) -> StackedTransfer | None:
+    def _transfer(self, at: slice, harmonic: Harmonic, levels) -> StackedTransfer | None:
         """Transfer functions of some systems for a harmonic response; None where poles do not give it."""
         base, n = self.base, self.base.size
         B, C = harmonic.inputs, harmonic.outputs
@@ -147,7 +147,15 @@ class Family(Displayed):
         return StackedTransfer(self.poles.of(at), C[:, :n], motions, tuple(loads), harmonic.power, np.asarray(levels, dtype=int))
 
     def is_free(self, shapes: np.ndarray, of: Literal["stiffness", "damping"]) -> np.ndarray:
-        """Which systems have no springs, or no dampers, that resist motions of shape (n, z) that satisfy the constraints, shape (S,)."""
+        """Which systems have no springs, or no dampers, that resist some motions, up to rounding errors of the entries.
+
+        Args:
+            shapes: displacements that satisfy the constraints, shape (n, z).
+            of: the matrices to check.
+
+        Returns:
+            Truth values, shape (S,).
+        """
         V, matrices = self.base.position_form().null_space, getattr(self, of)
         noise = noise_of(np.abs(V.T) @ np.abs(matrices) @ np.abs(shapes))
         return (np.abs(V.T @ (matrices @ shapes)) <= noise).all(axis=(1, 2))
@@ -206,7 +214,7 @@ class Family(Displayed):
         at_level = quantity in BY_POLES and not any(row.order for row in self.base.rows)
         for begin in range(0, len(self) if at_level else 0, TOGETHER):
             at = slice(begin, begin + TOGETHER)
-            transfer = self.transfer(at, first.harmonic, np.zeros(len(first.inputs)))
+            transfer = self._transfer(at, first.harmonic, np.zeros(len(first.inputs)))
             if transfer is not None:
                 values[at], absolute = transfer(2j * np.pi * frequencies)
                 errors[at] = np.where(transfer.poles.serve[:, None, None], _relative(values[at], absolute), np.inf)
@@ -240,7 +248,7 @@ class Family(Displayed):
             levels = [KINDS[spectrum.of] or 0 for spectrum in spectra.spectra]
             for begin in range(0, count, TOGETHER):
                 at = slice(begin, begin + TOGETHER)
-                transfer = self.transfer(at, first.harmonic, levels)
+                transfer = self._transfer(at, first.harmonic, levels)
                 if transfer is not None:
                     squares[at], errors[at] = _variances(transfer, spectra)
         served = (errors <= STACKED_VARIANCE * squares).all(axis=1)

@@ -128,16 +128,15 @@ class Mode:
 class Modes(Presented, Sequence):
     """The modes of a mechanical system: a sequence of ``Mode``, ascending by |s|, with tables.
 
+    Modes of sparse matrices are those of lowest frequency, whose shapes satisfy the constraints: real with X^T M X = I without damping, else
+    complex with x^T (2 s M + C) x = 2 i |Im s|. They have attributes with the evidence of their search, from ``vectors`` on, which modes
+    of arrays and slices do not have (None).
+
     Attributes:
         modes: one ``Mode`` for each finite eigenvalue; an eigenvalue 0 is split into rigid body, offset and drift.
         names: names of the coordinates, in the order of the rows of the shapes.
         polynomial_matrix: A(s) with A(s) u = 0 for each eigenvalue s and shape u; None where it is not known.
         system: system of arrays, that has these modes; None where it is not known.
-
-    Of sparse matrices they are those of lowest frequency, with shapes that satisfy the constraints: of undamped modes real with
-    X^T M X = I, of damped ones complex with x^T (2 s M + C) x = 2 i |Im s|, which is x^T M x = 1 without damping. They have further
-    attributes, None of modes of arrays and of a slice:
-
         vectors: the shapes of all modes, one a column, shape (n, m).
         bounds: the part of the residuals that rounding errors and the stopping rule explain, in the same measure, shape (m,).
         orthogonality: the largest entry of X^T M X - I; of damped modes that of the corresponding bilinear form.
@@ -153,7 +152,7 @@ class Modes(Presented, Sequence):
     polynomial_matrix: PolynomialMatrix | None = field(default=None, repr=False, kw_only=True)
     system: EquationsOfMotion | None = field(default=None, repr=False, compare=False, kw_only=True)
     vectors: np.ndarray | None = field(default=None, kw_only=True)
-    known_residuals: np.ndarray | None = field(default=None, kw_only=True)
+    _residuals: np.ndarray | None = field(default=None, kw_only=True)
     bounds: np.ndarray | None = field(default=None, kw_only=True)
     orthogonality: float | None = field(default=None, kw_only=True)
     counted_below: float | None = field(default=None, kw_only=True)
@@ -222,8 +221,8 @@ class Modes(Presented, Sequence):
     @cached_property
     def residuals(self) -> np.ndarray:
         """|A(s) u| of each mode without constraint forces, relative to the sizes of its terms, the largest of its shapes, shape (m,)."""
-        if self.known_residuals is not None:
-            return self.known_residuals
+        if self._residuals is not None:
+            return self._residuals
         A, counts = self.polynomial_matrix, [mode.shapes.shape[1] for mode in self.modes]
         if A is None or not sum(counts):
             return np.zeros(len(counts))

@@ -593,7 +593,7 @@ def _modes(pencil, undamped: UndampedModes, values, X, kinds: list[Kind], eviden
         tuple(modes),
         pencil.names,
         vectors=vectors,
-        known_residuals=evidence[0],
+        _residuals=evidence[0],
         bounds=evidence[1],
         orthogonality=orthogonality,
         counted_below=None if undamped.counted is None else max(undamped.below, 0.0) ** 0.5,
