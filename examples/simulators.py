@@ -19,8 +19,8 @@ from time import perf_counter
 
 import numpy as np
 
-from mbconstrained.control.transfer.matrix_fraction import scalar_matrix
-from mbconstrained.control.transfer.transfer_function import transfer_function_response
+from mbconstrained.control.matrix_fraction import scalar_matrix
+from mbconstrained.control.transfer_function import transfer_function_response
 from mbconstrained.ground.errors import InputError
 
 #: The zeros of (47), and the factors of its denominator in ascending powers.

@@ -5,10 +5,9 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from .control.state_space import StateSpace
-from .control.state_space_response import StateSpaceResponse
-from .control.transfer.matrix_fraction import matrix_fraction_response
-from .control.transfer.transfer_function import TransferFunctionResponse, transfer_function_response
+from .control.matrix_fraction import matrix_fraction_response
+from .control.state_space import StateSpace, StateSpaceResponse
+from .control.transfer_function import TransferFunctionResponse, transfer_function_response
 from .ground.display import Presented, Studied
 from .ground.errors import (
     ContradictoryConstraints,
@@ -28,7 +27,7 @@ from .mechanics.element_matrix import ElementMatrix
 from .mechanics.energy import EnergyParts
 from .mechanics.modes import Modes
 from .mechanics.motion import Motion
-from .mechanics.normal_form.normal_form import NormalForm, mechanical_normal_form
+from .mechanics.normal_form import NormalForm, mechanical_normal_form
 from .mechanics.system import MechanicalSystem
 from .models.lumped import LumpedModel
 from .polynomial.jordan_pairs import FinitePair, InfinitePair, JordanPairs
@@ -43,7 +42,7 @@ from .signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from .signals.inputs import harmonic, impulse, power, pulse, ramp, sampled, step, term, zero
 
 if TYPE_CHECKING:
-    from . import exact
+    from ..mbconstrained import exact
 
 #: Names of what most do without, imported when they are first asked for: exact answers bring sympy or python-flint, robots
 #: their own half of the models.
@@ -75,16 +74,16 @@ _LATE = {
     "LinearizedRobot": "robot.linearization.linearized",
     "Loop": "robot.connections",
     "Motions": "mechanics.motions",
-    "Family": "mechanics.family.family",
-    "family": "mechanics.family.family",
-    "Parameter": "mechanics.sensitivity.parameter",
-    "Sensitivities": "mechanics.sensitivity.sensitivities",
+    "Family": "mechanics.family",
+    "family": "mechanics.family",
+    "Parameter": "mechanics.parameter",
+    "Sensitivities": "mechanics.sensitivities",
     "PointMotion": "robot.linearization.linearized",
     "Posture": "robot.posture",
     "Responses": "response.solve",
-    "Campbell": "mechanics.vibration.rotating",
-    "CriticalSpeed": "mechanics.vibration.rotating",
-    "SteadyState": "mechanics.vibration.steady_state",
+    "Campbell": "mechanics.rotating",
+    "CriticalSpeed": "mechanics.rotating",
+    "SteadyState": "mechanics.harmonic_response",
     "Robot": "robot.robot",
     "Geometry": "exchange.universal",
     "Record": "scene.build.record_file",

@@ -16,7 +16,7 @@ from ..ground.coordinate_units import rate_unit
 from ..ground.display import TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind, distinct
-from ..mechanics.vibration.peaks import QUANTITIES, Peaks
+from ..mechanics.peaks import QUANTITIES, Peaks
 from ..page.content import Curve, Guide, Plot
 from ..page.plots.axis import Scale, power_label
 from ..page.typeset import raised

@@ -1,6 +1,5 @@
 """Control: transfer functions, state spaces with or without descriptor.
 
-It imports the mathematics below; nothing of mechanics, models or robots. Read in this order: transfer (one input and output,
-fractions of polynomial matrices), state_equations, state_space with realization, conversions and poles_and_zeros, then
-state_space_response.
+It imports the mathematics below; nothing of mechanics, models or robots. Read in this order: rational, matrix_fraction, transfer_function
+(one input and output), then state_equations with poles and zeros, conversions, state_space.
 """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from numbers import Number
@@ -11,9 +12,13 @@ import numpy as np
 
 from ..ground.checks import counted, names_of, nearest, real_array
 from ..ground.display import Displayed
-from ..ground.errors import InputError
+from ..ground.errors import IllConditioned, InputError, SingularPolynomialMatrix
+from ..ground.tolerances import GAIN_AGREEMENT, noise_of
 from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..polynomial.structure import FiniteZero
 from ..signals.impulsive import ImpulsiveSmooth
+from .matrix_fraction import scalar_matrix
+from .rational import RationalFunction
 
 
 class StateEquations(Displayed):
@@ -31,11 +36,16 @@ class StateEquations(Displayed):
         outputs: Sequence[str] | None = None,
         units: Mapping[str, str] | None = None,
     ):
-        self.A = _square(A)
-        n = len(self.A)
-        self.B = _fixed(np.zeros((n, _width(D))) if B is None else real_array(B, "B", shape=(n, None)))
+        A = real_array(A, "A", shape=(None, None))
+        if A.shape[0] != A.shape[1]:
+            raise InputError(f"A: expected a square matrix, found {A.shape[0]} x {A.shape[1]}")
+        if not len(A):
+            raise InputError("A: found no entries; a state space needs at least one state")
+        self.A, n = _fixed(A), len(A)
+        feedthrough = (0, 0) if D is None else real_array(D, "D", shape=(None, None)).shape if B is None or C is None else None
+        self.B = _fixed(np.zeros((n, feedthrough[1])) if B is None else real_array(B, "B", shape=(n, None)))
         p = self.B.shape[1]
-        self.C = _fixed(np.zeros((_height(D), n)) if C is None else real_array(C, "C", shape=(None, n)))
+        self.C = _fixed(np.zeros((feedthrough[0], n)) if C is None else real_array(C, "C", shape=(None, n)))
         q = len(self.C)
         self.D = _fixed(np.zeros((q, p)) if D is None else real_array(D, "D", shape=(q, p)))
         self.is_descriptor = descriptor is not None
@@ -43,7 +53,11 @@ class StateEquations(Displayed):
         self.states, self.inputs = names_of(states, n, "states", "x"), names_of(inputs, p, "inputs", "u")
         self.outputs = names_of(outputs, q, "outputs", "y")
         names_of((*self.states, *self.outputs), n + q, "states and outputs", "x")  # unknowns of one problem
-        self.units = _units(units, (*self.states, *self.inputs, *self.outputs))
+        names = (*self.states, *self.inputs, *self.outputs)
+        for name in units or {}:
+            if name not in names:
+                raise InputError(f'units: there is no state, input or output "{name}"{nearest(name, names)}')
+        self.units = {name: str((units or {}).get(name, "1")) for name in names}
 
     def _summary(self) -> str:
         named = ((self.states, "state"), (self.inputs, "input"), (self.outputs, "output"))
@@ -84,10 +98,9 @@ class StateEquations(Displayed):
     @cached_property
     def _pencil_with_outputs(self) -> PolynomialMatrix:
         n, q = len(self.A), len(self.C)
-        names = names_of((*self.states, *self.outputs), n + q, "states and outputs", "x")
         rows = [f"row {i + 1}" for i in range(n)] + [f"output {name}" for name in self.outputs]
         constant = np.block([[-self.A, np.zeros((n, q))], [-self.C, np.eye(q)]])
-        return PolynomialMatrix([constant, np.pad(self.E, (0, q))], names, rows)
+        return PolynomialMatrix([constant, np.pad(self.E, (0, q))], (*self.states, *self.outputs), rows)
 
     def start(self, initial) -> np.ndarray:
         """x(0-), shape (n,), from an array, a mapping from names, or None for zeros."""
@@ -109,30 +122,163 @@ class StateEquations(Displayed):
         return u.mapped(np.vstack([self.B, self.D]))
 
 
-def _square(A) -> np.ndarray:
-    matrix = real_array(A, "A", shape=(None, None))
-    if matrix.shape[0] != matrix.shape[1]:
-        raise InputError(f"A: expected a square matrix, found {matrix.shape[0]} x {matrix.shape[1]}")
-    if not len(matrix):
-        raise InputError("A: found no entries; a state space needs at least one state")
-    return _fixed(matrix)
-
-
-def _width(D) -> int:
-    return 0 if D is None else real_array(D, "D", shape=(None, None)).shape[1]
-
-
-def _height(D) -> int:
-    return 0 if D is None else len(real_array(D, "D", shape=(None, None)))
-
-
 def _fixed(matrix: np.ndarray) -> np.ndarray:
     matrix.flags.writeable = False
     return matrix
 
 
-def _units(units, names) -> dict[str, str]:
-    for name in units or {}:
-        if name not in names:
-            raise InputError(f'units: there is no state, input or output "{name}"{nearest(name, names)}')
-    return {name: str((units or {}).get(name, "1")) for name in names}
+# Zeros, poles and gain from one input to one output, from the Jordan pairs of polynomial matrices.
+#
+# The poles are the zeros of s E - A; the zeros those of [[s E - A, -B], [C, D]], whose determinant is det(s E - A) G(s)
+# (Rosenbrock 1970). An uncontrollable or unobservable eigenvalue is a zero and a pole alike.
+
+#: G(s) is evaluated for s in this direction, somewhat larger than poles: far from all but strongly unstable ones.
+DIRECTION = 1.7 * np.exp(0.9j)
+
+
+@dataclass(frozen=True, repr=False)
+class Transfer(Displayed):
+    """G(s) = gain prod(s - zeros)/prod(s - poles).
+
+    Attributes:
+        zeros, poles: with their multiplicities; of a complex pair the one above the real axis stands for both.
+        gain: the factor; 0 where G(s) = 0 for every s.
+        dc_gain: G(0), common zeros and poles at 0 left out; None where G has a pole at 0.
+    """
+
+    zeros: tuple[FiniteZero, ...]
+    poles: tuple[FiniteZero, ...]
+    gain: float
+    dc_gain: float | None
+
+    def _summary(self) -> str:
+        zeros, poles = (sum(root.count for root in roots) for roots in (self.zeros, self.poles))
+        return f"{counted(zeros, 'zero')}, {counted(poles, 'pole')}, gain {self.gain:.6g}"
+
+    @property
+    def numerator(self) -> np.ndarray:
+        """gain prod(s - zeros), the highest power first."""
+        return self.gain * np.atleast_1d(np.real(np.poly(roots_of(self.zeros))))
+
+    @property
+    def denominator(self) -> np.ndarray:
+        """prod(s - poles), the highest power first."""
+        return np.atleast_1d(np.real(np.poly(roots_of(self.poles))))
+
+
+def roots_of(zeros: Sequence[FiniteZero]) -> np.ndarray:
+    """All roots with their conjugates, repeated by multiplicity, shape (k,).
+
+    >>> roots_of([FiniteZero(1j, 1), FiniteZero(-2 + 0j, 2)]).tolist()
+    [1j, -1j, (-2+0j), (-2+0j)]
+    """
+    roots: list[complex] = []
+    for zero in zeros:
+        value = complex(zero.value)
+        roots += ([value, value.conjugate()] if value.imag else [value]) * zero.multiplicity
+    return np.array(roots, dtype=complex)
+
+
+def transfer_of(system: StateEquations, output: int | str = 0, input: int | str = 0) -> Transfer:
+    """Zeros, poles and gain from one input to one output."""
+    poles = system.polynomial_matrix().jordan_pairs().structure.finite_zeros
+    channel = _Channel(system, _place(output, system.outputs, "output"), _place(input, system.inputs, "input"))
+    samples = _samples(channel, roots_of(poles))
+    try:
+        pairs = channel.polynomial_matrix().jordan_pairs()
+    except SingularPolynomialMatrix:
+        if any(abs(G) > noise_of(size, len(system.A)) for _, G, size in samples):
+            raise channel.hidden() from None
+        return Transfer((), poles, 0.0, 0.0)
+    zeros = pairs.structure.finite_zeros
+    gain, disagreement = _gain(samples, roots_of(zeros), roots_of(poles))
+    if not (disagreement <= GAIN_AGREEMENT and all(decision.clear for decision in pairs.form.decisions)):
+        raise channel.hidden()
+    return Transfer(zeros, poles, gain, _value_at_zero(channel, zeros, poles, gain))
+
+
+def _place(key, names: Sequence[str], what: str) -> int:
+    if isinstance(key, str) and key in names:
+        return names.index(key)
+    if isinstance(key, (int, np.integer)) and not isinstance(key, bool) and 0 <= key < len(names):
+        return int(key)
+    hint = nearest(key, names) if isinstance(key, str) else ""
+    raise InputError(f"{what}: found {key!r}{hint}; expected one of {', '.join(names) or 'none'}, or a number from 0")
+
+
+@dataclass(frozen=True)
+class _Channel:
+    """The channel from one input to one output of a state space."""
+
+    system: StateEquations
+    output: int
+    input: int
+
+    def __call__(self, s: complex) -> tuple[complex, float]:
+        """G(s), and the size of its terms, with those of x = (s E - A)^-1 b that cause its rounding errors (Skeel 1979)."""
+        system = self.system
+        pencil, c, d = s * system.E - system.A, system.C[self.output], system.D[self.output, self.input]
+        states = np.linalg.solve(pencil, system.B[:, self.input])
+        sensitivity = np.abs(np.linalg.inv(pencil)) @ (np.abs(pencil) @ np.abs(states))
+        return c @ states + d, float(np.abs(c) @ sensitivity + abs(d))
+
+    def polynomial_matrix(self) -> PolynomialMatrix:
+        """[[s E - A, -B], [C, D]] of the channel."""
+        system, input, output = self.system, slice(self.input, self.input + 1), slice(self.output, self.output + 1)
+        constant = np.block([[-system.A, -system.B[:, input]], [system.C[output], system.D[output, input]]])
+        return PolynomialMatrix([constant, np.pad(system.E, (0, 1))])
+
+    def hidden(self) -> IllConditioned:
+        """The error for zeros hidden by rounding errors."""
+        return IllConditioned(
+            f"from {self.system.inputs[self.input]} to {self.system.outputs[self.output]}: rounding of A, B, C and D hides the "
+            "zeros of G(s), which is not zero; choose states in which fewer digits cancel, or give the transfer function"
+        )
+
+
+def rational_transfer(fraction: RationalFunction) -> Transfer:
+    """Poles, zeros and gain of b(s)/a(s) without its common factor, with exact coefficients.
+
+    >>> from mbconstrained.control.rational import rational_function
+    >>> transfer = rational_transfer(rational_function([2.0, 4.0], [1.0, 4.0, 3.0]))
+    >>> [zero.value.real for zero in transfer.zeros], transfer.gain, round(transfer.dc_gain, 12)
+    ([-2.0], 2.0, 1.333333333333)
+    """
+    reduced = fraction.reduced
+    b, a = reduced.numerator, reduced.denominator
+    poles = scalar_matrix(a, reduced.rounded).structure().finite_zeros
+    if not b:
+        return Transfer((), poles, 0.0, 0.0)
+    zeros = scalar_matrix(b, reduced.rounded).structure().finite_zeros
+    return Transfer(zeros, poles, float(b[-1] / a[-1]), float(b[0] / a[0]) if a[0] else None)
+
+
+def _samples(channel: _Channel, poles: np.ndarray) -> list[tuple[complex, complex, float]]:
+    """Sample points s, G(s) and the size of its terms, for some s near the poles in size, away from both axes."""
+    sizes = np.abs(poles)[np.abs(poles) > 0]
+    places = np.quantile(sizes if sizes.size else np.ones(1), [0.0, 0.25, 0.5, 0.75, 1.0]) * DIRECTION
+    return [(s, *channel(s)) for s in map(complex, places) if not np.isin(s, poles)]
+
+
+def _gain(samples, zeros: np.ndarray, poles: np.ndarray) -> tuple[float, float]:
+    """The gain from G at the s of least cancellation, and its largest relative difference at other s."""
+    gains = []
+    for s, G, size in samples:
+        if abs(G) > noise_of(size, len(poles)) / GAIN_AGREEMENT and not np.isin(s, zeros):
+            logarithm = np.log(s - poles).sum() - np.log(s - zeros).sum()
+            gains.append((abs(G) / size, np.log(G) + logarithm))
+    if not gains:
+        return 0.0, float("inf")
+    best = max(gains, key=lambda pair: pair[0])[1]
+    gain = np.exp(best)
+    return float(gain.real), max(abs(np.expm1(other - best)) for _, other in gains)
+
+
+def _value_at_zero(channel: _Channel, zeros, poles, gain: float) -> float | None:
+    at_zero = [sum(zero.multiplicity for zero in roots if not zero.value) for roots in (zeros, poles)]
+    if at_zero[1] != at_zero[0]:
+        return None if at_zero[1] > at_zero[0] else 0.0
+    if not at_zero[1]:
+        return float(channel(0.0)[0].real)
+    above, below = (roots_of([zero for zero in roots if zero.value]) for roots in (zeros, poles))
+    return float(gain * np.real(np.prod(-above) / np.prod(-below)))

@@ -414,7 +414,7 @@ JOINT_LIMIT = 1e-6
 #: Relative difference (rad, m for values below 1) below which two values of a locked mimic joint are equal.
 SAME_JOINT_VALUE = 1e-9
 
-# Sensitivities: multiple eigenvalues and derivatives of matrices (``polynomial.variation``, ``mechanics.sensitivity``).
+# Sensitivities: multiple eigenvalues and derivatives of matrices (``polynomial.variation``, ``mechanics.sensitivities``).
 
 #: Digits of determinants near multiple eigenvalues: circles of 10^-30 and powers up to the multiplicity cancel most of them.
 SPLITTING_DIGITS = 400

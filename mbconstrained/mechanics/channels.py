@@ -17,21 +17,13 @@ LISTED = 8
 
 
 class Channel(NamedTuple):
-    """A linear combination of coordinates, as input or output; or a constraint row.
+    """A linear combination of coordinates, as input or output; or a constraint row."""
 
-    Attributes:
-        name: its name.
-        direction: the combination a of a x, shape (n,); of a constraint row its coefficients.
-        unit: unit of a x, "m", "rad" or "1".
-        row: the place of the constraint row; None of other channels.
-        element: the spring or damper whose force is meant; None of other channels.
-    """
-
-    name: str
-    direction: np.ndarray
-    unit: str
-    row: int | None = None
-    element: ElementForce | None = None
+    name: str  # its name
+    direction: np.ndarray  # the combination a of a x, shape (n,); of a constraint row its coefficients
+    unit: str  # unit of a x, "m", "rad" or "1"
+    row: int | None = None  # the place of the constraint row; None of other channels
+    element: ElementForce | None = None  # the spring or damper whose force is meant; None of other channels
 
     def unknowns(self, system: EquationsOfMotion) -> np.ndarray:
         """Position among the coordinates and the multipliers of all rows, as a unit vector or direction, shape (n + k,)."""

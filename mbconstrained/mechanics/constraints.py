@@ -108,24 +108,16 @@ class Constraint:
 
 @dataclass(frozen=True, eq=False)
 class ConstraintRow:
-    """One row a x^(level) = value + signal(t) of a system.
+    """One row a x^(level) = value + signal(t) of a system."""
 
-    Attributes:
-        name: its name.
-        coefficients: a, shape (n,).
-        level: "position", "velocity" or "acceleration".
-        value: the constant part of the right-hand side b.
-        unit: unit of a x, "m", "rad" or "1".
-        uncertainty: bounds of the errors of a beyond rounding, shape (n,) or one number.
-        signal: the part of b that varies in time, one row; None where b is constant.
-    """
-
-    name: str
-    coefficients: np.ndarray = field(repr=False)
-    level: Level
-    value: float
-    unit: str
+    name: str  # its name
+    coefficients: np.ndarray = field(repr=False)  # a, shape (n,)
+    level: Level  # "position", "velocity" or "acceleration"
+    value: float  # the constant part of the right-hand side b
+    unit: str  # unit of a x, "m", "rad" or "1"
+    # bounds of the errors of a beyond rounding, shape (n,) or one number
     uncertainty: np.ndarray | float = field(default=0.0, repr=False)
+    # the part of b that varies in time, one row; None where b is constant
     signal: ImpulsiveSmooth | None = field(default=None, repr=False)
 
     def right_side(self, order: int) -> BohlFunction:
@@ -201,13 +193,11 @@ def constraint_rows(constraints: Sequence[Constraint], units: dict[str, str]) ->
         given = zip(full(constraint.rows), constraint.values, full(constraint.uncertainty))
         for place, (coefficients, value, uncertainty) in enumerate(given):
             unit, name = constraint.unit or _unit(coefficients, each), names[len(rows)]
-            signal = None if constraint.signal is None else _row_of(constraint.signal, place)
+            signal = constraint.signal
+            if signal is not None and signal.size != 1:
+                signal = signal.mapped(np.eye(1, signal.size, place))
             rows.append(ConstraintRow(name, coefficients, constraint.level, float(value), unit, uncertainty, signal))
     return tuple(rows)
-
-
-def _row_of(signal: ImpulsiveSmooth, place: int) -> ImpulsiveSmooth:
-    return signal if signal.size == 1 else signal.mapped(np.eye(1, signal.size, place))
 
 
 def right_sides(rows: Sequence[ConstraintRow]) -> ImpulsiveSmooth | None:
@@ -238,25 +228,15 @@ def _sparse_rows(rows) -> scipy.sparse.csr_array:
 
 @dataclass(frozen=True, eq=False)
 class IndependentRows:
-    """The independent constraint rows of a system with n coordinates, and what they leave free.
+    """The independent constraint rows of a system with n coordinates, and what they leave free."""
 
-    Attributes:
-        rows: the k independent rows, strongest level first.
-        matrix: A, their coefficients, shape (k, n).
-        uncertainty: bounds of their errors beyond rounding, shape (k, n).
-        null_space: V, a basis of null(A), shape (n, n - k).
-        motions: the coordinate that each column of V moves, None where it mixes several.
-        pivots: columns in which A is regular, shape (k,).
-        notices: one for each dependent row, and for each that is kept by a narrow margin.
-    """
-
-    rows: tuple[ConstraintRow, ...]
-    matrix: np.ndarray
-    uncertainty: np.ndarray
-    null_space: np.ndarray
-    motions: tuple[int | None, ...]
-    pivots: tuple[int, ...]
-    notices: tuple[Notice, ...]
+    rows: tuple[ConstraintRow, ...]  # the k independent rows, strongest level first
+    matrix: np.ndarray  # A, their coefficients, shape (k, n)
+    uncertainty: np.ndarray  # bounds of their errors beyond rounding, shape (k, n)
+    null_space: np.ndarray  # V, a basis of null(A), shape (n, n - k)
+    motions: tuple[int | None, ...]  # the coordinate that each column of V moves, None where it mixes several
+    pivots: tuple[int, ...]  # columns in which A is regular, shape (k,)
+    notices: tuple[Notice, ...]  # one for each dependent row, and for each that is kept by a narrow margin
 
     @cached_property
     def left_inverse(self) -> np.ndarray:

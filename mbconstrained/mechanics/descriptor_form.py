@@ -84,7 +84,8 @@ def to_state_space(
             C[line, (x, v, a)[int(kind)]] = along
     states = [f"state {name}{rate}" for rate in RATES[: 2 + with_acceleration] for name in system.names]
     states += [f"state {row.name} reaction" for row in rows]
-    units = dict(zip(states, _state_units(system, 2 + with_acceleration)))
+    unit_of_states = [rate_unit(system.units[name], order) for order in range(2 + with_acceleration) for name in system.names]
+    units = dict(zip(states, [*unit_of_states, *(force_unit(row.unit) for row in rows)]))
     units |= {one.name: one.unit for one in (*named_inputs, *chosen)}
     input_names, output_names = [one.name for one in named_inputs], [one.name for one in chosen]
     return StateSpace(J, B, C, None, E, states, input_names, output_names, units)
@@ -158,8 +159,3 @@ def _outputs(system: EquationsOfMotion, chosen) -> list[_Port]:
     for order, rate in reversed(list(enumerate(RATES))):
         known |= {f"{one.name}{rate}": _Port(f"{one.name}{rate}", str(order), one) for one in (*moving, *named)}
     return chosen_by_name("outputs", chosen, known, [_Port(one.name, "0", one) for one in moving])
-
-
-def _state_units(system: EquationsOfMotion, rates: int) -> list[str]:
-    own = [rate_unit(system.units[name], order) for order in range(rates) for name in system.names]
-    return own + [force_unit(row.unit) for row in system.rows]

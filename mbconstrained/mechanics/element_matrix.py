@@ -137,17 +137,11 @@ def mass_normalized(mass: np.ndarray, shapes: np.ndarray, frequencies: np.ndarra
 
 @dataclass(frozen=True, eq=False)
 class SpeedTable:
-    """Speed-dependent coefficients of a bearing: additions to K and C, piecewise linear in the speed.
+    """Speed-dependent coefficients of a bearing: additions to K and C, piecewise linear in the speed."""
 
-    Attributes:
-        name: name of the bearing.
-        speeds: W in rad/s, ascending, shape (S,).
-        stiffness, damping: shape (S, n, n).
-    """
-
-    name: str
-    speeds: np.ndarray
-    stiffness: np.ndarray
+    name: str  # name of the bearing
+    speeds: np.ndarray  # W in rad/s, ascending, shape (S,)
+    stiffness: np.ndarray  # stiffness, damping: shape (S, n, n)
     damping: np.ndarray
 
     def _interval(self, speed: float) -> int:
@@ -163,3 +157,10 @@ class SpeedTable:
         """Additions to K and C, shape (2, n, n), extrapolated by the last piece beyond the table."""
         i = self._interval(speed)
         return np.array([self.stiffness[i], self.damping[i]]) + (speed - self.speeds[i]) * self.slope(speed)
+
+
+def unbalance_of(first: int, second: int, moment: float, angle: float, size: int) -> np.ndarray:
+    """The unbalance u of an eccentric mass, whose force is W^2 Re(u e^{i W t}) = moment W^2 (cos(W t + angle), sin(W t + angle))."""
+    u = np.zeros(size, dtype=complex)
+    u[[first, second]] = np.array([1.0, -1j]) * moment * np.exp(1j * angle)
+    return u

@@ -72,15 +72,10 @@ Matrix = np.ndarray | ElementMatrix
 
 
 class CoordinatePart(NamedTuple):
-    """The part of a matrix along one coordinate: x_i (P x)_i. It may be negative; over all i the sum is x^T P x.
+    """The part of a matrix along one coordinate: x_i (P x)_i. It may be negative; over all i the sum is x^T P x."""
 
-    Attributes:
-        whole: P, a matrix or its elements.
-        place: i, counted from 0.
-    """
-
-    whole: Matrix
-    place: int
+    whole: Matrix  # P, a matrix or its elements
+    place: int  # i, counted from 0
 
 
 EnergyPart = Matrix | CoordinatePart

@@ -25,7 +25,7 @@ from .constrained_form import ConstrainedForm, constrained_form, explicit_accele
 from .constraints import LEVELS, Constraint, ConstraintRow, IndependentRows, checked_constraints, constraint_rows, independent_rows
 from .element_matrix import ElementMatrix, SpeedTable, modal_damping, relative_mass
 from .energy import EnergyParts, checked_parts, coordinate_parts
-from .sensitivity.parameter import Parameter, entry_parameters
+from .parameter import Parameter, entry_parameters
 
 if TYPE_CHECKING:
     from .sparse.pencil import ReducedPencil
@@ -405,7 +405,7 @@ class EquationsOfMotion(Displayed):
         if value is None and size is None:
             raise InputError("mass: a mechanical system needs a mass matrix (zeros for massless coordinates)")
         if self.is_sparse:
-            from .sparse.sparse_matrices import square_sparse
+            from .sparse.pencil import square_sparse
 
             return square_sparse(value.matrix if isinstance(value, ElementMatrix) else value, what, size)
         matrix = np.zeros((size, size)) if value is None else value.matrix if isinstance(value, ElementMatrix) else value

@@ -33,7 +33,11 @@ def exact_motion(system: EquationsOfMotion, initial: np.ndarray, applied: Impuls
     prescribed = right_sides(system.rows)
     if prescribed is not None:
         force = force + prescribed.mapped(np.eye(n + k)[:, n:])
-    return ExactResponse(_regular_form(system), start, sources_of(force), range(n))
+    equations = [*(f"motion of {name}" for name in system.names), *(f"constraint {row.name}" for row in system.rows)]
+    coordinates = [*system.names, *(f"force of {row.name}" for row in system.rows)]
+    exact, rows = PolynomialMatrix(system.given).exact_coefficients, system.constraint_matrix.astype(object)
+    matrices = [matrix.tolist() for matrix in with_multipliers(exact, rows, [row.order for row in system.rows])]
+    return ExactResponse(regular(RationalMatrix(matrices), equations, coordinates), start, sources_of(force), range(n))
 
 
 def rounding_of_form(system: EquationsOfMotion, applied: ImpulsiveSmooth) -> Rounding | None:
@@ -67,19 +71,6 @@ def _extended(matrix: np.ndarray | ElementMatrix) -> tuple[np.ndarray, np.ndarra
         return matrix.astype(Extended), np.abs(matrix)
     B, k = matrix.directions.astype(Extended), matrix.constants
     return (B.T * k) @ B, (np.abs(matrix.directions.T) * np.abs(k)) @ np.abs(matrix.directions)
-
-
-def _regular_form(system: EquationsOfMotion) -> RationalMatrix:
-    equations = [*(f"motion of {name}" for name in system.names), *(f"constraint {row.name}" for row in system.rows)]
-    coordinates = [*system.names, *(f"force of {row.name}" for row in system.rows)]
-    return regular(RationalMatrix(_multiplier_form(system)), equations, coordinates)
-
-
-def _multiplier_form(system: EquationsOfMotion) -> list[list[list]]:
-    """Nested lists of exact numbers, for s^0, s^1, s^2."""
-    exact = PolynomialMatrix(system.given).exact_coefficients
-    rows = system.constraint_matrix.astype(object)
-    return [matrix.tolist() for matrix in with_multipliers(exact, rows, [row.order for row in system.rows])]
 
 
 def with_multipliers(coefficients, rows: np.ndarray, orders: Sequence[int]) -> list[np.ndarray]:

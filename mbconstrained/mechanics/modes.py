@@ -2,24 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import islice
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
+import scipy.linalg
+from scipy.linalg import lapack
 
 from ..exchange.trajectories import write_arrays
 from ..exchange.universal import UNIVERSAL, Geometry, write_modes
 from ..ground.checks import counted, whole_number
 from ..ground.coordinate_units import coordinate_units
-from ..ground.display import Presented, TextTable
+from ..ground.display import Presented, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.files import replacing
-from ..linalg.arrays import kept
+from ..ground.notices import Notice
+from ..ground.threads import short_work
+from ..ground.tolerances import (
+    DECOUPLING_LIMIT,
+    DIVISOR_CONDITION,
+    EPS,
+    NOISE_SAFETY,
+    STIFFNESS_CONDITION,
+    noise_of,
+    rounding_radius,
+)
+from ..linalg.arrays import full, kept
+from ..linalg.blocks import block_slices
+from ..linalg.division import definite_condition, is_symmetric, solved
+from ..linalg.precise import floats, is_precise, is_worthwhile, precise_arithmetic
+from ..linalg.rank import Noisy, null_columns
+from ..linalg.symmetric import undamped_shapes
+from ..polynomial.decoupling import known_coefficient
 from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..polynomial.reduced_equations import NotReducible, Reduction
+from ..response.choose import serving_reduction
+from ..signals.inputs import zero
 from .energy import EnergyParts, EnergyShares
 from .equations import EquationsOfMotion
 
@@ -104,34 +127,59 @@ class Mode:
 class Modes(Presented, Sequence):
     """The modes of a mechanical system: a sequence of ``Mode``, ascending by |s|, with tables.
 
+    Modes of sparse matrices are those of lowest frequency, whose shapes satisfy the constraints: real with X^T M X = I without damping, else
+    complex with x^T (2 s M + C) x = 2 i |Im s|. They have attributes with the evidence of their search, from ``vectors`` on, which modes
+    of arrays and slices do not have (None).
+
     Attributes:
         modes: one ``Mode`` for each finite eigenvalue; an eigenvalue 0 is split into rigid body, offset and drift.
         names: names of the coordinates, in the order of the rows of the shapes.
         polynomial_matrix: A(s) with A(s) u = 0 for each eigenvalue s and shape u; None where it is not known.
         system: system of arrays, that has these modes; None where it is not known.
+        vectors: the shapes of all modes, one a column, shape (n, m).
+        bounds: the part of the residuals that rounding errors and the stopping rule explain, in the same measure, shape (m,).
+        orthogonality: the largest entry of X^T M X - I; of damped modes that of the corresponding bilinear form.
+        counted_below: the frequency in rad/s below which Sylvester's law of inertia counted the undamped modes; None where it
+            could not.
+        none_missed: whether the count agrees with the modes below that frequency.
+        complete: whether the system has no other finite undamped modes.
+        notices: modes that may be missing, residuals beyond their bound, redundant rows.
     """
 
     modes: tuple[Mode, ...]
     names: tuple[str, ...]
     polynomial_matrix: PolynomialMatrix | None = field(default=None, repr=False, kw_only=True)
     system: EquationsOfMotion | None = field(default=None, repr=False, compare=False, kw_only=True)
+    vectors: np.ndarray | None = field(default=None, kw_only=True)
+    _residuals: np.ndarray | None = field(default=None, kw_only=True)
+    bounds: np.ndarray | None = field(default=None, kw_only=True)
+    orthogonality: float | None = field(default=None, kw_only=True)
+    counted_below: float | None = field(default=None, kw_only=True)
+    none_missed: bool | None = field(default=None, kw_only=True)
+    complete: bool | None = field(default=None, kw_only=True)
+    notices: tuple[Notice, ...] = field(default=(), kw_only=True)
 
     def __len__(self) -> int:
         return len(self.modes)
 
     def __getitem__(self, index):
         """A ``Mode``; for a slice ``Modes``."""
-        return replace(self, modes=self.modes[index]) if isinstance(index, slice) else self.modes[index]
+        if not isinstance(index, slice):
+            return self.modes[index]
+        return Modes(self.modes[index], self.names, polynomial_matrix=self.polynomial_matrix, system=self.system)
 
     def _summary(self) -> str:
         hz = self.frequencies_hz
         band = f": {hz[0]:.4g} Hz" + (f" to {hz[-1]:.4g} Hz" if len(hz) > 1 else "") if len(hz) else ""
-        return f"{counted(len(self), 'mode')} of {counted(len(self.names), 'coordinate')}{band}"
+        count = "" if self.none_missed is None else ", none missed" if self.none_missed else ", not counted"
+        return f"{counted(len(self), 'mode')} of {counted(len(self.names), 'coordinate')}{band}{count}"
 
     def _tables(self) -> tuple[TextTable, ...]:
         columns = ("kind", "frequency (Hz)", "damping ratio")
         rows = ((str(number), *(row[column] for column in columns)) for number, row in enumerate(self.table(), 1))
-        return (TextTable("Modes", ("no.", *columns), tuple(rows)),)
+        return TextTable("Modes", ("no.", *columns), tuple(rows)), *(
+            (notice_table(self.notices),) if self.bounds is not None else ()
+        )
 
     @property
     def oscillating(self) -> tuple[Mode, ...]:
@@ -171,7 +219,9 @@ class Modes(Presented, Sequence):
 
     @cached_property
     def residuals(self) -> np.ndarray:
-        """|A(s) u| of each mode, relative to the sizes of its terms, the largest of its shapes, shape (m,)."""
+        """|A(s) u| of each mode without constraint forces, relative to the sizes of its terms, the largest of its shapes, shape (m,)."""
+        if self._residuals is not None:
+            return self._residuals
         A, counts = self.polynomial_matrix, [mode.shapes.shape[1] for mode in self.modes]
         if A is None or not sum(counts):
             return np.zeros(len(counts))
@@ -198,8 +248,12 @@ class Modes(Presented, Sequence):
         return sum(mode.multiplicity for mode in self.modes if mode.kind == "drift")
 
     def table(self) -> list[dict[str, str]]:
-        """A row of texts per mode: kind, frequency in Hz, damping ratio, eigenvalue, frequency in rad/s, multiplicity, meaning."""
-        return [_table_row(mode) for mode in self.modes]
+        """A row of texts per mode: kind, frequency in Hz, damping ratio, eigenvalue, frequency in rad/s, multiplicity, meaning.
+
+        Of sparse matrices also the residual.
+        """
+        residuals = [{}] * len(self) if self.bounds is None else [{"residual": f"{one:.2g}"} for one in self.residuals]
+        return [_table_row(mode) | residual for mode, residual in zip(self.modes, residuals)]
 
     def arrays(self) -> dict[str, np.ndarray]:
         """eigenvalues, natural_frequencies, frequencies_hz, damping_ratios, shapes (of the oscillating modes) and names, as arrays."""
@@ -265,3 +319,316 @@ def _table_row(mode: Mode) -> dict[str, str]:
         "multiplicity": str(mode.multiplicity),
         "meaning": mode.text,
     }
+
+
+# The modes of a mechanical system: eigenvalues and shapes by LAPACK where equations reduce to a regular matrix, else by Jordan pairs.
+#
+# A row at acceleration or velocity level is the row at position level with a factor s^2 or s,
+# det [V^T P(s); A s^level] = s^(sum of levels) det [V^T P(s); A]: those eigenvalues 0 are the drift of the constraints and
+# no motion of the bodies. All others are therefore computed from the form with every row at position level. There an eigenvalue 0
+# with an elementary divisor s^2 (or higher) is a rigid-body motion, of which displacement and velocity are free; one with the
+# divisor s is an offset, a displacement without restoring force.
+
+
+def modes_of(system: EquationsOfMotion) -> Modes:
+    """The modes of the constrained form: by the reduced equations, which motions share, else by the Jordan pairs."""
+    A = system.position_form().polynomial_matrix
+    with short_work(2 * system.size):
+        definite = _is_definite(A)
+        try:
+            moving, resting = _by_reduction(A, definite)
+        except NotReducible:
+            moving, resting = _by_pairs(A)
+        conservation = conservation_of(system, definite)
+    if drift := sum(row.order for row in system.rows):
+        resting.append(Mode("drift", 0j, drift, np.zeros((system.size, 0))))
+    modes = [replace(mode, system=system) for mode in resting]
+    for value, multiplicity, shapes, precise in moving:
+        value = cleaned(value, multiplicity, conservation, precise)
+        modes.append(Mode(_kind(value), value, multiplicity, shapes, system))
+    return Modes(tuple(modes), system.names, polynomial_matrix=A)
+
+
+#: With at most so many entries in a row, forms of a matrix are sums over differences of coordinates.
+FEW_DIFFERENCES = 4
+
+#: Eigenvalue, multiplicity, shapes, and whether the eigenvalue is that of a precise computation.
+Moving = tuple[complex, int, np.ndarray, bool]
+
+
+def _is_definite(A: PolynomialMatrix) -> bool:
+    """Whether M, C and K are symmetric, M and K positive definite and well-conditioned: the equations are their own reduction."""
+    if A.degree != 2 or any(factors is not None for factors in A.factors) or A.uncertainty.any():
+        return False
+    K, C, M = A.coefficients
+    if not (is_symmetric(M) and is_symmetric(C) and is_symmetric(K)):
+        return False
+    return definite_condition(M) <= DIVISOR_CONDITION and definite_condition(K) <= STIFFNESS_CONDITION
+
+
+def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], list[Mode]]:
+    """The modes from the decoupled first-order equations: those that move, and those of eigenvalue 0."""
+    if definite:
+        K, C, M = A.coefficients
+        if symmetric := _symmetric_modes(M, C, K):
+            return [*_grouped(*symmetric)], []
+    elif isinstance(reduced := A.reduction, Reduction) and _is_regular_and_symmetric(reduced):
+        symmetric = _symmetric_modes(*map(full, (reduced.M, reduced.C, reduced.K)))
+        if symmetric:
+            return [*_grouped(symmetric[0], reduced.V @ symmetric[1])], []
+    reduction = serving_reduction(A, zero(A.size))
+    parts = reduction.decoupled
+    sizes = np.array([len(block) for block in parts.blocks], dtype=int)
+    begin, outputs = np.cumsum(sizes) - sizes, parts.modal_output(reduction.output)
+    if (sizes > 2).any():
+        raise NotReducible("eigenvalues form a cluster")
+    single, double = begin[sizes == 1], begin[sizes == 2]
+    rates = np.array([block[0, 0] for block in parts.blocks if len(block) == 1])
+    (a, b), (c, d) = np.array([block for block in parts.blocks if len(block) == 2]).reshape(-1, 2, 2).transpose(1, 2, 0)
+    half, square = (a + d) / 2, ((a - d) / 2) ** 2 + b * c
+    if (np.sqrt(np.abs(square)) <= rounding_radius(2) * np.abs(half))[half != 0].any():
+        raise NotReducible("an eigenvalue is double to rounding errors")
+    root = np.sqrt(square.astype(complex))
+    larger = np.where(square < 0, half + root, half + np.copysign(root.real, half))
+    smaller = np.where(square < 0, 0, (a * d - b * c) / np.where(larger == 0, 1, larger))
+    real = square >= 0  # of the others, the conjugates are left out
+    values = np.concatenate([rates, larger, smaller[real]])
+    vectors = [outputs[:, double] * b + outputs[:, double + 1] * (s - a) for s in (larger, smaller)]
+    shapes = np.hstack([outputs[:, single], vectors[0], vectors[1][:, real]])
+    computed = values
+    if reduction.freed is not None:  # what the rounding errors of K support has the eigenvalue 0
+        values = np.where(np.abs(values) ** 2 <= EPS * np.abs(values).max() ** 2, 0.0, values)
+    moving = values != 0
+    count = int((~moving).sum() + (~moving & (computed.imag > 0)).sum())  # of a complex pair one is listed
+    return [*_grouped(values[moving], shapes[:, moving])], [*_at_rest(A, count)]
+
+
+def _is_regular_and_symmetric(reduction: Reduction) -> bool:
+    """Whether the equations are those of masses and springs with symmetric M, C and K, M and K regular."""
+    second_order = len(reduction.second) and not len(reduction.first) and reduction.conserved is None
+    return bool(second_order and reduction.is_finite and reduction.is_reciprocal)
+
+
+def _symmetric_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """Eigenvalues and shapes where M, C and K are symmetric, M and K regular: LAPACK's, refined; None where that does not serve.
+
+    The shape x is its own left vector then, and s a root of x^T (M s^2 + C s + K) x, wrong by the square of the error of x
+    (Lancaster 1961). Where x^T (2 M s + C) x is small next to its terms, the eigenvalue is nearly double.
+    """
+    damped = C.any()
+    with np.errstate(over="ignore", invalid="ignore"):
+        values, X = _damped_modes(M, C, K) if damped else (None, undamped_shapes(M, K))
+    if X is None:
+        return None
+    inertia, stiffness = _forms(M, X), _forms(K, X)
+    if damped:
+        size, moduli = np.abs(X), np.abs(values)
+        slope = 2 * values * inertia + (damping := _forms(C, X))
+        terms = (size * (np.abs(M) @ (2 * moduli * size) + np.abs(C) @ size)).sum(axis=0)
+        if not (terms <= DECOUPLING_LIMIT * np.abs(slope)).all():
+            return None
+        change = -((values * inertia + damping) * values + stiffness) / slope
+        values = np.where(np.abs(change) <= EPS**0.5 * moduli, values + change, values)
+    else:
+        values = np.sqrt((-stiffness / inertia).astype(complex))
+        if (real := values.imag == 0).any():
+            values, X = np.concatenate([values, -values[real]]), np.hstack([X, X[:, real]])
+    moduli = np.abs(values)
+    spread = moduli.max() / moduli.min()
+    return None if not np.isfinite(spread) or is_worthwhile(spread, len(M) * 2) else (values, X)
+
+
+def _damped_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray] | tuple[None, None]:
+    """Eigenvalues on or above the real axis, and shapes, from the states (x, x'), which LAPACK balances; None where that fails."""
+    n = len(M)
+    S = np.eye(2 * n, k=-n).T  # by columns, as LAPACK has it
+    S[n:] = -solved(M, np.concatenate([K, C], axis=1))
+    if not np.isfinite(S).all():
+        return None, None
+    room = int(lapack.dgeev_lwork(2 * n, compute_vl=0)[0])
+    real, imaginary, _, vectors, failed = lapack.dgeev(S, compute_vl=0, lwork=room, overwrite_a=1)
+    if failed:
+        return None, None
+    upper = (imaginary >= 0).nonzero()[0]
+    X, pair = vectors[:n, upper].astype(complex), imaginary[upper] > 0
+    X.imag[:, pair] = vectors[:n, upper[pair] + 1]
+    return real[upper] + 1j * imaginary[upper], X
+
+
+def _forms(matrix: np.ndarray, X: np.ndarray) -> np.ndarray:
+    """x^T A x for each column; of a sparse A by differences of coordinates, in which nothing of a slow motion cancels."""
+    if np.count_nonzero(matrix) > (2 * FEW_DIFFERENCES + 1) * len(matrix):
+        return np.einsum("ij,ij->j", X, matrix @ X)
+    row, column = matrix.nonzero()
+    upper = row < column
+    row, column = row[upper], column[upper]
+    if not len(row):
+        return matrix.diagonal() @ X**2
+    sums = np.add.reduce(matrix, axis=1, dtype=np.longdouble).astype(float)
+    return sums @ X**2 - matrix[row, column] @ (X[row] - X[column]) ** 2
+
+
+def _grouped(values: np.ndarray, shapes: np.ndarray) -> Iterator[Moving]:
+    """Eigenvalues with their multiplicities, ascending, and their shapes."""
+    order, ends = _equal(values)
+    values, shapes, begin = values[order], _normalized(shapes[:, order]), 0
+    numbers, parts, real = values.tolist(), shapes, [True] * len(order)
+    if shapes.dtype.kind == "c":
+        real, parts = (np.abs(shapes.imag).max(axis=0, initial=0.0) <= noise_of(1.0, len(shapes))).tolist(), shapes.real.copy()
+    for end in ends:
+        value = numbers[begin] if end == begin + 1 else complex(values[begin:end].mean())
+        yield value, end - begin, (parts if all(real[begin:end]) else shapes)[:, begin:end], False
+        begin = end
+
+
+def _equal(values: np.ndarray) -> tuple[np.ndarray, list[int]]:
+    """An order of eigenvalues, ascending by modulus, then real part, and the ends of groups equal to rounding errors."""
+    moduli = np.abs(values)
+    order = moduli.argsort(kind="stable")
+    moduli = moduli[order]
+    ends = [*((moduli[1:] - moduli[:-1] > rounding_radius(2) * moduli[1:]).nonzero()[0] + 1).tolist(), *[len(order)][: len(order)]]
+    if len(ends) == len(order):
+        return order, ends
+    result: list[int] = []
+    for begin, end in pairwise([0, *ends]):
+        if end > begin + 1:
+            ring = order[begin:end]
+            parts = np.round(values[ring].real / (rounding_radius(2) * moduli[end - 1]))
+            order[begin:end] = ring = ring[np.lexsort([values[ring].imag, parts])]
+            differ = np.abs(np.diff(values[ring])) > rounding_radius(1) * moduli[end - 1]
+            result += (begin + 1 + np.flatnonzero(differ)).tolist()
+        result.append(end)
+    return order, result
+
+
+def _by_pairs(A: PolynomialMatrix) -> tuple[list[Moving], list[Mode]]:
+    """Moving modes and modes of eigenvalue 0 from the finite Jordan pair: shapes C v with the eigenvectors v of J.
+
+    A(s) C (s I - J)^-1 B = I, so that A(s) C v = 0 where J v = s v. A(s) itself is never formed: next to stiff parts it has
+    lost the digits of soft ones.
+    """
+    pair, moving = A.jordan_pairs().finite, []
+    columns, precise = block_slices(pair.blocks), pair.form.companion.is_precise
+    owner = np.repeat(np.arange(len(pair.blocks)), [len(block) for block in pair.blocks])
+    values = np.concatenate([np.linalg.eigvals(block) for block in pair.blocks] or [np.zeros(0)])
+    for place in (one for one in pair.zeros if one.value):
+        chosen = np.unique(owner[np.argsort(np.abs(values - place.value), kind="stable")[: place.multiplicity]])
+        J = scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))
+        C = np.hstack([pair.C[:, columns[i]] for i in chosen])
+        value = place.value if place.value.imag else place.value.real
+        vectors = scipy.linalg.svd(J - value * np.eye(len(J)))[2].conj().T[:, len(J) - len(place.partial_multiplicities) :]
+        moving.append((complex(place.value), place.multiplicity, _real(_normalized(C @ vectors)), precise))
+    return moving, [mode for one in pair.zeros if not one.value for mode in _at_rest(A, one.multiplicity)]
+
+
+def _at_rest(A: PolynomialMatrix, count: int) -> Iterator[Mode]:
+    """The modes of eigenvalue 0 of this multiplicity with every row at position level, distinguished by their divisors."""
+    if not count:
+        return
+    free, staying = rest_shapes(A)
+    if bodies := count - staying.shape[1]:
+        yield Mode("rigid body", 0j, bodies, free)
+    if staying.shape[1]:
+        yield Mode("offset", 0j, staying.shape[1], staying)
+
+
+def _kind(value: complex) -> Kind:
+    if not value:
+        return "offset"
+    if value.real > 0:
+        return "growth"
+    return "oscillation" if value.imag else "decay"
+
+
+def cleaned(value: complex, multiplicity: int, conservation: Conservation, precise: bool = False) -> complex:
+    """A computed eigenvalue without the parts that symmetry and signs of M, C and K exclude; a precise simple one is kept."""
+    if conservation.passive and (conservation.lossless or value.real > 0):
+        return complex(0.0, value.imag)
+    if conservation.lossless:
+        return complex(0.0, value.imag) if abs(value.imag) > abs(value.real) else complex(value.real)
+    if precise and multiplicity == 1:
+        return value
+    # slower growth may be rounding error, which moves a defective eigenvalue farther than a simple one
+    limit = rounding_radius(multiplicity) if value.real > 0 else NOISE_SAFETY * EPS
+    return complex(value.real if abs(value.real) > limit * abs(value) else 0.0, value.imag)
+
+
+def rest_shapes(A: PolynomialMatrix) -> tuple[np.ndarray, np.ndarray]:
+    """The null space of A(0), where no force acts, as rigid body shapes and offset shapes, one a column.
+
+    A shape u can also move on at constant velocity, and so begins a chain of the zero at 0, where A_1 u is balanced
+    by some displacement: where w^T A_1 u = 0 for every w with w^T A_0 = 0. The others are offsets.
+    """
+    A_0, A_1 = known_coefficient(A, 0), known_coefficient(A, 1)
+    with precise_arithmetic() if is_precise(A_0.data) or is_precise(A_1.data) else nullcontext():
+        right, left = _null_space(A_0), _null_space(A_0.T)
+        moving = _null_space(left.T @ A_1 @ right)
+        staying = _null_space(moving.T)
+        free, offsets = (_real(_normalized(floats((right @ shapes).data))) for shapes in (moving, staying))
+        return free, offsets
+
+
+def _null_space(matrix: Noisy) -> Noisy:
+    return null_columns(matrix).null.T
+
+
+def _normalized(shapes: np.ndarray) -> np.ndarray:
+    """Columns divided by their largest entries."""
+    largest = np.abs(shapes).argmax(axis=0)
+    return shapes / shapes[largest, range(shapes.shape[1])]
+
+
+def _real(shapes: np.ndarray) -> np.ndarray:
+    """Real where the imaginary parts are rounding errors."""
+    return shapes.real if np.abs(shapes.imag).max(initial=0.0) <= noise_of(1.0, len(shapes)) else shapes
+
+
+# Energy conservation from the symmetry and signs of M, C and K alone, independent of rounding in computed eigenvalues.
+
+
+#: Up to this size the definiteness of nearly singular matrices is decided in extended precision, which takes 50 ms then.
+EXTENDED_SIZE = 200
+
+
+@dataclass(frozen=True)
+class Conservation:
+    """Two facts about a system."""
+
+    # M, K and the symmetric part of C are positive semidefinite, M and K symmetric: energy cannot grow, no zero lies in the right
+    # half plane
+    passive: bool
+    # every zero lies on the real or on the imaginary axis, because energy is kept: passive with a skew-symmetric (gyroscopic) C, or
+    # no C at all with M, K symmetric and M positive semidefinite
+    lossless: bool
+
+
+def conservation_of(system: EquationsOfMotion, definite: bool = False) -> Conservation:
+    """Conservation of energy and momentum from the matrices; constraint rows at rest change neither."""
+    M, C, K = system.mass, system.damping, system.stiffness
+    damped = C.any()
+    conservative = definite or (is_symmetric(M) and is_symmetric(K) and _positive(M))
+    passive = conservative and (definite or _positive(K)) and (not damped or _positive(C + C.T))
+    lossless = conservative and (not damped or (passive and not (C + C.T).any()))
+    return Conservation(passive, lossless)
+
+
+def _positive(matrix: np.ndarray) -> bool:
+    """Positive semidefinite to within the rounding errors of its entries, each coordinate in units in which it counts as the others."""
+    size = np.sqrt(np.abs(matrix.diagonal()))
+    size[size == 0] = 1.0
+    matrix = matrix / size / size[:, None]
+    sums = np.abs(matrix).sum(axis=0)
+    noise, shifted = noise_of(float(sums.max()), len(matrix)), matrix.copy()
+    shifted.reshape(-1)[:: len(matrix) + 1] -= noise
+    if not lapack.dpotrf(shifted, clean=0)[1]:
+        return True
+    lowest = np.linalg.eigvalsh(matrix)[0]
+    if lowest < -noise or len(matrix) > EXTENDED_SIZE:
+        return bool(lowest >= -noise)
+    work = matrix.astype(np.longdouble) + np.diag(EPS * sums)
+    for k in range(len(work)):  # Cholesky's factorization in more digits than the entries have
+        if work[k, k] < 0:
+            return False
+        if work[k, k]:
+            work[k + 1 :, k + 1 :] -= np.outer(work[k + 1 :, k], work[k + 1 :, k] / work[k, k])
+    return True

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property, partial, reduce
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -15,9 +15,10 @@ from ..ground.coordinate_units import force_unit, impulse_unit, rate_unit
 from ..ground.errors import InputError, within_float64
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, noise_of
+from ..linalg.rank import Noisy
 from ..response.choose import Request
 from ..response.estimate import error_estimate
-from ..response.events import Event
+from ..response.events import Event, without_zeros
 from ..response.methods.proved import ProvedFunction, proved_event
 from ..response.problem import Problem
 from ..response.response import Response
@@ -27,14 +28,103 @@ from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from .channels import reference
 from .energy import Energy, energy_of
 from .equations import EquationsOfMotion
-from .reaction import reaction_function, reaction_impulses
 
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
     from ..exact.enclosure.intervals import Enclosure
     from ..response.methods.defect import Rounding
     from .constraints import ConstraintRow
-    from .vibration.peaks import Peaks
+    from .peaks import Peaks
+
+
+# Constraint forces of a motion: the regular multipliers as a function of time, and their impulses at t = 0 and later.
+#
+# The force that the constraints exert is L = M x'' + C x' + K x - f = A^T lambda, and lambda = G L with G A^T = I.
+# As a distribution on [0, inf), its transform taken from 0-, x' has in addition to its regular part the jump of x times
+# delta, x'' the jump of x' times delta and the jump of x times delta', and every impulse c_k delta^(k) of x itself
+# is differentiated along: for delta^(p)
+#
+#     L_p = M (jump of x' if p = 0; jump of x if p = 1; c_(p-2)) + C (jump of x if p = 0; c_(p-1)) + K c_p - f_p.
+#
+# The same holds at the time of an event. All events are computed at once, each a column of the arrays.
+
+
+class FunctionSum(BohlFunction):
+    """A sum of functions, each evaluated by its own method; the states are combined only on demand."""
+
+    terms: tuple[BohlFunction, ...]
+
+    def __init__(self, terms: Sequence[BohlFunction]):
+        object.__setattr__(self, "terms", tuple(terms))
+
+    @cached_property
+    def _closed(self) -> BohlFunction:
+        return reduce(BohlFunction.__add__, self.terms)
+
+    coefficients = property(lambda self: self._closed.coefficients)
+    blocks = property(lambda self: self._closed.blocks)
+    start = property(lambda self: self._closed.start)
+    size = property(lambda self: self.terms[0].size)
+    state_count = property(lambda self: max(term.state_count for term in self.terms))
+    summed_from = property(lambda self: np.min([term.summed_from for term in self.terms], axis=0))
+
+    def _values(self, times) -> np.ndarray:
+        return sum((term._values(times) for term in self.terms[1:]), self.terms[0]._values(times))
+
+    def derivative(self, order: int = 1) -> BohlFunction:
+        """The classical derivative."""
+        return FunctionSum([term.derivative(order) for term in self.terms])
+
+    def mapped(self, matrix) -> BohlFunction:
+        """matrix @ f(t), matrix of shape (p, r)."""
+        return FunctionSum([term.mapped(matrix) for term in self.terms])
+
+    def rows(self, indices) -> BohlFunction:
+
+        return FunctionSum([term.rows(indices) for term in self.terms])
+
+    def __mul__(self, factor: float) -> BohlFunction:
+        return FunctionSum([term * factor for term in self.terms])
+
+    __rmul__ = __mul__
+
+
+def reaction_function(system: EquationsOfMotion, response: Response, applied: ImpulsiveSmooth) -> BohlFunction:
+    """The regular part of lambda = G (K x + C x' + M x'' - f) for t > 0."""
+    G = system.multiplier_map
+    inertial = response.function.differential(*(G @ matrix for matrix in (system.stiffness, system.damping, system.mass)))
+    return inertial if applied.smooth.is_zero else FunctionSum([inertial, applied.smooth.mapped(-G)])
+
+
+def reaction_impulses(system: EquationsOfMotion, response: Response, applied: ImpulsiveSmooth) -> tuple[ImpulsiveLoad, ...]:
+    """The impulses of lambda at t = 0 and later, by ascending time; none at times without one."""
+    n, none = system.size, Event(0.0, np.zeros_like(response.jump), ())
+    events = {0.0: Event(0.0, response.jump, response.impulses), **{event.time: event for event in response.events}}
+    loads = {0.0: applied.impulses, **{load.time: load.impulses for load in applied.later}}
+    times = sorted({*events, *loads})
+    each = [events.get(time, none) for time in times]
+    # a jump at t = 0 is as inaccurate as the values that it is the difference of, a later one as the largest of its event
+    sizes = np.array([np.abs(event.jump).max(axis=1, keepdims=True) + 0 * event.jump for event in each])
+    sizes[0] = np.abs(response.initial) + np.abs(response.start)
+    jumps = np.array([event.jump for event in each])
+    noise = EPS * np.where(jumps != 0, sizes, 0.0)
+    x = [Noisy(jumps[:, order].T, noise[:, order].T) for order in (0, 1)]
+    own, force = (_by_order(impulses, n) for impulses in ([e.impulses for e in each], [loads.get(time, ()) for time in times]))
+    parts = [(system.mass, [x[1], x[0], *own]), (system.damping, [x[0], *own]), (system.stiffness, own), (-np.eye(n), force)]
+    total = []
+    for order in range(max(len(factors) for _, factors in parts)):
+        terms = [Noisy.rounded(matrix) @ factors[order] for matrix, factors in parts if order < len(factors)]
+        total.append((Noisy.rounded(system.multiplier_map) @ reduce(Noisy.__add__, terms)).cleaned())
+    impulses = [without_zeros([impulse[:, k] for impulse in total]) for k in range(len(times))]
+    return tuple(ImpulsiveLoad(time, own) for time, own in zip(times, impulses) if own)
+
+
+def _by_order(impulses, size) -> list[Noisy]:
+    """Arrays (n, K) of the impulses of K events, one for each order of derivative."""
+    count = max(map(len, impulses), default=0)
+    none = np.zeros(size)
+    return [Noisy.rounded(np.array([own[k] if k < len(own) else none for own in impulses]).T) for k in range(count)]
+
 
 Quantity = Literal["displacement", "velocity", "acceleration", "reaction"]
 
@@ -96,16 +186,18 @@ class SystemMotion:
     def _relative(self, values: np.ndarray, relative_to: str | None) -> np.ndarray:
         if relative_to is None:
             return values
-        along = np.moveaxis(values, self.coordinate_axis, 0)
-        return np.moveaxis(np.tensordot(_relative_matrix(self.system, relative_to), along, 1), 0, self.coordinate_axis)
+        system, other = self.system, reference(self.system, relative_to)  # I - e a, e the coordinates of the unit of a x
+        matrix = np.eye(system.size) - np.outer([own == other.unit for own in system.units.values()], other.direction)
+        along = np.moveaxis(values, self._coordinate_axis, 0)
+        return np.moveaxis(np.tensordot(matrix, along, 1), 0, self._coordinate_axis)
 
     def energy(self, times) -> Energy:
         """Kinetic, strain and static energy at a time or at times (T,), in J; of S motions of shape (S,) or (S, T)."""
         return energy_of(
-            self.system.given, self.system.static_force, *(np.moveaxis(x, self.coordinate_axis, 0) for x in self._states(times))
+            self.system.given, self.system.static_force, *(np.moveaxis(x, self._coordinate_axis, 0) for x in self._states(times))
         )
 
-    coordinate_axis = 0
+    _coordinate_axis = 0
 
     def _states(self, times) -> tuple[np.ndarray, np.ndarray]:
         """x and x'."""
@@ -114,12 +206,6 @@ class SystemMotion:
     def _rate(self, order: int, times) -> np.ndarray:
         """The derivative of a given order."""
         return self.derivative(order)(times) if order else self(times)  # type: ignore[attr-defined]
-
-
-def _relative_matrix(system: EquationsOfMotion, name: str) -> np.ndarray:
-    """I - e a: subtracts from x the value a x of a coordinate or of a constraint row, in the coordinates e of its unit."""
-    other = reference(system, name)
-    return np.eye(system.size) - np.outer([own == other.unit for own in system.units.values()], other.direction)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -133,20 +219,6 @@ class Motion(SystemMotion, Response):
 
     system: EquationsOfMotion
     applied: ImpulsiveSmooth
-
-    @classmethod
-    def started(cls, system: EquationsOfMotion, start: np.ndarray, applied: ImpulsiveSmooth, rank_tolerance, request: Request):
-        """Return the motion from values at 0-.
-
-        Args:
-            system: with n coordinates.
-            start: x(0-), x'(0-) in its rows, shape (2, n).
-            applied: all forces, n rows.
-            rank_tolerance, request: see ``mbconstrained.solve``.
-        """
-        form = system.constrained_form()
-        x = Response.solved(Problem.checked(form.polynomial_matrix, start, form.force(applied), rank_tolerance), request)
-        return cls(x.problem, x.solution, system, applied)
 
     kinds = (*RATES, "reaction")
 
@@ -207,7 +279,7 @@ class Motion(SystemMotion, Response):
         function = reaction_function(self.system, response, self.applied)
         if response is not self or not self.is_decided_exactly:
             return function
-        return ProvedFunction(function, partial(getattr, self, "exact_reaction"), self.solution.finite_count, None)
+        return ProvedFunction(function, partial(getattr, self, "_exact_reaction"), self.solution.finite_count, None)
 
     @cached_property
     def _constraint_loads(self) -> tuple[ImpulsiveLoad, ...]:
@@ -215,7 +287,7 @@ class Motion(SystemMotion, Response):
         if not self.is_decided_exactly:
             return loads
         none = np.zeros((len(self.initial), len(self.system.rows)))
-        events = [proved_event(self.exact_reaction, Event(load.time, none, load.impulses), none) for load in loads]
+        events = [proved_event(self._exact_reaction, Event(load.time, none, load.impulses), none) for load in loads]
         return tuple(ImpulsiveLoad(event.time, event.impulses) for event in events)
 
     @property
@@ -253,7 +325,7 @@ class Motion(SystemMotion, Response):
         return exact_motion(self.system, self.initial, self.applied)
 
     @cached_property
-    def exact_reaction(self) -> ExactResponse:
+    def _exact_reaction(self) -> ExactResponse:
         """The exact multipliers lambda, one per row of ``system.rows``; without values at 0-, and so without jumps."""
         n = self.system.size
         return self.exact.with_rows(range(n, n + len(self.system.rows)))
@@ -275,7 +347,7 @@ class Motion(SystemMotion, Response):
         """
         order, own = whole_number(order, "order"), _order_of(of)
         if own is None:
-            return self.exact_reaction.enclose(times, digits, order=order)
+            return self._exact_reaction.enclose(times, digits, order=order)
         return super().enclose(times, digits, order=own + order)
 
     def peaks(self, end: float, of: str = "displacement", combinations=None, names=None) -> Peaks:
@@ -294,7 +366,7 @@ class Motion(SystemMotion, Response):
         >>> MechanicalSystem([[1.0]], None, [[4.0]]).solve(velocity=[3.0]).peaks(1.0).maximum.round(12)
         array([1.5])
         """
-        from .vibration.peaks import peaks
+        from .peaks import peaks
 
         return peaks(self, end, of, combinations, names)
 
@@ -357,6 +429,13 @@ class Motion(SystemMotion, Response):
         if ranks and self.is_proved:
             own = tuple(replace(notice, doubtful=False) if notice in ranks else notice for notice in own)
         return (*own, *of_form)
+
+
+def motion_of(system: EquationsOfMotion, start: np.ndarray, applied: ImpulsiveSmooth, rank_tolerance, request: Request) -> Motion:
+    """The motion from x(0-), x'(0-) in the rows of start, shape (2, n), under all forces, n rows."""
+    form = system.constrained_form()
+    x = Response.solved(Problem.checked(form.polynomial_matrix, start, form.force(applied), rank_tolerance), request)
+    return Motion(x.problem, x.solution, system, applied)
 
 
 def _order_of(quantity) -> int | None:

@@ -14,7 +14,7 @@ from ..response.choose import Request
 from ..response.solve import Responses, solve_many
 from ..signals.impulsive import ImpulsiveSmooth
 from .equations import EquationsOfMotion
-from .motion import Motion, SystemMotion
+from .motion import Motion, SystemMotion, motion_of
 
 
 @dataclass(frozen=True, repr=False, eq=False, kw_only=True)
@@ -29,7 +29,7 @@ class Motions(SystemMotion, Responses):
     system: EquationsOfMotion
     applied: tuple[ImpulsiveSmooth, ...]
 
-    coordinate_axis = 1
+    _coordinate_axis = 1
 
     def _summary(self) -> str:
         return f"{counted(len(self), 'motion')} of {counted(self.system.size, 'coordinate')}"
@@ -38,7 +38,7 @@ class Motions(SystemMotion, Responses):
         if isinstance(index, slice):
             return replace(self, initial=self.initial[index], forces=self.forces[index], applied=self.applied[index])
         place = range(len(self))[index]  # IndexError where there is none
-        return Motion.started(self.system, self.initial[place], self.applied[place], self.rank_tolerance, self.request)
+        return motion_of(self.system, self.initial[place], self.applied[place], self.rank_tolerance, self.request)
 
     def reaction(self, times) -> np.ndarray:
         """The multipliers lambda at a time (-> (S, k)) or at times (T,) (-> (S, k, T)), as ``Motion.reaction``."""

@@ -14,20 +14,16 @@ from ..response.choose import Evaluations, Request
 from ..signals.inputs import ImpulsiveSmooth
 from .descriptor_form import system_to_dict, to_state_space
 from .equations import EquationsOfMotion
-from .mode_computation import modes_of
-from .modes import Modes
-from .motion import Motion
-from .vibration.harmonic_equations import frequency_response
-from .vibration.steady_state import steady_state
+from .harmonic_response import frequency_response, steady_state
+from .modes import Modes, modes_of
+from .motion import Motion, motion_of
 
 if TYPE_CHECKING:
     from ..frequency.random.random_response import RandomResponse
-    from .sensitivity.sensitivities import Sensitivities
-    from .vibration.effective_masses import EffectiveMasses
-    from .vibration.peaks import ModalCombination
-    from .vibration.root_locus import RootLocus
-    from .vibration.rotating import Campbell
-    from .vibration.unbalance_response import UnbalanceResponse
+    from .peaks import EffectiveMasses, ModalCombination
+    from .root_locus import RootLocus
+    from .rotating import Campbell, UnbalanceResponse
+    from .sensitivities import Sensitivities
 
 #: The number of modes of a system of sparse matrices that are computed where none is given.
 DEFAULT_MODE_COUNT = 50
@@ -144,7 +140,7 @@ class MechanicalSystem(EquationsOfMotion):
             applied = {id(one): self._applied(one) for one in forces}
             forces = [applied[id(one)] for one in forces]
             return motions_of(self, displacement, velocity, forces, rank_tolerance, request)
-        return Motion.started(self, self._start(displacement, velocity), self._applied(force), rank_tolerance, request)
+        return motion_of(self, self._start(displacement, velocity), self._applied(force), rank_tolerance, request)
 
     def modes(self, count: int | None = None, damped: bool = True) -> Modes:
         """Return the finite eigenvalues of A(s) with shapes and meaning: oscillation, decay, rigid body, drift, ...
@@ -197,7 +193,7 @@ class MechanicalSystem(EquationsOfMotion):
         >>> disc.at_speed(1.0).modes().natural_frequencies.round(12)  # 2 and 1/2: their product is k / m
         array([0.5, 2. ])
         """
-        from .vibration.rotor_equations import at_speed
+        from .rotating import at_speed
 
         return at_speed(self, speed)
 
@@ -216,7 +212,7 @@ class MechanicalSystem(EquationsOfMotion):
         >>> diagram.natural_frequencies.round(12).tolist(), diagram.directions
         ([[1.0, 1.0], [0.5, 2.0]], ('backward', 'forward'))
         """
-        from .vibration.rotating import campbell
+        from .rotating import campbell
 
         return campbell(self, speeds)
 
@@ -244,7 +240,7 @@ class MechanicalSystem(EquationsOfMotion):
         >>> disc.critical_speeds().round(12)  # 1 / sqrt(1 +- 3/4)
         array([0.75592895, 2.        ])
         """
-        from .vibration.rotating import critical_points
+        from .rotating import critical_points
 
         return np.array([point.speed for point in critical_points(self, order)])
 
@@ -273,7 +269,7 @@ class MechanicalSystem(EquationsOfMotion):
         >>> round(peak.speed, 9), round(peak.amplitude, 9)  # zeta = 0.1: 10 / sqrt(1 - 2 zeta^2), e / (2 zeta sqrt(1 - zeta^2))
         (10.101525446, 0.050251891)
         """
-        from .vibration.unbalance_response import unbalance_response
+        from .rotating import unbalance_response
 
         return unbalance_response(self, speeds, unbalance, order)
 
@@ -299,7 +295,7 @@ class MechanicalSystem(EquationsOfMotion):
         >>> round(point.parameter, 12), point.eigenvalue  # critical damping 2 sqrt(k m), s = -sqrt(k / m)
         (4.0, (-2+0j))
         """
-        from .vibration.root_locus import root_locus
+        from .root_locus import root_locus
 
         return root_locus(self, parameter, values)
 
@@ -321,7 +317,7 @@ class MechanicalSystem(EquationsOfMotion):
         >>> tower.modal_combination(lambda f: 3.0).effective_masses.round(12)
         array([2.])
         """
-        from .vibration.peaks import modal_combination
+        from .peaks import modal_combination
 
         return modal_combination(self, spectrum, base, damping_ratio, combination)
 
@@ -348,7 +344,7 @@ class MechanicalSystem(EquationsOfMotion):
         >>> tower.effective_masses().masses.round(12)
         array([[2.]])
         """
-        from .vibration.effective_masses import effective_masses, loads_of_rows
+        from .peaks import effective_masses, loads_of_rows
 
         return effective_masses(self, *loads_of_rows(self, base))
 
@@ -372,7 +368,7 @@ class MechanicalSystem(EquationsOfMotion):
         >>> dict(zip(d.names, d.natural_frequencies[:, 0].round(12).tolist()))  # w = sqrt(k / m)
         {'stiffness[x1, x1]': 0.25, 'mass[x1, x1]': -1.0}
         """
-        from .sensitivity.sensitivities import sensitivities
+        from .sensitivities import sensitivities
 
         return sensitivities(self, parameters)
 
@@ -384,7 +380,7 @@ class MechanicalSystem(EquationsOfMotion):
             outputs: names; all coordinates by default.
             quantity: "displacement", "velocity", "acceleration" or "reaction".
             options: ``relative_to``, ``modal_damping``, ``loss_factor``, ``coherence``, ``delays``, as of
-                ``mechanics.vibration.random_excitation.random_response``.
+                ``mechanics.random_excitation.random_response``.
 
         Returns:
             A ``RandomResponse``.
@@ -394,7 +390,7 @@ class MechanicalSystem(EquationsOfMotion):
         >>> round(system.random_response({"x1": white_noise(4.0)}).covariance.item(), 12)  # G / (4 c k)
         1.0
         """
-        from .vibration.random_excitation import random_response
+        from .random_excitation import random_response
 
         return random_response(self, excitation, outputs, quantity, **options)
 

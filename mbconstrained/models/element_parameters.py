@@ -14,7 +14,7 @@ import numpy as np
 
 from ..ground.coordinate_units import GROUND
 from ..ground.tolerances import COMPLEX_STEP
-from ..mechanics.sensitivity.parameter import Parameter
+from ..mechanics.parameter import Parameter
 from .elements import Body, Damper, Element, Link, PrescribedMotion, Tie, TorsionDamper
 from .rigid_bar import with_parts
 

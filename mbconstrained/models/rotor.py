@@ -16,8 +16,7 @@ from ..ground.checks import ReadOnly, counted, real_array, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
 from ..ground.tolerances import noise_of
-from ..mechanics.element_matrix import ElementMatrix, SpeedTable
-from ..mechanics.vibration.rotor_equations import unbalance_of
+from ..mechanics.element_matrix import ElementMatrix, SpeedTable, unbalance_of
 from .elements import Damper, Element, Mass, Spring
 from .rigid_bar import RigidBar, unchecked, with_parts
 

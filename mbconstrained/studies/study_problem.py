@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..control.transfer.matrix_fraction import scalar_matrix
+from ..control.matrix_fraction import scalar_matrix
 from ..mechanics.system import MechanicalSystem
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.response import Response

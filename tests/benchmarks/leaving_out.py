@@ -127,7 +127,7 @@ def animation(result: Result) -> object:
 
 
 def normal_form(result: Result) -> object:
-    from mbconstrained.mechanics.normal_form.normal_form import mechanical_normal_form
+    from mbconstrained.mechanics.normal_form import mechanical_normal_form
 
     system = result.scene.equations.control.system
     E = system.E if system.is_descriptor else None

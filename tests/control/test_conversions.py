@@ -7,7 +7,7 @@ import pytest
 import scipy.signal
 
 import mbconstrained as mb
-from mbconstrained.control.realization import factored_realization, rational_realization
+from mbconstrained.control.conversions import factored_realization, rational_realization
 from mbconstrained.control.state_space import StateSpace
 
 PLACES = [0.3 + 0.9j, 2.0 + 0.0j, -0.4 + 3.0j]

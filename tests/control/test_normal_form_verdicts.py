@@ -12,8 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.mechanics.normal_form.descriptor import StateSpaceData, scaled_pencil
-from mbconstrained.mechanics.normal_form.existence import existence
+from mbconstrained.mechanics.normal_form_existence import StateSpaceData, existence, scaled_pencil
 from tests.oracles.normal_forms import (
     exists_by_criterion,
     exists_by_definition,

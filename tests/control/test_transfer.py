@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.control.poles_and_zeros import rational_transfer, roots_of
+from mbconstrained.control.rational import rational_function
+from mbconstrained.control.state_equations import rational_transfer, roots_of
 from mbconstrained.control.state_space import StateSpace
-from mbconstrained.control.transfer.rational import rational_function
 
 
 def values(zeros):

@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.control.transfer.matrix_fraction import scalar_matrix
+from mbconstrained.control.matrix_fraction import scalar_matrix
 from tests.oracles.transfer import factors, multiplied, residues
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import mbconstrained as mb
 from mbconstrained.mechanics.constraints import Constraint
-from mbconstrained.mechanics.mode_computation import Conservation, cleaned
+from mbconstrained.mechanics.modes import Conservation, cleaned
 from mbconstrained.mechanics.system import MechanicalSystem
 from tests.mechanics.systems import massless_joints, two_masses
 

@@ -8,7 +8,8 @@ on those before it. Of the entries that are large enough as pivots the one whose
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -17,13 +18,229 @@ import numpy as np
 import scipy.linalg
 import scipy.sparse
 import scipy.sparse.linalg
+from scipy.sparse.linalg import SuperLU, splu
 
-from ...ground.errors import ContradictoryConstraints, InputError
+from ...ground.checks import real_array
+from ...ground.errors import ContradictoryConstraints, InputError, SingularPolynomialMatrix
 from ...ground.notices import Notice, NoticeKind
-from ...ground.tolerances import EPS, FIRST_SHIFT, NOISE_SAFETY, PIVOT_RATIO, RIGID_BODY_FORCE
-from ..constraints import Constraint
-from .factorization import Factorization, factorize
-from .sparse_matrices import SparseRows, sparse_rows, symmetric
+from ...ground.tolerances import EPS, FIRST_SHIFT, NOISE_SAFETY, PIVOT_RATIO, PIVOT_RESIDUAL, RIGID_BODY_FORCE
+from ..constraints import Constraint, row_names
+
+# Validation of sparse matrices and constraint rows, which are never turned into arrays, and their products.
+
+
+def square_sparse(value, what: str, size: int | None = None) -> scipy.sparse.csc_array:
+    """A square real sparse matrix without stored zeros; None is a zero matrix."""
+    if value is None:
+        return scipy.sparse.csc_array((size, size))
+    matrix = _sparse_entries(value, what)
+    if matrix.shape[0] != matrix.shape[1]:
+        raise InputError(f"{what}: expected a square matrix, found {matrix.shape[0]} x {matrix.shape[1]}")
+    if size is not None and matrix.shape[0] != size:
+        raise InputError(f"{what}: expected shape {size} x {size}, found {matrix.shape[0]} x {matrix.shape[1]}")
+    if not matrix.shape[0]:
+        raise InputError(f"{what}: found no entries; a mechanical system needs at least one coordinate")
+    return matrix
+
+
+def _sparse_entries(value, what: str) -> scipy.sparse.csc_array:
+    """A sparse matrix of finite real numbers, duplicates summed, from a sparse or a dense one."""
+    if not scipy.sparse.issparse(value):
+        value = np.atleast_2d(real_array(value, what))
+    if value.dtype.kind not in "biuf":
+        raise InputError(f"{what}: found entries of type {value.dtype}; only real numbers are accepted")
+    matrix = scipy.sparse.csc_array(value, dtype=float, copy=True)
+    matrix.sum_duplicates()
+    if not np.isfinite(matrix.data).all():
+        entries = matrix.tocoo()
+        at = int(np.flatnonzero(~np.isfinite(entries.data))[0])
+        place = (int(entries.row[at]), int(entries.col[at]))
+        raise InputError(f"{what}: the entry at {place} is {entries.data[at]}; every entry must be a finite number")
+    matrix.eliminate_zeros()
+    return matrix
+
+
+def asymmetry(matrix: scipy.sparse.csc_array) -> tuple[float, tuple[int, int]]:
+    """The largest difference of an entry from its mirror image where it is more than rounding, and its place."""
+    difference = scipy.sparse.coo_array(matrix - matrix.T)
+    if not difference.nnz:
+        return 0.0, (0, 0)
+    at = int(np.abs(difference.data).argmax())
+    largest = float(abs(difference.data[at]))
+    beyond = largest > NOISE_SAFETY * EPS * np.abs(matrix.data).max()
+    return (largest if beyond else 0.0), (int(difference.row[at]), int(difference.col[at]))
+
+
+def symmetric(matrix: scipy.sparse.csc_array, what: str, names) -> scipy.sparse.csc_array:
+    """The symmetric part of a matrix, where no more than rounding is lost."""
+    largest, (row, column) = asymmetry(matrix)
+    if largest:
+        raise InputError(
+            f"{what}: its entries for {names[row]}, {names[column]} and {names[column]}, {names[row]} differ by {largest:.3g}; "
+            "sparse mass and stiffness must be symmetric; give arrays for a small unsymmetric system"
+        )
+    return scipy.sparse.csc_array((matrix + matrix.T) / 2)
+
+
+#: Up to so many rows one product with many columns at once is faster than one for each.
+FEW_ROWS = 5000
+
+
+def times(matrix, columns: np.ndarray) -> np.ndarray:
+    """A sparse real matrix times dense columns, one by one: several times faster than SciPy's product with many columns."""
+    if matrix.shape[0] <= FEW_ROWS:
+        return np.asfortranarray(matrix @ columns)
+    product = np.empty((matrix.shape[0], columns.shape[1]), dtype=np.result_type(matrix.dtype, columns.dtype), order="F")
+    for place, column in enumerate(columns.T):
+        if product.dtype.kind == "c":  # a complex product would make the matrix complex for each column
+            product.real[:, place], product.imag[:, place] = matrix @ column.real, matrix @ column.imag
+        else:
+            product[:, place] = matrix @ column
+    return product
+
+
+def quadratic_form(matrix, x: np.ndarray, rounding: float = EPS) -> float:
+    """x^T A x, zero where it is no more than the rounding errors of the entries of A.
+
+    Summed in extended precision as (sum of row i) x_i^2 and -A_ij (x_i - x_j)^2, in which nothing cancels of a structure that moves
+    as a whole: an error of x enters by its square, and the rounding errors of entries as that of independent numbers. A soft support of a
+    large free structure so counts as what it is.
+    """
+    entries, extended = matrix.tocoo(), x.astype(np.longdouble)
+    row, column, data = entries.row, entries.col, entries.data.astype(np.longdouble)
+    sums = np.zeros(len(x), dtype=np.longdouble)
+    np.add.at(sums, row, data)
+    np.add.at(sums, column, data)
+    value = float((sums @ extended**2 - data @ (extended[row] - extended[column]) ** 2) / 2)
+    return value if abs(value) > rounding * np.linalg.norm(np.abs(x) * (abs(matrix) @ np.abs(x))) else 0.0
+
+
+def combined(basis: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
+    """Real columns times complex coordinates, without conversion of the columns."""
+    product = np.empty((len(basis), coordinates.shape[1]), dtype=complex, order="F")
+    product.real, product.imag = basis @ coordinates.real, basis @ coordinates.imag
+    return product
+
+
+@dataclass(frozen=True, eq=False)
+class SparseRows:
+    """The constraint rows A x = b of a system of sparse matrices."""
+
+    matrix: scipy.sparse.csr_array  # A, shape (k, n), compressed by rows
+    values: np.ndarray  # b, shape (k,)
+    names: tuple[str, ...]  # one for each row
+
+    def quoted(self, places: Sequence[int], most: int = 3) -> str:
+        """The names of some rows in words."""
+        names = [f'"{self.names[place]}"' for place in places[:most]]
+        return " and ".join(names) + (f" and {len(places) - most} more" if len(places) > most else "")
+
+
+def sparse_rows(constraints: Sequence[Constraint], size: int) -> SparseRows:
+    """The rows of all constraints of a system with ``size`` coordinates."""
+    for constraint in constraints:
+        if constraint.level != "position":
+            raise InputError(
+                f"constraints: found a row at {constraint.level} level; sparse matrices accept rows at position level only, "
+                "as drift is no motion of the bodies; set level='position', or give arrays"
+            )
+        if constraint.signal is not None:
+            raise InputError(
+                "constraints: found a prescribed motion; sparse matrices accept constant values only; give arrays, or a force of the "
+                "springs and dampers at the support"
+            )
+    parts = [_sparse_entries(constraint.rows, "constraint rows") for constraint in constraints]
+    matrix = scipy.sparse.vstack([scipy.sparse.csr_array((0, size)), *parts], format="csr")
+    values = np.concatenate([np.zeros(0), *(constraint.values for constraint in constraints)])
+    return SparseRows(scipy.sparse.csr_array(matrix), values, row_names(constraints))
+
+
+#: Solutions for one or several right sides.
+Solver = Callable[[np.ndarray], np.ndarray]
+
+# K - s M of a constrained sparse pencil as L U: solutions, and how many of its eigenvalues lie below s.
+#
+# SuperLU takes the pivots from the diagonal, in an order of minimum degree that is the same for rows and columns: P^T (K - s M) P
+# = L D L^T then, and the signs of D are those of the eigenvalues of K - s M (Sylvester). Whether it did, and whether the
+# factors are as good as the signs need, is checked: by the permutations, and by the residual of a solution. Rows that were
+# not eliminated enter by their Schur complement, whose signs are counted too (Haynsworth 1968).
+
+
+@dataclass(frozen=True, eq=False)
+class Factorization:
+    """The factors of P = K - s M."""
+
+    lower_upper: SuperLU  # SuperLU's factors of P
+    negative: int | None  # number of eigenvalues of the pencil below s; None where it could not be counted
+    solve: Solver
+    is_bordered: bool  # whether rows L remain
+
+
+def bordered(solve: Solver, rows: scipy.sparse.csr_array, kind: type) -> tuple[Solver, np.ndarray]:
+    """x in the null space of sparse rows L with P x = right up to forces of the rows, from solutions with P; and L P^-1 L^T."""
+    reach = solve(rows.T.toarray().astype(kind))
+    schur = rows @ reach
+    factors = scipy.linalg.lu_factor(schur)
+
+    def constrained(right: np.ndarray) -> np.ndarray:
+        solution = solve(right)
+        return solution - reach @ scipy.linalg.lu_solve(factors, rows @ solution)
+
+    return constrained, schur
+
+
+def factorize(matrix: scipy.sparse.csc_array, rows: scipy.sparse.csr_array, describe, counted: bool = True) -> Factorization:
+    """Factorize a symmetric matrix (real or complex) bordered by sparse rows."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", scipy.sparse.SparseEfficiencyWarning)
+            factors = splu(
+                scipy.sparse.csc_array(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+            )
+    except RuntimeError:
+        raise _singular(matrix, describe) from None
+    negative = _negative(matrix, factors) if counted else None
+
+    def solve(right: np.ndarray) -> np.ndarray:
+        return factors.solve(np.asfortranarray(right))
+
+    if not rows.shape[0]:
+        return Factorization(factors, negative, solve, False)
+    constrained, schur = bordered(solve, rows, matrix.dtype)
+    if negative is not None:
+        signs = np.linalg.eigvalsh((schur + schur.T) / 2)
+        negative += int((signs > 0).sum()) - rows.shape[0]
+    return Factorization(factors, negative, constrained, True)
+
+
+def _negative(matrix, factors) -> int | None:
+    """The number of negative eigenvalues of the matrix, None where the pivots are not accurate enough."""
+    if not np.array_equal(factors.perm_r, factors.perm_c):
+        return None
+    pivots = factors.U.diagonal()
+    probe = np.where(np.arange(matrix.shape[0]) % 2, 1.0, -0.75)
+    solution = factors.solve(probe)
+    size = abs(matrix) @ np.abs(solution) + np.abs(probe)
+    if not np.isfinite(solution).all() or (np.abs(matrix @ solution - probe) > PIVOT_RESIDUAL * size).any():
+        return None
+    return int((pivots < 0).sum())
+
+
+def _singular(matrix, describe) -> SingularPolynomialMatrix:
+    """The error for coordinates with neither mass nor stiffness, from the pivots of a slightly changed matrix."""
+    size = abs(matrix.diagonal())
+    added = NOISE_SAFETY * EPS * np.where(size > 0, size, size.max(initial=0.0) or 1.0)
+    changed = scipy.sparse.csc_array(matrix + scipy.sparse.diags_array(added))
+    factors = splu(changed, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    pivots = np.abs(factors.U.diagonal())[factors.perm_c]
+    loose = np.flatnonzero(pivots <= NOISE_SAFETY * added)
+    named = describe(loose[:3]) if len(loose) else "some coordinates"
+    return SingularPolynomialMatrix(
+        f"{named}{f' and {len(loose) - 3} more' if len(loose) > 3 else ''} have neither mass nor stiffness: the modes are not "
+        "determined; give them mass or stiffness (a damper alone does not do), or tie them by a constraint",
+        coordinates=tuple(map(int, loose)),
+    )
+
 
 #: Where stiffness is negative, the shift moves by this factor farther below zero, at most so many times.
 FARTHER, FARTHEST = 100.0, 9
@@ -34,33 +251,20 @@ MOST_BORDERED = 200
 
 @dataclass(frozen=True, eq=False)
 class ReducedPencil:
-    """M, C, K as N^T . N on r free coordinates y with x = N y + x_0, and the long rows L y = 0 that remain.
+    """M, C, K as N^T . N on r free coordinates y with x = N y + x_0, and the long rows L y = 0 that remain."""
 
-    Attributes:
-        mass, damping, stiffness: shape (r, r), sparse.
-        basis: N, shape (n, r).
-        offset: x_0, shape (n,).
-        rows: L, shape (k, r).
-        row_values: the values of L y, shape (k,).
-        constraints: all constraint rows as given.
-        names: names of the n coordinates.
-        free: the place of each of y among the n coordinates, shape (r,).
-        independent: the places of the constraint rows that are not redundant.
-        notices: one for each redundant row.
-    """
-
-    mass: scipy.sparse.csc_array
+    mass: scipy.sparse.csc_array  # mass, damping, stiffness: shape (r, r), sparse
     damping: scipy.sparse.csc_array
     stiffness: scipy.sparse.csc_array
-    basis: scipy.sparse.csc_array
-    offset: np.ndarray
-    rows: scipy.sparse.csr_array
-    row_values: np.ndarray
-    constraints: SparseRows
-    names: tuple[str, ...]
-    free: np.ndarray
-    independent: np.ndarray
-    notices: tuple[Notice, ...]
+    basis: scipy.sparse.csc_array  # N, shape (n, r)
+    offset: np.ndarray  # x_0, shape (n,)
+    rows: scipy.sparse.csr_array  # L, shape (k, r)
+    row_values: np.ndarray  # the values of L y, shape (k,)
+    constraints: SparseRows  # all constraint rows as given
+    names: tuple[str, ...]  # names of the n coordinates
+    free: np.ndarray  # the place of each of y among the n coordinates, shape (r,)
+    independent: np.ndarray  # the places of the constraint rows that are not redundant
+    notices: tuple[Notice, ...]  # one for each redundant row
     _undamped: dict[int, Any] = field(default_factory=dict, repr=False)
 
     @property
@@ -192,21 +396,13 @@ Row = dict[int, tuple[float, float]]
 
 @dataclass(frozen=True, eq=False)
 class Elimination:
-    """x = basis y + offset satisfies all eliminated rows.
+    """x = basis y + offset satisfies all eliminated rows."""
 
-    Attributes:
-        basis: N, shape (n, r), sparse; a column has a 1 where its coordinate is.
-        offset: x_0, shape (n,), zero if all values are.
-        free: the places of the free coordinates, shape (r,).
-        kept: the places of the rows that are not eliminated.
-        dependent: for the place of each redundant row the places of the rows that imply it.
-    """
-
-    basis: scipy.sparse.csc_array
-    offset: np.ndarray
-    free: np.ndarray
-    kept: np.ndarray
-    dependent: dict[int, tuple[int, ...]]
+    basis: scipy.sparse.csc_array  # N, shape (n, r), sparse; a column has a 1 where its coordinate is
+    offset: np.ndarray  # x_0, shape (n,), zero if all values are
+    free: np.ndarray  # the places of the free coordinates, shape (r,)
+    kept: np.ndarray  # the places of the rows that are not eliminated
+    dependent: dict[int, tuple[int, ...]]  # for the place of each redundant row the places of the rows that imply it
 
 
 def eliminate(rows: SparseRows, longest: int = LONGEST) -> Elimination:

@@ -6,25 +6,463 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy.linalg
 import scipy.sparse
 from scipy.sparse.linalg import splu
 
 from ...ground.checks import counted, places_of
 from ...ground.display import Displayed, TextTable, notice_table
-from ...ground.errors import InputError
+from ...ground.errors import IllConditioned, InputError, MbconstrainedError
 from ...ground.notices import Notice, NoticeKind
-from ...ground.tolerances import EPS, NOISE_SAFETY, ROUNDED_FREE, noise_of
-from ...signals.bohl import BohlFunction
+from ...ground.tolerances import CORRECTION_RESIDUAL, EPS, FREQUENCY_GAP, NOISE_SAFETY, RESONANCE_RATIO, ROUNDED_FREE, noise_of
+from ...linalg.blocks import block_slices
+from ...linalg.exponential import block_states
+from ...linalg.recursion import recursion
+from ...signals.bohl import BohlFunction, Restarts
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import step
 from ..equations import EquationsOfMotion
-from ..motion import SystemMotion
-from ..reaction import FunctionSum
-from .modal_space import Amplitudes, ModeSpace, mode_space
-from .pencil import ReducedPencil
-from .sparse_matrices import times
-from .static_correction import Remainder, StaticCorrection, remainder
-from .undamped_modes import undamped_modes
+from ..motion import FunctionSum, SystemMotion
+from .pencil import ReducedPencil, Solver, asymmetry, factorize, quadratic_form, times
+from .sparse_modes import QuadraticPencil, damped_modes, is_modal, modal_rates
+from .undamped_modes import SOFT, UndampedModes, balanced, undamped_modes
+
+# The space of the kept modes: x = W y, y' = B y + G^T f, an exact part of the motion of the whole system.
+#
+# Undamped and modally damped shapes have y = (q, q') with q'' + z q' + w^2 q = x^T f. Where damping couples them, each complex
+# pair has y = (Re c, Im c) with c' = s c + g^T f, g = x / (x^T (2 s M + C) x), as the matrices are symmetric (Lancaster 1966).
+
+
+@dataclass(frozen=True, eq=False)
+class ModeSpace:
+    """W and B with M W B^2 + C W B + K W = 0, and the inputs of y."""
+
+    shapes: np.ndarray  # the columns of W that are not zero, shape (r, w)
+    places: np.ndarray  # which of the states each of them belongs to, shape (w,)
+    blocks: tuple[np.ndarray, ...]  # the diagonal blocks of B, 1 x 1 and 2 x 2
+    input_shapes: np.ndarray  # the columns of G that are not zero, shape (r, d)
+    input_places: np.ndarray  # the states that they act on, shape (d,)
+    rate_errors: np.ndarray  # the errors of the eigenvalues by rounding of M, C, K, for each column of W, in 1/s
+    supports: np.ndarray  # restoring stiffness of free bodies from rounding errors of springs, for each column, in 1/s^2
+    shape_errors: np.ndarray  # errors of the columns relative to their sizes, by the residuals of undamped shapes
+    modal: bool  # whether y are displacements and velocities of undamped shapes, M-orthonormal
+    left_out: int = 0  # the number of modes that did not converge
+
+    def relative_errors(self, times: np.ndarray) -> np.ndarray:
+        """Relative errors of the columns of W with their amplitudes at times (T,) by rounding, shape (w, T)."""
+        drifted = np.minimum(np.multiply.outer(self.supports, times**2) / 2, 1.0)  # 1 - cos of that frequency
+        return np.multiply.outer(self.rate_errors, times) + drifted + self.shape_errors[:, None] + NOISE_SAFETY * EPS
+
+    @property
+    def count(self) -> int:
+        """Number of states."""
+        return sum(map(len, self.blocks))
+
+    def displacements(self, states: np.ndarray) -> np.ndarray:
+        """W y for columns of states."""
+        return self.shapes @ states[self.places]
+
+    def modal_forces(self, forces: np.ndarray) -> np.ndarray:
+        """G^T f for columns of forces."""
+        total = np.zeros((self.count, forces.shape[1]))
+        np.add.at(total, self.input_places, self.input_shapes.T @ forces)
+        return total
+
+    def times_generator(self, states: np.ndarray) -> np.ndarray:
+        """B y."""
+        product, begin = np.empty_like(states), 0
+        for block in self.blocks:
+            at = slice(begin, begin + len(block))
+            product[at] = block @ states[at]
+            begin += len(block)
+        return product
+
+    def initial_states(self, pencil: ReducedPencil, displacement, velocity) -> np.ndarray:
+        """y at 0+ from x and x' at 0-: y = G^T (M x' + C x) + B G^T M x, as impulses M x' + C x and M x delta' would start it."""
+        momentum = (pencil.mass @ velocity + pencil.damping @ displacement)[:, None]
+        return (self.modal_forces(momentum) + self.times_generator(self.modal_forces((pencil.mass @ displacement)[:, None])))[:, 0]
+
+
+def mode_space(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
+    """The space of undamped modes, or of the damped modes computed from them."""
+    if asymmetry(pencil.damping)[0]:
+        raise InputError(
+            "damping: it is not symmetric; the motion of large sparse systems needs symmetric damping; its modes can be had, and "
+            "the motion of a small system given as arrays"
+        )
+    if is_modal(pencil, undamped):
+        return _modal_space(pencil, undamped)
+    return _of_pairs(pencil, undamped)
+
+
+def _modal_space(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
+    X, count, soft = undamped.vectors, len(undamped.values), np.abs(undamped.values) <= SOFT * abs(undamped.shift)
+    rates = modal_rates(pencil, undamped)
+    blocks = tuple(np.array([[0.0, 1.0], [-w2, -rate]]) for w2, rate in zip(undamped.values, rates))
+    places = 2 * np.arange(count)
+    values = np.sqrt((rates**2 / 4 - undamped.values).astype(complex)) - rates / 2
+    errors = _rate_errors(pencil, X, values, 2 * values + rates)
+    # in the values of soft supports nothing cancels
+    errors = np.where(soft, np.minimum(errors, NOISE_SAFETY * EPS * (np.sqrt(np.abs(undamped.values)) + np.abs(rates))), errors)
+    return ModeSpace(
+        X, places, blocks, X, places + 1, errors, _supports(pencil, X, undamped.values == 0), _mixed(pencil, undamped), True
+    )
+
+
+def _mixed(pencil: ReducedPencil, undamped: UndampedModes) -> np.ndarray:
+    """Mixing of the undamped shapes relative to their sizes: X^T (K X - M X W) over the differences of W."""
+    X, w2 = undamped.vectors, undamped.values
+    residuals = X.T @ (times(pencil.stiffness, X) - times(pencil.mass, X) * w2)
+    gaps = np.abs(w2[:, None] - w2)
+    close = gaps <= FREQUENCY_GAP * np.abs(w2)  # equal ones have any shapes
+    return np.linalg.norm(np.where(close, 0.0, residuals) / np.where(close, 1.0, gaps), axis=0)
+
+
+def _supports(pencil: ReducedPencil, X: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """Restoring stiffness |x^T K x| of free bodies, as large as the rounding errors of assembled entries."""
+    supports = np.zeros(X.shape[1])
+    for place in np.flatnonzero(free):
+        x = X[:, place]
+        supports[place] = abs(quadratic_form(pencil.stiffness, x, 0.0)) / (x @ (pencil.mass @ x))
+    return supports
+
+
+def _rate_errors(pencil: ReducedPencil, X, values, slopes) -> np.ndarray:
+    """|x|^T (|K| + |s| |C| + |s|^2 |M|) |x| / |x^T (2 s M + C) x| times the rounding errors of entries, which are independent."""
+    matrices, size = (pencil.stiffness, pencil.damping, pencil.mass), np.abs(X)
+    terms = sum(np.abs(values) ** k * times(abs(matrix), size) for k, matrix in enumerate(matrices))
+    return EPS * np.linalg.norm(size * terms, axis=0) / np.where(slopes != 0, np.abs(slopes), np.inf)
+
+
+def _of_pairs(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
+    modes = damped_modes(pencil, undamped)
+    shapes, places, blocks, input_shapes, input_places, begin = [], [], [], [], [], 0
+    separate = modes.converged & ~modes.of_body
+    for value, x, resting in zip(modes.values[separate], modes.vectors.T[separate], modes.resting[separate]):
+        if resting:
+            x = x.real / (x.real @ (pencil.mass @ x.real)) ** 0.5
+            columns, rows, own, at = [x], [x], np.array([[0.0, 1.0], [0.0, 0.0]]), ([0], [1])
+        elif not value.imag:
+            x = x.real
+            g = x / (x @ (pencil.damping @ x + 2 * value.real * (pencil.mass @ x)))
+            columns, rows, own, at = [x], [g], np.array([[value.real]]), ([0], [0])
+        else:
+            g = x / (x @ (pencil.damping @ x + 2 * value * (pencil.mass @ x)))
+            own = np.array([[value.real, -value.imag], [value.imag, value.real]])
+            columns, rows, at = [2 * x.real, -2 * x.imag], [g.real, g.imag], ([0, 1], [0, 1])
+        shapes, input_shapes, blocks = shapes + columns, input_shapes + rows, [*blocks, own]
+        places, input_places = places + [begin + i for i in at[0]], input_places + [begin + i for i in at[1]]
+        begin += len(own)
+    X, values = modes.vectors[:, separate], modes.values[separate]
+    slopes = 2 * values * (X * times(pencil.mass, X)).sum(axis=0) + (X * times(pencil.damping, X)).sum(axis=0)
+    counts = np.where(values.imag != 0, 2, 1)
+    free, sizes = modes.resting[separate], np.linalg.norm(np.abs(X) * times(abs(pencil.damping), np.abs(X)), axis=0)
+    errors = np.repeat(np.where(free, EPS * sizes, _rate_errors(pencil, X, values, slopes)), counts)
+    supports = np.repeat(_supports(pencil, X.real, free), counts)
+    if (body := modes.body) is not None:  # (u + s y) (u + s y)^T / (s^2 + c s + k)
+        blocks.append(np.array([[0.0, 1.0], [-body.stiffness, -body.damping]]))
+        shapes, input_shapes = (
+            [*shapes, body.shape, body.response],
+            [*input_shapes, body.response, body.shape - body.damping * body.response],
+        )
+        places, input_places = [*places, begin, begin + 1], [*input_places, begin, begin + 1]
+        own = NOISE_SAFETY * EPS * (abs(body.stiffness) ** 0.5 + abs(body.damping)) + body.noise
+        errors = np.append(errors, [own, own])
+        supports = np.append(supports, _supports(pencil, body.shape[:, None], np.array([not body.stiffness])).repeat(2))
+    empty = np.zeros((0, pencil.size))
+    return ModeSpace(
+        np.array(shapes).T if shapes else empty.T,
+        np.array(places, dtype=int),
+        tuple(blocks),
+        np.array(input_shapes).T if input_shapes else empty.T,
+        np.array(input_places, dtype=int),
+        errors,
+        supports,
+        np.zeros(len(errors)),
+        False,
+        int((~modes.converged).sum()),
+    )
+
+
+# y' = B y + U z with z' = J z, restarted wherever the force starts, stops or changes: y(t) as a Bohl function.
+#
+# With B Y - Y J = -U the force causes Y z and a free motion, as in ``response.methods.by_pairs`` for the whole system; where Y
+# is large, near resonance, y and a copy of z are evaluated together instead.
+
+
+class Amplitudes:
+    """The states y of the kept modes and z of the force.
+
+    Attributes:
+        function: w + s rows: the factors of the columns of W, and z.
+        start: the free part of y at 0+.
+    """
+
+    def __init__(self, space: ModeSpace, start: np.ndarray, coupling: np.ndarray, smooth: BohlFunction):
+        self.space, restarts = space, smooth.restarts
+        blocks, units, outer = [], np.ones(space.count), block_slices(smooth.blocks)
+        Y, coupled = np.zeros(coupling.shape), []
+        for block, at in zip(space.blocks, block_slices(space.blocks)):
+            for J, of in zip(smooth.blocks, outer):
+                if coupling[at, of].any():
+                    units[at] = _state_units(block, J)
+                    own, U = block * units[at] / units[at][:, None], coupling[at, of] / units[at][:, None]
+                    solution = _separated(own, J, U)
+                    if solution is None:
+                        unit = max(np.abs(U).max(), np.finfo(float).tiny) / max(np.abs(own).max(), np.abs(J).max(), 1.0)
+                        coupled.append((at, of, np.block([[own, U / unit], [np.zeros((len(J), len(own))), J]]), unit * units[at]))
+                    else:
+                        Y[at, of] = units[at][:, None] * solution
+            blocks.append(block)
+        self.Y, self.coupled = Y, coupled
+        knots, inputs = restarts.knots, restarts.states
+        caused = np.vstack(
+            [-Y @ inputs, inputs, *(np.pad(inputs[of], ((at.stop - at.start, 0), (0, 0))) for at, of, _, _ in coupled)]
+        )
+        blocks += [*smooth.blocks, *(block for _, _, block, _ in coupled)]
+        gaps = restarts.gaps
+        with np.errstate(over="ignore", invalid="ignore"):  # reported when the function is evaluated
+            gained = self._finite(block_states(blocks, caused[:, :-1], gaps))
+            own = recursion(space.blocks, start, gained, gaps)
+            states = caused
+            states[: space.count] += own
+            before = np.hstack([np.zeros((len(states), 1)), block_states(blocks, states[:, :-1], gaps)])
+        of_force = np.eye(len(inputs), len(states), space.count)
+        rows = np.vstack([self._rows(len(inputs), len(states)), of_force])
+        at_knots = states[:, 0] if len(knots) == 1 else Restarts(knots, states, states - before, restarts.remainders)
+        self.function, self.start = BohlFunction(rows, tuple(blocks), at_knots), start
+
+    def _finite(self, states) -> np.ndarray:
+        """y from the states of all blocks."""
+        n, m = self.Y.shape
+        y, begin = states[:n] + self.Y @ states[n : n + m], n + m
+        for at, _, block, units in self.coupled:
+            y[at] += units[:, None] * states[begin : begin + len(units)]
+            begin += len(block)
+        return y
+
+    def _rows(self, inputs, size) -> np.ndarray:
+        n, places = self.space.count, self.space.places
+        rows = np.zeros((n, size))
+        rows[:, :n], rows[:, n : n + inputs] = np.eye(n), self.Y
+        begin = n + inputs
+        for at, _, block, units in self.coupled:
+            rows[at, begin : begin + len(units)] = np.diag(units)
+            begin += len(block)
+        return rows[places]
+
+
+def _state_units(block, J) -> np.ndarray:
+    """Scales of displacement and velocity of a mode: 1 and the larger rate of the two."""
+    if len(block) == 1 or block[0, 1] != 1.0 or block[0, 0]:
+        return np.ones(len(block))
+    rate = max(abs(block[1, 0]) ** 0.5, abs(block[1, 1]), float(np.abs(np.diag(J)).max()), float(np.abs(J).max()))
+    return np.array([1.0, 2.0 ** np.round(np.log2(rate)) if rate else 1.0])
+
+
+def _separated(own, J, U) -> np.ndarray | None:
+    """Y, or None near resonance."""
+    matrix = np.kron(own, np.eye(len(J))) - np.kron(np.eye(len(own)), J.T)
+    scale = max(np.abs(own).max(), np.abs(J).max())
+    if not scale:
+        return None
+    try:
+        solution = (
+            scipy.linalg.solve(matrix, -U.ravel(), check_finite=False) if np.linalg.cond(matrix) < RESONANCE_RATIO**4 else None
+        )
+    except np.linalg.LinAlgError:
+        return None
+    if solution is None or np.abs(solution).max() * scale > RESONANCE_RATIO * np.abs(U).max() * len(J):
+        return None
+    return solution.reshape(U.shape)
+
+
+# The static correction, exact for every force: X with M X J^2 + C X J + K X = D outside of the kept modes.
+#
+# For a force D e^{J t} v the left-out modes follow X e^{J t} v exactly, whatever their number, and beyond it move freely. A static
+# force so has its full static deflection. This is the mode-acceleration method (Williams 1945), for every force in closed form.
+
+#: The refinement steps after which a force cannot be followed.
+MOST_STEPS = 60
+
+
+class StaticCorrection:
+    """Solutions of P(s) x = d outside of the kept modes."""
+
+    def __init__(self, pencil: ReducedPencil, undamped: UndampedModes, space: ModeSpace):
+        self.pencil, self.undamped, self.space = pencil, undamped, space
+        self.quadratic = QuadraticPencil(pencil, undamped)
+        self.known: dict[complex, Solver] = {}
+
+    def _residual_forces(self, forces: np.ndarray, blocks) -> np.ndarray:
+        """D without the part that acts on the kept modes."""
+        pencil, space, generator = self.pencil, self.space, scipy.linalg.block_diag(*blocks)
+        states = space.modal_forces(forces)
+        along, turned = space.displacements(states), space.displacements(space.times_generator(states))
+        return forces - times(pencil.mass, turned + along @ generator) - times(pencil.damping, along)
+
+    def followed(self, forces: np.ndarray, blocks) -> np.ndarray:
+        """X for D and the diagonal blocks of J, one column of a block after another in its Schur form."""
+        correction = np.zeros(forces.shape)
+        if not blocks:
+            return correction
+        left = self._residual_forces(forces, blocks)
+        for block, at in zip(blocks, block_slices(blocks)):
+            if not left[:, at].any():
+                continue
+            triangle, turn = scipy.linalg.schur(block, output="complex")
+            size = float(np.linalg.norm(forces[:, at]))
+            correction[:, at] = (self._columns(left[:, at] @ turn, triangle, size) @ turn.conj().T).real
+        return correction
+
+    def _columns(self, right, triangle, size) -> np.ndarray:
+        squared, columns = triangle @ triangle, np.zeros(right.shape, dtype=complex)
+        for j in range(right.shape[1]):
+            inertia, damping = columns[:, :j] @ squared[:j, j], columns[:, :j] @ triangle[:j, j]
+            own = right[:, j] - self.pencil.mass @ inertia - self.pencil.damping @ damping
+            columns[:, j] = self.solved(complex(triangle[j, j]), own, size)
+        return columns
+
+    def solved(self, s: complex, right: np.ndarray, size: float = 0.0) -> np.ndarray:
+        """x with P(s) x = right, refined; right has rounding errors of this size."""
+        solve, size = self._solver(s), max(np.linalg.norm(right), size)
+        solution, rest, before = np.zeros(right.shape, dtype=complex), self._residual(right.astype(complex)), np.inf
+        for _ in range(MOST_STEPS):
+            solution = self._outside(solution + solve(rest))
+            rest = self._residual(balanced(self.pencil, right - self.quadratic.applied(s, solution)))
+            floor = NOISE_SAFETY * EPS * np.linalg.norm(abs(self.pencil.stiffness) @ np.abs(solution))
+            left = np.linalg.norm(rest)
+            if left <= max(CORRECTION_RESIDUAL * size, floor):
+                return solution
+            if not np.isfinite(left) or left > 2 * before:
+                break
+            before = left
+        rate = f"s = {s.real:.6g} 1/s" if not s.imag else f"{abs(s.imag):.6g} rad/s"
+        raise InputError(
+            f"force: a mode beyond the {len(self.undamped.values)} computed ones is free, or in resonance with it at {rate}; "
+            "increase count"
+        )
+
+    def _solver(self, s: complex):
+        if not s:  # the first steps of a Neumann series, with factors that are there
+            solve = self.undamped.factors.solve
+            return lambda right: solve(right.real) + 1j * solve(right.imag)
+        for moved in (s, s * (1 + EPS**0.5)):  # next to an eigenvalue in the last digit, which refinement corrects
+            if moved in self.known:
+                return self.known[moved]
+            try:
+                self.known = {moved: self.quadratic.solver(moved)}
+            except IllConditioned:
+                continue
+            return self.known[moved]
+        raise InputError(f"force: it is in resonance with an undamped mode at {abs(s):.6g} rad/s; increase count")
+
+    def _outside(self, x: np.ndarray) -> np.ndarray:
+        """x without the kept modes: rounding along them is large near resonance."""
+        if not self.space.modal:
+            return x
+        X = self.space.shapes
+        weighed = self.pencil.mass @ x
+        return x - (X @ (X.T @ weighed.real) + 1j * (X @ (X.T @ weighed.imag)))
+
+    def _residual(self, forces: np.ndarray) -> np.ndarray:
+        """Forces without their part on the kept modes, which is rounding error here."""
+        if not self.space.modal:
+            return forces
+        X = self.space.shapes
+        return forces - self.pencil.mass @ (X @ (X.T @ forces.real) + 1j * (X @ (X.T @ forces.imag)))
+
+
+# The energy outside of the kept modes: that of a free motion of the whole system, so that it never grows.
+#
+# x_rest = x - W a - X z solves M x'' + C x' + K x = 0 between the times at which the force changes, exactly, and there it gains the
+# jump of -X z. With x'^T C x' >= 0 its energy is at most that of its starts: sqrt(2 E) <= sum of sqrt(2 E_j), as this is a norm.
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """A bound of the motion outside of the kept modes."""
+
+    norm: float  # of its energy norm sqrt(2 E)
+    relative: float  # the bound relative to the norm of the whole motion
+    passive: bool  # whether it is valid for all times
+    jumps: bool  # whether coordinates without mass jump at the start
+
+
+def remainder(left: StaticCorrection, displacement, velocity, amplitudes: Amplitudes, followed, smooth: BohlFunction) -> Remainder:
+    """The bound for a start, and a force that changes at knots."""
+    pencil, space, restarts = left.pencil, left.space, smooth.restarts
+    generator = smooth.generator
+    z, jumps = restarts.states[:, 0], restarts.jumps[:, 1:]
+    states = amplitudes.start[:, None]
+    forced = space.modal_forces(np.asarray(pencil.basis.T @ smooth.coefficients) @ z[:, None])
+    kept = space.displacements(states)[:, 0], space.displacements(space.times_generator(states) + forced)[:, 0]
+    forced = followed @ z, followed @ (generator @ z)
+    rest, jumped = _relaxed(pencil, displacement - kept[0] - forced[0])
+    terms = [(displacement, velocity), kept, forced]
+    first = _norm(pencil, rest, velocity - kept[1] - forced[1])
+    sizes = [_norm(pencil, *term) for term in terms]
+    if first <= NOISE_SAFETY * EPS * sum(_rough(pencil, *term) for term in terms):
+        first = 0.0
+    changes = _norms(pencil, followed, generator, jumps)
+    norm = 0.0 if left.undamped.complete and space.modal else float(first + changes.sum())
+    whole = max(sizes[0], sizes[1]) + sizes[2] + changes.sum()
+    relative = min(norm / np.hypot(norm, whole), 1.0) if norm else 0.0
+    return Remainder(norm, float(relative), _is_passive(left), jumped)
+
+
+def _norm(pencil: ReducedPencil, x, v) -> float:
+    """(v^T M v + x^T K x)^(1/2)."""
+    return max(float(v @ (pencil.mass @ v) + x @ (pencil.stiffness @ x)), 0.0) ** 0.5
+
+
+def _rough(pencil: ReducedPencil, x, v) -> float:
+    """Energy norm of the absolute values: times the unit roundoff it bounds the rounding errors of the norm."""
+    x, v = np.abs(x), np.abs(v)
+    return float(v @ (abs(pencil.mass) @ v) + x @ (abs(pencil.stiffness) @ x)) ** 0.5
+
+
+def _norms(pencil: ReducedPencil, followed, generator, jumps) -> np.ndarray:
+    """The energy norm of X dz at each of the later changes of the force, shape (K - 1,)."""
+    if not jumps.size:
+        return np.zeros(0)
+    turned = followed @ generator
+    square = followed.T @ times(pencil.stiffness, followed) + turned.T @ times(pencil.mass, turned)
+    return np.maximum((jumps * (square @ jumps)).sum(axis=0), 0.0) ** 0.5
+
+
+def _relaxed(pencil: ReducedPencil, rest: np.ndarray) -> tuple[np.ndarray, bool]:
+    """The displacement with massless, undamped coordinates in equilibrium between the springs, and whether any of them changed."""
+    empty = np.diff(pencil.mass.indptr) + np.diff(pencil.damping.indptr) == 0
+    if not empty.any() or pencil.rows.shape[0]:
+        return rest, False
+    stiffness = scipy.sparse.csr_array(pencil.stiffness)[empty]
+    own, forces = scipy.sparse.csc_array(stiffness[:, empty]), stiffness @ rest
+    noise = NOISE_SAFETY * EPS * (abs(stiffness) @ np.abs(rest))
+    if (np.abs(forces) <= noise).all():
+        return rest, False
+    relaxed = rest.copy()
+    relaxed[empty] -= splu(own).solve(forces)
+    moved = np.abs(relaxed - rest).max()
+    return relaxed, bool(moved > EPS**0.5 * np.abs(rest).max())
+
+
+def _is_passive(left: StaticCorrection) -> bool:
+    """Whether stiffness and damping supply no energy to the motion outside of the kept modes."""
+    values = left.undamped.values
+    if (len(values) and values[-1] < 0) or left.undamped.factors.negative != 0:
+        return False
+    if not left.space.modal and (values < 0).any():
+        return False
+    C = left.pencil.damping
+    diagonal = C.diagonal()
+    if (diagonal >= 0).all() and (2 * diagonal >= abs(C).sum(axis=0) * (1 - NOISE_SAFETY * EPS)).all():
+        return True
+    try:
+        lifted = C + scipy.sparse.diags_array(NOISE_SAFETY * EPS * np.where(diagonal > 0, diagonal, np.abs(C.data).max()))
+        return factorize(lifted, scipy.sparse.csr_array((0, C.shape[0])), left.pencil.described).negative == 0
+    except MbconstrainedError:
+        return False
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -138,7 +576,7 @@ class SparseMotion(SystemMotion, Displayed):
             return max(float(unit @ self.left.solved(0j, unit.astype(complex)).real), 0.0)
         if (self.left.undamped.values <= 0).any():
             return np.inf
-        return max(float(unit @ self.left.quadratic.factors(0.0).solve(unit).real), 0.0)
+        return max(float(unit @ self.left.quadratic.solver(0.0)(unit).real), 0.0)
 
 
 def sparse_motion(system: EquationsOfMotion, start: np.ndarray, applied: ImpulsiveSmooth, count: int) -> SparseMotion:

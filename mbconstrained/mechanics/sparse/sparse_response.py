@@ -26,7 +26,7 @@ from ...linalg.division import accurate_product
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..channels import chosen_by_name
 from ..equations import EquationsOfMotion
-from .sparse_matrices import asymmetry, times
+from .pencil import asymmetry, times
 from .undamped_modes import UndampedModes, undamped_modes
 
 #: Corrections of a force: its static deflection, that of the inertia of this one, and so on.
@@ -164,7 +164,7 @@ class _Residuals(LeftOut):
         parts = [reduced.inertia] if reduced.damped is None else [reduced.inertia, reduced.damped]
         columns = np.hstack([reduced.sources, *parts, reduced.unequal])
         solved = reduced.undamped.factors.solve(columns)
-        left = _remainder(reduced.shifted, solved, columns) if reduced.undamped.factors.rows is None else 0.0 * columns
+        left = _remainder(reduced.shifted, solved, columns) if not reduced.undamped.factors.is_bordered else 0.0 * columns
         inner = columns.T @ X  # along the modes there is nothing to leave out
         along = inner / (reduced.undamped.values - reduced.undamped.shift)
         gram = columns.T @ solved - solved.T @ left - along @ inner.T

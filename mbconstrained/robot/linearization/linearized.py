@@ -17,9 +17,9 @@ from ...mechanics.channels import channels, chosen_by_name
 from ...mechanics.constraints import Constraint, Level, checked_level
 from ...mechanics.energy import EnergyParts
 from ...mechanics.equations import ElementForce, Side
+from ...mechanics.harmonic_response import frequency_response
+from ...mechanics.peaks import EffectiveMasses, effective_masses
 from ...mechanics.system import MechanicalSystem
-from ...mechanics.vibration.effective_masses import EffectiveMasses, effective_masses
-from ...mechanics.vibration.harmonic_equations import frequency_response
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import zero
 from ..connections import AXES, PointMotion

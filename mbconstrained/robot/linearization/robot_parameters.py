@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...mechanics.sensitivity.parameter import Parameter
+from ...mechanics.parameter import Parameter
 from ..connections import BodySpring
 from ..description.masses import replace_masses
 from ..description.urdf import link_masses, skeleton

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...control.poles_and_zeros import Transfer, rational_transfer
+from ...control.matrix_fraction import scalar_force, scalar_matrix
+from ...control.rational import RationalFunction, rational_function
+from ...control.state_equations import Transfer, rational_transfer
 from ...control.state_space import StateSpace
-from ...control.transfer.matrix_fraction import scalar_force, scalar_matrix
-from ...control.transfer.rational import RationalFunction, rational_function
-from ...control.transfer.transfer_function import transfer_function_response
+from ...control.transfer_function import transfer_function_response
 from ...ground.checks import nearest
 from ...ground.errors import IllConditioned, InputError, NoNormalForm, SceneError
 from ...polynomial.polynomial_matrix import PolynomialMatrix
@@ -27,8 +27,8 @@ from .data_files import entries_of
 from .forces import input_of
 
 if TYPE_CHECKING:
-    from ...control.state_space_response import StateSpaceResponse
-    from ...mechanics.normal_form.normal_form import NormalForm
+    from ...control.state_space import StateSpaceResponse
+    from ...mechanics.normal_form import NormalForm
     from ...mechanics.system import MechanicalSystem
 
 #: Zeros are looked for in systems of so many states, and so many pairs of inputs and outputs, at most.
@@ -197,7 +197,7 @@ def mechanical_scene(
     control: ControlScene, table, file_name: str, lap: Callable[[str], object]
 ) -> tuple[ControlScene, MechanicalSystem, Coordinates, np.ndarray]:
     """A state space in its mechanical normal form."""
-    from ...mechanics.normal_form.normal_form import mechanical_normal_form
+    from ...mechanics.normal_form import mechanical_normal_form
 
     space, model, initial = control.system, table.model, table.initial
     lap("assemble the model")

@@ -209,8 +209,8 @@ def _state_space(table, folder: Path, file_name: str, lap) -> Equations:
 
 def _matrices(table, folder: Path, file_name: str) -> Equations:
     from ...mechanics.constraints import Constraint
+    from ...mechanics.element_matrix import unbalance_of
     from ...mechanics.system import MechanicalSystem
-    from ...mechanics.vibration.rotor_equations import unbalance_of
     from ...models.lumped import coordinate_row
 
     matrices = {}

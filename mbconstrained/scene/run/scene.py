@@ -28,9 +28,9 @@ from .stage_costs import Costs
 from .stages import plan_of, run_stages
 
 if TYPE_CHECKING:
-    from ...mechanics.sensitivity.parameter import Parameter
-    from ...mechanics.sensitivity.sensitivities import Sensitivities
-    from ...mechanics.vibration.root_locus import RootLocus
+    from ...mechanics.parameter import Parameter
+    from ...mechanics.root_locus import RootLocus
+    from ...mechanics.sensitivities import Sensitivities
 
 
 @dataclass(frozen=True, repr=False)
@@ -112,7 +112,7 @@ class Scene(SceneData, Studied):
         >>> len(scene.root_locus("zeta", [0.1, 1.0, 2.0]).break_points)
         1
         """
-        from ...mechanics.vibration.root_locus import root_locus_of
+        from ...mechanics.root_locus import root_locus_of
 
         if name not in self.parameters.values:
             if self.equations.system is None:

@@ -25,7 +25,7 @@ from .plan import Plan
 from .stage_costs import Cost
 
 if TYPE_CHECKING:
-    from ...mechanics.sensitivity.parameter import Parameter
+    from ...mechanics.parameter import Parameter
     from ...mechanics.system import MechanicalSystem
 
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from ...mechanics.constraints import LEVELS
 from ...mechanics.exact_motion import with_multipliers
-from ...mechanics.reaction import reaction_function
+from ...mechanics.motion import reaction_function
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.bohl import BohlFunction
 from ...signals.impulsive import ImpulsiveSmooth

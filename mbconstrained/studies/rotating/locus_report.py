@@ -10,7 +10,7 @@ from ...ground.checks import counted
 from ...ground.display import TextTable, number_text, with_unit
 from ...ground.errors import InputError
 from ...ground.notices import Notice
-from ...mechanics.vibration.root_locus import RootLocus
+from ...mechanics.root_locus import RootLocus
 from ...page.animation.figure import PALETTE
 from ...page.plots.images import INK, LINE, MUTED, RED
 from ...scene.file.messages import named

@@ -12,8 +12,7 @@ from ...page.plots.images import INK, LINE, MUTED, RED
 from ..figures import Picture, power_of_ten
 
 if TYPE_CHECKING:
-    from ...mechanics.vibration.rotating import Campbell, CriticalSpeed
-    from ...mechanics.vibration.unbalance_response import UnbalanceResponse
+    from ...mechanics.rotating import Campbell, CriticalSpeed, UnbalanceResponse
     from ...scene.quantities.output_units import OutputUnits
 
 #: rad/s in rev/min.

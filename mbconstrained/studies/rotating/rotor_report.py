@@ -12,9 +12,18 @@ from ...ground.display import TextTable, finite_or_none, number_text, with_unit
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS
-from ...mechanics.vibration.rotating import Campbell, CriticalSpeed, campbell, critical_points, direction
-from ...mechanics.vibration.rotor_equations import speed_ranges
-from ...mechanics.vibration.unbalance_response import UnbalancePeak, UnbalanceResponse, unbalance_response, with_resonances
+from ...mechanics.rotating import (
+    Campbell,
+    CriticalSpeed,
+    UnbalancePeak,
+    UnbalanceResponse,
+    campbell,
+    critical_points,
+    direction,
+    speed_ranges,
+    unbalance_response,
+    with_resonances,
+)
 from ..figures import Picture
 from ..study_report import StudyReport
 from ..timing import machine

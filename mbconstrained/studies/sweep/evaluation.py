@@ -19,7 +19,7 @@ from ...ground.errors import InputError, MbconstrainedError
 from ...ground.threads import SMALL, one_thread
 from ...ground.tolerances import PROVED_ACCURACY, noise_of
 from ...mechanics.element_matrix import ElementMatrix
-from ...mechanics.family.family import Family
+from ...mechanics.family import Family
 from ...mechanics.system import MechanicalSystem
 from ...scene.file.messages import SceneName
 from ...scene.run.curves import ORDERS, extrema_of, functions_of, rms_of

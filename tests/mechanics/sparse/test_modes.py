@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.mechanics.sparse import quadratic_pencil as quadratic
+from mbconstrained.mechanics.sparse import sparse_modes as quadratic
 from mbconstrained.mechanics.sparse import undamped_modes as undamped
 from tests.mechanics.sparse.models import dense, line, membrane, random_tied, ring, tied_chain, ties
 

@@ -5,8 +5,7 @@ import pytest
 import scipy.sparse as sp
 
 import mbconstrained as mb
-from mbconstrained.mechanics.sparse.pencil import eliminate
-from mbconstrained.mechanics.sparse.sparse_matrices import sparse_rows
+from mbconstrained.mechanics.sparse.pencil import eliminate, sparse_rows
 from tests.mechanics.sparse.models import line
 
 EYE = sp.eye_array(3)

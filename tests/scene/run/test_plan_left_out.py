@@ -86,7 +86,7 @@ WORK = {
         "robot with collisions", "robot with unread meshes", "scene/run/picture/robot_drawing.py:RobotPicture._collision"
     ),
     "assemble the model": Work("plain", None, "scene/build/equations.py:equations_of"),
-    "mechanical normal form": Work("normal form", "states", "mechanics/normal_form/normal_form.py:mechanical_normal_form"),
+    "mechanical normal form": Work("normal form", "states", "mechanics/normal_form.py:mechanical_normal_form"),
     "dependent constraint rows": Work("all", "plain", "mechanics/constraints.py:_reduced"),
     "constrained form": Work("all", "plain", "mechanics/constrained_form.py:_projected"),
     "scaling and staircase": Work("plain", None, "linalg/staircase.py:split_pencil"),
@@ -101,7 +101,7 @@ WORK = {
     "forces of loops and springs": Work("robot with forces", "robot", computed("ground_reaction")),
     "energy": Work("all", "lumped", "mechanics/energy.py:energy_of"),
     "element quantities": Work("quantities", "lumped", computed("quantity")),
-    "modes": Work("plain", "coefficients", "mechanics/mode_computation.py:modes_of"),
+    "modes": Work("plain", "coefficients", "mechanics/modes.py:modes_of"),
     "transfer functions": Work("states", "states alone", "scene/build/control_model.py:ControlScene._transfer"),
     "error estimate": Work("plain", None, "response/estimate.py:error_estimate"),
     "proof (python-flint)": Work(

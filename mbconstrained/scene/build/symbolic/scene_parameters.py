@@ -16,7 +16,7 @@ import numpy as np
 from ....ground.errors import InputError
 from ....ground.tolerances import COMPLEX_STEP
 from ....mechanics.constraints import row_names
-from ....mechanics.sensitivity.parameter import Parameter
+from ....mechanics.parameter import Parameter
 from ....models.element_parameters import complex_parameter
 from ...quantities.coordinates import constraint_row
 from ...run.scene_data import SceneData

@@ -126,7 +126,7 @@ def _coefficients(scene: SceneData, symbols: Symbols) -> ExactEquations:
 
 
 def _state_space(scene: SceneData, symbols: Symbols) -> ExactEquations:
-    """[[s E - A, 0], [-C, I]] [x; y] = [B; D] u, the exact form of ``control.state_space_response``."""
+    """[[s E - A, 0], [-C, I]] [x; y] = [B; D] u, the exact form of ``control.state_space``."""
     from ....exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 
     system, inputs = scene.equations.control.system, scene.equations.control.inputs

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....control.transfer.transfer_function import transfer_function_response
+from ....control.transfer_function import transfer_function_response
 from ....frequency.features import Antiresonance, Peak, frequencies_by_poles
 from ....frequency.frequency_response import FrequencyResponse, arrays_of, csv_text, frequency_response
 from ....frequency.plots import AXIS_FACTORS

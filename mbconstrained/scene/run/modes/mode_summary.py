@@ -21,8 +21,8 @@ from ..scene_data import SceneData
 if TYPE_CHECKING:
     from ....mechanics.energy import EnergyShares
     from ....mechanics.modes import Mode
+    from ....mechanics.peaks import EffectiveMasses
     from ....mechanics.system import MechanicalSystem
-    from ....mechanics.vibration.effective_masses import EffectiveMasses
 
 MOST_ENTRIES = 6  # listed entries of a shape or of shares of energy; JSON has all
 LEAST_SHARE = 0.0005  # what is less is printed as 0.0 %

@@ -18,8 +18,8 @@ from .mode_summary import ModeLine
 
 if TYPE_CHECKING:
     from ....mechanics.modes import Mode
+    from ....mechanics.peaks import EffectiveMasses
     from ....mechanics.system import MechanicalSystem
-    from ....mechanics.vibration.effective_masses import EffectiveMasses
 
 
 class SceneModes:

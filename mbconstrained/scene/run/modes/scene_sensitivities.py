@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from ....ground.checks import nearest
 from ....ground.display import WIDTH, TextTable, finite_or_none
 from ....ground.errors import InputError
-from ....mechanics.sensitivity.parameter import Parameter
-from ....mechanics.sensitivity.sensitivities import Sensitivities
+from ....mechanics.parameter import Parameter
+from ....mechanics.sensitivities import Sensitivities
 from ..report.summary import notices_json
 from ..scene_data import SceneData
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from ....control.poles_and_zeros import roots_of
+from ....control.state_equations import roots_of
 from ....ground.checks import counted
 from ....ground.display import TextTable, number_text, with_unit
 from ....polynomial.structure import polynomial_text
 
 if TYPE_CHECKING:
-    from ....control.poles_and_zeros import Transfer
+    from ....control.state_equations import Transfer
     from ...build.control_model import ControlScene
 
 MOST_CHANNELS = 16  # pairs of inputs and outputs that are listed; JSON has all

@@ -11,8 +11,7 @@ import numpy as np
 from ....ground.coordinate_units import rate_unit
 from ....ground.display import TextTable, number_text, with_unit
 from ....ground.notices import Notice
-from ....mechanics.mode_computation import Conservation, cleaned
-from ....mechanics.modes import Kind, Mode, Modes
+from ....mechanics.modes import Conservation, Kind, Mode, Modes, cleaned
 from ....response.events import Event
 from ....response.response_notices import counts
 from ....signals.impulsive import ImpulsiveLoad

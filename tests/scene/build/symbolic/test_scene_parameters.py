@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.mechanics.sensitivity.parameter import Parameter
+from mbconstrained.mechanics.parameter import Parameter
 
 LUMPED = """
 [parameters]

@@ -8,7 +8,7 @@ import pytest
 
 from mbconstrained.ground.display import TextTable, table_text
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.mechanics.vibration.harmonic_equations import QUANTITIES
+from mbconstrained.mechanics.harmonic_response import QUANTITIES
 from mbconstrained.scene.run.frequency.frequency_summary import as_json, blocks
 from mbconstrained.scene.run.frequency.scene_frequency import SceneFrequency, frequency_content
 from mbconstrained.scene.run.frequency.scene_response import with_options

@@ -1,0 +1,409 @@
+"""Responses of b(s)/a(s) to the inputs I_gamma of Hauksdottir and Sigurdsson, for every integer gamma, and to any other input."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property
+from math import ceil, log, log10
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..frequency.frequency_response import FrequencyResponse, evaluated
+from ..frequency.harmonic import Harmonic
+from ..ground.errors import InputError, Overflow
+from ..ground.notices import Notice, NoticeKind
+from ..ground.tolerances import EARLY_ERROR, EPS, PRECISE_DIGITS, PROBE_SIZE, rounding_radius
+from ..linalg.blocks import eigenvalues
+from ..linalg.precise import midpoints, precise, precise_arithmetic
+from ..papers.residue_form import ResidueForm
+from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..polynomial.structure import polynomial_text
+from ..response.estimate import TRIALS
+from ..response.methods.pair_solution import ResponseFunction
+from ..response.problem import MOVES, Problem
+from ..response.response import Response, moved_responses
+from ..response.response_notices import response_notices
+from ..response.solve import solve
+from ..signals.impulsive import ImpulsiveSmooth
+from .matrix_fraction import checked_input, scalar_force, scalar_matrix
+from .rational import ONE, Polynomial, RationalFunction, laurent, rational_function
+
+if TYPE_CHECKING:
+    from ..exact.enclosure.exact_response import ExactResponse
+
+
+# A response from rest while it is small: by its exact Taylor series, where its modes cancel beyond the digits of float64.
+#
+# After b(s)/a(s) has begun like t^p it stays far below its modes for a while. A Taylor series loses e^(2 |s| t), s the largest
+# pole; with exact coefficients in the arithmetic of ``linalg.precise`` it can afford to, for a longer time than modes cancel.
+
+#: The least normal number of float64.
+TINY = float(np.finfo(float).tiny)
+
+#: The errors of the sum of modes are measured at so many times per factor of two, over at most so many factors of two.
+PLACES, OCTAVES = 2, 24
+
+#: The digits that may be lost, those of float64 and two for the roundings of the sum are left; and the |s| t that loses them.
+SPARE_DIGITS = PRECISE_DIGITS + log10(EPS) - 2
+REACH = SPARE_DIGITS * log(10) / 2
+
+#: So many terms for |s| t = 1, at least, make the rest of the series (e / 6)^(6 |s| t), nothing relative to e^(-|s| t).
+TERMS = 6
+
+#: And so many more for small |s| t, also for each pole and each power of s: repeated poles grow before they decay.
+MORE_TERMS, TERMS_A_POLE = 40, 3
+
+
+@dataclass(frozen=True, repr=False)
+class ExactStart(ResponseFunction):
+    """The response of b(s)/a(s) to I_gamma, or a derivative of it, evaluated with as many digits as its smallness requires."""
+
+    fraction: RationalFunction  # b(s)/a(s)
+    gamma: int  # of the derivative: y_gamma' = y_(gamma - 1) for t > 0
+
+    def __call__(self, times) -> np.ndarray:
+        """Values, from the exact series where the modes cancel."""
+        values = super().__call__(times)
+        times = np.asarray(times, dtype=float)
+        flat, accurate = np.atleast_1d(times), values.reshape(-1).copy()
+        at = np.flatnonzero((flat > 0) & (flat <= self._reach))
+        if not len(at):
+            return values
+        at = at[self._errors(flat[at]) > EARLY_ERROR * np.abs(accurate[at])]
+        octaves = np.floor(np.log2(flat[at]))
+        for octave in np.unique(octaves):  # few terms are enough for small times
+            same = at[octaves == octave]
+            exact, good = self._exact(flat[same])
+            accurate[same] = np.where(good, exact, accurate[same])
+        return accurate.reshape(values.shape)
+
+    @property
+    def summed_from(self) -> np.ndarray:
+        """First time of evaluation by modes: earlier values come from the exact series."""
+        return np.maximum(self.switch, self._reach)
+
+    def derivative(self, order: int = 1) -> ExactStart:
+        """The classical derivative."""
+        return with_exact_start(super().derivative(order), self.fraction, self.gamma - order)
+
+    def _errors(self, times) -> np.ndarray:
+        """Approximate error without the exact series: the noise of the float64 series, then the measured errors of the modes."""
+        by_series = times < self.switch[0]
+        noise = self.series.noise_at(np.where(by_series, times, 0.0))[0]
+        places, errors = self._measured
+        after = np.searchsorted(places, times).clip(1, len(places) - 1)
+        return np.where(by_series, noise, np.maximum(errors[after - 1], errors[after]))
+
+    @cached_property
+    def _measured(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times, ascending, and the errors of the sum of modes there: its difference from the exact series."""
+        octaves = np.log2(self._reach / max(self.switch[0], self._reach / 2**OCTAVES))
+        places = self._reach * 2.0 ** -(np.arange(ceil(octaves * PLACES), -1, -1) / PLACES)
+        with np.errstate(over="ignore", invalid="ignore"):  # what leaves the range is no number that could be compared
+            exact, good = self._exact(places)
+            errors = np.abs(self._values(places)[0] - exact)
+        errors = np.where(good & ~np.isnan(errors), errors, 0.0)
+        return np.append(0.0, places), np.append(errors[0], errors)
+
+    def _exact(self, times) -> tuple[np.ndarray, np.ndarray]:
+        """The Taylor sums by Horner's rule, and which of them have enough digits."""
+        count = min(ceil(TERMS * times.max() * self._largest_pole) + self._more_terms, len(self._derivatives))
+        with precise_arithmetic():
+            t, total = precise(times), precise(np.zeros(len(times)))
+            for k in reversed(range(count)):
+                total = midpoints(total * t / (k + 1) + self._derivatives[k])
+        sizes = _exponents_of_ten(total)
+        terms = self._exponents[:count] + np.multiply.outer(np.log10(times), np.arange(count))
+        left = terms.max(axis=1) - sizes <= SPARE_DIGITS
+        ended = terms[:, -self._more_terms // 2 :].max(axis=1) <= sizes + log10(EPS)
+        return total.astype(float), left & ended
+
+    @cached_property
+    def _largest_pole(self) -> float:
+        return max((float(np.abs(eigenvalues(block)).max()) for block in self.blocks), default=0.0)
+
+    @property
+    def _reach(self) -> float:
+        """Range of the series in s; zero without poles other than s = 0, whose modes are the series."""
+        return REACH / self._largest_pole if self._largest_pole else 0.0
+
+    @property
+    def _more_terms(self) -> int:
+        return MORE_TERMS + TERMS_A_POLE * (len(self.fraction.numerator) + len(self.fraction.denominator) + abs(self.gamma))
+
+    @cached_property
+    def _derivatives(self) -> list:
+        """y^(k)(0+), the coefficients of s^-(k+1) of b(s) / (a(s) s^gamma), in high precision."""
+        b, a = self.fraction.numerator, self.fraction.denominator
+        first, count = len(b) - len(a) - self.gamma + 1, ceil(TERMS * REACH) + self._more_terms
+        with precise_arithmetic():
+            above, below = (tuple(precise(np.array(p, dtype=object))) for p in (b, a))
+            return [
+                *precise(np.zeros(max(-first, 0))),
+                *laurent(above, below, max(count + first, 0), lambda value: value.mid())[max(first, 0) :],
+            ]
+
+    @cached_property
+    def _exponents(self) -> np.ndarray:
+        """Powers of ten of the terms at t = 1."""
+        factorials = np.cumsum(np.log10(np.maximum(np.arange(len(self._derivatives)), 1)))
+        return _exponents_of_ten(self._derivatives) - factorials
+
+
+def _exponents_of_ten(values) -> np.ndarray:
+    """Decimal logarithms of numbers of high precision, which may exceed the range of float64."""
+    return np.array([float(abs(value).log()) / log(10) if value.mid() != 0 else -np.inf for value in values])
+
+
+def with_exact_start(function: ResponseFunction, fraction: RationalFunction, gamma: int) -> ExactStart:
+    """A function of modes that begins with its exact series."""
+    return ExactStart(function.coefficients, function.blocks, function.start, function.series, fraction, int(gamma))
+
+
+def exact_start(fraction: RationalFunction, gamma: int, count: int) -> tuple[np.ndarray, tuple[np.ndarray, ...], bool]:
+    """The start of a response: coefficients of s^-(i+1) and of 1, s, s^2, ... of b(s) / (a(s) s^gamma)."""
+    highest = len(fraction.numerator) - len(fraction.denominator) - gamma
+    series = laurent(fraction.numerator, fraction.denominator, max(highest + count + 1, 0)) if fraction.numerator else []
+    try:
+        terms = {highest - k: float(c) for k, c in enumerate(series) if c}
+    except OverflowError:
+        raise Overflow("the jumps or impulses at t = 0 are beyond the range of float64; choose another unit of time") from None
+    jump = np.array([[terms.get(-1 - i, 0.0)] for i in range(count)]).reshape(count, 1)
+    impulses = tuple(np.array([terms.get(k, 0.0)]) for k in range(max(terms, default=-1) + 1))
+    return jump, impulses, all(abs(c) >= TINY for c in terms.values())
+
+
+#: With more impulses than this in its force a response is computed from its values at 0+: Laurent coefficients take long.
+MOST_IMPULSES = 24
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class TransferFunctionResponse(Response):
+    """y with a(d/dt) y = b(d/dt) u from rest, a ``Response`` with the one row y.
+
+    The objects of Hauksdottir and Sigurdsson belong to it: ``fundamental_solution`` y_f, ``basic_response`` y_b,gamma,
+    ``with_input`` for other gamma, and ``residue_form``, their sums of modes. They are computed when first used; y itself comes from
+    ``mb.solve``, and just after t = 0, where the sums of modes cancel, from its exact Taylor series.
+
+    Attributes:
+        fraction: b(s)/a(s), exactly.
+        gamma: of the input I_gamma, or the input itself.
+    """
+
+    fraction: RationalFunction = field(kw_only=True)
+    gamma: int | ImpulsiveSmooth = field(kw_only=True)
+
+    @property
+    def numerator(self) -> Polynomial:
+        """b as given, Fractions, the highest power first; (0,) where it is zero."""
+        return self.fraction.numerator[::-1] or (0 * ONE[0],)
+
+    @property
+    def denominator(self) -> Polynomial:
+        """a as given, Fractions, the highest power first."""
+        return self.fraction.denominator[::-1]
+
+    def frequency_response(self, frequencies_hz="auto") -> FrequencyResponse:
+        """Return the frequency response b(i w) / a(i w), without the common factor, with poles, residues, peaks and antiresonances.
+
+        Args:
+            frequencies_hz: in Hz, shape (F,), or "auto", placed by the poles.
+
+        Returns:
+            A ``FrequencyResponse`` of one output and one input.
+
+        >>> transfer_function_response([1], [1, 2, 1]).frequency_response([0.0]).values.item()
+        (1+0j)
+        """
+        reduced = self.fraction.reduced
+        b, a = ([float(c) for c in polynomial] for polynomial in (reduced.numerator, reduced.denominator))
+        coefficients = np.zeros((max(len(a), len(b), 1), 2, 2))  # a y = b v, v = u
+        coefficients[: len(a), 0, 0], coefficients[: len(b), 0, 1], coefficients[0, 1, 1] = a, np.negative(b), 1.0
+        A, names = PolynomialMatrix(coefficients), dict(input_names=("u",), output_names=("y",))
+        return evaluated(Harmonic(A, np.eye(2)[:, 1:], np.eye(2)[:1], **names, quantity="transfer function"), frequencies_hz)
+
+    @property
+    def common_factor(self) -> Polynomial:
+        """The common factor of b and a, the highest power first; (1,) if there is none.
+
+        It leaves the response from rest exactly, and so it is left out of what is computed: the rounding error of a growing common
+        factor would not. ``notices`` reports it.
+        """
+        return self.fraction.common_factor[::-1]
+
+    def with_input(self, gamma: int | ImpulsiveSmooth) -> TransferFunctionResponse:
+        """Return the response y_gamma of the system to another input; by (8) y_(gamma+1)' = y_gamma."""
+        return _response(self.fraction, gamma)
+
+    def basic_response(self, gamma: int | ImpulsiveSmooth | None = None) -> TransferFunctionResponse:
+        """Return y_b,gamma of Theorem 1, Eq. (28): numerator one, denominator divided by a_n, this gamma by default.
+
+        >>> y = transfer_function_response([3.0], [2.0, 2.0])  # 2 y' + 2 y = 3, y_b' + y_b = 1
+        >>> y(1.0) / y.basic_response()(1.0)
+        array([1.5])
+        """
+        a = self.fraction.denominator
+        return _response(RationalFunction((a[-1],), a, rounded=self.fraction.rounded), self.gamma if gamma is None else gamma)
+
+    @cached_property
+    def basic_responses(self) -> tuple[TransferFunctionResponse, ...]:
+        """y_b,(gamma - l) for l = 0 ... m: y is the sum of b_l / a_n times these (Eq. 32).
+
+        Raises:
+            InputError: the input is none of the I_gamma.
+        """
+        gamma = self._gamma("the basic responses belong to")
+        return tuple(self.basic_response(gamma - l) for l in range(len(self.numerator)))
+
+    @cached_property
+    def fundamental_solution(self) -> Response:
+        """y_f with a(d/dt) y_f = 0 from zeros and y_f^(n-1)(0) = 1 (Eqs. 12, 13), poles at s = 0 left out of a (Eq. 34).
+
+        It and its derivatives are accurate just after t = 0 too. Integrals y_f^(-gamma) have no polynomial part; they are in
+        ``residue_form``.
+
+        Raises:
+            InputError: a(s) has no other poles than s = 0: there is nothing fundamental, the response is Eq. (35).
+        """
+        a = self.fraction.denominator[self.fraction.zero_poles :]
+        if len(a) == 1:
+            raise InputError("denominator: it has no poles but s = 0; a fundamental solution needs others (see Eq. 35)")
+        return solve(scalar_matrix(a), np.eye(1, len(a) - 1, len(a) - 2).T)
+
+    @cached_property
+    def residue_form(self) -> ResidueForm:
+        """kappa, J, E(t) and the sums of modes of the paper, Eqs. (28)-(53): for study, and for times that are not small."""
+        fraction = self.fraction
+        a = fraction.denominator[fraction.zero_poles :]
+        zeros = scalar_matrix(a, fraction.rounded).structure().finite_zeros if len(a) > 1 else ()
+        return ResidueForm.of(np.array([float(b / a[-1]) for b in fraction.numerator] or [0.0]), zeros, fraction.zero_poles)
+
+    def expression(self, t=None):
+        """y(t) for t >= 0 as a SymPy expression, its impulses as DiracDelta; for t < 0 it is zero.
+
+        Sums of t^k e^{at} (cos wt, sin wt). Rational poles and pairs of quadratic factors are exact, others numbers of 30
+        digits. A float stands for the shortest decimal that it is written as: 0.1 for 1/10.
+
+        Args:
+            t: a sympy.Symbol; None for a real one called t.
+
+        Returns:
+            A sympy.Expr.
+
+        Raises:
+            InputError: the input is none of the I_gamma; add expressions for a sum of them.
+        """
+        from ..exact.symbolic.response.inverse_transform import time_expression
+
+        fraction = self.fraction.written_reduced
+        return time_expression(fraction.numerator, fraction.denominator, self._gamma("an expression is made for"), t)
+
+    @cached_property
+    def exact(self) -> ExactResponse:
+        """The exact answer for b and a as given, without their common factor."""
+        from ..exact.enclosure.exact_response import exact_fraction_response
+
+        fraction, gamma = self.fraction.reduced, self.gamma
+        if not isinstance(gamma, ImpulsiveSmooth):
+            fraction, gamma = fraction.without_zero_poles(gamma)
+        return exact_fraction_response(fraction.numerator, fraction.denominator, gamma)
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """Notices on omitted coefficients, and those of the response."""
+        return (*self.fraction.notices, *_growth_left_out(self.fraction), *response_notices(self))
+
+    @cached_property
+    def moved(self) -> tuple[Response, ...]:
+        """Solutions of the problem with data perturbed by about a rounding error, also with exact series at first."""
+        if isinstance(self.gamma, ImpulsiveSmooth):
+            return moved_responses(self)
+        trials = [_moved(self.fraction.reduced, np.random.default_rng(seed)) for seed in range(TRIALS)]
+        return tuple(_response(fraction, self.gamma) for fraction in trials)
+
+    def _gamma(self, what: str) -> int:
+        if isinstance(self.gamma, ImpulsiveSmooth):
+            raise InputError(f"gamma: {what} the inputs I_gamma, gamma a whole number; this response has another input")
+        return self.gamma
+
+
+def transfer_function_response(numerator, denominator, gamma: int | ImpulsiveSmooth = 1) -> TransferFunctionResponse:
+    """Solve a(d/dt) y = b(d/dt) u from rest, u = I_gamma (Hauksdottir and Sigurdsson, Theorem 2).
+
+    I_1 is the step, I_2 the ramp, I_3 the parabola t^2/2, I_0 Dirac's impulse and I_-k its k-th derivative. Poles may be
+    real, complex, repeated, zero or unstable, b may be of any degree: where y has Dirac impulses they are in ``impulses``. A
+    factor that b and a have in common exactly leaves the response, as in (2), and is reported in ``notices``; its zeros are not in ``pairs``. For I_gamma powers of s in a and b are taken into the input, gamma + n0 as in (34): what of them cancels is gone
+    exactly, and ``polynomial_matrix`` has no zeros at 0. The engine solves A(s) = a(s) with the force b(d/dt) u, and no modes
+    cancel where y is small.
+
+    Args:
+        numerator, denominator: b and a, highest power first as in scipy.signal. Whole numbers, Fractions and Decimals are taken
+            exactly, other floats as known to a rounding error.
+        gamma: a whole number, or an input with one row (``mb.harmonic``, sums of ``mb.power``, ...).
+
+    Returns:
+        y, one row.
+
+    Raises:
+        InputError: coefficients that are missing, not real or not finite, a denominator that is zero, an input that is none.
+
+    >>> y = transfer_function_response([1], [1, 2, 1])  # step response of 1 / (s + 1)^2
+    >>> bool(np.isclose(y(2.0)[0], 1 - 3 * np.exp(-2)))
+    True
+    >>> transfer_function_response([1, 0, 0], [1, 1], 0).impulses  # s^2 / (s + 1) = s - 1 + 1 / (s + 1)
+    (array([-1.]), array([1.]))
+    """
+    return _response(rational_function(numerator, denominator), gamma)
+
+
+def _response(fraction: RationalFunction, gamma) -> TransferFunctionResponse:
+    u, reduced = _checked_gamma(gamma), fraction.reduced
+    if isinstance(u, ImpulsiveSmooth):
+        x = solve(scalar_matrix(reduced.denominator), force=scalar_force(reduced.numerator, u))
+    else:
+        x = _from_exact_start(*reduced.without_zero_poles(u))
+    return TransferFunctionResponse(x.problem, x.solution, fraction=fraction, gamma=u)
+
+
+def _from_exact_start(fraction: RationalFunction, gamma: int) -> Response:
+    """The response with exact effects of the force's impulses at 0, and the resulting states of each mode.
+
+    The values at 0+ are sums over all modes: those of fast modes would hide the digits of slow ones.
+    """
+    A, force = scalar_matrix(fraction.denominator), scalar_force(fraction.numerator, gamma)
+    jump, impulses, in_range = exact_start(fraction, gamma, A.degree)
+    many = len(force.impulses) > MOST_IMPULSES
+    x = solve(A, jump, ImpulsiveSmooth(force.smooth)) if many and in_range else solve(A, force=force)
+    own = x.solution.function
+    function = with_exact_start(own, fraction, gamma) if fraction.numerator else own
+    solution = replace(x.solution, function=function, jump=jump, impulses=impulses)
+    return Response(Problem(A, np.zeros_like(jump), force), solution)
+
+
+def _growth_left_out(fraction: RationalFunction) -> Iterator[Notice]:
+    """Growth of the cancelled common factor, absent from a response from rest."""
+    factor = fraction.common_factor
+    zeros = scalar_matrix(factor, fraction.rounded).structure().finite_zeros if len(factor) > 1 else ()
+    if any(zero.value.real > rounding_radius(zero.multiplicity) * abs(zero.value) for zero in zeros):
+        text = "has a zero in the right half plane: from any start but rest that motion grows"
+        yield Notice(NoticeKind.UNSTABLE, f"the common factor {polynomial_text(factor)} {text}")
+
+
+def _checked_gamma(gamma) -> int | ImpulsiveSmooth:
+    if isinstance(gamma, ImpulsiveSmooth):
+        return checked_input(gamma, 1, "gamma")
+    if isinstance(gamma, bool) or not isinstance(gamma, (int, np.integer)):
+        raise InputError(f"gamma: found {gamma!r}; expected a whole number, of the input I_gamma, or an input with one row")
+    return int(gamma)
+
+
+def _moved(fraction: RationalFunction, random) -> RationalFunction:
+    """All coefficients perturbed by about a unit in the last place."""
+    numerator, denominator = (
+        tuple(c * (1 + Fraction(PROBE_SIZE * EPS * random.choice(MOVES))) for c in polynomial)
+        for polynomial in (fraction.numerator, fraction.denominator)
+    )
+    return RationalFunction(numerator, denominator, rounded=fraction.rounded)

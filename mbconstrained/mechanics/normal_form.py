@@ -1,0 +1,395 @@
+"""The mechanical normal form of a state-space system (Mayet and Kammermeier, corrected)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import scipy.linalg
+
+from ..ground.checks import counted, nearest, real_array
+from ..ground.display import Displayed, TextTable, notice_table
+from ..ground.errors import IllConditioned, InputError
+from ..ground.notices import Evidence, Notice
+from ..ground.tolerances import EPS, NOISE_SAFETY
+from ..papers.normal_form_rows import kronecker_rows, null_space_rows
+from ..signals.inputs import ImpulsiveSmooth, step
+from .energy import EnergyParts
+from .normal_form_existence import NormalFormExistence, ScaledPencil, StateSpaceData, existence, scaled_pencil, state_space_data
+from .system import MechanicalSystem
+
+# X^T of a transformation T = [X^T F; X^T A] that takes the inputs to [0; I_p], of small condition.
+#
+# B extended by n/2 - p columns B_2 to B_e with [B_e, A B_e] regular gives X^T = [0 I] [B_e, A B_e]^-1 at once. Seen from X^T these
+# are the solutions of X^T B = 0 and X^T A B = [0; I_p]: one of them, and any multiple of the (n - 2 p) rows N^T that
+# annihilate [B, A B], in each of the n/2 rows. Almost every choice is regular where a normal form exists, and the
+# (n/2) (n - 2 p) free numbers serve to make the condition of T small. With a descriptor matrix F the rows multiply the equations:
+# X^T B = 0 and X^T A F^-1 B = [0; I_p], and only F^-1 B has to be solved for.
+
+#: Random starting points, and steps from the best of them: local minima are near each other, and a minimum is flat.
+STARTS, STEPS = 4, 100
+
+#: For more states than this fewer: each step costs the inverse of a full matrix.
+LARGE, STARTS_OF_LARGE, STEPS_OF_LARGE = 60, 2, 30
+
+#: By how much the logarithm of the condition must become smaller for a system in normal form to change its coordinates.
+WORTH = 1e-3
+
+#: The logarithm of the condition where T is singular, beyond that of any regular matrix.
+SINGULAR = 1e3
+
+
+@dataclass(frozen=True, eq=False)
+class TransformationFamily:
+    """All rows X^T = particular + free @ null^T of the transformations of a pencil."""
+
+    A: np.ndarray  # A, F: shape (n, n)
+    F: np.ndarray
+    particular: np.ndarray  # shape (n/2, n); its last p rows belong to the inputs
+    null: np.ndarray  # N, shape (n, n - 2 p), orthonormal, N^T [B, A B] = 0
+
+    def rows(self, free) -> np.ndarray:
+        """X^T for the free parameters (n/2, n - 2 p)."""
+        return self.particular + free.reshape(len(self.particular), -1) @ self.null.T
+
+    def transformation(self, free) -> np.ndarray:
+        """T, shape (n, n)."""
+        rows = self.rows(free)
+        return np.vstack([rows @ self.F, rows @ self.A])
+
+
+def family(pair: ScaledPencil) -> TransformationFamily:
+    """The solutions of X^T [B, A F^-1 B] = [0, [0; I_p]]."""
+    n, p = pair.B.shape
+    both = np.hstack([pair.B, pair.A @ pair.input_space])
+    Q, R = np.linalg.qr(both, mode="complete") if p else (np.eye(n), np.zeros((n, 0)))
+    particular = np.zeros((n // 2, n))
+    if p:
+        coordinates = np.eye(p) if pair.explicit else np.linalg.inv(pair.input_space.T @ pair.through)
+        right = np.vstack([np.zeros((p, p)), coordinates.T])
+        particular[n // 2 - p :] = (Q[:, : 2 * p] @ scipy.linalg.solve_triangular(R[: 2 * p], right, trans="T")).T
+    return TransformationFamily(pair.A, pair.F, particular, Q[:, 2 * p :])
+
+
+def well_conditioned_rows(pair: ScaledPencil) -> np.ndarray:
+    """X^T in the given units, shape (n/2, n): solutions in those of the pair, improved in the given ones.
+
+    A system that is in normal form keeps its coordinates, the first half of its states.
+    """
+    solutions = family(pair)
+    n, p = pair.B.shape
+    coordinates = np.concatenate([np.full(n // 2 - p, pair.rate), pair.input / pair.rate])
+    units = np.concatenate([coordinates / pair.rate, coordinates])[:, None], 1 / pair.state
+    own = (np.eye(n // 2, n) / (coordinates[:, None] * pair.equation) - solutions.particular) @ solutions.null
+    free = _best(solutions, own, units) if 2 * p < n else own
+    return coordinates[:, None] * _without_rounding(solutions.rows(free)) * pair.equation
+
+
+def _best(solutions: TransformationFamily, own, units) -> np.ndarray:
+    """The free parameters of the best start, improved; ``own`` where the gain is too small."""
+    starts, steps = (STARTS, STEPS) if len(solutions.A) < LARGE else (STARTS_OF_LARGE, STEPS_OF_LARGE)
+    start = min([own, *_starts(solutions, starts)], key=lambda free: _condition(free.ravel(), solutions)[0])
+    best = _improved(_improved(start, solutions, steps), solutions, steps, *units)
+    before, after = (_condition(free.ravel(), solutions, *units)[0] for free in (own, best))
+    return own if before <= after + WORTH else best
+
+
+def _without_rounding(rows) -> np.ndarray:
+    """Entries below the noise of their row and column set to zero, so that sparse systems stay sparse."""
+    size = np.abs(rows)
+    noise = NOISE_SAFETY * EPS * np.minimum(size.max(axis=1, keepdims=True), size.max(axis=0, initial=0.0))
+    return np.where(size <= noise, 0.0, rows)
+
+
+def _starts(solutions: TransformationFamily, count: int) -> Iterator[np.ndarray]:
+    """Orthonormal rows for the coordinates, also for those with inputs, without which T may be singular (Eq. 11 as printed)."""
+    half, free = len(solutions.particular), solutions.null.shape[1]
+    random = np.random.default_rng(half)
+    lengths = np.linalg.norm(solutions.particular, axis=1, keepdims=True)
+    for _ in range(count):
+        start = lengths * random.standard_normal((half, free)) / free**0.5
+        start[: free // 2] = np.linalg.qr(random.standard_normal((free, free // 2)))[0].T
+        yield start
+
+
+def _improved(free, solutions: TransformationFamily, steps: int, left=1.0, right=1.0) -> np.ndarray:
+    """Quasi-Newton steps on the logarithm of |T| |T^-1| in the Frobenius norm; a worse result is rejected."""
+    from scipy.optimize import minimize  # takes half a second
+
+    before = _condition(free.ravel(), solutions, left, right)[0]
+    answer = minimize(_condition, free.ravel(), (solutions, left, right), method="L-BFGS-B", jac=True, options={"maxiter": steps})
+    return answer.x.reshape(free.shape) if answer.fun < before else free
+
+
+def _condition(free, solutions: TransformationFamily, left=1.0, right=1.0) -> tuple[float, np.ndarray]:
+    """log of |left T right| |(left T right)^-1|, and its gradient by the free numbers."""
+    T = left * solutions.transformation(free) * right
+    try:
+        inverse = np.linalg.inv(T)
+    except np.linalg.LinAlgError:
+        return SINGULAR, np.zeros(free.shape)
+    size, inverse_size = np.linalg.norm(T), np.linalg.norm(inverse)
+    if not np.isfinite(size) or not np.isfinite(inverse_size):
+        return SINGULAR, np.zeros(free.shape)
+    unit = inverse / inverse_size
+    gradient = left * (T / size**2 - unit.T @ unit @ inverse.T) * right
+    half = len(solutions.particular)
+    by_rows = gradient[:half] @ solutions.F.T + gradient[half:] @ solutions.A.T
+    return float(np.log(size) + np.log(inverse_size)), (by_rows @ solutions.null).ravel()
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class NormalForm(Displayed):
+    """x^ = T x of a system F x' = A x + B u, y = C x + D u, in which it reads q'' - A^_22 q' - A^_21 q = B^_2 u, x^ = (q, q').
+
+    Attributes:
+        transformation: T, shape (n, n).
+        left_transformation: T F^-1, the multiplier of the equations of a descriptor form; T itself without one.
+        state_matrix: A^ = T F^-1 A T^-1 = [0, I; A^_21, A^_22], zeros and ones exact.
+        input_matrix: B^ = T F^-1 B = [0; I_p], shape (n, p): the inputs are the forces on the last p coordinates.
+        output_matrix, feedthrough: C T^-1, shape (m, n), and D; None where no outputs were given.
+        freedom: the dimension (n/2) (n - 2 p) of the family of all transformations; none of them is better than others but
+            for its condition.
+        evidence: condition, residuals, margins of the conditions of existence.
+        notices: warnings; a doubtful one where rounding decides whether the form exists.
+        uncertainty: bounds of the rounding errors of [stiffness, damping], shape (n/2, n).
+    """
+
+    transformation: np.ndarray
+    left_transformation: np.ndarray
+    state_matrix: np.ndarray
+    input_matrix: np.ndarray
+    output_matrix: np.ndarray | None
+    feedthrough: np.ndarray | None
+    evidence: tuple[Evidence, ...] = ()
+    notices: tuple[Notice, ...] = ()
+    uncertainty: np.ndarray = field(default=None, repr=False)
+
+    def _summary(self) -> str:
+        family = "unique" if self.is_unique else f"one of a family of {counted(self.freedom, 'dimension')}"
+        return f"{counted(self.size, 'coordinate')}, {counted(self.inputs, 'input')}, condition {self.condition:.2g}, {family}"
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        rows = ((item.name, f"{item.value:.2g}", item.text) for item in self.evidence)
+        return TextTable("Evidence", ("quantity", "value", "meaning"), tuple(rows)), notice_table(self.notices)
+
+    @property
+    def size(self) -> int:
+        """n/2, the number of coordinates q."""
+        return len(self.state_matrix) // 2
+
+    @property
+    def inputs(self) -> int:
+        """Number p of inputs."""
+        return self.input_matrix.shape[1]
+
+    @property
+    def stiffness(self) -> np.ndarray:
+        """-A^_21, shape (n/2, n/2), of unit mass, not symmetric in general."""
+        return -self.state_matrix[self.size :, : self.size]
+
+    @property
+    def damping(self) -> np.ndarray:
+        """-A^_22, shape (n/2, n/2), of unit mass, not symmetric in general."""
+        return -self.state_matrix[self.size :, self.size :]
+
+    @property
+    def condition(self) -> float:
+        """The condition number of T in the 2-norm."""
+        return float(np.linalg.cond(self.transformation))
+
+    @property
+    def freedom(self) -> int:
+        """Dimension (n/2) (n - 2 p) of the changes of T by Q_1 that keep the inputs."""
+        return self.size * (2 * self.size - 2 * self.inputs)
+
+    @property
+    def is_unique(self) -> bool:
+        """True for p = n/2: T is unique."""
+        return self.freedom == 0
+
+    def system(self, names: Sequence[str] | None = None, units=None) -> MechanicalSystem:
+        """The second-order model with mass I; its force is ``force(u)``.
+
+        Its coordinates are combinations of the machine's with unit masses: the energies of the model are not those of the
+        machine, and its modes have no energy shares.
+
+        Args:
+            names: names of the n/2 coordinates; q1, q2, ... by default.
+            units: units of each, "m", "rad" or "1", by name or in order; "1" by default.
+
+        Returns:
+            The model.
+
+        >>> from mbconstrained import mechanical_normal_form
+        >>> form = mechanical_normal_form([[0.0, 1.0], [-4.0, 0.0]], [[0.0], [1.0]])
+        >>> form.system().modes().natural_frequencies.tolist()
+        [2.0]
+        """
+        names = [f"q{place + 1}" for place in range(self.size)] if names is None else names
+        doubt = {"stiffness": self.uncertainty[:, : self.size], "damping": self.uncertainty[:, self.size :]}
+        units = ["1"] * self.size if units is None else units
+        matrices = np.eye(self.size), self.damping, self.stiffness
+        return MechanicalSystem(*matrices, names=names, units=units, uncertainty=doubt, energy_parts=EnergyParts({}, {}))
+
+    def displacement_velocity(self, x0) -> tuple[np.ndarray, np.ndarray]:
+        """q and q', each of shape (n/2,), of a state x, shape (n,): the start of ``system().solve`` for x(0-) = x0.
+
+        For states in columns, shape (n, T), both have shape (n/2, T).
+        """
+        state = real_array(x0, "x0")
+        if state.ndim not in (1, 2) or len(state) != 2 * self.size:
+            raise InputError(
+                f"x0: expected {2 * self.size} states, found shape {' x '.join(map(str, state.shape)) or 'a single number'}"
+            )
+        states = self.transformation @ state
+        return states[: self.size], states[self.size :]
+
+    def state(self, displacement, velocity) -> np.ndarray:
+        """x = T^-1 (q, q').
+
+        Args:
+            displacement, velocity: q and q', shape (n/2,) or, at many times, (n/2, T).
+
+        Returns:
+            x, shape (n,) or (n, T).
+        """
+        parts = [real_array(value, what) for value, what in ((displacement, "displacement"), (velocity, "velocity"))]
+        for part, what in zip(parts, ("displacement", "velocity")):
+            if part.ndim not in (1, 2) or len(part) != self.size or part.shape != parts[0].shape:
+                raise InputError(f"{what}: found shape {part.shape}; expected {self.size} coordinates, alike in both")
+        return np.linalg.solve(self.transformation, np.concatenate(parts))
+
+    def force(self, u) -> ImpulsiveSmooth:
+        """Force of the inputs u on the n/2 coordinates; u is an ImpulsiveSmooth with p rows or a constant vector (p,)."""
+        if not isinstance(u, ImpulsiveSmooth):
+            u = step(real_array(u, "u", shape=(self.inputs,)))
+        if u.size != self.inputs:
+            raise InputError(f"u: it has {u.size} rows; expected one for each of the {self.inputs} inputs")
+        return u.mapped(self.input_matrix[self.size :])
+
+
+def _assembled(data: StateSpaceData, rows: np.ndarray, existence: NormalFormExistence) -> NormalForm:
+    """The form from X^T, shape (n/2, n), which multiplies the equations and whose last p rows hold the inputs."""
+    A, half, p = data.A, len(rows), data.B.shape[1]
+    T = np.vstack([rows if data.F is None else rows @ data.F, rows @ A])
+    lower, doubt_of_lower = _lower_multiplier(data, rows)
+    left = np.vstack([rows, lower])
+    scale = 1 / np.exp2(np.round(np.log2(np.linalg.norm(T, axis=0))))  # columns alike: fewer digits lost in the solution
+    inverse = scale[:, None] * np.linalg.inv(T * scale)
+    bottom = _refined(lower @ A, T, inverse)
+    state = np.vstack([np.eye(half, 2 * half, k=half), bottom])
+    inputs = np.eye(2 * half, p, k=p - 2 * half)
+    C = None if data.C is None else _refined(data.C, T, inverse)
+    noise = doubt_of_lower @ np.abs(A) + EPS * (np.abs(lower) @ np.abs(A) + np.abs(bottom) @ np.abs(T))
+    evidence = _evidence(data, left, T, state, inputs, existence)
+    return NormalForm(T, left, state, inputs, C, data.D, evidence, existence.notices, noise @ np.abs(inverse))
+
+
+def _lower_multiplier(data: StateSpaceData, rows) -> tuple[np.ndarray, np.ndarray]:
+    """X^T A F^-1 and its rounding error."""
+    lower = rows @ data.A
+    doubt = EPS * np.abs(rows) @ np.abs(data.A)
+    if data.F is None:
+        return lower, doubt
+    lower_solved = np.linalg.solve(data.F.T, lower.T).T
+    return lower_solved, (doubt + EPS * np.abs(lower_solved) @ np.abs(data.F)) @ np.abs(np.linalg.inv(data.F))
+
+
+def _refined(right, T, inverse) -> np.ndarray:
+    """right T^-1, with one step of iterative refinement."""
+    solution = right @ inverse
+    return solution + (right - solution @ T) @ inverse
+
+
+def _evidence(data, left, T, state, inputs, existence) -> tuple[Evidence, ...]:
+    A, B = data.A, data.B
+    size = (np.abs(left) @ np.abs(A) + np.abs(state) @ np.abs(T)).max(axis=0)
+    residual = np.abs(left @ A - state @ T) / np.where(size > 0, size, 1.0)
+    of_inputs = np.abs(left @ B - inputs) / np.maximum(np.abs(left) @ np.abs(B), 1.0)
+    return (
+        Evidence("condition", float(np.linalg.cond(T)), "of the transformation T, in the units of the states"),
+        Evidence("residual", float(residual.max()), "largest relative residual of T F^-1 A = A^ T"),
+        Evidence("input residual", float(of_inputs.max(initial=0.0)), "largest relative residual of T F^-1 B = [0; I]"),
+        Evidence(
+            "input margin", existence.inputs.ratio, "distance to rank [B, A B] < 2 p, in units of the bound of rounding errors"
+        ),
+        Evidence(
+            "eigenvalue margin",
+            existence.eigenvalues.ratio,
+            "least distance to rank [A - lambda I, B] < n/2 + p over real lambda, in the same units",
+        ),
+    )
+
+
+# Transformation of (A, B, C, D) to the normal form.
+
+OUT_OF_RANGE = "the normal form leaves the range of float64; choose units of time and of inputs in which A and B are near 1"
+
+
+def mechanical_normal_form(A, B, C=None, D=None, descriptor=None, method: str = "extension") -> NormalForm:
+    """Transform F x' = A x + B u, y = C x + D u into second-order equations of motion by x^ = T x.
+
+    x^ = (q, q') obeys q'' = A^_21 q + A^_22 q' + [0; I_p] u: unit masses, -A^_21 is the stiffness, -A^_22 the damping, and the
+    inputs are forces on the last p coordinates. T exists if and only if rank [B, A B] = 2 p and rank [A - lambda I, B] >= n/2 + p
+    for every real lambda (F^-1 A and F^-1 B in place of A and B for a descriptor form). This corrects Theorem 2.1 of Mayet and
+    Kammermeier, *Mechanical normal form of first order state-space systems*, which is wrong in both directions.
+
+    Args:
+        A: shape (n, n), n even.
+        B: shape (n, p), p <= n/2, independent columns; None or no columns for a system without inputs.
+        C, D: shape (m, n) and (m, p), where there are outputs.
+        descriptor: F, shape (n, n), regular, not symmetric in general; the identity when not given. It is not inverted:
+            X^T multiplies the equations, T = [X^T F; X^T A], and T F^-1 is the left multiplier of Eq. 16 (corrected: F^T where F
+            is printed).
+        method: "extension" extends B to B_e with [B_e, A B_e] regular, X^T = [0 I] [B_e, A B_e]^-1 and T = [X^T; X^T A]; of
+            the family of all T it takes one of small condition. "null space" (Eqs. 9-14 and appendix C, corrected) and
+            "kronecker" (Eqs. 15-16) are the paper's routes. Both fail for some systems that have a normal form: the first
+            where it needs what Eq. 11 leaves out or where G is defective, the second where no combination of solutions tried is
+            regular, and for many states. Neither makes the condition of T small.
+
+    Returns:
+        The form with its evidence.
+
+    Raises:
+        NoNormalForm: a condition fails; the text names it, with the ranks and the eigenvalue. Or the descriptor is singular.
+        IllConditioned: units so far from the system's own that the form leaves the range of float64.
+        InputError: shapes, n odd, p > n/2, dependent inputs, entries that are not finite, a method that fails.
+
+    >>> form = mechanical_normal_form([[1.0, -2.0], [3.0, -2.0]], [[1.0], [1.0]])
+    >>> form.stiffness.round(12).tolist(), form.damping.round(12).tolist(), form.is_unique
+    ([[4.0]], [[1.0]], True)
+    """
+    if method not in METHODS:
+        expected = ", ".join(f'"{name}"' for name in METHODS)
+        raise InputError(f"method: found {method!r}{nearest(method, METHODS)}; expected one of {expected}")
+    data = state_space_data(A, B, C, D, descriptor)
+    try:
+        with np.errstate(over="ignore", under="ignore", invalid="ignore", divide="ignore"):
+            pair = scaled_pencil(data)
+            exists = existence(pair)
+            form = _assembled(data, METHODS[method](pair), exists)
+    except np.linalg.LinAlgError:
+        raise IllConditioned(OUT_OF_RANGE) from None
+    if not (np.isfinite(form.state_matrix).all() and form.condition < np.inf):
+        raise IllConditioned(OUT_OF_RANGE)
+    return form
+
+
+def _in_given_units(rows_of: Callable[[ScaledPencil], np.ndarray]) -> Callable[[ScaledPencil], np.ndarray]:
+    """The rows X^T in the given units, from a method that works in the units of the pair."""
+
+    def rows(pair: ScaledPencil) -> np.ndarray:
+        own_rows, p = rows_of(pair), len(pair.input)
+        own_rows[len(own_rows) - p :] *= pair.input[:, None] / pair.rate
+        return own_rows * pair.equation
+
+    return rows
+
+
+METHODS: dict[str, Callable[[ScaledPencil], np.ndarray]] = {
+    "extension": well_conditioned_rows,
+    "null space": _in_given_units(lambda pair: null_space_rows(pair.A, pair.F, pair.through)),
+    "kronecker": _in_given_units(lambda pair: kronecker_rows(pair.A, pair.F, pair.B)),
+}

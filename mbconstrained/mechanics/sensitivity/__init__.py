@@ -1,1 +1,0 @@
-"""Sensitivities: derivatives with respect to parameters (``parameter``), of modes (``mode_derivatives``) and of responses (``sensitivities``)."""

@@ -1,0 +1,277 @@
+"""Poles and residues of S models of one structure in stacks of matrices, A(s)^-1 = sum of x_k y_k^T / (s - s_k) + Y, with estimates.
+
+Symmetric models are decoupled without damping by a stacked Cholesky factorization and LAPACK's symmetric eigenproblem; their damped
+shapes follow from the modal damping matrix by Jacobi's iteration, each pole from its own row. That takes less than half of the time of
+the eigenproblem of all states (Hessenberg and QR), which serves the other models. One Newton step in the given matrices refines each
+pole. What is left of the equations, with the rounding errors of its terms, bounds poles and shapes to first and second order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from ..ground.tolerances import EPS, FORM_ROUNDING, PROVED_ACCURACY
+from .stacked_equations import StackedEquations
+
+#: Number of models computed together, whose matrices fit into the cache.
+TOGETHER = 256
+
+#: Jacobi's iteration of damped shapes ends after so many steps: general eigenvectors take no longer.
+JACOBI_STEPS = 24
+
+
+@dataclass(frozen=True, eq=False)
+class StackedPoles:
+    """Poles and residues of S models, of complex pairs those above the real axis."""
+
+    values: np.ndarray  # s_k, shape (S, P)
+    weights: np.ndarray  # 2 of a complex pair, 1 of a real pole, 0 where a model has fewer, shape (S, P)
+    shapes: np.ndarray  # x_k, shape (S, n, P)
+    left: np.ndarray  # y_k^T, scaled to the residue x_k y_k^T, shape (S, P, n)
+    direct: np.ndarray  # Y, shape (S, n, n)
+    # value_errors, shape_errors: estimates relative to |s_k| and to the largest entry of x_k, shape (S, P)
+    value_errors: np.ndarray
+    shape_errors: np.ndarray
+    serve: np.ndarray  # whether a model has the structure and separate poles, shape (S,)
+
+    def of(self, members) -> StackedPoles:
+        """The poles of some models, selected by a slice or an array of indices."""
+        return StackedPoles(*(getattr(self, each.name)[members] for each in fields(self)))
+
+
+def stacked_poles(equations: StackedEquations, M: np.ndarray, C: np.ndarray, K: np.ndarray) -> StackedPoles:
+    """The poles of all models."""
+    chunks = (slice(begin, begin + TOGETHER) for begin in range(0, len(K), TOGETHER))
+    parts = [dict(vars(_refined(_part(equations.of(at)), M[at], C[at], K[at]))) for at in chunks]
+    width = max(part["values"].shape[1] for part in parts)
+    names = [field.name for field in fields(StackedPoles)]  # each leaves the parts as it is joined, so that memory holds it once
+    return StackedPoles(*(np.concatenate([_padded(part.pop(name), name, width) for part in parts]) for name in names))
+
+
+def _padded(array: np.ndarray, name: str, width: int) -> np.ndarray:
+    """An array padded to this number of poles."""
+    axis = {"shapes": 2, "direct": None, "serve": None}.get(name, 1)
+    if axis is None or array.shape[axis] == width:
+        return array
+    return np.pad(array, [(0, width - array.shape[axis] if i == axis else 0) for i in range(array.ndim)])
+
+
+def _part(equations: StackedEquations) -> tuple[StackedEquations, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Equations of some models with values, weights, shapes and left vectors in the coordinates q, before refinement."""
+    oscillating = _symmetric(equations) if equations.is_symmetric else None
+    return equations, *(oscillating or _general(equations))
+
+
+def _symmetric(equations: StackedEquations) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None:
+    """Poles and vectors of models in which every mode oscillates; None where a mode does not."""
+    M, C, K = equations.M, equations.C, equations.K
+    diagonal = M.diagonal(axis1=1, axis2=2)
+    if not (diagonal > 0).all():
+        return None
+    if np.count_nonzero(M) == diagonal.size:
+        root = 1 / np.sqrt(diagonal)
+        K_unit, C_unit = (matrix * root[:, :, None] * root[:, None, :] for matrix in (K, C))
+        back = root[:, :, None] * np.eye(M.shape[1])
+    else:
+        try:
+            back = np.linalg.inv(np.linalg.cholesky(M)).transpose(0, 2, 1)
+        except np.linalg.LinAlgError:
+            return None
+        K_unit, C_unit = (back.transpose(0, 2, 1) @ matrix @ back for matrix in (K, C))
+    squares, Q = np.linalg.eigh((K_unit + K_unit.transpose(0, 2, 1)) / 2)
+    if not (squares[:, 0] > 0).all():
+        return None
+    Phi, values, Z = back @ Q, 1j * np.sqrt(squares), None
+    if C.any():
+        damped = _damped(Q.transpose(0, 2, 1) @ C_unit @ Q, squares)
+        if damped is None:
+            return None
+        values, Z = damped
+    X = Phi.astype(complex) if Z is None else Phi @ Z
+    return values, np.full(values.shape, 2.0), X, X.transpose(0, 2, 1)
+
+
+def _damped(D: np.ndarray, squares: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """Poles above the real axis and their modal shapes of s^2 + D s + diag(w^2); None where the iteration does not converge."""
+    size = D.shape[1]
+    damping, places = D.diagonal(axis1=1, axis2=2), np.arange(size)
+    coupling = D * (1 - np.eye(size))
+    discriminant = squares - damping**2 / 4
+    if not (discriminant > 0).all():
+        return None
+    values = -damping / 2 + 1j * np.sqrt(discriminant)
+    Z = np.zeros(D.shape, dtype=complex)
+    Z[:, places, places] = 1.0
+    if not coupling.any():
+        return values, Z
+    with np.errstate(all="ignore"):
+        for _ in range(JACOBI_STEPS):
+            before, load = Z, coupling @ Z
+            half = (damping + load[:, places, places]) / 2  # of the own row, with what all others add
+            root = 1j * np.sqrt(squares - half * half)
+            values = root - half
+            s = values[:, None, :]
+            Z = -s * load / ((s + damping[:, :, None]) * s + squares[:, :, None])
+            Z[:, places, places] = 1.0
+            change = np.abs((Z - before).view(float)).max()
+            if not change < 1:
+                return None
+            if change <= FORM_ROUNDING * EPS:
+                return values, Z
+    return None
+
+
+def _general(equations: StackedEquations) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Poles and vectors of any models, by the eigenvectors of their generators."""
+    G, m = equations.generator, equations.masses
+    G[~np.isfinite(G).all(axis=(1, 2))] = 0.0
+    values, vectors = np.linalg.eig(G)
+    values, vectors = values.astype(complex), vectors.astype(complex)
+    size, right = equations.K.shape[1], np.broadcast_to(np.eye(equations.K.shape[1]), equations.K.shape)
+    rates = np.zeros((len(G), size + m, size), dtype=complex)
+    rates[:, m:] = equations.accelerations(right)
+    try:
+        left = np.linalg.solve(vectors, rates)
+    except np.linalg.LinAlgError:  # of a defective model; it does not serve, as its poles are not separate
+        units = np.eye(size + m)
+        regular = np.linalg.svd(vectors, compute_uv=False)[:, -1] > EPS
+        left = np.linalg.solve(np.where(regular[:, None, None], vectors, units), rates)
+    order = np.argsort(values.imag < 0, axis=1, kind="stable")[:, : int((values.imag >= 0).sum(axis=1).max(initial=0))]
+    chosen = np.take_along_axis(values, order, axis=1)
+    weights = np.where(chosen.imag > 0, 2.0, np.where(chosen.imag == 0, 1.0, 0.0))
+    X = np.take_along_axis(vectors, order[:, None, :], axis=2)
+    return chosen, weights, np.concatenate([X[:, :m], X[:, 2 * m :]], axis=1), np.take_along_axis(left, order[:, :, None], axis=1)
+
+
+def _refined(part, M: np.ndarray, C: np.ndarray, K: np.ndarray) -> StackedPoles:
+    """The poles after a Newton step with their error estimates, shapes and left vectors in the coordinates x."""
+    equations, s, weights, X, rows = part
+    with np.errstate(all="ignore"):
+        slope = _forms(rows, X, 2 * s, equations.M) + _forms(rows, X, 1.0, equations.C)
+        rows = rows / slope[:, :, None]
+        right, left = equations.T @ X, rows @ equations.L
+        s = s - _step(_residual(left, right, s, M, C, K), weights)
+        value_errors, shape_errors = _errors(equations, s, weights, X, rows, (left, right, M, C, K))
+        doubtful = (value_errors > PROVED_ACCURACY).any(axis=1) & equations.serve
+        if doubtful.any():  # in more digits, where terms cancel
+            at = np.flatnonzero(doubtful)
+            exact = [np.asarray(one[at], np.clongdouble) for one in (left, right, s)]
+            real = [np.asarray(one[at], np.longdouble) for one in (M, C, K)]
+            s[at] -= _step(_residual(*exact, *real).astype(complex), weights[at])
+            unit = FORM_ROUNDING * float(np.finfo(np.longdouble).eps) / EPS
+            given = (left[at], right[at], M[at], C[at], K[at])
+            value_errors[at], shape_errors[at] = _errors(equations.of(at), s[at], weights[at], X[at], rows[at], given, unit)
+    serve = equations.serve & (np.isfinite(value_errors) & np.isfinite(shape_errors)).all(axis=1)
+    return StackedPoles(s, weights, right, left, equations.Y, value_errors, shape_errors, serve)
+
+
+def _step(residual: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Newton step of the poles; real for real poles."""
+    return np.where(weights == 2, residual, np.where(weights == 1, residual.real, 0.0))
+
+
+def _forms(rows, X, factor, matrix) -> np.ndarray:
+    """factor * y_k^T A x_k, shape (S, P)."""
+    return factor * (rows * (matrix @ X).transpose(0, 2, 1)).sum(axis=2)
+
+
+def _residual(rows, X, s, M, C, K) -> np.ndarray:
+    """y_k^T (M s_k^2 + C s_k + K) x_k, shape (S, P)."""
+    return (_forms(rows, X, 1.0, M) * s + _forms(rows, X, 1.0, C)) * s + _forms(rows, X, 1.0, K)
+
+
+def _errors(equations, s, weights, X, rows, given, unit: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """Errors of poles and shapes: rounding errors of the forms, and residuals in the direction of all other modes.
+
+    An error c_j x_j of x_k has c_j = y_j^T A(s_k) x_k / (s_k - s_j) to first order, and the same holds of y_k; the product of both
+    changes s_k. A pole has the rounding errors of y_k^T A(s_k) x_k in the given matrices, in units of EPS.
+    """
+    moduli, size, rows_size = np.abs(s)[:, None, :], np.abs(X), np.abs(rows)
+    terms = _sizes(equations.M, equations.C, equations.K, size, moduli)
+    of_right = _left_of(equations.M, equations.C, equations.K, X, s) + FORM_ROUNDING * EPS * terms
+    M_T, C_T, K_T, rows_T = (one.transpose(0, 2, 1) for one in (equations.M, equations.C, equations.K, rows))
+    of_left = _left_of(M_T, C_T, K_T, rows_T, s) + FORM_ROUNDING * EPS * _sizes(M_T, C_T, K_T, np.abs(rows_T), moduli)
+    gaps = np.abs(s[:, :, None] - s[:, None, :])  # of j and k
+    mirrored = np.abs(s[:, :, None].conj() - s[:, None, :])
+    present, places = weights > 0, np.arange(s.shape[1])
+    near = np.where(present[:, :, None], 1 / gaps, 0.0) + np.where((weights == 2)[:, :, None], 1 / mirrored, 0.0)
+    near[:, places, places] = np.where(weights == 2, 1 / mirrored[:, places, places], 0.0)
+    across = (rows_size @ of_right) * near  # c_j of x_k, at (j, k)
+    back = (size.transpose(0, 2, 1) @ of_left) * near
+    left, right, M, C, K = given
+    rounding = FORM_ROUNDING * EPS * unit * (np.abs(left) * _sizes(M, C, K, np.abs(right), moduli).transpose(0, 2, 1)).sum(axis=2)
+    cross = (across * back / np.where(near > 0, near, 1.0)).sum(axis=1)
+    value_errors = (rounding + cross) / np.maximum(moduli[:, 0], np.finfo(float).tiny) + EPS
+    shape_errors = (size @ across).max(axis=1) / size.max(axis=1)
+    absent = ~present
+    value_errors[absent], shape_errors[absent] = 0.0, 0.0
+    return value_errors, shape_errors
+
+
+def _sizes(M, C, K, size, moduli) -> np.ndarray:
+    """(|M| |s_k|^2 + |C| |s_k| + |K|) |x_k|, shape (S, n, P)."""
+    return (np.abs(M) @ size * moduli + np.abs(C) @ size) * moduli + np.abs(K) @ size
+
+
+def _left_of(M, C, K, X, s) -> np.ndarray:
+    """|A(s_k) x_k|, shape (S, n, P)."""
+    s = s[:, None, :]
+    return np.abs((M @ X * s + C @ X) * s + K @ X)
+
+
+# Transfer functions of S models of one structure, from their poles and residues: H(s) = s^p C (s I - J)^-1 B and polynomial parts.
+#
+# Forces f and prescribed motions b of constraint rows are inputs. x = G^T b + A(s)^-1 (f - (M s^2 + C s + K) G^T b), A(s)^-1 the sum of
+# residues over s - s_k and the part of massless coordinates.
+
+
+@dataclass(frozen=True, eq=False)
+class StackedTransfer:
+    """H(s) of S models, from m inputs to p outputs."""
+
+    poles: StackedPoles  # poles of the models
+    outputs: np.ndarray  # shape (p, n)
+    motions: np.ndarray  # of the coordinates by prescribed motions alone, shape (n, m)
+    loads: tuple[np.ndarray, ...]  # coefficients of 1, s, s^2 in what acts on the coordinates, each of shape (S, n, m)
+    order: int  # p in s^p
+    levels: np.ndarray  # l in s^-l of each input: that of its prescribed derivative, shape (m,)
+
+    def __call__(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """H and estimates of its absolute errors, shape (S, p, m, F)."""
+        poles = self.poles
+        s = np.atleast_2d(s)[:, None, :]
+        values, pairs = poles.values[:, :, None], (poles.weights == 2)[:, :, None]
+        with np.errstate(all="ignore"):
+            each = np.where(poles.weights[:, :, None] > 0, 1 / (s - values), 0.0)
+            mirrored = np.where(pairs, 1 / (s - values.conj()), 0.0)
+            sizes = np.abs(each) + np.abs(mirrored)
+            doubt = (2 * poles.shape_errors + FORM_ROUNDING * EPS)[:, :, None] * sizes
+            doubt += (poles.value_errors * np.abs(poles.values))[:, :, None] * sizes**2
+            total: Any = (self.outputs @ self.motions)[:, :, None]
+            error: Any = 0.0
+            powers = s[:, :, None]
+            for power, (residues, bound, direct) in enumerate(self._terms()):
+                shape = (len(values), -1, residues.shape[3])
+                part = residues.reshape(shape) @ each + residues.conj().reshape(shape) @ mirrored
+                total = total + (part.reshape(*residues.shape[:3], -1) + direct[..., None]) * powers**power
+                error = error + (bound.reshape(shape) @ doubt).reshape(*residues.shape[:3], -1) * np.abs(powers) ** power
+            factor = powers ** (self.order - self.levels[:, None])
+        return total * factor, error * np.abs(factor)
+
+    def residues(self) -> np.ndarray:
+        """The residues of H at the poles, shape (S, p, m, P)."""
+        s = self.poles.values[:, None, None, :]
+        total = sum(residues * s**power for power, (residues, _, _) in enumerate(self._terms()))
+        return total * s ** (self.order - self.levels[:, None])
+
+    def _terms(self):
+        """For each power of s: residues, a bound of their size by the largest entries of the shapes, and the part without poles."""
+        poles = self.poles
+        X = self.outputs @ poles.shapes
+        largest = np.abs(self.outputs).sum(axis=1)[:, None] * np.abs(poles.shapes).max(axis=1, keepdims=True)
+        for load in self.loads:
+            rows = (poles.left @ load).transpose(0, 2, 1)[:, None]  # (S, 1, m, P)
+            yield X[:, :, None, :] * rows, largest[:, :, None, :] * np.abs(rows), self.outputs @ poles.direct @ load
