@@ -42,7 +42,7 @@ from .signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from .signals.inputs import harmonic, impulse, power, pulse, ramp, sampled, step, term, zero
 
 if TYPE_CHECKING:
-    from ..mbconstrained import exact
+    from . import exact
 
 #: Names of what most do without, imported when they are first asked for: exact answers bring sympy or python-flint, robots
 #: their own half of the models.
