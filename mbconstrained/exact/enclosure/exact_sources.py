@@ -16,8 +16,7 @@ import numpy as np
 from ...linalg.blocks import block_slices
 from ...signals.exact_inputs import ExactImpulse, ExactInput, ExactRecord, ExactStates, ExactTerm, without_phase_noise
 from ...signals.impulsive import ImpulsiveSmooth
-from ..rational.flint_numbers import rational
-from ..rational.rational_matrix import RationalMatrix
+from ..rational import RationalMatrix, rational
 
 Vector = tuple[flint.fmpq, ...]
 

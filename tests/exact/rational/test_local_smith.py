@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.exact.rational import rational_matrix as modular
-from mbconstrained.exact.rational.flint_numbers import enclosed_roots, rounded_roots
-from mbconstrained.exact.rational.rational_matrix import RationalMatrix
+from mbconstrained.exact import rational as modular
+from mbconstrained.exact.rational import RationalMatrix, enclosed_roots, rounded_roots
 from tests.exact.rational.products import MATRICES, known, product
 from tests.oracles import exact
 
