@@ -198,12 +198,7 @@ class Shorthand:
 
 
 def terms_of(expression: sympy.Expr, t: sympy.Symbol) -> list[Term]:
-    """The terms of a sum of products, those with the same function of time together, in order of appearance.
-
-    >>> t, k = sympy.symbols("t k")
-    >>> [(each.coefficient, each.function) for each in terms_of((k + 1) * (t + sympy.cos(k * t)) + 2 * t, t)]
-    [(k + 3, t), (k + 1, cos(k*t))]
-    """
+    """The terms of a sum of products, those with the same function of time together, in order of appearance."""
     groups = [(function, coefficient) for function, coefficient in _split(expression, t).items() if coefficient != 0]
     return [  # a sum that stands for itself is as many terms
         Term(part, function)
@@ -273,11 +268,7 @@ def _split_exponentials(function: sympy.Expr, t: sympy.Symbol) -> tuple[sympy.Ex
 
 
 def decimal(expression: sympy.Expr, digits: int) -> sympy.Expr:
-    """A number as a decimal of so many digits, a whole one as it is.
-
-    >>> decimal(sympy.sqrt(2), 5), decimal(sympy.Rational(1, 4), 5), decimal(sympy.sqrt(2) - sympy.sqrt(2), 5)
-    (1.4142, 0.25000, 0)
-    """
+    """A number as a decimal of so many digits, a whole one as it is."""
     if not expression.is_number or expression.is_Integer:
         return expression
     value = expression.evalf(DIGITS)
@@ -297,12 +288,7 @@ def _decimal_argument(part: sympy.Expr, t: sympy.Symbol, digits: int) -> sympy.E
 
 
 def _linear(argument: sympy.Expr, t: sympy.Symbol) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr] | None:
-    """r, T and c of r (t - T) + c, T where the argument is such a product, else c; None where it is not linear in t.
-
-    >>> w, T, t = sympy.symbols("w T t")
-    >>> _linear(w * (t - T), t), _linear(w * t - 1, t), _linear(t**2, t)
-    ((w, T, 0), (w, 0, -1), None)
-    """
+    """r, T and c of r (t - T) + c, T where the argument is such a product, else c; None where it is not linear in t."""
     factor, rest = argument.as_independent(t, as_Add=False) if argument.is_Mul else (sympy.S.One, argument)
     total = sympy.expand_mul(rest)
     slope = total.coeff(t)
@@ -477,11 +463,7 @@ def is_long(terms: list[Term]) -> bool:
 
 
 def readable(expression: sympy.Basic) -> sympy.Basic:
-    """An expression with what has too many digits rounded to those of a double.
-
-    >>> readable(sympy.Rational(1, 3) + sympy.Rational(10**12, 3**30) * sympy.Symbol("k"))
-    0.00485693574961886*k + 1/3
-    """
+    """An expression with what has too many digits rounded to those of a double."""
     numbers = expression.atoms(sympy.Rational, sympy.Float)
     long = {q: sympy.Float(q, DOUBLE_DIGITS) for q in numbers if q.is_Float or max(abs(q.p), q.q) > MOST_IN_FRACTION}
     return expression.xreplace(long) if long else expression

@@ -119,12 +119,7 @@ class Notation:
 
 
 def joined_roots(product: sympy.Expr) -> sympy.Expr:
-    """sqrt(k)/sqrt(m), as sympy has it, as sqrt(k/m), not evaluated.
-
-    >>> k, m = sympy.symbols("k m", positive=True)
-    >>> joined_roots(2 * sympy.sqrt(k / m)).args
-    (2, sqrt(k/m))
-    """
+    """sqrt(k)/sqrt(m), as sympy has it, as sqrt(k/m), not evaluated."""
     roots = [part for part in product.args if part.is_Pow and abs(part.exp) == sympy.S.Half and not part.is_number]
     above = [part.base for part in roots if part.exp > 0]
     below = [part.base for part in roots if part.exp < 0]
@@ -136,11 +131,7 @@ def joined_roots(product: sympy.Expr) -> sympy.Expr:
 
 
 def short_decimal(number: sympy.Float) -> str:
-    """A decimal without zeros at its end.
-
-    >>> short_decimal(sympy.Float("0.2500")), short_decimal(sympy.Float("1.5e-12", 4)), short_decimal(sympy.Float(120, 3))
-    ('0.25', '1.5e-12', '120')
-    """
+    """A decimal without zeros at its end."""
     mantissa, e, exponent = str(number).partition("e")
     mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
     return f"{mantissa}e{int(exponent)}" if e else mantissa
@@ -174,12 +165,7 @@ LONGEST_LINE = 100
 
 
 class TextPrinter(Notation, StrPrinter):
-    """2 sqrt(5) cos(w t)/3 instead of 2*sqrt(5)*cos(w*t)/3.
-
-    >>> k, m, t = sympy.symbols("k m t")
-    >>> TextPrinter().doprint(-2 * k * sympy.sqrt(k / m) * sympy.exp(-t / 2) / (3 * m**2 * (k + 1)))
-    '-2 k sqrt(k/m) exp(-t/2)/(3 m^2 (k + 1))'
-    """
+    """2 sqrt(5) cos(w t)/3 instead of 2*sqrt(5)*cos(w*t)/3."""
 
     def _derivative(self, name: str, order: int) -> str:
         """x, x', x'', x''', x^(4)."""
@@ -283,11 +269,7 @@ def ascii_letters(letter: str) -> str:
 
 
 def index_of(name: str) -> tuple[str, str]:
-    """A letter, or the name of a Greek one, and the index behind it; the name and an empty text otherwise.
-
-    >>> index_of("k12"), index_of("m_x"), index_of("omega1"), index_of("θ1"), index_of("left")
-    (('k', '12'), ('m', 'x'), ('omega', '1'), ('theta', '1'), ('left', ''))
-    """
+    """A letter, or the name of a Greek one, and the index behind it; the name and an empty text otherwise."""
     word = ascii_letters(name[:1]) if name and not name[0].isascii() else ""
     if word in LETTERS and re.fullmatch(r"[0-9_]*", name[1:]):
         name = word + name[1:]
@@ -296,11 +278,7 @@ def index_of(name: str) -> tuple[str, str]:
 
 
 def latex_name(name: str) -> str:
-    r"""A name as LaTeX: its letter, a Greek letter, a number behind it as an index, anything else upright.
-
-    >>> latex_name("k1"), latex_name("alpha"), latex_name("left joint"), latex_name("m_x"), latex_name("a}{b")
-    ('k_{1}', '\\alpha', '\\mathrm{left\\ joint}', 'm_{\\mathrm{x}}', '\\mathrm{a\\}\\{b}')
-    """
+    r"""A name as LaTeX: its letter, a Greek letter, a number behind it as an index, anything else upright."""
     letter, index = index_of(name)
     if index:
         shown = index if index.isdigit() else rf"\mathrm{{{index}}}"
@@ -386,11 +364,7 @@ _DOTS = ("&#729;", "&#168;", "&#8411;")
 
 
 class MarkupPrinter(Notation, MathMLPresentationPrinter):
-    """MathML, which browsers show as it is; all names are escaped.
-
-    >>> MarkupPrinter().doprint(sympy.Symbol("k<1"))
-    '<mrow><mspace width="0.17em"></mspace><mi mathvariant="normal">k&lt;1</mi><mspace width="0.17em"></mspace></mrow>'
-    """
+    """MathML, which browsers show as it is; all names are escaped."""
 
     times, zero, minus = "<mo>&InvisibleTimes;</mo>", "<mn>0</mn>", "<mo>&#x2212;</mo>"
     enclosed, at_start = "<mrow><mo>(</mo>{}<mo>)</mo></mrow>", "<mo>(</mo><msup><mn>0</mn><mo>-</mo></msup><mo>)</mo>"

@@ -115,9 +115,6 @@ def rounded_roots(p: flint.fmpz_poly) -> tuple[complex, ...]:
     """The nearest float64 numbers to the real roots of an irreducible p and to those above the real axis.
 
     A part that is zero is so exactly; one beyond the range of float64 is infinite.
-
-    >>> rounded_roots(flint.fmpz_poly([2, 0, 1])), rounded_roots(flint.fmpz_poly([1, 3]))
-    ((1.4142135623730951j,), ((-0.3333333333333333+0j),))
     """
     if p.degree() == 1:
         return (complex(_float(-fraction(flint.fmpq(p[0], p[1])))),)
@@ -249,10 +246,6 @@ class RationalMatrix(ExactMatrix):
 
     Args:
         coefficients: A_0 ... A_q as nested lists of ints, floats (the exact numbers that they are) or Fractions.
-
-    >>> R = RationalMatrix([[[2, 0], [0, 1]], [[1, 0], [0, 0]]])  # diag(s + 2, 1)
-    >>> R.determinant, R.numerators([flint.fmpq_poly([1]), flint.fmpq_poly([0, 1])])
-    (x + 2, [1, x^2 + 2*x])
     """
 
     ring = RATIONALS

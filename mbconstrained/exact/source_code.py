@@ -32,13 +32,7 @@ _INFINITE = (sympy.nan, sympy.zoo, sympy.oo, -sympy.oo)
 
 
 def real_form(form: ClosedForm) -> ClosedForm:
-    """The formula without roots of numbers that are negative with the default values, and the expressions that must stay positive.
-
-    >>> t, k, c = sympy.symbols("t k c", positive=True)
-    >>> form = ClosedForm.of(ClosedForm(("x",), (sympy.cos(sympy.sqrt(k - c) * t),), t), parameters={k: 1, c: 2})
-    >>> real_form(form).values, real_form(form).positive
-    ((exp(t*sqrt(c - k))/2 + exp(-t*sqrt(c - k))/2,), (c - k,))
-    """
+    """The formula without roots of numbers that are negative with the default values, and the expressions that must stay positive."""
     form = with_needed_assumptions(form)
     _check_defaults(form)
     turned = _turned(form)
@@ -130,11 +124,6 @@ def with_needed_assumptions(form: ClosedForm) -> ClosedForm:
 
     For values of the parameters where A(s) stays regular, X(s) = A(s)^-1 b(s) is continuous in them, and so is the transform
     of a formula that does not divide by the assumption: they stay equal there.
-
-    >>> a, b, t = sympy.symbols("a b t", positive=True)
-    >>> form = ClosedForm(("x",), (t / (a - b),), t, assumptions=(a - b, a - 2 * b))
-    >>> with_needed_assumptions(form).assumptions
-    (a - b,)
     """
     below = divisors_of(form.quantities, form.time)
     return replace(form, assumptions=tuple(each for each in form.assumptions if any(_meets(each, other) for other in below)))
@@ -168,11 +157,7 @@ AMBIGUOUS = frozenset("lIO")  # which look like 1 and 0
 
 
 def identifiers(names: Iterable[str], reserved: Iterable[str] = ()) -> dict[str, str]:
-    """An identifier of both Python and C for each name, each different from the others and from the reserved ones.
-
-    >>> identifiers(["k", "lambda", "left joint", "I", "θ1", "k_", "left.joint"])
-    {'k': 'k', 'lambda': 'lambda_', 'left joint': 'left_joint', 'I': 'I_', 'θ1': 'theta1', 'k_': 'k_', 'left.joint': 'left_joint_2'}
-    """
+    """An identifier of both Python and C for each name, each different from the others and from the reserved ones."""
     names, used, chosen = list(dict.fromkeys(names)), set(reserved), {}
     for name in sorted(names, key=lambda name: identifier(name) != name):  # valid names are kept
         own = identifier(name)
@@ -183,11 +168,7 @@ def identifiers(names: Iterable[str], reserved: Iterable[str] = ()) -> dict[str,
 
 
 def identifier(name: str) -> str:
-    """A valid identifier for a name.
-
-    >>> identifier("2 wheels"), identifier("Ü"), identifier(""), identifier("class")
-    ('v2_wheels', 'U', 'v', 'class_')
-    """
+    """A valid identifier for a name."""
     text = re.sub(r"[^A-Za-z0-9]+", "_", "".join(map(ascii_letters, name))).lstrip("_")
     text = text.rstrip("_") + ("_" if name.endswith("_") and text else "")
     if not text or text[0].isdigit():
@@ -251,10 +232,6 @@ def with_square(total: sympy.Expr) -> sympy.Expr:
     """u^2 - 2 u v + v^2 + rest as (u - v)^2 + rest, where nothing is subtracted in the rest; else as it is.
 
     A divisor near resonance, |k - m w^2 + i c w|^2, is small there, and its terms are not: so it keeps its digits.
-
-    >>> k, m, c, w = sympy.symbols("k m c w", positive=True)
-    >>> with_square(k**2 - 2 * k * m * w**2 + m**2 * w**4 + c**2 * w**2)
-    c**2*w**2 + (-k + m*w**2)**2
     """
     polynomial = total.as_poly()
     if polynomial is None or not (polynomial.domain.is_QQ or polynomial.domain.is_ZZ):

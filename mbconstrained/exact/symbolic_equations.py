@@ -42,14 +42,7 @@ class ExactForm:
 
 
 def exact_form(matrices: Sequence[np.ndarray], rows: Sequence[Row], names: Sequence[str]) -> ExactForm:
-    """The constrained form of M x'' + C x' + K x = f.
-
-    >>> k, m = sympy.symbols("k m", positive=True)
-    >>> K, C, M = np.diag([k, 0]), np.zeros((2, 2), dtype=int), np.diag([m, m])
-    >>> form = exact_form([K, C, M], [Row("link", np.array([1, -1]), 0, sympy.S.Zero)], ["a", "b"])
-    >>> form.polynomial_matrix.determinant.as_expr()
-    -k - 2*m*s**2
-    """
+    """The constrained form of M x'' + C x' + K x = f."""
     kept = _independent(sorted(rows, key=lambda row: row.order))
     size, V = len(names), np.array(sympy.eye(len(names)).tolist(), dtype=object)
     if kept:  # V as columns
@@ -111,13 +104,6 @@ class Symbols:
     To the engine all symbols are positive, with names of their own, so that a parameter may be called s or x1_0. A parameter
     whose default value is negative is minus one there, and pi, which is no rational number, is a symbol; ``finished`` puts
     back what they stand for. With ``numbers`` the parameters are their default values from the start.
-
-    >>> from mbconstrained.scene.quantities.expressions import read_expression
-    >>> symbols = Symbols({"k": 2.0, "g": -9.81})
-    >>> symbols.of(0.1), symbols.expression(read_expression("2*k*g"))
-    (1/10, -2*g·*k·)
-    >>> symbols.readable("k· is 0")
-    'k is 0'
     """
 
     def __init__(self, values: Mapping[str, float], units: Mapping[str, str] | None = None, numbers: bool = False):
@@ -220,11 +206,7 @@ def sampled(times: Sequence, values: Sequence, t: sympy.Symbol) -> sympy.Expr:
 
 
 def angle(radians: sympy.Expr) -> sympy.Expr:
-    """A phase; a decimal that is a whole number of degrees but for its rounding is that.
-
-    >>> angle(sympy.Rational("0.5235987755982988")), angle(sympy.Rational(1, 2))
-    (pi/6, 1/2)
-    """
+    """A phase; a decimal that is a whole number of degrees but for its rounding is that."""
     if not radians.is_Rational or radians == 0:
         return radians
     degrees = sympy.Integer(round(radians * 180 / sympy.pi.evalf(40)))

@@ -649,9 +649,6 @@ def deciding_entry(A: PolynomialMatrix) -> str:
     """The entry of A(s) whose smallest relative change makes the highest coefficient of det A(s) vanish.
 
     det A(s) is of first degree in each entry, so that two determinants give that change exactly.
-
-    >>> deciding_entry(PolynomialMatrix([[[1.0, 0.0], [0.0, 1.0]], [[1.0, 1.0], [1.0, 1.0 + 2**-50]]]))
-    'the entry of A_1 in the equation "equation 1" for x1, 1, decides: less by 8.9e-16 of itself it lowers the rank'
     """
     exact = RationalMatrix.of(A)
     places = np.argwhere(A.coefficients).tolist()

@@ -70,13 +70,7 @@ class Root:
 
 
 def roots(p: sympy.Poly, split: bool = True) -> tuple[Root, ...] | None:
-    """The zeros of an irreducible monic p over the field, one of each complex pair; None for symbols without a short closed form.
-
-    >>> s, k, m = sympy.symbols("s k m")
-    >>> p = sympy.Poly(s**4 + 3 * k / m * s**2 + k**2 / m**2, s, domain=sympy.ZZ.frac_field(k, m))
-    >>> [root.imaginary for root in roots(p)]
-    [sqrt(k/m)*(1/2 + sqrt(5)/2), sqrt(k/m)*(-1/2 + sqrt(5)/2)]
-    """
+    """The zeros of an irreducible monic p over the field, one of each complex pair; None for symbols without a short closed form."""
     field = p.domain
     if p.degree() == 1:
         return (_root(p, lambda e: (expression_of(field, coefficients(e, 1)[0]), sympy.S.Zero)),)
@@ -265,13 +259,7 @@ class Quadratic:
 
 
 def combination(field: Domain, ones: Sequence, others: Sequence):
-    """The sum of the products of elements; fractions are brought over one denominator and cancelled once, at the end.
-
-    >>> k = sympy.Symbol("k")
-    >>> K = sympy.ZZ.frac_field(k)
-    >>> combination(K, [K(1), K(2)], [1 / K(k), K(k)])
-    (2*k**2 + 1)/k
-    """
+    """The sum of the products of elements; fractions are brought over one denominator and cancelled once, at the end."""
     pairs = [(one, other) for one, other in zip(ones, others, strict=True) if one and other]
     if not field.is_FractionField:
         return sum((one * other for one, other in pairs), field.zero)
@@ -333,10 +321,6 @@ def inverse_modulo(unit: sympy.Poly, modulus: sympy.Poly) -> sympy.Poly:
     """1 / unit modulo a polynomial: the first column of the inverse of the matrix of v -> unit v.
 
     By elimination without fractions: those of Euclid's algorithm grow. Modulo s^k it is a power series.
-
-    >>> s = sympy.Symbol("s")
-    >>> inverse_modulo(sympy.Poly(s**2 - 1, s, domain="QQ"), sympy.Poly(s**3, s, domain="QQ"))
-    Poly(-s**2 - 1, s, domain='QQ')
     """
     unit, field, degree, ring = unit.rem(modulus), unit.domain, modulus.degree(), integers(unit.domain)
     if len(modulus.terms()) == 1:
@@ -573,13 +557,7 @@ def _shift(size: int, by: int) -> sympy.Matrix:
 
 
 def must_not_vanish(field: Domain, values: Iterable) -> tuple[sympy.Expr, ...]:
-    """The irreducible factors of all numerators and denominators that vanish for some positive symbols, in order of length.
-
-    >>> a, b = sympy.symbols("a b")
-    >>> K = sympy.ZZ.frac_field(a, b)
-    >>> must_not_vanish(K, [K.from_sympy(a**2 * (a - b) / (a + b)), K.from_sympy(2 * b - 2 * a)])
-    (a - b,)
-    """
+    """The irreducible factors of all numerators and denominators that vanish for some positive symbols, in order of length."""
     if not field.is_FractionField:
         return ()
     ring, is_definite = field.get_ring(), {}

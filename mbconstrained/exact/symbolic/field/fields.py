@@ -29,11 +29,7 @@ DOUBLE = 53
 
 
 def exact_expression(entry, what: str) -> sympy.Expr:
-    """An entry as an exact expression; floats become their shortest decimals.
-
-    >>> exact_expression(0.1, "A_0"), exact_expression(2 * sympy.Symbol("k"), "A_0")
-    (1/10, 2*k)
-    """
+    """An entry as an exact expression; floats become their shortest decimals."""
     if isinstance(entry, sympy.Expr):
         if entry.atoms(sympy.nan, sympy.oo, -sympy.oo, sympy.zoo, sympy.I):
             raise InputError(f"{what}: found {entry}; every entry must be finite and real")
@@ -128,13 +124,7 @@ def _is_rational_step(part) -> bool:
 
 
 def expression_of(field: Domain, value) -> sympy.Expr:
-    """An element as an expression, its numerator and denominator in factors.
-
-    >>> a, b = sympy.symbols("a b")
-    >>> K = field_of([a, b])
-    >>> expression_of(K, K.from_sympy(1 / (a * b + b)))
-    1/(b*(a + 1))
-    """
+    """An element as an expression, its numerator and denominator in factors."""
     if not field.is_FractionField:
         return field.to_sympy(value)
     ring, value = field.get_ring(), in_one_form(field, value)
@@ -226,11 +216,6 @@ def sign(field: Domain, value) -> int | None:
     """Sign (1, -1 or 0) of the element for all positive values of the symbols; None where it is undecided.
 
     Coefficients of one sign decide, factor by factor; so does a negative discriminant in one of the symbols.
-
-    >>> a, b = sympy.symbols("a b")
-    >>> K = sympy.ZZ.frac_field(a, b)
-    >>> [sign(K, K.from_sympy(e)) for e in (a / b, a**2 - a * b + b**2, a - b, -((a - b) ** 2) * a)]
-    [1, 1, None, -1]
     """
     if not value:
         return 0
@@ -281,12 +266,7 @@ def _times(one: int | None, two: int | None) -> int | None:
 
 
 def square_root(field: Domain, value) -> tuple:
-    """f and g, elements of the field, with value = f^2 g, g free of squares.
-
-    >>> K = sympy.QQ
-    >>> square_root(K, K(5, 4))
-    (1/2, 5)
-    """
+    """f and g, elements of the field, with value = f^2 g, g free of squares."""
     if not value or not field.is_FractionField:
         return _square_root_of_number(field, value)
     ring, outside, inside = field.get_ring(), field.one, field.one
@@ -310,13 +290,7 @@ def _square_root_of_number(domain: Domain, number) -> tuple:
 
 
 def root_expression(field: Domain, value) -> sympy.Expr:
-    """The square root of an element as an expression, squares in front: sqrt(5) sqrt(k/m), not sqrt(5 k m)/m.
-
-    >>> k, m = sympy.symbols("k m")
-    >>> K = sympy.ZZ.frac_field(k, m)
-    >>> root_expression(K, K.from_sympy(12 * k**3 / m))
-    2*sqrt(3)*k*sqrt(k/m)
-    """
+    """The square root of an element as an expression, squares in front: sqrt(5) sqrt(k/m), not sqrt(5 k m)/m."""
     f, g = square_root(field, value)
     if not field.is_FractionField:
         return field.to_sympy(f) * sympy.sqrt(field.to_sympy(g))
@@ -329,12 +303,7 @@ def root_expression(field: Domain, value) -> sympy.Expr:
 
 @dataclass(frozen=True)
 class Surd:
-    """u + v sqrt(g), elements of the field, g no square in it.
-
-    >>> golden = Surd(sympy.QQ, sympy.QQ(1, 2), sympy.QQ(1, 2), sympy.QQ(5))
-    >>> compact_expression(golden * golden - golden), golden.sign()
-    (1, 1)
-    """
+    """u + v sqrt(g), elements of the field, g no square in it."""
 
     field: Domain
     u: Any
@@ -370,13 +339,7 @@ class Surd:
 
 
 def compact_expression(number: Surd) -> sympy.Expr:
-    """u + v sqrt(g) with the common factor of u and v in front, sqrt(g) too where g divides u.
-
-    >>> k, m = sympy.symbols("k m")
-    >>> K = sympy.ZZ.frac_field(k, m)
-    >>> compact_expression(Surd(K, K.from_sympy(3 * k / m), K.from_sympy(k / m), K(5)))
-    k*(sqrt(5) + 3)/m
-    """
+    """u + v sqrt(g) with the common factor of u and v in front, sqrt(g) too where g divides u."""
     field = number.field
     if not number.v:
         return expression_of(field, number.u)
@@ -388,13 +351,7 @@ def compact_expression(number: Surd) -> sympy.Expr:
 
 
 def compact_root(number: Surd) -> sympy.Expr:
-    """A square root of u + v sqrt(g), the positive one where the number is positive.
-
-    >>> k, m = sympy.symbols("k m")
-    >>> K = sympy.ZZ.frac_field(k, m)
-    >>> compact_root(Surd(K, K.from_sympy(3 * k / m / 2), K.from_sympy(k / m / 2), K(5)))
-    sqrt(k/m)*(1/2 + sqrt(5)/2)
-    """
+    """A square root of u + v sqrt(g), the positive one where the number is positive."""
     field = number.field
     if not number.v:
         root = root_expression(field, in_one_form(field, number.u))

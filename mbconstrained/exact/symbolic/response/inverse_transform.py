@@ -78,12 +78,7 @@ def delta(t: sympy.Expr, order: int) -> sympy.Expr:
 
 
 def terms_of(expression: sympy.Expr, t: sympy.Symbol) -> list[TimeTerm]:
-    """An expression in t as a sum of terms.
-
-    >>> t = sympy.Symbol("t")
-    >>> [(term.coefficient, term.frequency) for term in terms_of(sympy.cos(t) ** 2, t)]
-    [(1/2, 0), (1/2, 2)]
-    """
+    """An expression in t as a sum of terms."""
     if not expression.has(t):
         if odd := expression.atoms(sympy.Heaviside, sympy.DiracDelta):
             function = min(odd, key=sympy.default_sort_key)
@@ -417,12 +412,7 @@ def entries_with(A: SymbolicPolynomialMatrix, sources: Iterable[SymbolicSource])
 
 
 def divisors_of(expressions: Iterable[sympy.Expr], time: sympy.Symbol) -> list[sympy.Expr]:
-    """The divisors in the given expressions.
-
-    >>> a, b, t = sympy.symbols("a b t")
-    >>> divisors_of([b * sympy.exp(-t / (a - b))], t)
-    [a - b]
-    """
+    """The divisors in the given expressions."""
     powers = set().union(*(expression.atoms(sympy.Pow) for expression in expressions))
     below = {power.base for power in powers if power.exp.could_extract_minus_sign() and not power.base.has(time)}
     return sorted((base for base in below if base.free_symbols), key=sympy.default_sort_key)
