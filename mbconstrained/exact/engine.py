@@ -252,17 +252,8 @@ def series_at_infinity(ring: PolynomialRing, numerator: Polynomial, denominator:
 # Jordan chains, and the blocks (C, J, B) of both pairs.
 
 
-class JordanChain:
-    """A Jordan chain of A(s) for every zero z of an irreducible polynomial p at once.
-
-    A(s) (v_0 + v_1 (s - z) + ... + v_(k-1) (s - z)^(k-1)) = O((s - z)^k), v_0 not zero (Moysis et al., Eqs. 19-20), and with the
-    left chain A(s)^-1 = sum over i <= j of v_i b_j^T / (s - z)^(j - i + 1) + ...: the v_i are the columns of C and the b_j the rows
-    of B at a Jordan block of size k. They are the same polynomials in z at all zeros of p.
-
-    Attributes:
-        polynomial: p, monic.
-        length: k.
-    """
+class _OfOneDivisor:
+    """Part of A(s)^-1 that belongs to one elementary divisor, p^k with p monic: polynomial and length."""
 
     def __init__(self, term: RootPolynomials):
         self.term, self.length = term, term.length
@@ -270,6 +261,15 @@ class JordanChain:
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.term.ring.text(self.term.divisor)}, length={self.length})"
+
+
+class JordanChain(_OfOneDivisor):
+    """A Jordan chain of A(s) for every zero z of an irreducible polynomial p at once.
+
+    A(s) (v_0 + v_1 (s - z) + ... + v_(k-1) (s - z)^(k-1)) = O((s - z)^k), v_0 not zero (Moysis et al., Eqs. 19-20), and with the
+    left chain A(s)^-1 = sum over i <= j of v_i b_j^T / (s - z)^(j - i + 1) + ...: the v_i are the columns of C and the b_j the rows
+    of B at a Jordan block of size k. They are the same polynomials in z at all zeros of p.
+    """
 
     @cached_property
     def right(self) -> tuple[tuple[Polynomial, ...], ...]:
@@ -291,7 +291,7 @@ class JordanChain:
         return tuple(ring.matrix([ring.coefficients(entry, d) for entry in vector]) for vector in self.right)
 
 
-class HypercompanionBlock:
+class HypercompanionBlock(_OfOneDivisor):
     """The part C (s I - J)^-1 B = phi psi^T / p^k of A(s)^-1 that belongs to one elementary divisor p^k.
 
     J is the hypercompanion matrix of p^k (Jacobson): multiplication by s on K[s]/p^k with the basis p^i s^j. Where p = s - z it is
@@ -300,13 +300,6 @@ class HypercompanionBlock:
 
     kind = "hypercompanion"
     zero = None
-
-    def __init__(self, term: RootPolynomials):
-        self.term, self.length = term, term.length
-        self.polynomial = term.ring.exported(term.divisor)
-
-    def __repr__(self) -> str:
-        return f"HypercompanionBlock({self.term.ring.text(self.term.divisor)}, length={self.length})"
 
     @property
     def degree(self) -> int:

@@ -30,7 +30,7 @@ class Notation:
     """A printer of sympy becomes one of formulas: of the given one, whose parameters, time and values at 0- have names."""
 
     times, equal, unequal, greater = " ", " = ", " is not ", " > "
-    zero, minus, enclosed, at_start = "0", "-", "({})", "(0-)"
+    zero, minus, enclosed, at_start, step = "0", "-", "({})", "(0-)", "H({})"
 
     doprint: Callable[..., Any]  # of sympy's printer
 
@@ -113,6 +113,30 @@ class Notation:
             return super()._print_Mul(joined)
         return self._print(joined)
 
+    def _decimal(self, mantissa: str, exponent: str) -> str:
+        """A decimal, with an exponent or an empty text."""
+        return f"{mantissa}e{exponent}" if exponent else mantissa
+
+    def _impulse(self, order: int, argument: str) -> str:
+        """A derivative of Dirac's delta."""
+        raise NotImplementedError
+
+    def _raw(self, text: str) -> Any:
+        """A text as what the methods of sympy's printer return."""
+        return text
+
+    def _print_Float(self, number):
+        mantissa, e, exponent = str(number).partition("e")  # without zeros at its end
+        mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+        return self._raw(self._decimal(mantissa, str(int(exponent)) if e else ""))
+
+    def _print_Heaviside(self, step, exp=None):
+        return self._raw(self.step.format(self.doprint(step.args[0])))
+
+    def _print_DiracDelta(self, delta, exp=None):
+        order = int(delta.args[1]) if len(delta.args) > 1 else 0
+        return self._raw(self._impulse(order, self.doprint(delta.args[0])))
+
     def _as_ordered_terms(self, expr, order=None) -> list[sympy.Expr]:
         """t - T instead of -T + t, as what functions are of."""
         return sorted(super()._as_ordered_terms(expr, order), key=lambda term: not term.has(LAST))
@@ -130,13 +154,6 @@ def joined_roots(product: sympy.Expr) -> sympy.Expr:
     return sympy.Mul(*rest, root, evaluate=False) if rest else root
 
 
-def short_decimal(number: sympy.Float) -> str:
-    """A decimal without zeros at its end."""
-    mantissa, e, exponent = str(number).partition("e")
-    mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
-    return f"{mantissa}e{int(exponent)}" if e else mantissa
-
-
 def in_reading_order(factors) -> list[sympy.Expr]:
     """Numbers, symbols, sums and roots, the time, and functions last."""
 
@@ -151,11 +168,6 @@ def in_reading_order(factors) -> list[sympy.Expr]:
         return (4 if isinstance(factor, sympy.exp) else 5 if isinstance(factor, sympy.Function) else 2), ""
 
     return sorted(factors, key=rank)
-
-
-def _impulse_marks(delta: sympy.Expr) -> tuple[int, sympy.Expr]:
-    """The order of the derivative of Dirac's delta, and its argument."""
-    return int(delta.args[1]) if len(delta.args) > 1 else 0, delta.args[0]
 
 
 # Text: products without signs, powers with ^.
@@ -212,15 +224,8 @@ class TextPrinter(Notation, StrPrinter):
         base = self.parenthesize(power.base, PRECEDENCE["Pow"] + 1)
         return f"{base}^{exponent}" if power.exp.is_Integer or power.exp.is_Symbol else f"{base}^({exponent})"
 
-    def _print_Float(self, number) -> str:
-        return short_decimal(number)
-
-    def _print_Heaviside(self, step) -> str:
-        return f"H({self._print(step.args[0])})"
-
-    def _print_DiracDelta(self, delta) -> str:
-        order, argument = _impulse_marks(delta)
-        return f"δ{'′' * order if order < 4 else f'^({order})'}({self._print(argument)})"
+    def _impulse(self, order: int, argument: str) -> str:
+        return f"δ{'′' * order if order < 4 else f'^({order})'}({argument})"
 
 
 def formula_text(x, names: Sequence[str] | None = None, digits: int | None = None) -> str:
@@ -300,7 +305,7 @@ def latex_name(name: str) -> str:
 class FormulaPrinter(Notation, LatexPrinter):
     """LaTeX with the names of parameters and without zeros at the end of decimals."""
 
-    unequal, enclosed, at_start = r" \neq ", r"\left({}\right)", "(0^-)"
+    unequal, enclosed, at_start, step = r" \neq ", r"\left({}\right)", "(0^-)", r"H\left({}\right)"
 
     def _name(self, name: str) -> str:
         return latex_name(name)
@@ -321,17 +326,12 @@ class FormulaPrinter(Notation, LatexPrinter):
     def _words(self, text: str) -> str:
         return rf"\text{{{text}}} "
 
-    def _print_Float(self, number) -> str:
-        mantissa, e, exponent = short_decimal(number).partition("e")
-        return rf"{mantissa} \cdot 10^{{{exponent}}}" if e else mantissa
+    def _decimal(self, mantissa: str, exponent: str) -> str:
+        return rf"{mantissa} \cdot 10^{{{exponent}}}" if exponent else mantissa
 
-    def _print_Heaviside(self, step, exp=None) -> str:
-        return rf"H\left({self._print(step.args[0])}\right)"
-
-    def _print_DiracDelta(self, delta, exp=None) -> str:
-        order, argument = _impulse_marks(delta)
+    def _impulse(self, order: int, argument: str) -> str:
         primes = "'" * order if order < 4 else f"^{{({order})}}"
-        return rf"\delta{primes}({self._print(argument)})"
+        return rf"\delta{primes}({argument})"
 
 
 def latex(x, names: Sequence[str] | None = None, digits: int | None = None) -> str:
@@ -369,6 +369,7 @@ class MarkupPrinter(Notation, MathMLPresentationPrinter):
     times, zero, minus = "<mo>&InvisibleTimes;</mo>", "<mn>0</mn>", "<mo>&#x2212;</mo>"
     enclosed, at_start = "<mrow><mo>(</mo>{}<mo>)</mo></mrow>", "<mo>(</mo><msup><mn>0</mn><mo>-</mo></msup><mo>)</mo>"
     equal, unequal, greater = "<mo>=</mo>", "<mo>&#x2260;</mo>", "<mo>&gt;</mo>"
+    step = "<mrow><mi>H</mi><mo>(</mo>{}<mo>)</mo></mrow>"
 
     def _name(self, name: str) -> str:
         letter, index = index_of(name)
@@ -413,19 +414,14 @@ class MarkupPrinter(Notation, MathMLPresentationPrinter):
     def _print_Symbol(self, symbol, style="plain"):
         return self._raw(super()._print_Symbol(symbol))
 
-    def _print_Float(self, expr):
-        mantissa, e, exponent = short_decimal(expr).partition("e")
+    def _decimal(self, mantissa: str, exponent: str) -> str:
         power = f"<mo>&#xB7;</mo><msup><mn>10</mn><mn>{exponent}</mn></msup>"
-        return self._raw(f"<mrow><mn>{mantissa}</mn>{power}</mrow>" if e else f"<mn>{mantissa}</mn>")
+        return f"<mrow><mn>{mantissa}</mn>{power}</mrow>" if exponent else f"<mn>{mantissa}</mn>"
 
-    def _print_Heaviside(self, e):
-        return self._raw(f"<mrow><mi>H</mi><mo>(</mo>{self.doprint(e.args[0])}<mo>)</mo></mrow>")
-
-    def _print_DiracDelta(self, e):
-        (order, argument), symbol = _impulse_marks(e), "<mi>&#x3B4;</mi>"
+    def _impulse(self, order: int, argument: str) -> str:
         primes = f"<mo>{'&#x2032;' * order}</mo>" if order < 4 else f"<mrow><mo>(</mo><mn>{order}</mn><mo>)</mo></mrow>"
-        symbol = f"<msup>{symbol}{primes}</msup>" if order else symbol
-        return self._raw(f"{symbol}<mo>(</mo>{self.doprint(argument)}<mo>)</mo>")
+        symbol = f"<msup><mi>&#x3B4;</mi>{primes}</msup>" if order else "<mi>&#x3B4;</mi>"
+        return f"{symbol}<mo>(</mo>{argument}<mo>)</mo>"
 
     def _print_Exp1(self, e):
         return self._raw("<mi>e</mi>")
