@@ -184,7 +184,6 @@ class Term:
 
     @property
     def expression(self) -> sympy.Expr:
-        """Product of coefficient and function."""
         return self.coefficient * self.function
 
 

@@ -303,7 +303,6 @@ class HypercompanionBlock(_OfOneDivisor):
 
     @property
     def degree(self) -> int:
-        """The degree of p."""
         return self.term.divisor.degree()
 
     @cached_property
@@ -384,7 +383,6 @@ class ExactPair:
 
     @property
     def lengths(self) -> tuple[int, ...]:
-        """The lengths of the chains."""
         return tuple(block.length for block in self.blocks)
 
     @cached_property

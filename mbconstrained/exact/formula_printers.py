@@ -99,7 +99,6 @@ class Notation:
         return f"{self.doprint(part.lhs)}{relation}{self.doprint(readable(part.rhs))}"
 
     def statement(self, parts: list[Part]) -> str:
-        """A statement about the formula."""
         return "".join(map(self.part, parts))
 
     def _print_Symbol(self, symbol, style="plain"):
@@ -118,7 +117,6 @@ class Notation:
         return f"{mantissa}e{exponent}" if exponent else mantissa
 
     def _impulse(self, order: int, argument: str) -> str:
-        """A derivative of Dirac's delta."""
         raise NotImplementedError
 
     def _raw(self, text: str) -> Any:

@@ -63,7 +63,6 @@ class _InLowestTerms:
 
 
 def fraction(number: flint.fmpq) -> Fraction:
-    """The number as a Fraction."""
     return Fraction(_InLowestTerms(flint.fmpq(number)))
 
 
@@ -264,17 +263,14 @@ class RationalMatrix(ExactMatrix):
 
     @property
     def size(self) -> int:
-        """r."""
         return self.coefficients[0].nrows()
 
     @property
     def degree(self) -> int:
-        """q, as declared."""
         return len(self.coefficients) - 1
 
     @cached_property
     def entries(self) -> list[list[flint.fmpq_poly]]:
-        """A(s) as a matrix of polynomials."""
         r = self.size
         return [[flint.fmpq_poly([matrix[i, j] for matrix in self.coefficients]) for j in range(r)] for i in range(r)]
 
@@ -303,9 +299,9 @@ class RationalMatrix(ExactMatrix):
     def root_polynomials(self, p: flint.fmpq_poly, multiplicity: int) -> list[RootPolynomials]:
         """Root polynomials at the zeros of p from minors, instead of the elimination of the engine.
 
-        Elimination needs all r^2 entries of adj A modulo p^k: of a random 10 x 10 quadratic matrix of float64 structure and C take
-        14 ms by minors and 2.9 s by elimination. The lengths are certain: root polynomials that are independent modulo p have
-        exactly these orders, and the orders add up to the multiplicity.
+        Elimination needs all r^2 entries of adj A modulo p^k: of random quadratic matrices of float64 the right vectors take 16 ms by minors
+        and 0.21 s by elimination for r = 10, 0.07 s and 3.8 s for r = 16. The lengths are certain: root polynomials that are
+        independent modulo p have exactly these orders, and the orders add up to the multiplicity.
         """
         if multiplicity == 0:
             return []
@@ -374,7 +370,6 @@ class Minor:
 
     @cached_property
     def determinant(self) -> flint.fmpq_poly:
-        """det P(s)."""
         if not self.rows:
             return flint.fmpq_poly([1])
         samples = self._sampled(self.degree_bound + 1)

@@ -168,7 +168,6 @@ def identifiers(names: Iterable[str], reserved: Iterable[str] = ()) -> dict[str,
 
 
 def identifier(name: str) -> str:
-    """A valid identifier for a name."""
     text = re.sub(r"[^A-Za-z0-9]+", "_", "".join(map(ascii_letters, name))).lstrip("_")
     text = text.rstrip("_") + ("_" if name.endswith("_") and text else "")
     if not text or text[0].isdigit():

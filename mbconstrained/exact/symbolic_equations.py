@@ -37,7 +37,6 @@ class ExactForm:
     rows: tuple[Row, ...]
 
     def force(self, applied: Sequence[sympy.Expr]) -> list[sympy.Expr]:
-        """[V^T f; b]."""
         return [*(self.null_space.T @ np.array(applied, dtype=object)), *(row.value for row in self.rows)]
 
 

@@ -72,7 +72,6 @@ class RationalResponse:
 
     @property
     def is_zero(self) -> bool:
-        """Whether x vanishes."""
         return not any(impulse or rest for impulse, rest in self._divided)
 
     @property
@@ -160,7 +159,6 @@ class PartialFractions:
 
     @classmethod
     def of(cls, factors, denominator: flint.fmpz_poly, numerators: Sequence[flint.fmpq_poly]) -> PartialFractions:
-        """Partial fractions at the working precision."""
         poles = []
         for factor, power in factors:
             taylor = [_balls(p) for p in _taylor(denominator, 2 * power)[power:]]
@@ -295,7 +293,6 @@ class Part:
 
     @property
     def factors_at_0(self) -> list[Factor]:
-        """Factors at t = 0."""
         return [factor for time, factor in self.calls if time == 0]
 
 

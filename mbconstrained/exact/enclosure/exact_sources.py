@@ -43,7 +43,6 @@ def sources_of(force: ImpulsiveSmooth) -> tuple[ExactSource, ...]:
 
 
 def vector_of(values: Iterable) -> Vector:
-    """Exact numbers."""
     return tuple(rational(value) for value in values)
 
 

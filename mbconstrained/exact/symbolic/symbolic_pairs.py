@@ -55,12 +55,10 @@ class Root:
 
     @property
     def value(self) -> sympy.Expr:
-        """The zero as one expression."""
         return self.real + sympy.I * self.imaginary
 
     @property
     def is_pair(self) -> bool:
-        """True for a pair of complex zeros."""
         return self.imaginary != 0
 
     def weights(self, c: sympy.Poly) -> Parts:
@@ -355,7 +353,6 @@ class SymbolicRing:
 
     @classmethod
     def of(cls, p: sympy.Poly) -> SymbolicRing:
-        """The ring of a Poly."""
         return cls(p.domain, p.gen)
 
     def polynomial(self, coefficients: Sequence) -> sympy.Poly:

@@ -76,7 +76,6 @@ def generators_of(expressions: Iterable[sympy.Expr]) -> tuple[sympy.Expr, ...]:
 
 
 def check_positive(symbols: Iterable[sympy.Symbol]) -> None:
-    """Check that every symbol may be positive."""
     for symbol in symbols:
         if symbol.is_positive is False or not symbol.is_commutative:
             raise InputError(f"symbol {symbol}: it is declared not to be positive; every symbol here stands for a positive number")

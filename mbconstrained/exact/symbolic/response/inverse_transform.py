@@ -53,11 +53,9 @@ class TimeTerm:
 
     @property
     def is_constant(self) -> bool:
-        """Whether the term is constant after t = 0."""
         return self.impulse is None and not self.power and self.rate == self.frequency == self.start == 0
 
     def scaled(self, factor: sympy.Expr) -> TimeTerm:
-        """The term times a constant."""
         return replace(self, coefficient=self.coefficient * factor)
 
     def from_its_start(self) -> list[TimeTerm]:
@@ -73,7 +71,6 @@ class TimeTerm:
 
 
 def delta(t: sympy.Expr, order: int) -> sympy.Expr:
-    """A derivative of Dirac's delta."""
     return sympy.DiracDelta(t, order) if order else sympy.DiracDelta(t)
 
 
@@ -412,7 +409,6 @@ def entries_with(A: SymbolicPolynomialMatrix, sources: Iterable[SymbolicSource])
 
 
 def divisors_of(expressions: Iterable[sympy.Expr], time: sympy.Symbol) -> list[sympy.Expr]:
-    """The divisors in the given expressions."""
     powers = set().union(*(expression.atoms(sympy.Pow) for expression in expressions))
     below = {power.base for power in powers if power.exp.could_extract_minus_sign() and not power.base.has(time)}
     return sorted((base for base in below if base.free_symbols), key=sympy.default_sort_key)
@@ -539,7 +535,6 @@ def _exact(coefficients, what: str) -> list[sympy.Expr]:
 
 
 def _inverse(b: sympy.Poly, a: sympy.Poly, gamma: int, t: sympy.Symbol) -> sympy.Expr:
-    """The inverse transform of b(s) / (a(s) s^gamma)."""
     if a.is_zero:
         raise InputError("denominator: found a(s) = 0; expected a polynomial that is not zero")
     power = sympy.Poly(S ** abs(gamma), S, domain=a.domain)
