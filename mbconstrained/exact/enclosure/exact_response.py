@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
+from itertools import zip_longest
 from math import factorial, inf, isfinite, lcm, nextafter
 
 import flint
@@ -68,7 +69,7 @@ class RationalResponse:
         self._divided = [divmod(numerators[row], self.denominator) for row in rows]
         self._series = [series_at_infinity(RATIONALS, rest, self.denominator, -1) for _, rest in self._divided]
         self._derivatives: list[list[flint.fmpq]] = []
-        self._fractions: dict[int, PartialFractions] = {}
+        self._poles: dict[int, list[RationalPole]] = {}
 
     @property
     def is_zero(self) -> bool:
@@ -86,11 +87,15 @@ class RationalResponse:
             self._derivatives.append([next(series) for series in self._series])
         return self._derivatives[order]
 
-    def partial_fractions(self) -> PartialFractions:
-        """Partial fractions of the other zeros, at the working precision."""
-        if flint.ctx.prec not in self._fractions:
-            self._fractions[flint.ctx.prec] = PartialFractions.of(*self._factored)
-        return self._fractions[flint.ctx.prec]
+    def poles(self, order: int) -> list[RationalPole]:
+        """Partial fractions of the other zeros, at the working precision, of a derivative of x: c_j becomes z c_j + c_(j+1)."""
+        if flint.ctx.prec not in self._poles:
+            self._poles[flint.ctx.prec] = _partial_fractions(*self._factored)
+        poles, nothing = self._poles[flint.ctx.prec], [flint.acb(0)] * self.size
+        for _ in range(order):
+            pairs = [(pole, zip_longest(pole.columns, pole.columns[1:], fillvalue=nothing)) for pole in poles]
+            poles = [replace(pole, columns=[[pole.value * a + b for a, b in zip(*two)] for two in own]) for pole, own in pairs]
+        return poles
 
     @cached_property
     def _zero_order(self) -> int:
@@ -147,39 +152,22 @@ class RationalPole:
     columns: list[list[flint.acb]]
 
 
-@dataclass(frozen=True, eq=False)
-class PartialFractions:
-    """The strictly proper part of N / D without its pole at s = 0.
-
-    Attributes:
-        poles: one for each real root of D and each complex pair.
-    """
-
-    poles: list[RationalPole]
-
-    @classmethod
-    def of(cls, factors, denominator: flint.fmpz_poly, numerators: Sequence[flint.fmpq_poly]) -> PartialFractions:
-        poles = []
-        for factor, power in factors:
-            taylor = [_balls(p) for p in _taylor(denominator, 2 * power)[power:]]
-            above = [[_balls(p) for p in _taylor(numerator, power)] for numerator in numerators]
-            vanishing = [_order(numerator, factor, power) for numerator in numerators]
-            coefficients = tuple(map(int, factor.coeffs()))
-            for number, (root, weight) in enumerate(_roots(coefficients, flint.ctx.prec)):
-                below = [p(root) for p in taylor]
-                # The first Taylor coefficients, balls about zero, are zero where growth with the root is absent from a row.
-                values = ([flint.acb(0)] * zeros + [p(root) for p in own[zeros:]] for own, zeros in zip(above, vanishing))
-                rows = [_quotient(row, below) for row in values]
-                columns = [[row[power - 1 - j] for row in rows] for j in range(power)]
-                poles.append(RationalPole((coefficients, number), root, weight, columns))
-        return cls(poles)
-
-    def derivative(self, order: int) -> PartialFractions:
-        """Partial fractions of the derivative: d/dt of sum of c_j t^(j-1)/(j-1)! e^{zt} has z c_j + c_(j+1)."""
-        poles = self.poles
-        for _ in range(order):
-            poles = [replace(pole, columns=_differentiated(pole)) for pole in poles]
-        return PartialFractions(poles)
+def _partial_fractions(factors, denominator: flint.fmpz_poly, numerators: Sequence[flint.fmpq_poly]) -> list[RationalPole]:
+    """The strictly proper part of N / D without its pole at s = 0: one pole for each real root of D and each complex pair."""
+    poles = []
+    for factor, power in factors:
+        taylor = [_balls(p) for p in _taylor(denominator, 2 * power)[power:]]
+        above = [[_balls(p) for p in _taylor(numerator, power)] for numerator in numerators]
+        vanishing = [_order(numerator, factor, power) for numerator in numerators]
+        coefficients = tuple(map(int, factor.coeffs()))
+        for number, (root, weight) in enumerate(_roots(coefficients, flint.ctx.prec)):
+            below = [p(root) for p in taylor]
+            # The first Taylor coefficients, balls about zero, are zero where growth with the root is absent from a row.
+            values = ([flint.acb(0)] * zeros + [p(root) for p in own[zeros:]] for own, zeros in zip(above, vanishing))
+            rows = [_quotient(row, below) for row in values]
+            columns = [[row[power - 1 - j] for row in rows] for j in range(power)]
+            poles.append(RationalPole((coefficients, number), root, weight, columns))
+    return poles
 
 
 class Begun:
@@ -195,11 +183,11 @@ class Begun:
         self._balls: list[list[flint.arb]] = []
         self._modes: dict[tuple, RationalPole] = {}
 
-    def add(self, begin: flint.fmpq, factor, polynomial: Sequence[list[flint.fmpq]], modes: PartialFractions) -> None:
+    def add(self, begin: flint.fmpq, factor, polynomial: Sequence[list[flint.fmpq]], poles: Sequence[RationalPole]) -> None:
         """Add a response from a time on, of columns c_k of t^k / k! and of modes."""
         amount, columns = flint.arb(factor), self._exact if isinstance(factor, flint.fmpq) else self._balls
         _add_moved(columns, polynomial, begin, factor, self.size)
-        for pole in modes.poles:
+        for pole in poles:
             if pole.name not in self._modes:
                 self._modes[pole.name] = replace(pole, columns=[])
             factor = (pole.value * -begin).exp() * amount if begin else amount
@@ -245,11 +233,6 @@ def _add_moved(columns: list[list], given: Sequence[list], begin: flint.fmpq, fa
             factor = factor * (-begin / power)
         for k, column in enumerate(given[power:]):
             columns[k] = [a + factor * b for a, b in zip(columns[k], column)]
-
-
-def _differentiated(pole: RationalPole) -> list[list[flint.acb]]:
-    after = [*pole.columns[1:], [flint.acb(0)] * len(pole.columns[0])]
-    return [[pole.value * a + b for a, b in zip(one, two)] for one, two in zip(pole.columns, after)]
 
 
 @lru_cache(maxsize=256)
@@ -512,7 +495,7 @@ class ExactResponse(Displayed):
         if not times or not self.size:
             return [[] for _ in times]
         calls = [
-            (begin, part.response, factor, part.response.at_zero[order:], part.response.partial_fractions().derivative(order))
+            (begin, part.response, factor, part.response.at_zero[order:], part.response.poles(order))
             for part in self._parts
             for begin, factor in part.calls
         ]
@@ -521,8 +504,8 @@ class ExactResponse(Displayed):
         pending = sorted(range(len(times)), key=times.__getitem__)
         while pending:
             while number < len(calls) and calls[number][0] < times[pending[0]]:
-                begin, _, factor, polynomial, modes = calls[number]
-                begun.add(begin, factor if isinstance(factor, flint.fmpq) else ball(factor), polynomial, modes)
+                begin, _, factor, polynomial, poles = calls[number]
+                begun.add(begin, factor if isinstance(factor, flint.fmpq) else ball(factor), polynomial, poles)
                 number += 1
             last = calls[number][0] if number < len(calls) else None
             count = len(pending) if last is None else bisect_right(pending, last, key=times.__getitem__)
