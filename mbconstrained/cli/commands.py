@@ -13,7 +13,7 @@ from .analysis import Commands
 from .answer import FINE, NOT_TRUSTED, Compress, Json, Out, ScenePath, Settings, SharedViewer, answer, viewer_of
 
 if TYPE_CHECKING:
-    from ..exact.formulas.closed_form import ClosedForm
+    from ..exact.closed_form import ClosedForm
     from ..scene.run.scene import Scene
 
 LONGEST_WORK = 86400.0  # s, that anybody waits for a formula

@@ -44,7 +44,7 @@ class RationalFunction:
     @cached_property
     def reduced(self) -> RationalFunction:
         """The fraction without its common factor."""
-        from ..exact.rational.flint_numbers import fractions_of, polynomial
+        from ..exact.rational import fractions_of, polynomial
 
         if len(self.common_factor) == 1:
             return self
@@ -91,7 +91,7 @@ class RationalFunction:
 
     @cached_property
     def _common_factor(self) -> Polynomial:
-        from ..exact.rational.flint_numbers import fractions_of, polynomial
+        from ..exact.rational import fractions_of, polynomial
 
         return fractions_of(polynomial(self.numerator).gcd(polynomial(self.denominator))) if self.numerator else ONE
 

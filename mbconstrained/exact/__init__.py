@@ -1,9 +1,9 @@
 """Exact answers: over the rationals, over rational functions of symbols, and as guaranteed intervals of a response.
 
 May import ``polynomial``, ``signals`` and the rooms below them. Nothing heavy is loaded before a function is called.
-Read ``core`` first (root polynomials, chains, blocks and structure over any field), then its two fields, ``rational`` (floats are the
-exact numbers that they are) and ``symbolic``, then ``enclosure`` (guaranteed digits) and ``formulas`` (closed forms as text,
-LaTeX, MathML and source code).
+Read ``engine`` first (root polynomials, chains, blocks and structure over any field), then its two fields, ``rational`` (floats are
+the exact numbers that they are) and ``symbolic``, then ``enclosure`` (guaranteed digits), and ``closed_form`` with what prints it:
+``formula_printers`` (text, LaTeX, MathML) and ``source_code`` (C, Python).
 
 >>> import mbconstrained as mb
 >>> A = mb.PolynomialMatrix([[[1, 0], [0, 1]], [[2, 1], [0, 0]], [[1, 0], [0, 0]]])
@@ -19,7 +19,7 @@ from ..ground.errors import InputError
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 
 if TYPE_CHECKING:
-    from .core.exact_pairs import ExactJordanPairs, ExactStructure
+    from .engine import ExactJordanPairs, ExactStructure
     from .symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 
 
@@ -48,8 +48,8 @@ def jordan_pairs(A: PolynomialMatrix | SymbolicPolynomialMatrix) -> ExactJordanP
     [[-1, 1], [0, -1]]
     """
     if isinstance(A, PolynomialMatrix):
-        from .core.exact_pairs import ExactJordanPairs
-        from .rational.rational_matrix import regular_matrix
+        from .engine import ExactJordanPairs
+        from .rational import regular_matrix
 
         return ExactJordanPairs(regular_matrix(A))
     from .symbolic.symbolic_matrix import SymbolicPolynomialMatrix

@@ -81,11 +81,7 @@ def splitting(base: Sequence, slope: Sequence, value: complex, multiplicity: int
 
 
 def newton_branches(points: dict[tuple[int, int], complex], multiplicity: int) -> list[tuple[Fraction, complex]]:
-    """The leading terms c e^r of the roots d of sum of a_ij d^i e^j = 0 near 0, by Newton's polygon.
-
-    >>> newton_branches({(2, 0): 1.0, (0, 1): -4.0}, 2)
-    [(Fraction(1, 2), (2+0j)), (Fraction(1, 2), (-2+0j))]
-    """
+    """The leading terms c e^r of the roots d of sum of a_ij d^i e^j = 0 near 0, by Newton's polygon."""
     result: list[tuple[Fraction, complex]] = []
     i, j = multiplicity, 0
     while i:

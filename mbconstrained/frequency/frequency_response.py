@@ -436,7 +436,7 @@ def _enclose_doubtful(harmonic: Harmonic, frequencies: np.ndarray, H: np.ndarray
 
 def _enclosed(harmonic: Harmonic, frequency_hz: float, digits: int) -> Enclosure:
     """Enclosures of real and imaginary parts at a frequency."""
-    from ..exact.enclosure.transfer_enclosure import enclosed_transfer
+    from ..exact.enclosure.intervals import enclosed_transfer
 
     A, own = harmonic.A, harmonic
     return enclosed_transfer(A, own.imaginary, own.inputs, own.outputs, own.power, frequency_hz, digits)

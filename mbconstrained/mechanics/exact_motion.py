@@ -12,7 +12,7 @@ import numpy as np
 
 from ..exact.enclosure.exact_response import ExactResponse
 from ..exact.enclosure.exact_sources import sources_of
-from ..exact.rational.rational_matrix import RationalMatrix, regular
+from ..exact.rational import RationalMatrix, regular
 from ..ground.tolerances import EPS
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.methods.defect import UNIT, Extended, Rounding

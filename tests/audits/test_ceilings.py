@@ -23,7 +23,7 @@ LINES = {
     "cli": 1528,
     "control": 1597,
     "docs": 259,
-    "exact": 7174,
+    "exact": 6370,
     "exchange": 1445,
     "frequency": 5538,
     "ground": 1578,

@@ -17,3 +17,7 @@ ORACLES = [f"tests.oracles.papers.{name}" for name in ("apostol_kolodner", "coro
 @pytest.mark.parametrize("name", [*MODULES, *ORACLES])
 def test_examples_are_true(name):
     assert doctest.testmod(importlib.import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE).failed == 0
+
+
+def test_examples_of_internal_functions_are_true():
+    assert doctest.testfile("examples.txt", optionflags=doctest.NORMALIZE_WHITESPACE).failed == 0

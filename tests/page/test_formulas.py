@@ -2,8 +2,8 @@
 
 import sympy
 
-from mbconstrained.exact.formulas.closed_form import ClosedForm
-from mbconstrained.exact.formulas.markup import mathml
+from mbconstrained.exact.closed_form import ClosedForm
+from mbconstrained.exact.formula_printers import mathml
 from mbconstrained.page.content import Formulas, PageContent
 from mbconstrained.page.html import page_html, write_page
 from tests.exact.formulas.answers import hostile, t

@@ -7,8 +7,8 @@ import pytest
 import sympy
 
 import mbconstrained as mb
+from mbconstrained.exact.symbolic.response.inverse_transform import initial_symbols
 from mbconstrained.exact.symbolic.response.symbolic_response import solve_symbolically
-from mbconstrained.exact.symbolic.response.transform import initial_symbols
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 from tests.exact.symbolic.models import (
     DAMPED,

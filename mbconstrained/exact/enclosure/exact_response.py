@@ -2,17 +2,19 @@
 
 Independent of the numeric engine: no pencil, no eigenvalue, no rank decision. The transform X(s) is computed as a vector of
 rational functions over the rationals, and summed over its certified poles in ball arithmetic (FLINT's Arb), with more bits
-until the requested digits are there.
+until the requested digits are there. X = N / D with polynomials N (Cramer) and D = det A times the denominator of b: division splits off
+Dirac's impulses, the rest at s = infinity has the values at 0+, and at s = 0 the part that is a polynomial in time; none is rounded.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
-from math import inf, isfinite, nextafter
+from functools import cached_property, lru_cache
+from itertools import zip_longest
+from math import factorial, inf, isfinite, lcm, nextafter
 
 import flint
 import numpy as np
@@ -24,10 +26,9 @@ from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.impulsive import ImpulsiveSmooth
-from ..rational.flint_numbers import fraction, polynomial, rational, working_precision
-from ..rational.rational_matrix import RationalMatrix, regular_matrix
+from ..engine import series_at_infinity
+from ..rational import RATIONALS, RationalMatrix, enclosed_roots, fraction, polynomial, rational, regular_matrix, working_precision
 from .exact_sources import ONE, ExactSource, Factor, S, Shape, added, ball, sources_of, vector_of
-from .fractions import ZERO, Begun, RationalResponse
 from .intervals import Enclosure, bits_of, has_digits
 
 #: Bits to begin with, beyond those of the requested digits.
@@ -55,21 +56,226 @@ SMALLEST_EXPONENT = -1080
 SMALLEST = float(np.finfo(float).tiny)
 
 
-@dataclass(frozen=True)
-class Part:
-    """A response to one function of time, with its times of onset and factors.
+ZERO = flint.fmpq(0)
+
+
+class RationalResponse:
+    """The requested rows of x with A X = b / denominator, A regular, b of r polynomials."""
+
+    def __init__(self, matrix: RationalMatrix, b: Sequence[flint.fmpq_poly], denominator: flint.fmpq_poly, rows: range):
+        self.size = len(rows)
+        self.denominator = matrix.determinant * denominator
+        numerators = matrix.numerators(b)
+        self._divided = [divmod(numerators[row], self.denominator) for row in rows]
+        self._series = [series_at_infinity(RATIONALS, rest, self.denominator, -1) for _, rest in self._divided]
+        self._derivatives: list[list[flint.fmpq]] = []
+        self._poles: dict[int, list[RationalPole]] = {}
+
+    @property
+    def is_zero(self) -> bool:
+        return not any(impulse or rest for impulse, rest in self._divided)
+
+    @property
+    def impulses(self) -> list[list[flint.fmpq]]:
+        """Factors of delta, delta', ... at t = 0."""
+        order = max((part.degree() for part, _ in self._divided), default=-1)
+        return [[part[k] for part, _ in self._divided] for k in range(order + 1)]
+
+    def start(self, order: int) -> list[flint.fmpq]:
+        """x^(order)(0+), which is the coefficient of s^(-1 - order) of X at infinity."""
+        while len(self._derivatives) <= order:
+            self._derivatives.append([next(series) for series in self._series])
+        return self._derivatives[order]
+
+    def poles(self, order: int) -> list[RationalPole]:
+        """Partial fractions of the other zeros, at the working precision, of a derivative of x: c_j becomes z c_j + c_(j+1)."""
+        if flint.ctx.prec not in self._poles:
+            self._poles[flint.ctx.prec] = _partial_fractions(*self._factored)
+        poles, nothing = self._poles[flint.ctx.prec], [flint.acb(0)] * self.size
+        for _ in range(order):
+            pairs = [(pole, zip_longest(pole.columns, pole.columns[1:], fillvalue=nothing)) for pole in poles]
+            poles = [replace(pole, columns=[[pole.value * a + b for a, b in zip(*two)] for two in own]) for pole, own in pairs]
+        return poles
+
+    @cached_property
+    def _zero_order(self) -> int:
+        order = 0
+        while not self.denominator[order]:
+            order += 1
+        return order
+
+    @cached_property
+    def at_zero(self) -> list[list[flint.fmpq]]:
+        """Contribution of the zeros at s = 0, sum of c_k t^k / k!, as columns c_k of the principal part sum of c_k / s^(k + 1)."""
+        order = self._zero_order
+        if not order:
+            return []
+        below = RATIONALS.coefficients(self.denominator.right_shift(order), order)
+        series = [_quotient(RATIONALS.coefficients(rest, order), below) for _, rest in self._divided]
+        return [[column[order - 1 - k] for column in series] for k in range(order)]
+
+    @cached_property
+    def _factored(self) -> tuple[list[tuple[flint.fmpz_poly, int]], flint.fmpz_poly, list[flint.fmpq_poly]]:
+        """Irreducible factors without s and their powers, the whole denominator, and the numerators over it."""
+        whole = self.denominator.numer()
+        unit = flint.fmpq(whole[whole.degree()]) / self.denominator[self.denominator.degree()]
+        return whole.right_shift(self._zero_order).factor()[1], whole, [rest * unit for _, rest in self._divided]
+
+
+def _quotient(above: Sequence, below: Sequence) -> list:
+    """The first coefficients of the quotient of two power series, as many as those of the numerator."""
+    terms: list = []
+    for k, entry in enumerate(above):
+        for i in range(1, k + 1):
+            entry = entry - below[i] * terms[k - i]
+        terms.append(entry / below[0])
+    return terms
+
+
+# Partial fractions in balls: the sum over the roots z of D of c_j t^(j-1)/(j-1)! e^{z t}, each root isolated for certain.
+
+
+@dataclass(frozen=True, eq=False)
+class RationalPole:
+    """A root z of D of multiplicity m.
 
     Attributes:
-        response: x for a start at t = 0 with the factor one.
-        calls: times and factors.
+        name: which root of which irreducible polynomial it is.
+        value: a ball that contains z and no other root.
+        weight: 1 for a real root, 2 for one that stands for a complex pair.
+        columns: c_1 ... c_m, shape (r,) each.
     """
+
+    name: tuple
+    value: flint.acb
+    weight: int
+    columns: list[list[flint.acb]]
+
+
+def _partial_fractions(factors, denominator: flint.fmpz_poly, numerators: Sequence[flint.fmpq_poly]) -> list[RationalPole]:
+    """The strictly proper part of N / D without its pole at s = 0: one pole for each real root of D and each complex pair."""
+    poles = []
+    for factor, power in factors:
+        taylor = [_balls(p) for p in _taylor(denominator, 2 * power)[power:]]
+        above = [[_balls(p) for p in _taylor(numerator, power)] for numerator in numerators]
+        vanishing = [_order(numerator, factor, power) for numerator in numerators]
+        coefficients = tuple(map(int, factor.coeffs()))
+        for number, (root, weight) in enumerate(_roots(coefficients, flint.ctx.prec)):
+            below = [p(root) for p in taylor]
+            # The first Taylor coefficients, balls about zero, are zero where growth with the root is absent from a row.
+            values = ([flint.acb(0)] * zeros + [p(root) for p in own[zeros:]] for own, zeros in zip(above, vanishing))
+            rows = [_quotient(row, below) for row in values]
+            columns = [[row[power - 1 - j] for row in rows] for j in range(power)]
+            poles.append(RationalPole((coefficients, number), root, weight, columns))
+    return poles
+
+
+class Begun:
+    """The sum of the responses that have begun by a time, polynomials in t and sums of modes about t = 0, in ``size`` rows, at the working precision.
+
+    A later call is moved to t = 0 once, (t - b)^k e^(z (t - b)) being e^(-z b) times a sum of powers of t times e^(z t): at each time every mode has one
+    exponential, however many calls there are. What is rational is summed exactly, so that it cancels exactly.
+    """
+
+    def __init__(self, size: int):
+        self.size = size
+        self._exact: list[list[flint.fmpq]] = []
+        self._balls: list[list[flint.arb]] = []
+        self._modes: dict[tuple, RationalPole] = {}
+
+    def add(self, begin: flint.fmpq, factor, polynomial: Sequence[list[flint.fmpq]], poles: Sequence[RationalPole]) -> None:
+        """Add a response from a time on, of columns c_k of t^k / k! and of modes."""
+        amount, columns = flint.arb(factor), self._exact if isinstance(factor, flint.fmpq) else self._balls
+        _add_moved(columns, polynomial, begin, factor, self.size)
+        for pole in poles:
+            if pole.name not in self._modes:
+                self._modes[pole.name] = replace(pole, columns=[])
+            factor = (pole.value * -begin).exp() * amount if begin else amount
+            _add_moved(self._modes[pole.name].columns, pole.columns, begin, factor, self.size)
+
+    def at(self, times: Sequence[flint.fmpq]) -> tuple[flint.fmpz_mat, flint.fmpz, flint.arb_mat]:
+        """Exact parts at some times, with a common denominator, and parts in balls, both of shape (T, r)."""
+        weights: list[list[flint.arb]] = []
+        columns: list[list[flint.arb]] = []
+        since = [flint.arb(time) for time in times]
+        for pole in self._modes.values():
+            value = pole.value
+            exponentials = [(value * time).exp() for time in since]
+            for k, column in enumerate(pole.columns):
+                if k:
+                    exponentials = [one * (time / k) for one, time in zip(exponentials, times)]
+                weights += [[one.real for one in exponentials], [one.imag for one in exponentials]]
+                columns += [[c.real * pole.weight for c in column], [-c.imag * pole.weight for c in column]]
+        for k, coefficients in enumerate(self._balls):
+            weights.append([flint.arb(time**k / factorial(k)) for time in times])
+            columns.append(coefficients)
+        balls = flint.arb_mat(weights).transpose() * flint.arb_mat(columns) if columns else flint.arb_mat(len(times), self.size)
+        return *self._exact_at(times), balls
+
+    def _exact_at(self, times: Sequence[flint.fmpq]) -> tuple[flint.fmpz_mat, flint.fmpz]:
+        """Exact parts in whole numbers, without greatest common divisors."""
+        if not self._exact:
+            return flint.fmpz_mat(len(times), self.size), flint.fmpz(1)
+        highest, of_times = len(self._exact) - 1, lcm(*(int(time.q) for time in times))
+        steps = [time.p * (of_times // time.q) for time in times]
+        columns, scale = flint.fmpq_mat([[c / factorial(k) for c in own] for k, own in enumerate(self._exact)]).numer_denom()
+        unit = flint.fmpz(of_times)
+        powers = flint.fmpz_mat([[step**k * unit ** (highest - k) for k in range(highest + 1)] for step in steps])
+        return powers * columns, scale * unit**highest
+
+
+def _add_moved(columns: list[list], given: Sequence[list], begin: flint.fmpq, factor, size: int) -> None:
+    """Add factor times the columns of (t - b)^k / k! to those of t^k / k!."""
+    while len(columns) < len(given):
+        columns.append([factor * 0] * size)
+    for power in range(len(given) if begin else 1):
+        if power:
+            factor = factor * (-begin / power)
+        for k, column in enumerate(given[power:]):
+            columns[k] = [a + factor * b for a, b in zip(columns[k], column)]
+
+
+@lru_cache(maxsize=256)
+def _roots(coefficients: tuple[int, ...], precision: int) -> list[tuple[flint.acb, int]]:
+    """Real roots and those above the real axis; FLINT certifies them, and real ones as real."""
+    roots = enclosed_roots(flint.fmpz_poly(list(coefficients)), precision)
+    return [(root, 1 if root.imag == 0 else 2) for root in roots if root.imag == 0 or root.imag > 0]
+
+
+def _order(numerator: flint.fmpq_poly, factor: flint.fmpz_poly, most: int) -> int:
+    """The power of an irreducible factor in a numerator, up to its power in the denominator."""
+    order, p = 0, flint.fmpq_poly(factor)
+    while order < most and not numerator % p:
+        numerator, order = numerator // p, order + 1
+    return order
+
+
+def _taylor(p, count: int) -> list:
+    """p(z + h) = sum of h^k p_k(z)."""
+    terms, divisor = [], 1
+    for k in range(count):
+        divisor *= max(k, 1)
+        terms.append(flint.fmpq_poly(p) / divisor)
+        p = p.derivative()
+    return terms
+
+
+def _balls(p: flint.fmpq_poly) -> flint.acb_poly:
+    return flint.acb_poly([flint.acb(flint.arb(c)) for c in p.coeffs()])
+
+
+# The response to all values and sources.
+
+
+@dataclass(frozen=True)
+class Part:
+    """A response to one function of time from t = 0 on with the factor one, and its times of onset and factors."""
 
     response: RationalResponse
     calls: tuple[tuple[flint.fmpq, Factor], ...]
 
     @property
     def factors_at_0(self) -> list[Factor]:
-        """Factors at t = 0."""
         return [factor for time, factor in self.calls if time == 0]
 
 
@@ -122,7 +328,6 @@ class ExactResponse(Displayed):
     def enclose_impulses(self, digits: int = 15) -> tuple[Enclosure, ...]:
         """Return the impulses at t = 0 as intervals: the k-th multiplies the k-th derivative of Dirac's delta."""
         digits = _checked_digits(digits)
-
         return tuple(
             Enclosure.of(_certain(lambda k=k: [self._impulses(ball)[k]], digits)[0], np.zeros(()), digits)
             for k in range(len(self._impulses(ball)))
@@ -290,7 +495,7 @@ class ExactResponse(Displayed):
         if not times or not self.size:
             return [[] for _ in times]
         calls = [
-            (begin, part.response, factor, part.response.at_zero[order:], part.response.partial_fractions().derivative(order))
+            (begin, part.response, factor, part.response.at_zero[order:], part.response.poles(order))
             for part in self._parts
             for begin, factor in part.calls
         ]
@@ -299,8 +504,8 @@ class ExactResponse(Displayed):
         pending = sorted(range(len(times)), key=times.__getitem__)
         while pending:
             while number < len(calls) and calls[number][0] < times[pending[0]]:
-                begin, _, factor, polynomial, modes = calls[number]
-                begun.add(begin, factor if isinstance(factor, flint.fmpq) else ball(factor), polynomial, modes)
+                begin, _, factor, polynomial, poles = calls[number]
+                begun.add(begin, factor if isinstance(factor, flint.fmpq) else ball(factor), polynomial, poles)
                 number += 1
             last = calls[number][0] if number < len(calls) else None
             count = len(pending) if last is None else bisect_right(pending, last, key=times.__getitem__)
@@ -424,9 +629,6 @@ def deciding_entry(A: PolynomialMatrix) -> str:
     """The entry of A(s) whose smallest relative change makes the highest coefficient of det A(s) vanish.
 
     det A(s) is of first degree in each entry, so that two determinants give that change exactly.
-
-    >>> deciding_entry(PolynomialMatrix([[[1.0, 0.0], [0.0, 1.0]], [[1.0, 1.0], [1.0, 1.0 + 2**-50]]]))
-    'the entry of A_1 in the equation "equation 1" for x1, 1, decides: less by 8.9e-16 of itself it lowers the rank'
     """
     exact = RationalMatrix.of(A)
     places = np.argwhere(A.coefficients).tolist()

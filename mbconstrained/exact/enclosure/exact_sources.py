@@ -15,8 +15,7 @@ import numpy as np
 
 from ...linalg.blocks import block_slices
 from ...signals.impulsive import ExactImpulse, ExactInput, ExactRecord, ExactStates, ExactTerm, ImpulsiveSmooth, without_phase_noise
-from ..rational.flint_numbers import rational
-from ..rational.rational_matrix import RationalMatrix
+from ..rational import RationalMatrix, rational
 
 Vector = tuple[flint.fmpq, ...]
 
@@ -35,10 +34,6 @@ class ExactSource:
         first = next(entry for entry in self.vector if entry)
         return replace(self, vector=tuple(entry / first for entry in self.vector), factor=self.factor * first)
 
-    def mapped(self, matrix: Sequence[Sequence[flint.fmpq]]) -> ExactSource:
-        """matrix @ the source."""
-        return replace(self, vector=_product(matrix, self.vector))
-
 
 def sources_of(force: ImpulsiveSmooth) -> tuple[ExactSource, ...]:
     """The sources whose sum is the input, without vanishing ones."""
@@ -47,7 +42,6 @@ def sources_of(force: ImpulsiveSmooth) -> tuple[ExactSource, ...]:
 
 
 def vector_of(values: Iterable) -> Vector:
-    """Exact numbers."""
     return tuple(rational(value) for value in values)
 
 
@@ -61,7 +55,7 @@ def _of_origin(origin: ExactInput) -> Iterator[ExactSource]:
     for source in make[type(origin.data)](origin.data, origin):
         for change in origin.maps:
             if np.ndim(change):
-                source = source.mapped([vector_of(row) for row in np.asarray(change)])
+                source = replace(source, vector=_product([vector_of(row) for row in np.asarray(change)], source.vector))
             else:
                 source = replace(source, factor=source.factor * rational(change))
         yield replace(source, shape=source.shape.derivative(origin.derivatives))
@@ -165,37 +159,41 @@ def _product(matrix, vector: Vector) -> Vector:
 
 
 @dataclass(frozen=True)
-class PhaseFactor:
-    """amount times the irrational cosine or sine of a nonzero phase."""
+class Irrational:
+    """amount times an irrational number, of which there are balls of any precision."""
 
     amount: flint.fmpq
-    phase: flint.fmpq
-    sine: bool
 
-    def __mul__(self, factor: flint.fmpq) -> PhaseFactor:
-        return PhaseFactor(self.amount * factor, self.phase, self.sine)
+    def __mul__(self, factor: flint.fmpq) -> Irrational:
+        return replace(self, amount=self.amount * factor)
 
     def ball(self) -> flint.arb:
         """A ball at the working precision."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class PhaseFactor(Irrational):
+    """amount times the irrational cosine or sine of a nonzero phase."""
+
+    phase: flint.fmpq
+    sine: bool
+
+    def ball(self) -> flint.arb:
         phase = flint.arb(self.phase)
         return flint.arb(self.amount) * (phase.sin() if self.sine else phase.cos())
 
 
 @dataclass(frozen=True)
-class PropagatedState:
+class PropagatedState(Irrational):
     """amount times one entry of e^{J t} v: the states of a piece at its end."""
 
-    amount: flint.fmpq
     generator: tuple[tuple[flint.fmpq, ...], ...]
     start: tuple[flint.fmpq, ...]
     time: flint.fmpq
     entry: int
 
-    def __mul__(self, factor: flint.fmpq) -> PropagatedState:
-        return PropagatedState(self.amount * factor, self.generator, self.start, self.time, self.entry)
-
     def ball(self) -> flint.arb:
-        """A ball at the working precision."""
         return flint.arb(self.amount) * _propagated_ball(self.generator, self.start, self.time, flint.ctx.prec)[self.entry]
 
 
@@ -206,7 +204,7 @@ def _propagated_ball(generator, start, time, precision: int) -> list[flint.arb]:
     return (moved * flint.arb_mat([[flint.arb(value)] for value in start])).entries()
 
 
-Factor = flint.fmpq | PhaseFactor | PropagatedState
+Factor = flint.fmpq | Irrational
 
 
 def ball(factor: Factor) -> flint.arb:

@@ -11,10 +11,11 @@ from math import ceil, floor, log10
 import flint
 import numpy as np
 
-from ...ground.checks import counted
+from ...ground.checks import counted, whole_number
 from ...ground.errors import InputError, Overflow
 from ...ground.notices import Notice
-from ..rational.flint_numbers import working_precision
+from ...polynomial.polynomial_matrix import PolynomialMatrix
+from ..rational import rational, working_precision
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -161,19 +162,16 @@ def has_digits(value: flint.arb, digits: int) -> bool:
 def decimal_bounds(value: flint.arb, digits: int) -> tuple[str, str]:
     """Two decimal numbers that contain the ball, with some more digits than requested."""
     with working_precision(bits_of(digits) + GUARD_BITS):
-        return _bounds(value, digits)
-
-
-def _bounds(value: flint.arb, digits: int) -> tuple[str, str]:
-    largest = value.abs_upper()
-    if not largest < flint.arb(10) ** LARGEST_POWER:
-        raise Overflow(
-            f"a value may be larger than 1e{LARGEST_POWER}: a zero of A(s) in the right half plane grows beyond; ask for earlier times"
-        )
-    if not largest.is_zero() and largest < flint.arb(10) ** -LARGEST_POWER:
-        low, high = value.lower() < 0, value.upper() > 0
-        return f"-1E-{LARGEST_POWER}" if low else "0", f"1E-{LARGEST_POWER}" if high else "0"
-    return _decimal(value.lower(), digits + MORE_DIGITS, floor), _decimal(value.upper(), digits + MORE_DIGITS, ceil)
+        largest = value.abs_upper()
+        if not largest < flint.arb(10) ** LARGEST_POWER:
+            raise Overflow(
+                f"a value may be larger than 1e{LARGEST_POWER}: a zero of A(s) in the right half plane grows beyond; "
+                "ask for earlier times"
+            )
+        if not largest.is_zero() and largest < flint.arb(10) ** -LARGEST_POWER:
+            low, high = value.lower() < 0, value.upper() > 0
+            return f"-1E-{LARGEST_POWER}" if low else "0", f"1E-{LARGEST_POWER}" if high else "0"
+        return _decimal(value.lower(), digits + MORE_DIGITS, floor), _decimal(value.upper(), digits + MORE_DIGITS, ceil)
 
 
 def _decimal(value: flint.arb, digits: int, rounded: Callable[[Fraction], int]) -> str:
@@ -186,3 +184,46 @@ def _decimal(value: flint.arb, digits: int, rounded: Callable[[Fraction], int]) 
         power += 1
         whole = rounded(number / Fraction(10) ** power) if abs(whole) >= 10**digits else whole // 10
     return str(Decimal(f"{whole}E{power}")) if whole else "0"
+
+
+# Intervals that contain s^p C A(s)^-1 B at s = 2 pi f i, for exact data.
+
+#: Working precision in bits beyond the digits, in turn; the last is a sign of a pole.
+GUARDS = (64, 256, 1024, 4096)
+
+
+def enclosed_transfer(A: PolynomialMatrix, imaginary, inputs, outputs, power: int, frequency_hz: float, digits: int) -> Enclosure:
+    """s^p C (A(s) + i H)^-1 B at one frequency."""
+    digits = whole_number(digits, "digits", minimum=1)
+    exact = [matrix.tolist() for matrix in A.exact_coefficients]
+    for guard in GUARDS:
+        with working_precision(bits_of(digits) + guard):
+            values = _transfer(exact, imaginary, inputs, outputs, power, frequency_hz)
+            if values is not None and all(_is_known(value, digits) for value in values):
+                return Enclosure.of([[v.real for v in values], [v.imag for v in values]], np.zeros(len(values)), digits)
+    raise InputError(f"frequency_hz: found {frequency_hz:g} Hz, where the response has a pole; enclose it at another frequency")
+
+
+def _is_known(value: flint.acb, digits: int) -> bool:
+    if not value.is_finite():
+        return False
+    size = value.abs_upper()
+    limit = size * flint.arb(10) ** -digits
+    return all(part == 0 or has_digits(part, digits) or bool(part.abs_upper() < limit) for part in (value.real, value.imag))
+
+
+def _transfer(exact, imaginary, inputs, outputs, power: int, frequency_hz: float) -> list[flint.acb] | None:
+    omega = 2 * flint.arb.pi() * flint.arb(rational(Fraction(frequency_hz)))
+    s = flint.acb(0, omega)
+    matrix = None
+    for coefficient in exact[::-1]:
+        own = flint.acb_mat([[flint.acb(flint.arb(rational(entry))) for entry in row] for row in coefficient])
+        matrix = own if matrix is None else matrix * s + own
+    if imaginary is not None:
+        matrix = matrix + flint.acb_mat([[flint.acb(0, flint.arb(rational(entry))) for entry in row] for row in imaginary.tolist()])
+    try:
+        X = matrix.solve(flint.acb_mat(inputs.tolist()))
+    except ZeroDivisionError:
+        return None
+    H = flint.acb_mat(outputs.tolist()) * X * s**power
+    return [H[i, j] for i in range(H.nrows()) for j in range(H.ncols())]

@@ -17,20 +17,19 @@ from ...ground.checks import names_of
 from ...ground.errors import InputError, SingularPolynomialMatrix
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...polynomial.structure import singular_sentence
-from ..core.exact_pairs import ExactStructure
-from ..core.jordan_blocks import RootPolynomials
+from ..engine import ExactMatrix, ExactStructure, RootPolynomials
 from .field.fields import (
     VARIABLE,
     as_positive,
     element,
     exact_expression,
     exact_rows,
+    expression_of,
     field_of,
-    polynomial_expression,
+    integers,
     symbols_of,
 )
-from .symbolic_pairs import SymbolicJordanPairs
-from .symbolic_ring import SymbolicRing, integers, inverse_modulo
+from .symbolic_pairs import SymbolicJordanPairs, SymbolicRing
 
 #: The variable of every A(s).
 S = sympy.Symbol(VARIABLE)
@@ -53,7 +52,7 @@ class LocalSmithForm:
     terms: tuple[RootPolynomials, ...]
 
 
-class SymbolicPolynomialMatrix:
+class SymbolicPolynomialMatrix(ExactMatrix):
     """A(s) = A_0 + A_1 s + ... + A_q s^q, square, over the field of rational functions of its symbols (Moysis et al., Eq. 4).
 
     The symbols are independent, generic and positive: masses, stiffnesses, dampings, lengths.
@@ -90,7 +89,10 @@ class SymbolicPolynomialMatrix:
         self.field: Domain = field_of(entries)
         self.coordinates = names_of(coordinates, self.size, "coordinates", "x")
         self.equations = names_of(equations, self.size, "equations", "equation ")
-        self.elements = [_elements(self.field, rows, f"A_{power}") for power, rows in enumerate(given)]
+        self.elements = [
+            [[element(self.field, e, f"A_{power} at ({i}, {j})") for j, e in enumerate(row)] for i, row in enumerate(rows)]
+            for power, rows in enumerate(given)
+        ]
 
     @classmethod
     def of(cls, A: PolynomialMatrix) -> SymbolicPolynomialMatrix:
@@ -104,7 +106,10 @@ class SymbolicPolynomialMatrix:
                 f"A: found an object of type {type(A).__name__}; expected a PolynomialMatrix (of a MechanicalSystem: its "
                 "polynomial_matrix(); lists of matrices: SymbolicPolynomialMatrix([A_0, A_1, ...]))"
             )
-        ratios = [[[_ratio(entry) for entry in row] for row in rows] for rows in A.exact_coefficients]
+        ratios = [
+            [[entry if isinstance(entry, Fraction) else Fraction(float(entry)) for entry in row] for row in rows]
+            for rows in A.exact_coefficients
+        ]
         return cls(ratios, A.coordinates, A.equations)
 
     @property
@@ -183,7 +188,11 @@ class SymbolicPolynomialMatrix:
 
     def smith_form(self) -> sympy.ImmutableMatrix:
         """diag(f_1(s), ..., f_r(s)) over the complex numbers, monic, each divides the next (Moysis et al., Eq. 5)."""
-        return sympy.diag(*(polynomial_expression(f) for f in self.structure().invariant_polynomials)).as_immutable()
+        entries = []
+        for f in self.structure().invariant_polynomials:
+            terms = f.rep.to_dict().items()
+            entries.append(sympy.Add(*(expression_of(f.domain, c) * f.gen**power for (power,), c in terms)))
+        return sympy.diag(*entries).as_immutable()
 
     def smith_form_at_infinity(self) -> sympy.ImmutableMatrix:
         """diag(s^q_1, ..., s^q_r), q_1 >= ... >= q_r (Moysis et al., Eq. 10)."""
@@ -191,15 +200,25 @@ class SymbolicPolynomialMatrix:
 
     def local_smith_form(self, zero) -> LocalSmithForm:
         """The local Smith form at a rational function of the symbols, or at one of ``structure().finite_zeros`` (Moysis et al., Eq. 9)."""
-        return local_smith_form(self, zero)
+        zero, p = self._zero_of(zero)
+        det, multiplicity = self.determinant, 0
+        while det.rem(p).is_zero:
+            det, multiplicity = det.quo(p), multiplicity + 1
+        terms = self.root_polynomials(p, multiplicity)
+        exponents = (0,) * (self.size - len(terms)) + tuple(term.length for term in terms)
+        matrix = sympy.diag(*((S - zero) ** k for k in exponents)).as_immutable()
+        return LocalSmithForm(zero, exponents, matrix, tuple(terms))
 
-    def root_polynomials(self, factor: tuple[sympy.Poly, int]) -> list[RootPolynomials]:
-        """Return root polynomials at the zeros of an irreducible factor of det A(s), given with its multiplicity."""
-        return root_polynomials(self, *factor)
-
-    def infinite_root_polynomials(self) -> list[RootPolynomials]:
-        """Return root polynomials of s^max(q, 1) A(1/s) at s = 0."""
-        return infinite_root_polynomials(self)
+    def _zero_of(self, zero) -> tuple[sympy.Expr, sympy.Poly]:
+        """The zero as an expression, and its irreducible polynomial over the field."""
+        if isinstance(zero, sympy.Expr):
+            for p, _ in self.jordan_pairs().factors:
+                if any(zero in (root.value, root.real - sympy.I * root.imaginary) for root in self.ring.roots(p) or ()):
+                    return zero, p
+        zero = exact_expression(zero, "zero")
+        if not zero.free_symbols <= set(self.symbols):
+            raise InputError(f"zero: found {zero}; expected a rational function of the symbols of A(s) or one of its zeros")
+        return zero, self.ring.polynomial([-element(self.field, zero, "zero"), self.field.one])
 
     def jordan_pairs(self) -> SymbolicJordanPairs:
         """The finite pair (C, J, B), the minimal infinite pair, and H_i."""
@@ -224,56 +243,38 @@ def checked_matrix(A) -> SymbolicPolynomialMatrix:
     return A
 
 
-def _elements(field: Domain, rows, what: str) -> list[list]:
-    return [[element(field, entry, f"{what} at ({i}, {j})") for j, entry in enumerate(row)] for i, row in enumerate(rows)]
-
-
-def _ratio(number) -> Fraction:
-    return number if isinstance(number, Fraction) else Fraction(float(number))
-
-
 # adj A(s) and det A(s) without any division: in the ring of polynomials in s and the symbols.
 
 
 def _adjugate_and_determinant(rows: list[list[sympy.Poly]]) -> tuple[list[list[sympy.Poly]], sympy.Poly]:
     """Adjugate and determinant of a square matrix of Polys in s over a field, as Polys over the field.
 
-    Rows are multiplied by their denominators first; then the characteristic polynomial follows by Berkowitz's algorithm.
+    Rows are multiplied by their denominators first; then the characteristic polynomial follows by Berkowitz's algorithm, and by Cayley
+    and Hamilton +-adj M = M^(r-1) + c_1 M^(r-2) + ... + c_(r-1); sympy's adj_det fails where a c is zero.
     """
     field, variable, size = rows[0][0].domain, rows[0][0].gen, len(rows)
     scales = [_common_denominator(field, [c for entry in row for c in entry.rep.to_list()]) for row in rows]
-    ring = integers(field)[variable]
-    whole = [[_in_ring(ring, entry, scale) for entry in row] for row, scale in zip(rows, scales)]
-    adjugate, determinant = _of_ring(DomainMatrix(whole, (size, size), ring))
-    total = field.one / prod(scales, start=field.one)
-    factors = [total * scale for scale in scales]
-    over_field = [
-        [_over_field(field, variable, entry, factor) for entry, factor in zip(row, factors)] for row in adjugate.to_list()
-    ]
-    return over_field, _over_field(field, variable, determinant, total)
+    integral = integers(field)
+    ring = integral[variable]
 
+    def in_ring(p: sympy.Poly, scale):
+        return ring.ring.from_dict({power: integral.convert(c * scale, field) for power, c in p.rep.to_dict().items()})
 
-def _of_ring(matrix: DomainMatrix) -> tuple[DomainMatrix, object]:
-    """Cayley and Hamilton: +-adj M = M^(r-1) + c_1 M^(r-2) + ... + c_(r-1); sympy's adj_det fails where a c is zero."""
-    identity = DomainMatrix.eye(matrix.shape[0], matrix.domain).to_dense()
+    def over_field(p, factor) -> sympy.Poly:
+        terms = {power: field.convert(c, integral) * factor for power, c in p.terms()}
+        return sympy.Poly.from_dict(terms, variable, domain=field)
+
+    whole = [[in_ring(entry, scale) for entry in row] for row, scale in zip(rows, scales)]
+    matrix = DomainMatrix(whole, (size, size), ring)
+    identity = DomainMatrix.eye(size, ring).to_dense()
     _, *middle, last = matrix.charpoly()
-    total = identity
+    adjugate = identity
     for c in middle:
-        total = matrix * total + identity * c
-    return (-total, last) if len(middle) % 2 else (total, -last)
-
-
-def _in_ring(ring: Domain, p: sympy.Poly, scale):
-    """A polynomial over the field, multiplied by its denominators, as an element of the ring of polynomials."""
-    terms = p.rep.to_dict().items()
-    return ring.ring.from_dict({power: ring.domain.convert(c * scale, p.domain) for power, c in terms})
-
-
-def _over_field(field: Domain, variable: sympy.Symbol, p, factor) -> sympy.Poly:
-    """An element of the ring of polynomials times a factor, as a Poly over the field."""
-    ring = integers(field)
-    terms = {power: field.convert(c, ring) * factor for power, c in p.terms()}
-    return sympy.Poly.from_dict(terms, variable, domain=field)
+        adjugate = matrix * adjugate + identity * c
+    adjugate, determinant = (-adjugate, last) if len(middle) % 2 else (adjugate, -last)
+    total = field.one / prod(scales, start=field.one)
+    entries = [[over_field(entry, total * scale) for entry, scale in zip(row, scales)] for row in adjugate.to_list()]
+    return entries, over_field(determinant, total)
 
 
 def _common_denominator(field: Domain, values: list):
@@ -284,133 +285,15 @@ def _common_denominator(field: Domain, values: list):
     return field.one if total is None else field.convert(total, ring)
 
 
-# The equations and coordinates that make A(s) singular for every s, exactly.
-
-
 def _raise_singular(A: SymbolicPolynomialMatrix) -> NoReturn:
     """Raise an error with the dependent equations and the free coordinates, from the null spaces over the field."""
     matrix = A(A.variable)
     rows = DomainMatrix.from_list_sympy(A.size, A.size, matrix.tolist()).convert_to(field_of([*matrix, A.variable]))
-    equations, coordinates = _involved(rows.transpose()), _involved(rows)
+
+    def involved(rows: DomainMatrix) -> tuple[int, ...]:
+        null = rows.nullspace().to_Matrix()
+        return tuple(j for j in range(null.cols) if any(entry != 0 for entry in null[:, j]))
+
+    equations, coordinates = involved(rows.transpose()), involved(rows)
     text = singular_sentence([A.equations[i] for i in equations], [A.coordinates[i] for i in coordinates])
     raise SingularPolynomialMatrix(text, equations, coordinates)
-
-
-def _involved(rows: DomainMatrix) -> tuple[int, ...]:
-    """The columns in a dependency."""
-    null = rows.nullspace().to_Matrix()
-    return tuple(j for j in range(null.cols) if any(entry != 0 for entry in null[:, j]))
-
-
-# Root polynomials over a field of symbols, from adj A and det A; local Smith forms.
-
-
-def local_smith_form(A: SymbolicPolynomialMatrix, zero) -> LocalSmithForm:
-    """The local Smith form, as ``SymbolicPolynomialMatrix.local_smith_form``."""
-    zero, p = _zero_of(A, zero)
-    det, multiplicity = A.determinant, 0
-    while det.rem(p).is_zero:
-        det, multiplicity = det.quo(p), multiplicity + 1
-    terms = root_polynomials(A, p, multiplicity)
-    exponents = (0,) * (A.size - len(terms)) + tuple(term.length for term in terms)
-    matrix = sympy.diag(*((A.variable - zero) ** k for k in exponents)).as_immutable()
-    return LocalSmithForm(zero, exponents, matrix, tuple(terms))
-
-
-def _zero_of(A: SymbolicPolynomialMatrix, zero) -> tuple[sympy.Expr, sympy.Poly]:
-    """The zero as an expression, and its irreducible polynomial over the field."""
-    if isinstance(zero, sympy.Expr):
-        for p, _ in A.jordan_pairs().factors:
-            if any(zero in (root.value, root.real - sympy.I * root.imaginary) for root in A.ring.roots(p) or ()):
-                return zero, p
-    zero = exact_expression(zero, "zero")
-    if not zero.free_symbols <= set(A.symbols):
-        raise InputError(f"zero: found {zero}; expected a rational function of the symbols of A(s) or one of its zeros")
-    return zero, A.ring.polynomial([-element(A.field, zero, "zero"), A.field.one])
-
-
-def root_polynomials(A: SymbolicPolynomialMatrix, p: sympy.Poly, multiplicity: int) -> list[RootPolynomials]:
-    """The root polynomials at the zeros of p, ascending lengths."""
-    return _terms(A, A.adjugate, A.determinant, p, multiplicity)
-
-
-def infinite_root_polynomials(A: SymbolicPolynomialMatrix) -> list[RootPolynomials]:
-    """Root polynomials of D(s) = s^q A(1/s) at s = 0, q = max(degree, 1): adj D and det D are those of A reversed.
-
-    They are computed from the transposed matrix, so that an entry of each row psi is 1, as in Moysis et al., Eq. 97.
-    """
-    r, q = A.size, max(A.degree, 1)
-    transposed = [[_reversed(A, entry, q * (r - 1)) for entry in column] for column in zip(*A.adjugate)]
-    determinant = _reversed(A, A.determinant, q * r)
-    s = A.ring.polynomial([A.field.zero, A.field.one])
-    terms = _terms(A, transposed, determinant, s, q * r - A.determinant.degree())
-    return [RootPolynomials(t.ring, s, t.length, t.left, lambda t=t: t.right, t.pivot) for t in terms]
-
-
-def _terms(A, adjugate, determinant: sympy.Poly, p: sympy.Poly, multiplicity: int) -> list[RootPolynomials]:
-    """The terms of adjugate / determinant at the zeros of p."""
-    if multiplicity == 0:
-        return []
-    common = 0 if multiplicity == 1 else min(_valuation(e, p) for row in adjugate for e in row if not e.is_zero)
-    k = multiplicity - common
-    others = inverse_modulo(determinant.quo(p**multiplicity).rem(p**k), p**k)
-    return decompose(A.ring, [[entry.quo(p**common).rem(p**k) * others for entry in row] for row in adjugate], p, k)[::-1]
-
-
-def _reversed(A: SymbolicPolynomialMatrix, p: sympy.Poly, degree: int) -> sympy.Poly:
-    """s^degree p(1/s)."""
-    return sympy.Poly.from_dict({degree - power: c for (power,), c in p.rep.to_dict().items()}, A.variable, domain=A.field)
-
-
-# Elimination modulo p^k: K[s] modulo p^k is a local ring, in which every element is a power of p times a unit.
-#
-# Pivots of least valuation give P = sum over j of p^a_j phi_j psi_j^T modulo p^k, a_1 <= a_2 <= ... < k, with phi_j independent
-# modulo p, and psi_j too. Where P = p^k A(s)^-1, the elementary divisors of A(s) are p^(k - a_j), and phi_j and psi_j are root
-# polynomials. Unlike minors (``rational.rational_matrix``) this gives short pivots, and the assumptions are their factors.
-
-
-def decompose(ring: SymbolicRing, rows: list[list[sympy.Poly]], p: sympy.Poly, k: int) -> list[RootPolynomials]:
-    """The terms of P modulo p^k, the longest first; one entry of each right column is 1."""
-    terms: list[RootPolynomials] = []
-    rows = [[entry.rem(p**k) for entry in row] for row in rows] if k > 0 else []
-    while place := _pivot(rows, p):
-        a, i, j = place
-        modulus, below = p ** (k - a), p**a
-        unit = rows[i][j].quo(below)
-        inverse = inverse_modulo(unit, modulus)
-        right = [(row[j].quo(below) * inverse).rem(modulus) for row in rows]
-        left = tuple(entry.quo(below) for entry in rows[i])
-        rows = [[entry - (c * d).rem(modulus) * below for entry, d in zip(row, left)] for row, c in zip(rows, right)]
-        terms.append(RootPolynomials(ring, p, k - a, tuple(right), lambda left=left: left, unit.rem(p)))
-    return terms
-
-
-def _valuation(entry: sympy.Poly, p: sympy.Poly) -> int:
-    """The highest power of p that divides an entry other than zero."""
-    count = 0
-    while True:
-        quotient, rest = entry.div(p)
-        if not rest.is_zero:
-            return count
-        entry, count = quotient, count + 1
-
-
-def _pivot(rows, p) -> tuple[int, int, int] | None:
-    """(a, i, j) of an entry of least valuation a, the simplest of them."""
-    best = None
-    for i, row in enumerate(rows):
-        for j, entry in enumerate(row):
-            if not entry.is_zero:
-                a = _valuation(entry, p)
-                unit = entry.quo(p**a)
-                key = (a, unit.rem(p).degree(), _weight(unit), i, j)
-                best = key if best is None or key < best else best
-    return None if best is None else (best[0], best[-2], best[-1])
-
-
-def _weight(entry: sympy.Poly) -> int:
-    """Length of an entry: its number of terms in s and in the symbols."""
-    field = entry.domain
-    if not field.is_FractionField:
-        return len(entry.terms())
-    return sum(len(field.numer(c)) + len(field.denom(c)) for c in entry.rep.to_list())

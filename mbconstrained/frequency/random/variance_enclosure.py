@@ -15,8 +15,7 @@ import flint
 import numpy as np
 
 from ...exact.enclosure.intervals import Enclosure, bits_of, has_digits
-from ...exact.rational.flint_numbers import enclosed_roots, polynomial, rational, working_precision
-from ...exact.rational.rational_matrix import RationalMatrix
+from ...exact.rational import RationalMatrix, enclosed_roots, polynomial, rational, working_precision
 from ...ground.checks import whole_number
 from ...ground.errors import InputError
 from ..harmonic import Harmonic

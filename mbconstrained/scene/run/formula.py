@@ -13,7 +13,7 @@ from .scene_data import SceneData
 from .stage_costs import OutOfTime, time_limit
 
 if TYPE_CHECKING:
-    from ...exact.formulas.closed_form import ClosedForm
+    from ...exact.closed_form import ClosedForm
     from ...page.content import Formulas
 
 #: Most operations of all formulas together.
@@ -69,10 +69,10 @@ def _solved(scene: SceneData, numbers: bool, coordinates, progress: Progress) ->
 
 
 def _formula(scene: SceneData, numbers: bool, coordinates, progress: Progress) -> ClosedForm:
-    from ...exact.formulas.closed_form import ClosedForm
-    from ...exact.formulas.real_form import real_form
-    from ...exact.formulas.symbolic_equations import Symbols, without_implied
+    from ...exact.closed_form import ClosedForm
+    from ...exact.source_code import real_form
     from ...exact.symbolic.response.symbolic_response import solve_symbolically
+    from ...exact.symbolic_equations import Symbols, without_implied
     from ..build.symbolic.symbolic_scene import exact_equations
 
     symbols = Symbols(scene.parameters.values, scene.parameters.units, numbers)
@@ -129,7 +129,7 @@ def _signs(form: ClosedForm) -> str:
 
 def formulas_on_page(form: ClosedForm) -> Formulas:
     """The section of a page with the formula: MathML, default values, assumed signs."""
-    from ...exact.formulas.markup import mathml
+    from ...exact.formula_printers import mathml
     from ...page.content import Formulas
 
     digits = None if form.parameters or all(value.count_ops() <= SHORT for value in form.values) else DIGITS
@@ -139,14 +139,13 @@ def formulas_on_page(form: ClosedForm) -> Formulas:
 
 def written(form: ClosedForm, kind: str, digits: int | None = None) -> str:
     """The formula in a language."""
-    from ...exact.formulas.formula_text import formula_text
-    from ...exact.formulas.markup import latex
-    from ...exact.formulas.source_code import c_source, python_source
+    from ...exact.formula_printers import formula_text, latex
+    from ...exact.source_code import c_source, python_source
 
     if kind == "json":
         import json
 
-        from ...exact.formulas.markup import records
+        from ...exact.formula_printers import records
 
         return json.dumps(records(form, digits), indent=2, allow_nan=False, ensure_ascii=False)
     if kind in ("python", "c"):

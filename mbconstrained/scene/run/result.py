@@ -30,7 +30,7 @@ from .report.tables import notices_of, tables_of
 from .scene_data import SceneData
 
 if TYPE_CHECKING:
-    from ...exact.formulas.closed_form import ClosedForm
+    from ...exact.closed_form import ClosedForm
     from ...exchange.universal import Geometry
     from ...frequency.shock.extrema import Extrema
     from ...mechanics.modes import Modes

@@ -16,8 +16,7 @@ import numpy as np
 
 from ...exact.enclosure.exact_response import ExactResponse
 from ...exact.enclosure.exact_sources import ExactSource, S, Shape
-from ...exact.rational.flint_numbers import rational
-from ...exact.rational.rational_matrix import RationalMatrix
+from ...exact.rational import RationalMatrix, rational
 from ...mechanics.element_matrix import ElementMatrix
 from ...mechanics.exact_motion import with_multipliers
 from ...polynomial.coefficients import Factors

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 import mbconstrained as mb
 from mbconstrained.exact.enclosure.exact_response import ExactResponse
 from mbconstrained.exact.enclosure.exact_sources import ExactSource, harmonic_powers, phase_factors
-from mbconstrained.exact.rational.rational_matrix import RationalMatrix
+from mbconstrained.exact.rational import RationalMatrix
 from tests.oracles import exact as oracle
 
 whole = st.integers(-3, 3)

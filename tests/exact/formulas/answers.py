@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import sympy
 
-from mbconstrained.exact.formulas.closed_form import ClosedForm
-from mbconstrained.exact.formulas.source_code import c_source, python_source
+from mbconstrained.exact.closed_form import ClosedForm
+from mbconstrained.exact.source_code import c_source, python_source
 from mbconstrained.exact.symbolic.response.symbolic_response import solve_symbolically
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 

@@ -6,10 +6,8 @@ import xml.etree.ElementTree as xml
 import pytest
 import sympy
 
-from mbconstrained.exact.formulas.closed_form import ClosedForm, Impulse, Jump
-from mbconstrained.exact.formulas.formula_text import formula_text
-from mbconstrained.exact.formulas.markup import latex, mathml, records
-from mbconstrained.exact.formulas.printing_layout import terms_of
+from mbconstrained.exact.closed_form import ClosedForm, Impulse, Jump, terms_of
+from mbconstrained.exact.formula_printers import formula_text, latex, mathml, records
 from mbconstrained.ground.errors import InputError
 from tests.exact.formulas.answers import HOSTILE, damped, hostile, k, m, t
 

@@ -13,10 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.exact.formulas.closed_form import ClosedForm, Impulse
-from mbconstrained.exact.formulas.identifiers import C_KEYWORDS, identifiers
-from mbconstrained.exact.formulas.real_form import real_form
-from mbconstrained.exact.formulas.source_code import c_source, python_source, with_square
+from mbconstrained.exact.closed_form import ClosedForm, Impulse
+from mbconstrained.exact.source_code import C_KEYWORDS, c_source, identifiers, python_source, real_form, with_square
 from tests.exact.formulas.answers import HOSTILE, c_values, damped, hostile, python_values, t
 
 TIMES = np.linspace(0.01, 20, 50)

@@ -2,8 +2,8 @@
 
 import sympy
 
-from mbconstrained.exact.formulas.closed_form import ClosedForm
-from mbconstrained.exact.formulas.symbolic_equations import Symbols
+from mbconstrained.exact.closed_form import ClosedForm
+from mbconstrained.exact.symbolic_equations import Symbols
 
 NAMES = ("π", "s", "s_", "x_0", "k", "k_")
 

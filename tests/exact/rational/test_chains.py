@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.exact.core.jordan_blocks import hypercompanion
-from mbconstrained.exact.rational.rational_ring import RATIONALS
+from mbconstrained.exact.engine import hypercompanion
+from mbconstrained.exact.rational import RATIONALS
 from tests.exact.rational.products import MATRICES, known
 from tests.oracles.models import massless_joints, rigid_link, two_masses
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.exact.rational import rational_matrix as modular
-from mbconstrained.exact.rational.flint_numbers import enclosed_roots, rounded_roots
-from mbconstrained.exact.rational.rational_matrix import RationalMatrix
+from mbconstrained.exact import rational as modular
+from mbconstrained.exact.engine import ExactMatrix
+from mbconstrained.exact.rational import RationalMatrix, enclosed_roots, rounded_roots
 from tests.exact.rational.products import MATRICES, known, product
 from tests.oracles import exact
 
@@ -50,6 +50,28 @@ def test_root_polynomials_are_divided_by_their_power(name):
         for rows, vector in ((A, term.right), (list(zip(*A)), term.left)):
             for row in rows:
                 assert not sum((a * b for a, b in zip(row, vector)), flint.fmpq_poly([0])) % power
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_minors_give_what_elimination_gives(seed):
+    """The principal part of A(s)^-1 at the zeros of every factor, and at infinity, by the method of every field."""
+    R = RationalMatrix.of(mb.PolynomialMatrix(product(seed)))
+    for p, multiplicity in R.ring.factors(R.determinant):
+        ours, general = R.root_polynomials(p, multiplicity), ExactMatrix.root_polynomials(R, p, multiplicity)
+        assert [term.length for term in ours] == [term.length for term in general]
+        assert _principal_part(ours) == _principal_part(general)
+    ours, general = R.infinite_root_polynomials(), ExactMatrix.infinite_root_polynomials(R)
+    assert [term.length for term in ours] == [term.length for term in general]
+    assert _principal_part(ours) == _principal_part(general)
+
+
+def _principal_part(terms):
+    """The sum of phi psi^T p^(K - k) modulo p^K, K the largest k."""
+    if not terms:
+        return []
+    p, K, r = terms[-1].divisor, terms[-1].length, range(len(terms[-1].right))
+    zero = flint.fmpq_poly([0])
+    return [[sum((t.right[i] * t.left[j] * p ** (K - t.length) for t in terms), zero) % p**K for j in r] for i in r]
 
 
 @pytest.mark.parametrize("name", MATRICES)

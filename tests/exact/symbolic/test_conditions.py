@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 import sympy
 
+from mbconstrained.exact.symbolic.response.inverse_transform import initial_symbols
 from mbconstrained.exact.symbolic.response.symbolic_response import continuity_equations, impulse_equations, solve_symbolically
-from mbconstrained.exact.symbolic.response.transform import initial_symbols
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 from tests.exact.symbolic.models import (
     DAMPED,

@@ -10,8 +10,7 @@ import pytest
 import sympy
 
 import mbconstrained as mb
-from mbconstrained.exact.symbolic.field.fields import element, exact_expression, expression_of, field_of
-from mbconstrained.exact.symbolic.field.surds import sign
+from mbconstrained.exact.symbolic.field.fields import element, exact_expression, expression_of, field_of, sign
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 
 k, m = sympy.symbols("k m")

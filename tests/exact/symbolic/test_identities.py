@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 import sympy
 
-from mbconstrained.exact.core.jordan_blocks import HypercompanionBlock
+from mbconstrained.exact.engine import HypercompanionBlock
 from tests.exact.symbolic.gallery import MODELS, coefficients_of, identity, over_field, powers, s, same, stacked
 
 every = pytest.mark.parametrize("A", MODELS.values(), ids=MODELS)

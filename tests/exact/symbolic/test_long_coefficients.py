@@ -7,12 +7,11 @@ from itertools import islice
 import pytest
 import sympy
 
-from mbconstrained.exact.core.ring import series_at_infinity
+from mbconstrained.exact.engine import series_at_infinity
 from mbconstrained.exact.symbolic.field.fields import element, field_of
-from mbconstrained.exact.symbolic.field.radicals import combination
 from mbconstrained.exact.symbolic.response.symbolic_response import solve_symbolically
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
-from mbconstrained.exact.symbolic.symbolic_ring import SymbolicRing, inverse_modulo
+from mbconstrained.exact.symbolic.symbolic_pairs import SymbolicRing, combination, inverse_modulo
 from tests.exact.symbolic.gallery import s
 from tests.exact.symbolic.models import c, c1, c2, k1, k2
 

@@ -8,10 +8,17 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbconstrained.exact.symbolic.field.fields import element, field_of
-from mbconstrained.exact.symbolic.field.radicals import roots
-from mbconstrained.exact.symbolic.field.surds import Surd, compact_expression, root_expression, sign, sign_with_root, square_root
-from mbconstrained.exact.symbolic.symbolic_ring import factors_of, inverse_modulo
+from mbconstrained.exact.symbolic.field.fields import (
+    Surd,
+    compact_expression,
+    element,
+    field_of,
+    root_expression,
+    sign,
+    sign_with_root,
+    square_root,
+)
+from mbconstrained.exact.symbolic.symbolic_pairs import factors_of, inverse_modulo, roots
 from tests.exact.symbolic.gallery import s
 
 DIGITS = 40

@@ -1,16 +1,18 @@
 """The field of the entries: rational functions of the symbols and of pi, with rational or quadratic numbers in them.
 
 Entries become exact expressions here, once, when the matrix is made; from then on all arithmetic happens in the field,
-where equal things are equal without any simplification.
+where equal things are equal without any simplification. Signs and square roots of its elements follow, and numbers u + v sqrt(g).
 """
 
 from __future__ import annotations
 
 import numbers
 from collections.abc import Iterable
+from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
+from typing import Any
 
 import sympy
 from sympy.polys.domains.domain import Domain
@@ -27,19 +29,25 @@ DOUBLE = 53
 
 
 def exact_expression(entry, what: str) -> sympy.Expr:
-    """An entry as an exact expression; floats become their shortest decimals.
-
-    >>> exact_expression(0.1, "A_0"), exact_expression(2 * sympy.Symbol("k"), "A_0")
-    (1/10, 2*k)
-    """
+    """An entry as an exact expression; floats become their shortest decimals."""
     if isinstance(entry, sympy.Expr):
-        return _without_floats(entry, what)
+        if entry.atoms(sympy.nan, sympy.oo, -sympy.oo, sympy.zoo, sympy.I):
+            raise InputError(f"{what}: found {entry}; every entry must be finite and real")
+        floats = {f: _decimal(float(f) if f._prec <= DOUBLE else Decimal(str(f)), what) for f in entry.atoms(sympy.Float)}
+        return entry.xreplace(floats) if floats else entry
     if isinstance(entry, numbers.Rational) and not isinstance(entry, bool):
         return sympy.Rational(int(entry.numerator), int(entry.denominator))
     if isinstance(entry, (numbers.Real, Decimal)) and not isinstance(entry, bool):
         return _decimal(entry, what)
     given = repr(entry) if isinstance(entry, (str, bool, complex)) else f"an object of type {type(entry).__name__}"
     raise InputError(f"{what}: found {given}; expected a number or an expression, a rational function of sympy symbols")
+
+
+def _decimal(number, what: str) -> sympy.Rational:
+    if not sympy.Float(number).is_finite:
+        raise InputError(f"{what}: found {number}; every entry must be a finite number")
+    fraction = Fraction(repr(float(number)) if not isinstance(number, Decimal) else number)
+    return sympy.Rational(fraction.numerator, fraction.denominator)
 
 
 def exact_rows(matrix, what: str) -> list[list[sympy.Expr]]:
@@ -49,7 +57,9 @@ def exact_rows(matrix, what: str) -> list[list[sympy.Expr]]:
         raise InputError(f"{what}: found {rows!r}; expected a square matrix")
     rows = [list(row) if isinstance(row, Iterable) and not isinstance(row, str) else row for row in rows]
     if not rows or any(not isinstance(row, list) or len(row) != len(rows) for row in rows):
-        raise InputError(f"{what}: found {_shape(rows)}; expected a square matrix")
+        lengths = " or ".join(map(str, sorted({len(row) if isinstance(row, list) else 0 for row in rows})))
+        shape = f"{counted(len(rows), 'row')} of {lengths} entries" if rows else "no rows"
+        raise InputError(f"{what}: found {shape}; expected a square matrix")
     return [[exact_expression(entry, f"{what} at ({i}, {j})") for j, entry in enumerate(row)] for i, row in enumerate(rows)]
 
 
@@ -60,17 +70,12 @@ def symbols_of(expressions: Iterable[sympy.Expr]) -> tuple[sympy.Symbol, ...]:
 
 
 def generators_of(expressions: Iterable[sympy.Expr]) -> tuple[sympy.Expr, ...]:
-    """The symbols in expressions, and pi, which as a transcendental number counts as one in rational functions.
-
-    >>> generators_of([2 * sympy.pi * sympy.Symbol("f")])
-    (f, pi)
-    """
+    """The symbols in expressions, and pi, which as a transcendental number counts as one in rational functions."""
     expressions = list(expressions)
     return (*symbols_of(expressions), *([sympy.pi] if any(e.has(sympy.pi) for e in expressions) else []))
 
 
 def check_positive(symbols: Iterable[sympy.Symbol]) -> None:
-    """Check that every symbol may be positive."""
     for symbol in symbols:
         if symbol.is_positive is False or not symbol.is_commutative:
             raise InputError(f"symbol {symbol}: it is declared not to be positive; every symbol here stands for a positive number")
@@ -79,8 +84,7 @@ def check_positive(symbols: Iterable[sympy.Symbol]) -> None:
 def field_of(expressions: list[sympy.Expr]) -> Domain:
     """The smallest of Q, Q(symbols, pi) and the same with square roots of rationals that has all the expressions.
 
-    >>> field_of([sympy.Symbol("k") / 2, sympy.Integer(3)])
-    ZZ(k)
+    ``sympy.construct_domain`` would take rings of polynomials, and more square roots.
     """
     generators = generators_of(expressions)
     for one, other in pairwise(generators):
@@ -108,64 +112,6 @@ def element(field: Domain, expression: sympy.Expr, what: str):
         raise InputError(f"{what}: the denominator of {expression} is zero") from None
 
 
-def expression_of(field: Domain, value) -> sympy.Expr:
-    """An element as an expression, its numerator and denominator in factors.
-
-    >>> a, b = sympy.symbols("a b")
-    >>> K = field_of([a, b])
-    >>> expression_of(K, K.from_sympy(1 / (a * b + b)))
-    1/(b*(a + 1))
-    """
-    if not field.is_FractionField:
-        return field.to_sympy(value)
-    ring, value = field.get_ring(), in_one_form(field, value)
-    (front, above), (under, below) = (_factored(ring, part) for part in (field.numer(value), field.denom(value)))
-    return sympy.Mul(front / under, above, 1 / below)  # numbers together: 2 / (2 a + 2 b) would stay as it is
-
-
-def in_one_form(field: Domain, value):
-    """The element with 1 in front of its denominator, to which fractions over algebraic numbers are not reduced otherwise."""
-    if not field.is_FractionField or not field.domain.is_Algebraic:
-        return value
-    factor = field.domain.one / value.denom.LC
-    return field.field.raw_new(value.numer.mul_ground(factor), value.denom.mul_ground(factor))
-
-
-def coefficients(p: sympy.Poly, count: int) -> list:
-    """The first coefficients, the lowest power first."""
-    given = p.rep.to_list()[::-1][:count]
-    return given + [p.domain.zero] * (count - len(given))
-
-
-def polynomial_expression(p: sympy.Poly) -> sympy.Expr:
-    """A Poly in s over the field as an expression, each coefficient in factors."""
-    terms = p.rep.to_dict().items()
-    return sympy.Add(*(expression_of(p.domain, c) * p.gen**power for (power,), c in terms))
-
-
-def _factored(ring, polynomial) -> tuple[sympy.Expr, sympy.Expr]:
-    """The leading number, and the product of the factors."""
-    if polynomial == 0:
-        return sympy.S.Zero, sympy.S.One
-    constant, factors = polynomial.factor_list()
-    return ring.domain.to_sympy(constant), sympy.Mul(*(ring.to_sympy(factor) ** power for factor, power in factors))
-
-
-def _decimal(number, what: str) -> sympy.Rational:
-    if not sympy.Float(number).is_finite:
-        raise InputError(f"{what}: found {number}; every entry must be a finite number")
-    fraction = Fraction(repr(float(number)) if not isinstance(number, Decimal) else number)
-    return sympy.Rational(fraction.numerator, fraction.denominator)
-
-
-def _without_floats(entry: sympy.Expr, what: str) -> sympy.Expr:
-    odd = entry.atoms(sympy.nan, sympy.oo, -sympy.oo, sympy.zoo, sympy.I)
-    if odd:
-        raise InputError(f"{what}: found {entry}; every entry must be finite and real")
-    floats = {f: _decimal(float(f) if f._prec <= DOUBLE else Decimal(str(f)), what) for f in entry.atoms(sympy.Float)}
-    return entry.xreplace(floats) if floats else entry
-
-
 def _is_square_root(power: sympy.Pow) -> bool:
     return bool(power.base.is_Rational and power.base > 0 and power.exp.is_Rational and power.exp.q == 2)
 
@@ -176,9 +122,40 @@ def _is_rational_step(part) -> bool:
     return bool(part.is_Symbol or part.is_Rational or part.is_Add or part.is_Mul or part is sympy.pi)
 
 
-def _shape(rows) -> str:
-    lengths = {len(row) if isinstance(row, list) else 0 for row in rows}
-    return f"{counted(len(rows), 'row')} of {' or '.join(str(n) for n in sorted(lengths))} entries" if rows else "no rows"
+def expression_of(field: Domain, value) -> sympy.Expr:
+    """An element as an expression, its numerator and denominator in factors."""
+    if not field.is_FractionField:
+        return field.to_sympy(value)
+    ring, value = field.get_ring(), in_one_form(field, value)
+    (front, above), (under, below) = (_factored(ring, part) for part in (field.numer(value), field.denom(value)))
+    return sympy.Mul(front / under, above, 1 / below)  # numbers together: 2 / (2 a + 2 b) would stay as it is
+
+
+def _factored(ring, polynomial) -> tuple[sympy.Expr, sympy.Expr]:
+    """The leading number, and the product of the factors."""
+    if polynomial == 0:
+        return sympy.S.Zero, sympy.S.One
+    constant, factors = polynomial.factor_list()
+    return ring.domain.to_sympy(constant), sympy.Mul(*(ring.to_sympy(factor) ** power for factor, power in factors))
+
+
+def in_one_form(field: Domain, value):
+    """The element with 1 in front of its denominator, to which fractions over algebraic numbers are not reduced otherwise."""
+    if not field.is_FractionField or not field.domain.is_Algebraic:
+        return value
+    factor = field.domain.one / value.denom.LC
+    return field.field.raw_new(value.numer.mul_ground(factor), value.denom.mul_ground(factor))
+
+
+def integers(field: Domain) -> Domain:
+    """The ring whose fractions are the field; the field itself without one."""
+    return field.get_ring() if field.has_assoc_Ring else field
+
+
+def coefficients(p: sympy.Poly, count: int) -> list:
+    """The first coefficients, the lowest power first."""
+    given = p.rep.to_list()[::-1][:count]
+    return given + [p.domain.zero] * (count - len(given))
 
 
 # The names of symbols: one symbol for each, and the time and the values at 0- are not among the parameters.
@@ -193,11 +170,7 @@ VARIABLE = "s"
 
 
 def checked_time(time, others: Iterable[sympy.Symbol], of: str, what: str = "time") -> sympy.Symbol:
-    """The symbol of the time, with a unique name.
-
-    >>> checked_time(None, sympy.symbols("k m"), "A")
-    t
-    """
+    """The symbol of the time, with a unique name."""
     time = TIME if time is None else time
     if not isinstance(time, sympy.Symbol):
         raise InputError(f"{what}: found {time!r}; expected a sympy.Symbol, e.g. sympy.Symbol('t', real=True)")
@@ -219,13 +192,7 @@ def check_one_each(symbols: Iterable[sympy.Symbol]) -> None:
 
 
 def check_start_names(coordinates: Iterable[str], degree: int, parameters: Iterable[sympy.Symbol]) -> None:
-    """Check that no parameter has the name of a value at 0-.
-
-    >>> check_start_names(["u"], 2, sympy.symbols("k u_1"))
-    Traceback (most recent call last):
-    ...
-    mbconstrained.ground.errors.InputError: coordinate u and parameter u_1: derivative 1 of u at 0- is called u_1 too; rename one
-    """
+    """Check that no parameter has the name of a value at 0-."""
     names = {parameter.name for parameter in parameters}
     for coordinate in coordinates:
         for order in range(degree):
@@ -236,11 +203,179 @@ def check_start_names(coordinates: Iterable[str], degree: int, parameters: Itera
 
 
 def as_positive(symbols: Iterable) -> dict[sympy.Symbol, sympy.Symbol]:
-    """Positive symbols with the same names for those not declared so: sqrt(k/m) is sqrt(k)/sqrt(m) for positive ones only.
-
-    >>> k, m = sympy.Symbol("k"), sympy.Symbol("m", positive=True)
-    >>> [symbol.is_positive for symbol in as_positive([k, m]).values()]
-    [True]
-    """
+    """Positive symbols with the same names for those not declared so: sqrt(k/m) is sqrt(k)/sqrt(m) for positive ones only."""
     others = (symbol for symbol in symbols if isinstance(symbol, sympy.Symbol) and not symbol.is_positive)
     return {symbol: sympy.Symbol(symbol.name, positive=True) for symbol in others}
+
+
+# Signs and square roots of elements, for all positive values of the symbols.
+
+
+def sign(field: Domain, value) -> int | None:
+    """Sign (1, -1 or 0) of the element for all positive values of the symbols; None where it is undecided.
+
+    Coefficients of one sign decide, factor by factor; so does a negative discriminant in one of the symbols.
+    """
+    if not value:
+        return 0
+    if not field.is_FractionField:
+        return _sign_of_number(field, value)
+    return _times(_sign_of_polynomial(field.numer(value)), _sign_of_polynomial(field.denom(value)))
+
+
+def sign_with_root(field: Domain, rational, factor, radicand) -> int | None:
+    """The sign of rational + factor sqrt(radicand)."""
+    one, two = sign(field, rational), sign(field, factor)
+    if one is None or two is None:
+        return None
+    if one * two >= 0:
+        return one or two
+    return _times(one, sign(field, rational**2 - factor**2 * radicand))
+
+
+def _sign_of_number(domain: Domain, number) -> int:
+    return 1 if domain.to_sympy(number).is_positive else -1
+
+
+def _sign_of_polynomial(p) -> int | None:
+    constant, factors = p.factor_list()
+    total: int | None = _sign_of_number(p.ring.domain, constant)
+    for factor, power in factors:
+        total = _times(total, 1 if power % 2 == 0 else _sign_of_factor(factor))
+    return total
+
+
+def _sign_of_factor(p) -> int | None:
+    signs = {_sign_of_number(p.ring.domain, c) for c in p.coeffs()}
+    if len(signs) == 1:
+        return signs.pop()
+    if (number := p.as_expr()).is_number:  # pi is one of the symbols of the ring
+        return 1 if number.is_positive else -1
+    for symbol in p.ring.gens:
+        if p.degree(symbol) == 2:
+            zeroth, first, second = (p.coeff_wrt(symbol, power) for power in range(3))
+            discriminant = first**2 - 4 * zeroth * second
+            if zeroth and discriminant and _sign_of_polynomial(discriminant) == -1:
+                return _sign_of_polynomial(second)
+    return None
+
+
+def _times(one: int | None, two: int | None) -> int | None:
+    return None if one is None or two is None else one * two
+
+
+def square_root(field: Domain, value) -> tuple:
+    """f and g, elements of the field, with value = f^2 g, g free of squares."""
+    if not value or not field.is_FractionField:
+        return _square_root_of_number(field, value)
+    ring, outside, inside = field.get_ring(), field.one, field.one
+    for part, exponent in ((field.numer(value), 1), (field.denom(value), -1)):
+        constant, factors = part.factor_list()
+        for factor, power in factors:
+            outside *= field.convert(factor, ring) ** (exponent * (power // 2))
+            inside *= field.convert(factor, ring) ** (exponent * (power % 2))
+        number, rest = (field.convert_from(c, ring.domain) for c in _square_root_of_number(ring.domain, constant))
+        outside, inside = outside * number**exponent, inside * rest**exponent
+    return outside, inside
+
+
+def _square_root_of_number(domain: Domain, number) -> tuple:
+    if not (domain.is_ZZ or domain.is_QQ) or not number:
+        return domain.one, number
+    value = domain.to_sympy(number)
+    outside, inside = sympy.sqrt(abs(value.p * value.q)).as_coeff_Mul()
+    squarefree = domain.from_sympy(sympy.sign(value) * inside**2)
+    return domain.from_sympy(outside if domain.is_ZZ else outside / value.q), squarefree
+
+
+def root_expression(field: Domain, value) -> sympy.Expr:
+    """The square root of an element as an expression, squares in front: sqrt(5) sqrt(k/m), not sqrt(5 k m)/m."""
+    f, g = square_root(field, value)
+    if not field.is_FractionField:
+        return field.to_sympy(f) * sympy.sqrt(field.to_sympy(g))
+    content = sympy.S.One
+    if field.get_ring().domain.is_ZZ:
+        above, below = abs(field.numer(g).content()), abs(field.denom(g).content())
+        content, g = sympy.Rational(int(above), int(below)), g * field.convert(below) / field.convert(above)
+    return expression_of(field, f) * sympy.sqrt(content) * sympy.sqrt(expression_of(field, g))
+
+
+@dataclass(frozen=True)
+class Surd:
+    """u + v sqrt(g), elements of the field, g no square in it."""
+
+    field: Domain
+    u: Any
+    v: Any
+    g: Any
+
+    def __add__(self, other: Surd) -> Surd:
+        return Surd(self.field, self.u + other.u, self.v + other.v, self.g)
+
+    def __sub__(self, other: Surd) -> Surd:
+        return self + -other
+
+    def __mul__(self, other: Surd) -> Surd:
+        return Surd(self.field, self.u * other.u + self.v * other.v * self.g, self.u * other.v + self.v * other.u, self.g)
+
+    def __neg__(self) -> Surd:
+        return Surd(self.field, -self.u, -self.v, self.g)
+
+    @property
+    def conjugate(self) -> Surd:
+        """u - v sqrt(g)."""
+        return Surd(self.field, self.u, -self.v, self.g)
+
+    def of(self, u) -> Surd:
+        """An element of the field as a surd."""
+        return Surd(self.field, u, self.field.zero, self.g)
+
+    def sign(self) -> int | None:
+        """Sign for all positive values of the symbols; None where it is undecided, or where the number may be complex."""
+        if not self.v:
+            return sign(self.field, self.u)
+        return sign_with_root(self.field, self.u, self.v, self.g) if sign(self.field, self.g) == 1 else None
+
+
+def compact_expression(number: Surd) -> sympy.Expr:
+    """u + v sqrt(g) with the common factor of u and v in front, sqrt(g) too where g divides u."""
+    field = number.field
+    if not number.v:
+        return expression_of(field, number.u)
+    shared, u, v = _parted(number)
+    if field.is_FractionField and not number.g.numer.is_ground and not u.numer.rem(number.g.numer):
+        root = root_expression(field, number.g)
+        return expression_of(field, shared * number.g) / root * _sum(number, v, u / number.g)  # u + v r = g/r (v + u/g r), r^2 = g
+    return expression_of(field, shared) * _sum(number, u, v)
+
+
+def compact_root(number: Surd) -> sympy.Expr:
+    """A square root of u + v sqrt(g), the positive one where the number is positive."""
+    field = number.field
+    if not number.v:
+        root = root_expression(field, in_one_form(field, number.u))
+        nested = [power for power in root.atoms(sympy.Pow) if power.is_number and not power.exp.is_Integer]
+        return root.xreplace({power: sympy.expand(sympy.sqrtdenest(power)) for power in nested})
+    shared, u, v = _parted(number)
+    inner = _sum(number, u, v)
+    if not inner.is_number or not field.is_FractionField:
+        return root_expression(field, shared) * sympy.sqrtdenest(sympy.sqrt(inner))
+    front = sympy.S.One
+    if field.domain.is_ZZ:
+        front = sympy.Rational(*(field.domain.to_sympy(part.content()) for part in (shared.numer, shared.denom)))
+    denested = sympy.sqrtdenest(sympy.sqrt(sympy.expand(front * inner)))  # (3 + sqrt(5))/2 is a square, 3 + sqrt(5) is none
+    return root_expression(field, shared / field.from_sympy(front)) * sympy.expand(denested)
+
+
+def _parted(number: Surd) -> tuple:
+    """A common factor of u and v, and both without it."""
+    field, u, v = number.field, number.u, number.v
+    if not field.is_FractionField:
+        return field.one, u, v
+    shared = field((u.numer * v.denom).gcd(v.numer * u.denom)) / field(u.denom * v.denom)
+    return shared, u / shared, v / shared
+
+
+def _sum(number: Surd, u, v) -> sympy.Expr:
+    field = number.field
+    return field.to_sympy(u) + field.to_sympy(v) * root_expression(field, number.g)

@@ -1,12 +1,17 @@
-"""Functions of time, impulses and values at 0+ from X(s) = A(s)^-1 b(s), linear in the amplitudes."""
+"""Laplace transforms with symbols and their inverse: forces and values at 0- as sources in s, and functions of time, impulses and values at
+0+ from X(s) = A(s)^-1 b(s), linear in the amplitudes.
+
+A force is a sum of terms c t^k e^{a t} cos(w t + p) from a time t_0 on, or c delta^(l)(t - t_0). Sums, products and powers of constants,
+t, exp, cos, sin, cosh, sinh, Heaviside and DiracDelta are sums of such terms; nothing else is.
+"""
 
 from __future__ import annotations
 
 import numbers
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, reduce
 from itertools import combinations
 
 import sympy
@@ -14,13 +19,273 @@ from sympy.polys.domains import Domain
 from sympy.polys.polyerrors import CoercionFailed
 
 from ....ground.errors import InputError
-from ...core.ring import series_at_infinity, slopes, taylor
-from ..field.fields import as_positive, check_one_each, checked_time, element, exact_expression, expression_of, field_of, symbols_of
-from ..field.radicals import Root, modes
-from ..symbolic_matrix import S, SymbolicPolynomialMatrix
-from ..symbolic_pairs import must_not_vanish
-from ..symbolic_ring import Factors, SymbolicRing, factors_of
-from .transform import SymbolicSource, delta
+from ...engine import series_at_infinity, slopes, taylor
+from ..field.fields import (
+    as_positive,
+    check_one_each,
+    check_positive,
+    check_start_names,
+    checked_time,
+    element,
+    exact_expression,
+    expression_of,
+    field_of,
+    symbols_of,
+)
+from ..symbolic_matrix import S, SymbolicPolynomialMatrix, checked_matrix
+from ..symbolic_pairs import Factors, Root, SymbolicRing, factors_of, modes, must_not_vanish
+
+#: The functions that a force may contain, for messages.
+EXPECTED = "expected sums and products of constants, t, exp, cos, sin, cosh, sinh, Heaviside(t - t0) and DiracDelta(t - t0, k)"
+
+
+@dataclass(frozen=True)
+class TimeTerm:
+    """coefficient t^power e^{rate t} cos(frequency t + phase) for t > start, or coefficient delta^(impulse)(t - start)."""
+
+    coefficient: sympy.Expr = sympy.S.One
+    power: int = 0
+    rate: sympy.Expr = sympy.S.Zero
+    frequency: sympy.Expr = sympy.S.Zero
+    phase: sympy.Expr = sympy.S.Zero
+    start: sympy.Expr = sympy.S.Zero
+    impulse: int | None = None
+
+    @property
+    def is_constant(self) -> bool:
+        return self.impulse is None and not self.power and self.rate == self.frequency == self.start == 0
+
+    def scaled(self, factor: sympy.Expr) -> TimeTerm:
+        return replace(self, coefficient=self.coefficient * factor)
+
+    def from_its_start(self) -> list[TimeTerm]:
+        """The term as terms in the time since its start."""
+        t0 = self.start
+        if t0 == 0 or self.impulse is not None:
+            return [self]
+        moved = replace(self, coefficient=self.coefficient * sympy.exp(self.rate * t0), phase=self.phase + self.frequency * t0)
+        return [
+            replace(moved, coefficient=moved.coefficient * sympy.binomial(self.power, j) * t0 ** (self.power - j), power=j)
+            for j in range(self.power + 1)
+        ]
+
+
+def delta(t: sympy.Expr, order: int) -> sympy.Expr:
+    return sympy.DiracDelta(t, order) if order else sympy.DiracDelta(t)
+
+
+def terms_of(expression: sympy.Expr, t: sympy.Symbol) -> list[TimeTerm]:
+    """An expression in t as a sum of terms."""
+    if not expression.has(t):
+        if odd := expression.atoms(sympy.Heaviside, sympy.DiracDelta):
+            function = min(odd, key=sympy.default_sort_key)
+            raise InputError(
+                f"force: found {function}, in which there is no {t}; if the time is called otherwise, pass time=... to say so"
+            )
+        return [TimeTerm(expression)]
+    if expression == t:
+        return [TimeTerm(power=1)]
+    if expression.is_Add:
+        return [term for part in expression.args for term in terms_of(part, t)]
+    if expression.is_Mul:
+        return reduce(_product, (terms_of(part, t) for part in expression.args))
+    if expression.is_Pow and expression.exp.is_Integer and expression.exp > 0:
+        return reduce(_product, [terms_of(expression.base, t)] * int(expression.exp))
+    return _function(expression, t)
+
+
+def _function(expression, t) -> list[TimeTerm]:
+    if isinstance(expression, sympy.exp) or (expression.is_Pow and not expression.base.has(t)):
+        base, exponent = expression.as_base_exp()
+        rate, constant = _linear(exponent * sympy.log(base), expression, t)
+        return [TimeTerm(sympy.exp(constant), rate=rate)]
+    if isinstance(expression, (sympy.cos, sympy.sin)):
+        frequency, phase = _linear(expression.args[0], expression, t)
+        return [TimeTerm(frequency=frequency, phase=phase - (sympy.pi / 2 if isinstance(expression, sympy.sin) else 0))]
+    if isinstance(expression, (sympy.cosh, sympy.sinh)):
+        return terms_of(sympy.expand(expression.rewrite(sympy.exp)), t)
+    if isinstance(expression, sympy.Heaviside):
+        slope, time = _place(expression, t)
+        later = [TimeTerm(start=time)] if _sign(time) > 0 else [TimeTerm()]
+        if slope.is_positive:
+            return later
+        return [TimeTerm(), *(term.scaled(sympy.S.NegativeOne) for term in later)] if _sign(time) > 0 else []
+    if isinstance(expression, sympy.DiracDelta):
+        slope, time = _place(expression, t)
+        order = int(expression.args[1]) if len(expression.args) > 1 else 0
+        return [TimeTerm(1 / (abs(slope) * slope**order), start=time, impulse=order)] if _sign(time) >= 0 else []
+    raise InputError(f"force: found {expression}; {EXPECTED}. Another function: approximate it, and use mb.solve")
+
+
+def _linear(argument, expression, t) -> tuple[sympy.Expr, sympy.Expr]:
+    """(a, b) of a t + b, real."""
+    slope = sympy.diff(argument, t)
+    if slope.has(t) or slope.has(sympy.I):
+        raise InputError(f"force: found {expression}; expected its argument to be a {t} + b with real a and b")
+    return slope, sympy.expand(argument - slope * t)
+
+
+def _place(expression, t) -> tuple[sympy.Expr, sympy.Expr]:
+    """(slope, time) of the zero of the argument of a step or an impulse; slope a number, time comparable with 0."""
+    slope, constant = _linear(expression.args[0], expression, t)
+    time = sympy.together(-constant / slope) if slope.is_number else None
+    check_positive(constant.free_symbols)
+    if time is None or _sign(time) is None:
+        raise InputError(
+            f"force: found {expression}; expected its argument to be {t} - t0 with t0 >= 0, a number or a positive symbol"
+        )
+    return slope, time
+
+
+def _sign(time) -> int | None:
+    """Sign of an expression with positive symbols."""
+    value = time.xreplace({symbol: sympy.Dummy(symbol.name, positive=True) for symbol in time.free_symbols})
+    return 0 if value.is_zero else 1 if value.is_positive else -1 if value.is_negative else None
+
+
+def _product(ones: list[TimeTerm], others: list[TimeTerm]) -> list[TimeTerm]:
+    return [term for one in ones for other in others for term in _times(one, other)]
+
+
+def _times(one: TimeTerm, other: TimeTerm) -> list[TimeTerm]:
+    if one.is_constant and not one.phase:
+        return [other.scaled(one.coefficient)]
+    if other.is_constant and not other.phase:
+        return [one.scaled(other.coefficient)]
+    if one.impulse is not None or other.impulse is not None:
+        raise InputError(
+            "force: found a DiracDelta times a function of time; expected its factor to be constant: write the value there"
+        )
+    difference = _sign(sympy.expand(one.start - other.start))
+    if difference is None:
+        raise InputError(
+            f"force: found a product of steps at {one.start} and {other.start}; expected it to be known which one is later"
+        )
+    both = replace(
+        one,
+        coefficient=one.coefficient * other.coefficient,
+        power=one.power + other.power,
+        rate=one.rate + other.rate,
+        start=one.start if difference > 0 else other.start,
+    )
+    if not (one.frequency or one.phase) or not (other.frequency or other.phase):
+        return [replace(both, frequency=one.frequency + other.frequency, phase=one.phase + other.phase)]
+    half = both.scaled(sympy.Rational(1, 2))
+    return [
+        replace(half, frequency=one.frequency - other.frequency, phase=one.phase - other.phase),
+        replace(half, frequency=one.frequency + other.frequency, phase=one.phase + other.phase),
+    ]
+
+
+@dataclass(frozen=True)
+class Transform:
+    """The transform of a term from its start: sum of amplitude numerator(s) over ((s - rate)^2 + square)^power, or over (s - rate)^power.
+
+    Attributes:
+        parts: (amplitude, numerator as an expression in s) each.
+        denominator, power: as an expression in s with coefficients rational in symbols.
+    """
+
+    parts: tuple[tuple[sympy.Expr, sympy.Expr], ...]
+    denominator: sympy.Expr = sympy.S.One
+    power: int = 0
+
+
+def transform_of(term: TimeTerm, s: sympy.Symbol) -> Transform:
+    """The Laplace transform of a term that starts at 0.
+
+    With n = k + 1: k!/(s - a - i w)^n = k! ((s - a) + i w)^n / ((s - a)^2 + w^2)^n, so that w enters the denominator squared: the
+    frequency sqrt(k/m) meets the factor m s^2 + k of a determinant there. A rate a + r with r^2 rational is treated in the same manner.
+    """
+    if term.impulse is not None:
+        return Transform(((term.coefficient, s**term.impulse),))
+    n, factor = term.power + 1, term.coefficient * sympy.factorial(term.power)
+    rate, root = _rational_and_root(term.rate)
+    if root != 0 and term.frequency != 0:
+        raise InputError(
+            f"force: found the rate {term.rate} with the frequency {term.frequency}; expected one without square roots"
+        )
+    cosine = factor * sympy.cos(term.phase)
+    if root == 0 and term.frequency == 0:
+        return Transform(((cosine, sympy.S.One),), s - rate, n)
+    square = sympy.expand(term.frequency**2 - root**2)
+    binomial = [sympy.binomial(n, j) * (s - rate) ** (n - j) * (-square) ** (j // 2) for j in range(n + 1)]
+    turned = cosine * root if root != 0 else -factor * sympy.sin(term.phase) * term.frequency
+    parts = (cosine, sympy.Add(*binomial[::2])), (turned, sympy.Add(*binomial[1::2]))
+    return Transform(parts, (s - rate) ** 2 + square, n)
+
+
+def _rational_and_root(rate) -> tuple[sympy.Expr, sympy.Expr]:
+    rational, roots = [], []
+    for part in sympy.Add.make_args(sympy.expand(rate)):
+        has_roots = any(not power.exp.is_Integer for power in part.atoms(sympy.Pow) if power.free_symbols)
+        (rational if part.is_rational_function() and part.is_algebraic_expr() and not has_roots else roots).append(part)
+    return sympy.Add(*rational), sympy.Add(*roots)
+
+
+# Sources of the motion as vectors in s: the values at 0- as X_in(s), and the terms of the force as F(s).
+
+
+@dataclass(frozen=True)
+class SymbolicSource:
+    """amplitude numerator(s) / denominator(s)^power, from a time onwards.
+
+    Attributes:
+        start: the time.
+        amplitude: any expression without s and t.
+        numerator: r expressions, polynomials in s with coefficients rational in symbols.
+        denominator, power: as in ``Transform``.
+        is_impulse: of a Dirac impulse in the force.
+    """
+
+    start: sympy.Expr
+    amplitude: sympy.Expr
+    numerator: tuple[sympy.Expr, ...]
+    denominator: sympy.Expr = sympy.S.One
+    power: int = 0
+    is_impulse: bool = False
+
+
+def initial_symbols(A: SymbolicPolynomialMatrix) -> sympy.ImmutableMatrix:
+    """Symbols for the values at 0-, shape (q, r): row i holds x^(i)(0-), named x1_0, x1_1, ... after the coordinates."""
+    check_start_names(checked_matrix(A).coordinates, A.degree, A.symbols)
+    return sympy.ImmutableMatrix(A.degree, A.size, lambda i, j: sympy.Symbol(f"{A.coordinates[j]}_{i}", real=True))
+
+
+def initial_sources(A: SymbolicPolynomialMatrix, initial: sympy.Matrix) -> list[SymbolicSource]:
+    """X_in(s) of the values at 0- (Moysis et al., Eq. 47)."""
+    sources = []
+    for j in range(A.degree):
+        for column in range(A.size):
+            above = [matrix[:, column] * S ** (i - 1 - j) for i, matrix in enumerate(A.coefficients) if i > j]
+            vector = sum(above[1:], above[0])
+            if initial[j, column] != 0 and any(vector):
+                sources.append(SymbolicSource(sympy.S.Zero, initial[j, column], tuple(vector)))
+    return sources
+
+
+def force_sources(A: SymbolicPolynomialMatrix, force: Iterable[sympy.Expr], time: sympy.Symbol) -> list[SymbolicSource]:
+    """F(s) of a force."""
+    sources = []
+    for row, expression in enumerate(force):
+        for power in expression.atoms(sympy.Pow):
+            if power.exp.has(time) and not power.base.has(time):
+                raise InputError(
+                    f"force: found {power}; expected exp(a*{time}) with a rational in the symbols: write a symbol a for "
+                    f"log({power.base}) and put in its value afterwards"
+                )
+        for term in (moved for given in terms_of(expression, time) for moved in given.from_its_start()):
+            transform, is_impulse = transform_of(term, S), term.impulse is not None
+            for amplitude, numerator in transform.parts:
+                if amplitude != 0:
+                    vector = tuple(numerator * (sympy.S.One if i == row else sympy.S.Zero) for i in range(A.size))
+                    sources.append(
+                        SymbolicSource(term.start, amplitude, vector, transform.denominator, transform.power, is_impulse)
+                    )
+    return sources
+
+
+# X(s) = A(s)^-1 b(s), and its parts.
 
 #: A linear combination of amplitudes.
 Combination = dict[sympy.Expr, object]
@@ -62,13 +327,19 @@ class ResponseTransform:
         adjugate = [[p.set_domain(field) for p in row] for row in A.adjugate]
         scale = _constant(determinant, field.one / determinant.rep.to_list()[0])
         of_det = factors_of(determinant)
-        return [
-            Quotient(
-                {generator: _product(adjugate, b, scale) for generator, b in group.items()},
-                _merged(of_det, factors_of(self._polynomial(below)) if power else [], power),
-            )
-            for (below, power), group in groups.items()
-        ]
+        quotients = []
+        for (below, power), group in groups.items():
+            factors = dict(of_det)
+            for q, k in factors_of(self._polynomial(below)) if power else []:
+                factors[q] = factors.get(q, 0) + k * power
+            numerators = {
+                generator: [
+                    sum((p * e for p, e in zip(row, b, strict=True) if not e.is_zero), scale * 0) * scale for row in adjugate
+                ]
+                for generator, b in group.items()
+            }
+            quotients.append(Quotient(numerators, list(factors.items())))
+        return quotients
 
     @cached_property
     def laurent(self) -> dict[int, list[Combination]]:
@@ -77,15 +348,14 @@ class ResponseTransform:
         series: dict[int, list[Combination]] = {-1 - i: [{} for _ in range(A.size)] for i in range(A.degree)}
         for quotient in self.quotients:
             below = sympy.prod((q**k for q, k in quotient.factors), sympy.Poly(1, A.variable, domain=field))
+            ring = SymbolicRing.of(below)
             for generator, numerators in quotient.numerators.items():
                 for i, numerator in enumerate(numerators):
                     if numerator.is_zero:
                         continue
                     highest = numerator.degree() - below.degree()
                     powers = range(highest, -A.degree - 1, -1)
-                    for power, c in zip(
-                        powers, series_at_infinity(SymbolicRing.of(below), numerator, below, highest), strict=False
-                    ):
+                    for power, c in zip(powers, series_at_infinity(ring, numerator, below, highest), strict=False):
                         row = series.setdefault(power, [{} for _ in range(A.size)])
                         row[i][generator] = row[i].get(generator, field.zero) + c
         for power in range(max(series, default=-1) + 1):
@@ -139,12 +409,6 @@ def entries_with(A: SymbolicPolynomialMatrix, sources: Iterable[SymbolicSource])
 
 
 def divisors_of(expressions: Iterable[sympy.Expr], time: sympy.Symbol) -> list[sympy.Expr]:
-    """The divisors in the given expressions.
-
-    >>> a, b, t = sympy.symbols("a b t")
-    >>> divisors_of([b * sympy.exp(-t / (a - b))], t)
-    [a - b]
-    """
     powers = set().union(*(expression.atoms(sympy.Pow) for expression in expressions))
     below = {power.base for power in powers if power.exp.could_extract_minus_sign() and not power.base.has(time)}
     return sorted((base for base in below if base.free_symbols), key=sympy.default_sort_key)
@@ -178,25 +442,14 @@ def _constant(like: sympy.Poly, value) -> sympy.Poly:
     return sympy.Poly([value], like.gen, domain=like.domain)
 
 
-def _product(adjugate, b, scale) -> list[sympy.Poly]:
-    return [sum((p * e for p, e in zip(row, b, strict=True) if not e.is_zero), scale * 0) * scale for row in adjugate]
-
-
-def _merged(factors: Factors, others: Factors, power: int) -> Factors:
-    """Both lists as one, with equal factors combined."""
-    total = dict(factors)
-    for q, k in others:
-        total[q] = total.get(q, 0) + k * power
-    return list(total.items())
-
-
 def regular_parts(size: int, transform: Sequence[Quotient], time: sympy.Expr) -> list[sympy.Expr]:
     """The functions of time whose transforms are the strictly proper parts of quotients: sums over factors, modes and powers of t."""
     roots = {q: modes(q) for quotient in transform for q, _ in quotient.factors}  # before the long part: not all have a closed form
     principal: dict[tuple[sympy.Poly, int], list[dict]] = {}
     for quotient in transform:
         flat = [(g, i, p) for g, numerators in quotient.numerators.items() for i, p in enumerate(numerators) if not p.is_zero]
-        for (q, _), parts in zip(quotient.factors, _principal_parts([p for _, _, p in flat], quotient.factors), strict=True):
+        for q, k in quotient.factors:
+            parts = _principal_parts([p for _, _, p in flat], quotient.factors, q, k)
             for (generator, i, _), coefficients in zip(flat, parts, strict=True):
                 for j, c in enumerate(coefficients):
                     row = principal.setdefault((q, j), [{} for _ in range(size)])
@@ -223,18 +476,11 @@ def _functions(roots: Iterable[Root], j: int, rows: Sequence[Mapping], time: sym
     return total
 
 
-# Partial fractions over a field K: exact, the roots of irreducible factors never computed.
-#
-# At a root x of an irreducible factor q of the denominator, of multiplicity k, the coefficients of the principal part are the
-# same polynomials in x for all roots of q, with coefficients in K: they are computed in K[x]/q.
+def _principal_parts(numerators: Sequence[sympy.Poly], factors: Factors, q: sympy.Poly, k: int) -> list[list[sympy.Poly]]:
+    """For each numerator b: c_1 ... c_k of b / product of the factors = sum of c_j / (s - x)^j + ... at a root x of the factor q^k.
 
-
-def _principal_parts(numerators: Sequence[sympy.Poly], factors: Factors) -> list[list[list[sympy.Poly]]]:
-    """For each factor q, for each numerator b: c_1 ... c_k of b / product = sum of c_j / (s - x)^j + ... at a root x of q."""
-    return [_at_factor(numerators, factors, q, k) for q, k in factors]
-
-
-def _at_factor(numerators, factors, q, k) -> list[list[sympy.Poly]]:
+    They are the same polynomials in x for all roots of q, with coefficients in K, computed in K[x]/q; no root is.
+    """
     ring = SymbolicRing.of(q)
     below = slopes(ring, q, k) ** k
     for other, multiplicity in factors:
@@ -275,22 +521,11 @@ def time_expression(
     t = checked_time(t, symbols, "the coefficients'", "t")
     check_one_each([*symbols, t])
     names = as_positive(symbols)
-    expression = _inverse(*_polynomials([[c.xreplace(names) for c in p] for p in given]), int(gamma), t)
+    given = [[c.xreplace(names) for c in p] for p in given]
+    field = field_of(given[0] + given[1])
+    elements = [[element(field, c, "coefficients") for c in reversed(p)] for p in given]
+    expression = _inverse(*(sympy.Poly(p or [field.zero], S, domain=field) for p in elements), int(gamma), t)
     return expression.xreplace({positive: symbol for symbol, positive in names.items()})
-
-
-def _inverse(b: sympy.Poly, a: sympy.Poly, gamma: int, t: sympy.Symbol) -> sympy.Expr:
-    """The inverse transform of b(s) / (a(s) s^gamma)."""
-    if a.is_zero:
-        raise InputError("denominator: found a(s) = 0; expected a polynomial that is not zero")
-    power = sympy.Poly(S ** abs(gamma), S, domain=a.domain)
-    b, a = (b, a * power) if gamma > 0 else (b * power, a)
-    factors, b = _cancelled(b, factors_of(a) if not b.is_zero else [], a.rep.to_list()[0])
-    product = sympy.prod((q**k for q, k in factors), sympy.Poly(1, S, domain=a.domain))
-    impulses, rest = b.div(product)
-    coefficients = reversed(impulses.rep.to_list())
-    total = [expression_of(a.domain, c) * delta(t, k) for k, c in enumerate(coefficients) if c]
-    return sympy.Add(*total, *regular_parts(1, [Quotient({sympy.S.One: [rest]}, factors)], t))
 
 
 def _exact(coefficients, what: str) -> list[sympy.Expr]:
@@ -299,22 +534,22 @@ def _exact(coefficients, what: str) -> list[sympy.Expr]:
     return [exact_expression(c, what) for c in coefficients]
 
 
-def _polynomials(given: list[list[sympy.Expr]]) -> list[sympy.Poly]:
-    """b and a over the smallest field with their coefficients."""
-    field = field_of(given[0] + given[1])
-    elements = [[element(field, c, "coefficients") for c in reversed(p)] for p in given]
-    return [sympy.Poly(p or [field.zero], S, domain=field) for p in elements]
-
-
-def _cancelled(b, factors, leading):
-    """The factors and b / leading without common factors."""
-    left = []
-    b = b * sympy.Poly([b.domain.one / leading], S, domain=b.domain)
-    for q, k in factors:
+def _inverse(b: sympy.Poly, a: sympy.Poly, gamma: int, t: sympy.Symbol) -> sympy.Expr:
+    if a.is_zero:
+        raise InputError("denominator: found a(s) = 0; expected a polynomial that is not zero")
+    power = sympy.Poly(S ** abs(gamma), S, domain=a.domain)
+    b, a = (b, a * power) if gamma > 0 else (b * power, a)
+    factors: Factors = []
+    given, b = factors_of(a) if not b.is_zero else [], b * _constant(b, b.domain.one / a.rep.to_list()[0])
+    for q, k in given:  # without those that numerator and denominator share
         while k:
             quotient, rest = b.div(q)
             if not rest.is_zero:
                 break
             b, k = quotient, k - 1
-        left += [(q, k)] if k else []
-    return left, b
+        factors += [(q, k)] if k else []
+    product = sympy.prod((q**k for q, k in factors), sympy.Poly(1, S, domain=a.domain))
+    impulses, rest = b.div(product)
+    coefficients = reversed(impulses.rep.to_list())
+    total = [expression_of(a.domain, c) * delta(t, k) for k, c in enumerate(coefficients) if c]
+    return sympy.Add(*total, *regular_parts(1, [Quotient({sympy.S.One: [rest]}, factors)], t))

@@ -15,8 +15,17 @@ from ....ground.display import Displayed
 from ....ground.errors import InputError
 from ..field.fields import TIME, as_positive, check_one_each, check_start_names, checked_time, exact_expression, generators_of
 from ..symbolic_matrix import SymbolicPolynomialMatrix, checked_matrix
-from .inverse_transform import Combination, ResponseTransform, divisors_of, entries_with
-from .transform import SymbolicSource, delta, force_sources, initial_sources, initial_symbols
+from .inverse_transform import (
+    Combination,
+    ResponseTransform,
+    SymbolicSource,
+    delta,
+    divisors_of,
+    entries_with,
+    force_sources,
+    initial_sources,
+    initial_symbols,
+)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -241,26 +250,21 @@ def _time_of(A: SymbolicPolynomialMatrix, initial: sympy.Matrix, force: sympy.Ma
     """The symbol of the time, which may occur in the force only."""
     if time is None:
         named = [symbol for symbol in force.free_symbols if symbol.name == TIME.name]
-        time = named[0] if named else _without_time(force)
+        odd = {function for function in force.atoms(*FUNCTIONS) if function.free_symbols}
+        if odd and not named:
+            function = min(odd, key=sympy.default_sort_key)
+            symbol = min(function.free_symbols, key=str)
+            raise InputError(
+                f"force: found {function}, but no time t; if {symbol} is the time, pass time={symbol}; if the force is constant, pass "
+                "time=sympy.Symbol('t', real=True)"
+            )
+        time = named[0] if named else TIME
     others = {*A.symbols, *initial.free_symbols}
     time = checked_time(time, others, "A or of the values at 0-")
     check_one_each([*others, *force.free_symbols, time])
     started = {value for value, own in zip(initial, initial_symbols(A)) if value == own}
     check_start_names(A.coordinates, A.degree, force.free_symbols - started)
     return time
-
-
-def _without_time(force) -> sympy.Symbol:
-    """t, for a constant force that does not depend on a time of another name."""
-    odd = {function for function in force.atoms(*FUNCTIONS) if function.free_symbols}
-    if odd:
-        function = min(odd, key=sympy.default_sort_key)
-        symbol = min(function.free_symbols, key=str)
-        raise InputError(
-            f"force: found {function}, but no time t; if {symbol} is the time, pass time={symbol}; if the force is constant, pass "
-            "time=sympy.Symbol('t', real=True)"
-        )
-    return TIME
 
 
 # Conditions on the values at 0-, as row-reduced linear equations: without impulses, and without jumps.
@@ -271,10 +275,6 @@ def impulse_equations(A: SymbolicPolynomialMatrix, force: Iterable[SymbolicSourc
 
     Corrected: the force enters by f^(j)(0+), not by f^(j)(0-); Dirac impulses of the force itself act whatever the start is and
     are left out. The equations are the polynomial part of X(s), row reduced: each gives one value in terms of later ones.
-
-    >>> A = SymbolicPolynomialMatrix([[[1, 0], [0, 1]], [[0, -1], [0, 0]]])  # x1 = x2', x2 = 0
-    >>> impulse_equations(A)
-    (Eq(x2_0, 0),)
     """
     general = _general(A, force)
     return _reduced(general, [entry for power, row in general.laurent.items() if power >= 0 for entry in row])

@@ -23,8 +23,8 @@ from ..forces import sampled_force
 from ..lumped_model import element_fields
 
 if TYPE_CHECKING:
-    from ....exact.formulas.symbolic_equations import Row, Symbols
     from ....exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+    from ....exact.symbolic_equations import Row, Symbols
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ def exact_equations(scene: SceneData, symbols: Symbols) -> ExactEquations:
 
 
 def _mechanical(scene: SceneData, symbols: Symbols) -> ExactEquations:
-    from ....exact.formulas.symbolic_equations import exact_form
+    from ....exact.symbolic_equations import exact_form
 
     if scene.table.motion:
         raise InputError("there is no formula with symbols for a model with prescribed motions ([[motion]])")
@@ -90,7 +90,7 @@ def _mechanical(scene: SceneData, symbols: Symbols) -> ExactEquations:
 
 
 def _matrices(scene: SceneData, symbols: Symbols) -> tuple[list[np.ndarray], list[Row], list]:
-    from ....exact.formulas.symbolic_equations import Row
+    from ....exact.symbolic_equations import Row
 
     model, coordinates, folder = scene.table.model, scene.equations.coordinates, scene.path.parent
     size = len(coordinates.names)
@@ -105,7 +105,7 @@ def _matrices(scene: SceneData, symbols: Symbols) -> tuple[list[np.ndarray], lis
 
 
 def _followed(initial: np.ndarray, scene: SceneData, rows) -> np.ndarray:
-    from ....exact.formulas.symbolic_equations import followed
+    from ....exact.symbolic_equations import followed
 
     names, given = scene.equations.coordinates.names, scene.table.initial.rows
     values_at_start = initial.copy()
@@ -157,8 +157,8 @@ def _state_matrices(scene: SceneData, symbols: Symbols) -> list[np.ndarray]:
 
 def _transfer_function(scene: SceneData, symbols: Symbols) -> ExactEquations:
     """[[a(s), -b(s)], [0, 1]] [y; u] = [0; u]: from rest, b(d/dt) acts on u with its jumps."""
-    from ....exact.formulas.symbolic_equations import power_input
     from ....exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+    from ....exact.symbolic_equations import power_input
 
     model, control = scene.table.model, scene.equations.control
     a, b = (symbols.all_of(coefficients[::-1]) for coefficients in (model.denominator, model.numerator))
@@ -184,7 +184,7 @@ def _exact_force(
     tables: Sequence, coordinates: Coordinates, symbols: Symbols, folder: Path, file_name: str, *, inputs: bool = False
 ) -> list[Any]:
     """The sum of the forces on each coordinate, or of the signals on each input."""
-    from ....exact.formulas import symbolic_equations as signals
+    from ....exact import symbolic_equations as signals
 
     force = [symbols.of(0)] * len(coordinates.names)
     for number, table in enumerate(tables, 1):
@@ -227,7 +227,7 @@ def _term(table, symbols: Symbols, signals) -> dict:
 
 def _exact_lumped(scene: SceneData, symbols: Symbols) -> tuple[list[np.ndarray], list[Row], np.ndarray]:
     """K, C, M as arrays of expressions, the constraint rows, and the static force of rest lengths and weights."""
-    from ....exact.formulas.symbolic_equations import Row
+    from ....exact.symbolic_equations import Row
 
     table, coordinates = scene.table.model, scene.equations.coordinates
     elements = exact_elements(scene, symbols)

@@ -16,8 +16,8 @@ from ....mechanics.element_matrix import ElementMatrix
 from ...study_problem import StudyProblem
 
 if TYPE_CHECKING:
-    from ....exact.core.exact_pairs import ExactStructure
     from ....exact.enclosure.exact_response import ExactResponse
+    from ....exact.engine import ExactStructure
     from .entry import System
 
 #: Ratios are quotients of rounded numbers.

@@ -1,17 +1,172 @@
-"""Common layout of all printers of formulas: terms with signs, abbreviations, conditions and assumptions."""
+"""The formula of an answer: an expression in t for each coordinate, with what the symbols in it stand for, and the layout common to all printers:
+terms with signs, abbreviations, conditions and assumptions."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeAlias
 
 import sympy
 from sympy.functions.elementary.hyperbolic import HyperbolicFunction
 from sympy.functions.elementary.trigonometric import TrigonometricFunction
 
-from ..symbolic.response.transform import delta
-from .closed_form import DIGITS, VANISHING, ClosedForm, Impulse
+from ..ground.checks import names_of
+from ..ground.errors import InputError
+from .symbolic.field.fields import exact_expression
+from .symbolic.response.inverse_transform import delta
+
+#: Digits that values are computed with where a decision or an output needs numbers.
+DIGITS = 40
+
+#: Of the sum of its terms, a coefficient this small is the zero that exact arithmetic would have given.
+VANISHING = sympy.Float(10) ** -30
+
+
+@dataclass(frozen=True)
+class FormulaParameter:
+    """A symbol with the name that the user wrote, its default value, an exact number or None, and its unit of SI."""
+
+    symbol: sympy.Symbol
+    name: str
+    value: sympy.Expr | None = None
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Impulse:
+    """factor times the derivative of this order of Dirac's delta at a time, in a coordinate."""
+
+    name: str
+    order: int
+    factor: sympy.Expr
+    time: sympy.Expr = sympy.S.Zero
+
+
+@dataclass(frozen=True)
+class Jump:
+    """Jump of the derivative of this order of a coordinate at t = 0."""
+
+    name: str
+    order: int
+    size: sympy.Expr
+
+
+@dataclass(frozen=True)
+class ClosedForm:
+    """x(t) for t > 0, one expression for each coordinate.
+
+    Attributes:
+        names: names of the r coordinates, as the user wrote them.
+        values: r expressions in the time.
+        time: the symbol t.
+        parameters: the other symbols.
+        impulses, jumps: jumps and impulses at t = 0, and later impulses.
+        admissible, continuous: equations in the values at 0- without which there are impulses, or jumps.
+        assumptions: expressions that must not vanish for the formula to hold.
+        positive: expressions that must be positive for the formula to be real in this form.
+        title: a line about where it comes from.
+    """
+
+    names: tuple[str, ...]
+    values: tuple[sympy.Expr, ...]
+    time: sympy.Symbol
+    parameters: tuple[FormulaParameter, ...] = ()
+    impulses: tuple[Impulse, ...] = ()
+    jumps: tuple[Jump, ...] = ()
+    admissible: tuple[sympy.Eq, ...] = ()
+    continuous: tuple[sympy.Eq, ...] = ()
+    assumptions: tuple[sympy.Expr, ...] = ()
+    positive: tuple[sympy.Expr, ...] = ()
+    title: str = ""
+
+    @classmethod
+    def of(cls, x, names: Sequence[str] | None = None, parameters: Mapping[sympy.Symbol, object] | None = None) -> ClosedForm:
+        """The formula of a ``SymbolicResponse``, or a ClosedForm with other names of coordinates and default values by symbol.
+
+        Raises:
+            InputError: not as many names as coordinates, or a name used twice.
+        """
+        form = x if isinstance(x, cls) else _form_of(x)
+        form = replace(form, names=names_of(names if names is not None else form.names, len(form.values), "names", "x"))
+        given = parameters if parameters is not None else {p.symbol: p.value for p in form.parameters}
+        known = {p.symbol: p for p in form.parameters}
+        symbols = [*given, *sorted(form.symbols - set(given), key=lambda symbol: symbol.name)]
+        values = {s: exact_expression(value, s.name) for s, value in given.items() if value is not None}
+        named = tuple(known.get(s) or FormulaParameter(s, s.name, values.get(s)) for s in symbols)
+        return replace(form, parameters=named)
+
+    @property
+    def symbols(self) -> set[sympy.Symbol]:
+        """All symbols except the time."""
+        return set().union(*(value.free_symbols for value in self.values)) - {self.time}
+
+    @property
+    def quantities(self) -> list[sympy.Expr]:
+        """The expressions of the coordinates, their impulses and their jumps."""
+        impulses = [part for each in self.impulses for part in (each.factor, each.time)]
+        return [*map(sympy.sympify, (*self.values, *impulses, *(each.size for each in self.jumps)))]
+
+    def mapped(self, change: Callable[[sympy.Expr], sympy.Expr]) -> ClosedForm:
+        """The formula with another expression for each coordinate, factor of an impulse and jump."""
+        return replace(
+            self,
+            values=tuple(map(change, self.values)),
+            impulses=tuple(replace(each, factor=change(each.factor)) for each in self.impulses),
+            jumps=tuple(replace(each, size=change(each.size)) for each in self.jumps),
+        )
+
+    @property
+    def step_note(self) -> str:
+        """Definition of H, where it is used."""
+        return "H(t) is the unit step: 0 before t = 0, 1 after." if any(v.has(sympy.Heaviside) for v in self.values) else ""
+
+    @property
+    def defaults(self) -> dict[sympy.Symbol, sympy.Expr]:
+        """Default values by symbol, of those that have one."""
+        return {p.symbol: p.value for p in self.parameters if p.value is not None}
+
+    def at_defaults(self, expression: sympy.Expr) -> sympy.Expr:
+        """An expression with the default values put in, exactly."""
+        return expression.xreplace(self.defaults)
+
+    def only(self, names: Sequence[str]) -> ClosedForm:
+        """The formula of some of the coordinates, in this order.
+
+        Raises:
+            InputError: no such coordinate.
+        """
+        if unknown := [name for name in names if name not in self.names]:
+            raise InputError(f'there is no coordinate "{unknown[0]}"; the coordinates are {", ".join(self.names)}')
+        values = tuple(self.values[self.names.index(name)] for name in names)
+        kept = {kind: tuple(each for each in getattr(self, kind) if each.name in names) for kind in ("impulses", "jumps")}
+        return replace(self, names=tuple(names), values=values, **kept)
+
+
+def _form_of(x) -> ClosedForm:
+    """The formula of a symbolic response with its impulses, jumps and conditions."""
+    names = tuple(x.coordinates)
+    return ClosedForm(
+        names,
+        tuple(x.regular),
+        x.time,
+        impulses=tuple(
+            Impulse(name, order, factor, time)
+            for time, rows in ((sympy.S.Zero, x.impulses), *x.later_impulses)
+            for order, row in enumerate(rows)
+            for name, factor in zip(names, row)
+            if factor != 0
+        ),
+        jumps=tuple(
+            Jump(name, order, size) for order in range(x.jump.rows) for name, size in zip(names, x.jump.row(order)) if size != 0
+        ),
+        admissible=tuple(x.admissible_conditions),
+        continuous=tuple(x.continuity_conditions),
+        assumptions=tuple(getattr(x, "assumptions", ())),
+    )
+
+
+# Terms: sums of products, those with the same function of time together, in order.
 
 #: Stands for the time in terms: by its name it comes last in products, w t instead of t w.
 LAST = sympy.Symbol("zzzz", real=True)
@@ -29,13 +184,12 @@ class Term:
 
     @property
     def expression(self) -> sympy.Expr:
-        """Product of coefficient and function."""
         return self.coefficient * self.function
 
 
 @dataclass(frozen=True)
 class Shorthand:
-    """A name for a rate, an angular frequency or what is under a root."""
+    """A name for a rate, an angular frequency or what is under a root; full is the latter without other shorthands in it."""
 
     symbol: sympy.Symbol
     value: sympy.Expr
@@ -43,37 +197,13 @@ class Shorthand:
 
 
 def terms_of(expression: sympy.Expr, t: sympy.Symbol) -> list[Term]:
-    """The terms of a sum of products, those with the same function of time together, in order of appearance.
-
-    >>> t, k = sympy.symbols("t k")
-    >>> [(each.coefficient, each.function) for each in terms_of((k + 1) * (t + sympy.cos(k * t)) + 2 * t, t)]
-    [(k + 3, t), (k + 1, cos(k*t))]
-    """
-    terms = [Term(coefficient, function) for function, coefficient in _split(expression, t).items() if coefficient != 0]
-    return [Term(part, each.function) for each in terms for part in _parts(each)]
-
-
-def _parts(term: Term) -> tuple[sympy.Expr, ...]:
-    """A sum that stands for itself is as many terms."""
-    return sympy.Add.make_args(term.coefficient) if term.function == 1 else (term.coefficient,)
-
-
-def in_order(terms: list[Term], form: ClosedForm) -> list[Term]:
-    """Powers of t first, then by ascending frequency and rate with the default values, cosines before sines."""
-    return sorted(terms, key=lambda term: _rank(term.function, form))
-
-
-def _rank(function: sympy.Expr, form: ClosedForm) -> tuple:
-    parts = sorted(function.atoms(TrigonometricFunction, HyperbolicFunction, sympy.exp), key=sympy.default_sort_key)
-    turning = [part for part in parts if not isinstance(part, sympy.exp)]
-    sizes = [_size(form.at_defaults(_rate(part, LAST)[1])) for part in (*turning, *parts)]
-    steps = [_size(form.at_defaults(LAST - step.args[0])) for step in function.atoms(sympy.Heaviside)]
-    return (steps[:1], bool(parts), sizes[:1], any(isinstance(part, (sympy.sin, sympy.sinh)) for part in turning), _power(function))
-
-
-def _power(function: sympy.Expr) -> int:
-    """Exponent of t as a factor."""
-    return int(sum(sympy.degree(factor, LAST) for factor in sympy.Mul.make_args(function) if factor.is_polynomial(LAST)))
+    """The terms of a sum of products, those with the same function of time together, in order of appearance."""
+    groups = [(function, coefficient) for function, coefficient in _split(expression, t).items() if coefficient != 0]
+    return [  # a sum that stands for itself is as many terms
+        Term(part, function)
+        for function, coefficient in groups
+        for part in (sympy.Add.make_args(coefficient) if function == 1 else (coefficient,))
+    ]
 
 
 def _split(expression: sympy.Expr, t: sympy.Symbol) -> dict[sympy.Expr, sympy.Expr]:
@@ -103,14 +233,25 @@ def _sum(pairs: Iterable[tuple[sympy.Expr, sympy.Expr]]) -> dict:
     return {function: sympy.Add(*parts) for function, parts in groups.items()}
 
 
+def _rank(function: sympy.Expr, form: ClosedForm) -> tuple:
+    """Powers of t first, then by ascending frequency and rate with the default values, cosines before sines."""
+    parts = sorted(function.atoms(TrigonometricFunction, HyperbolicFunction, sympy.exp), key=sympy.default_sort_key)
+    turning = [part for part in parts if not isinstance(part, sympy.exp)]
+    sizes = [_size(form.at_defaults(_rate(part, LAST)[1])) for part in (*turning, *parts)]
+    steps = [_size(form.at_defaults(LAST - step.args[0])) for step in function.atoms(sympy.Heaviside)]
+    power = int(sum(sympy.degree(factor, LAST) for factor in sympy.Mul.make_args(function) if factor.is_polynomial(LAST)))
+    return (steps[:1], bool(parts), sizes[:1], any(isinstance(part, (sympy.sin, sympy.sinh)) for part in turning), power)
+
+
 def in_numbers(terms: list[Term], form: ClosedForm, digits: int) -> list[Term]:
     """The terms with default values put in and all numbers as decimals, without those that cancel."""
     decimals = []
     for term in terms:
         constant, function = _split_exponentials(form.at_defaults(term.function), LAST)
         coefficient = decimal(form.at_defaults(term.coefficient) * constant, digits)
-        if coefficient != 0:
-            decimals.append(Term(coefficient, _decimal_arguments(function, LAST, digits)))
+        if coefficient != 0:  # cos(sqrt(2) t) with sqrt(2) as a decimal; powers of t stay
+            inner = [part for part in function.atoms(sympy.Function, sympy.exp) if part.has(LAST)]
+            decimals.append(Term(coefficient, function.xreplace({part: _decimal_argument(part, LAST, digits) for part in inner})))
     return decimals
 
 
@@ -126,11 +267,7 @@ def _split_exponentials(function: sympy.Expr, t: sympy.Symbol) -> tuple[sympy.Ex
 
 
 def decimal(expression: sympy.Expr, digits: int) -> sympy.Expr:
-    """A number as a decimal of so many digits, a whole one as it is.
-
-    >>> decimal(sympy.sqrt(2), 5), decimal(sympy.Rational(1, 4), 5), decimal(sympy.sqrt(2) - sympy.sqrt(2), 5)
-    (1.4142, 0.25000, 0)
-    """
+    """A number as a decimal of so many digits, a whole one as it is."""
     if not expression.is_number or expression.is_Integer:
         return expression
     value = expression.evalf(DIGITS)
@@ -139,12 +276,6 @@ def decimal(expression: sympy.Expr, digits: int) -> sympy.Expr:
         if abs(value) <= VANISHING * size or size == 0:
             return sympy.S.Zero
     return sympy.Float(value, digits)
-
-
-def _decimal_arguments(function: sympy.Expr, t: sympy.Symbol, digits: int) -> sympy.Expr:
-    """cos(sqrt(2) t) with sqrt(2) as a decimal; powers of t stay."""
-    inner = {part: _decimal_argument(part, t, digits) for part in function.atoms(sympy.Function, sympy.exp) if part.has(t)}
-    return function.xreplace(inner)
 
 
 def _decimal_argument(part: sympy.Expr, t: sympy.Symbol, digits: int) -> sympy.Expr:
@@ -156,12 +287,7 @@ def _decimal_argument(part: sympy.Expr, t: sympy.Symbol, digits: int) -> sympy.E
 
 
 def _linear(argument: sympy.Expr, t: sympy.Symbol) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr] | None:
-    """r, T and c of r (t - T) + c, T where the argument is such a product, else c; None where it is not linear in t.
-
-    >>> w, T, t = sympy.symbols("w T t")
-    >>> _linear(w * (t - T), t), _linear(w * t - 1, t), _linear(t**2, t)
-    ((w, T, 0), (w, 0, -1), None)
-    """
+    """r, T and c of r (t - T) + c, T where the argument is such a product, else c; None where it is not linear in t."""
     factor, rest = argument.as_independent(t, as_Add=False) if argument.is_Mul else (sympy.S.One, argument)
     total = sympy.expand_mul(rest)
     slope = total.coeff(t)
@@ -171,6 +297,9 @@ def _linear(argument: sympy.Expr, t: sympy.Symbol) -> tuple[sympy.Expr, sympy.Ex
     return (factor * slope, -offset / slope, sympy.S.Zero) if argument.is_Mul else (slope, sympy.S.Zero, offset)
 
 
+# Shorthands for what is long.
+
+
 def with_shorthands(rows: list[list[Term]], form: ClosedForm) -> tuple[list[list[Term]], list[Shorthand]]:
     """The terms with names for what is long: w1, … in cosines and sines, a1, … in exponentials, d1, … under roots."""
     reserved = {p.name for p in form.parameters} | {p.symbol.name for p in form.parameters} | set(form.names)
@@ -178,8 +307,7 @@ def with_shorthands(rows: list[list[Term]], form: ClosedForm) -> tuple[list[list
     names = {letter: sympy.numbered_symbols(letter, start=1, exclude=used, positive=True) for letter in "wad"}
     radicands = _radicands(rows, names)
     short = {base: each.symbol for base, each in radicands.items()}
-    rows = [[Term(_put(term.coefficient, short), _put(term.function, short)) for term in row] for row in rows]
-    rows = [[Term(_shared(term.coefficient), term.function) for term in row] for row in rows]
+    rows = [[Term(_factored(term.coefficient.xreplace(short)), term.function.xreplace(short)) for term in row] for row in rows]
     long = {symbol: base for base, symbol in short.items()}
     rates: dict[sympy.Expr, str] = {}
     for part in (part for row in rows for term in row for part in sympy.preorder_traversal(term.function)):
@@ -187,12 +315,12 @@ def with_shorthands(rows: list[list[Term]], form: ClosedForm) -> tuple[list[list
         if kind and rate.count_ops() > SHORT:
             rates.setdefault(rate, kind)
     ordered = sorted(rates.items(), key=lambda item: _size(form.at_defaults(item[0].xreplace(long))))
-    named = {rate: Shorthand(next(names[kind]), rate) for rate, kind in ordered}
-    rows = [[Term(_put(term.coefficient, named), _in_function(term.function, named, LAST)) for term in row] for row in rows]
-    return rows, [*named.values(), *radicands.values()]
+    named = {rate: next(names[kind]) for rate, kind in ordered}
+    rows = [[Term(term.coefficient.xreplace(named), _in_function(term.function, named, LAST)) for term in row] for row in rows]
+    return rows, [*(Shorthand(symbol, rate) for rate, symbol in named.items()), *radicands.values()]
 
 
-def _shared(coefficient: sympy.Expr) -> sympy.Expr:
+def _factored(coefficient: sympy.Expr) -> sympy.Expr:
     """A long sum with what its parts share in front."""
     return sympy.factor_terms(coefficient) if coefficient.is_Add and coefficient.count_ops() > LONG else coefficient
 
@@ -235,14 +363,8 @@ def _in_function(function: sympy.Expr, named: dict, t: sympy.Symbol) -> sympy.Ex
         kind, rate = _rate(part, t)
         if kind and rate in named:
             slope, shift, offset = _linear(part.args[0], t)
-            symbol = named[rate].symbol if slope == rate else -named[rate].symbol
-            inner[part] = part.func(symbol * (t - shift) + offset)
+            inner[part] = part.func((named[rate] if slope == rate else -named[rate]) * (t - shift) + offset)
     return function.xreplace(inner)
-
-
-def _put(expression: sympy.Expr, named: dict) -> sympy.Expr:
-    """An expression with names for what has one."""
-    return expression.xreplace({value: getattr(each, "symbol", each) for value, each in named.items()})
 
 
 def _size(value: sympy.Expr) -> float:
@@ -251,6 +373,8 @@ def _size(value: sympy.Expr) -> float:
     except TypeError:
         return 0.0
 
+
+# The layout, and statements about the formula.
 
 #: Terms, and operations, that a line of a typeset formula has at most.
 MOST_TERMS_IN_A_LINE, MOST_IN_A_LINE = 4, 30
@@ -303,17 +427,18 @@ class Layout:
         form = self.form
         known = {other for each in form.positive for other in (each, -each, sympy.expand(-each))}
         assumptions = [each for each in form.assumptions if each not in known and sympy.expand(each) not in known]
+        impulses = [(each.name, each.order, self.number(each.factor), self.number(each.time)) for each in form.impulses]
         return {
             "jumps": [[Derivative(each.name, each.order), " jumps at t = 0 by ", self.number(each.size)] for each in form.jumps],
-            "impulses": [[Derivative(each.name, 0), " has the impulse ", self._impulse(each)] for each in form.impulses],
+            "impulses": [
+                [Derivative(name, 0), " has the impulse ", Term(factor, delta(LAST - time, order))]
+                for name, order, factor, time in impulses
+            ],
             "admissible": [["no impulses if ", each] for each in form.admissible],
             "continuous": [["no jumps if ", each] for each in form.continuous],
             "assumptions": [["holds where ", sympy.Ne(self.short(each), 0, evaluate=False)] for each in assumptions],
             "positive": [["real in this form where ", sympy.Gt(self.short(each), 0, evaluate=False)] for each in form.positive],
         }
-
-    def _impulse(self, impulse: Impulse) -> Term:
-        return Term(self.number(impulse.factor), delta(LAST - self.number(impulse.time), impulse.order))
 
     def number(self, expression: sympy.Expr) -> sympy.Expr:
         """Any other expression, in decimals where those are wanted."""
@@ -322,7 +447,8 @@ class Layout:
 
 def laid_out(form: ClosedForm, digits: int | None = None) -> Layout:
     """The terms of a formula: exact, long rates named; or with default values and decimals of so many digits."""
-    rows = [in_order(terms_of(value.xreplace({form.time: LAST}), LAST), form) for value in form.values]
+    rows = [terms_of(value.xreplace({form.time: LAST}), LAST) for value in form.values]
+    rows = [sorted(row, key=lambda term: _rank(term.function, form)) for row in rows]
     if digits is not None:
         return Layout(form, [in_numbers(row, form, digits) for row in rows], [], digits)
     rows, shorthands = with_shorthands(rows, form)
@@ -336,32 +462,13 @@ def is_long(terms: list[Term]) -> bool:
 
 
 def readable(expression: sympy.Basic) -> sympy.Basic:
-    """An expression with what has too many digits rounded to those of a double.
-
-    >>> readable(sympy.Rational(1, 3) + sympy.Rational(10**12, 3**30) * sympy.Symbol("k"))
-    0.00485693574961886*k + 1/3
-    """
+    """An expression with what has too many digits rounded to those of a double."""
     numbers = expression.atoms(sympy.Rational, sympy.Float)
     long = {q: sympy.Float(q, DOUBLE_DIGITS) for q in numbers if q.is_Float or max(abs(q.p), q.q) > MOST_IN_FRACTION}
     return expression.xreplace(long) if long else expression
 
 
-def signed(term: Term) -> tuple[str, Term]:
-    """ "-" or "+", and the term without it.
-
-    >>> k = sympy.Symbol("k")
-    >>> signed(Term(-2 * k, k))
-    ('-', Term(coefficient=2*k, function=k))
-    """
-    minus = term.coefficient.could_extract_minus_sign()
-    return ("-", Term(-term.coefficient, term.function)) if minus else ("+", term)
-
-
 def value_at_start(name: str) -> tuple[str, int] | None:
-    """The coordinate and the order of the derivative that a symbol for a value at 0- stands for: x1_0, x1_1, ….
-
-    >>> value_at_start("left joint_2"), value_at_start("k")
-    (('left joint', 2), None)
-    """
+    """The coordinate and the order of the derivative that a symbol for a value at 0- stands for: x1_0, x1_1, …."""
     coordinate, line, order = name.rpartition("_")
     return (coordinate, int(order)) if line and order.isascii() and order.isdigit() else None

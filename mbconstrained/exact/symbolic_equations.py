@@ -9,13 +9,13 @@ import numpy as np
 import sympy
 from sympy.polys.matrices import DomainMatrix
 
-from ...ground.errors import ContradictoryConstraints, InputError
-from ..symbolic.field.fields import exact_expression
-from ..symbolic.response.symbolic_response import SymbolicResponse
-from ..symbolic.response.transform import delta, initial_symbols
-from ..symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+from ..ground.errors import ContradictoryConstraints, InputError
 from .closed_form import ClosedForm, FormulaParameter
-from .formula_text import TextPrinter
+from .formula_printers import TextPrinter
+from .symbolic.field.fields import exact_expression
+from .symbolic.response.inverse_transform import delta, initial_symbols
+from .symbolic.response.symbolic_response import SymbolicResponse
+from .symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,36 +30,24 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class ExactForm:
-    """The constrained equations, exactly.
-
-    Attributes:
-        polynomial_matrix: [V^T (M s^2 + C s + K); A s^level].
-        null_space: V, an array (n, n - k) of expressions.
-        rows: the independent rows, those of position level first.
-    """
+    """[V^T (M s^2 + C s + K); A s^level], V, an array (n, n - k) of expressions, and the independent rows, those of position level first."""
 
     polynomial_matrix: SymbolicPolynomialMatrix
     null_space: np.ndarray
     rows: tuple[Row, ...]
 
     def force(self, applied: Sequence[sympy.Expr]) -> list[sympy.Expr]:
-        """[V^T f; b]."""
         return [*(self.null_space.T @ np.array(applied, dtype=object)), *(row.value for row in self.rows)]
 
 
 def exact_form(matrices: Sequence[np.ndarray], rows: Sequence[Row], names: Sequence[str]) -> ExactForm:
-    """The constrained form of M x'' + C x' + K x = f.
-
-    >>> k, m = sympy.symbols("k m", positive=True)
-    >>> K, C, M = np.diag([k, 0]), np.zeros((2, 2), dtype=int), np.diag([m, m])
-    >>> form = exact_form([K, C, M], [Row("link", np.array([1, -1]), 0, sympy.S.Zero)], ["a", "b"])
-    >>> form.polynomial_matrix.determinant.as_expr()
-    -k - 2*m*s**2
-    """
+    """The constrained form of M x'' + C x' + K x = f."""
     kept = _independent(sorted(rows, key=lambda row: row.order))
-    size = len(names)
-    A = np.array([row.coefficients for row in kept], dtype=object).reshape(len(kept), size)
-    V = _null_space(A, size)
+    size, V = len(names), np.array(sympy.eye(len(names)).tolist(), dtype=object)
+    if kept:  # V as columns
+        matrix = DomainMatrix.from_Matrix(sympy.Matrix([list(row.coefficients) for row in kept])).to_field()
+        basis = matrix.nullspace(divide_last=True).to_Matrix().tolist()
+        V = np.array(basis, dtype=object).reshape(len(basis), size).T
     coefficients = []
     for order, matrix in enumerate(matrices):
         constrained = [row.coefficients if row.order == order else np.zeros(size, dtype=int) for row in kept]
@@ -83,15 +71,6 @@ def _independent(rows: Sequence[Row]) -> list[Row]:
                 f"{text_of(sympy.simplify(combination))}; make the values agree or take one of the rows out"
             )
     return kept
-
-
-def _null_space(A: np.ndarray, size: int) -> np.ndarray:
-    """A basis of null(A), as columns."""
-    if not A.size:
-        return np.array(sympy.eye(size).tolist(), dtype=object)
-    matrix = DomainMatrix.from_Matrix(sympy.Matrix(A.tolist())).to_field()
-    basis = matrix.nullspace(divide_last=True).to_Matrix().tolist()
-    return np.array(basis, dtype=object).reshape(len(basis), size).T
 
 
 def followed(given: np.ndarray, known: np.ndarray, rows: Sequence[Row], order: int) -> np.ndarray:
@@ -123,19 +102,7 @@ class Symbols:
 
     To the engine all symbols are positive, with names of their own, so that a parameter may be called s or x1_0. A parameter
     whose default value is negative is minus one there, and pi, which is no rational number, is a symbol; ``finished`` puts
-    back what they stand for.
-
-    Args:
-        values: default values by name.
-        units: units by name.
-        numbers: whether the parameters are their default values from the start.
-
-    >>> from mbconstrained.scene.quantities.expressions import read_expression
-    >>> symbols = Symbols({"k": 2.0, "g": -9.81})
-    >>> symbols.of(0.1), symbols.expression(read_expression("2*k*g"))
-    (1/10, -2*g·*k·)
-    >>> symbols.readable("k· is 0")
-    'k is 0'
+    back what they stand for. With ``numbers`` the parameters are their default values from the start.
     """
 
     def __init__(self, values: Mapping[str, float], units: Mapping[str, str] | None = None, numbers: bool = False):
@@ -145,19 +112,15 @@ class Symbols:
         self._engine: dict[str, sympy.Expr] = {}
         self._back: dict[sympy.Symbol, sympy.Expr] = {self.pi: sympy.pi}
         self.parameters: list[FormulaParameter] = []
-        for name, value in values.items():
-            self._add(name, value, (units or {}).get(name, ""))
         if numbers:
+            self._engine = {name: exact_expression(value, name) for name, value in values.items()}
             self.pi = sympy.Rational(str(sympy.pi.evalf(PI_DIGITS)))
-
-    def _add(self, name: str, value: float, unit: str) -> None:
-        if self.numbers:
-            self._engine[name] = exact_expression(value, name)
             return
-        inner = sympy.Symbol(f"{name}{MARK}", positive=True)
-        shown = sympy.Symbol(name, negative=True) if value < 0 else sympy.Symbol(name, positive=True)
-        self._engine[name], self._back[inner] = (-inner, -shown) if value < 0 else (inner, shown)
-        self.parameters.append(FormulaParameter(shown, name, exact_expression(value, name), unit))
+        for name, value in values.items():
+            inner = sympy.Symbol(f"{name}{MARK}", positive=True)
+            shown = sympy.Symbol(name, negative=True) if value < 0 else sympy.Symbol(name, positive=True)
+            self._engine[name], self._back[inner] = (-inner, -shown) if value < 0 else (inner, shown)
+            self.parameters.append(FormulaParameter(shown, name, exact_expression(value, name), (units or {}).get(name, "")))
 
     def of(self, entry) -> sympy.Expr:
         """A number as the decimal that it is written as, an expression of parameters as such."""
@@ -203,12 +166,7 @@ MOST_SAMPLES = 30
 
 
 def begun(expression: sympy.Expr, t: sympy.Symbol, delay: sympy.Expr) -> sympy.Expr:
-    """f(t - delay), zero before.
-
-    >>> t = sympy.Symbol("t")
-    >>> begun(t, t, sympy.Integer(2))
-    (t - 2)*Heaviside(t - 2)
-    """
+    """f(t - delay), zero before."""
     if delay == 0:
         return expression
     later = expression.subs(t, t - delay)
@@ -247,11 +205,7 @@ def sampled(times: Sequence, values: Sequence, t: sympy.Symbol) -> sympy.Expr:
 
 
 def angle(radians: sympy.Expr) -> sympy.Expr:
-    """A phase; a decimal that is a whole number of degrees but for its rounding is that.
-
-    >>> angle(sympy.Rational("0.5235987755982988")), angle(sympy.Rational(1, 2))
-    (pi/6, 1/2)
-    """
+    """A phase; a decimal that is a whole number of degrees but for its rounding is that."""
     if not radians.is_Rational or radians == 0:
         return radians
     degrees = sympy.Integer(round(radians * 180 / sympy.pi.evalf(40)))
@@ -290,9 +244,8 @@ def _solved(equations: Sequence[sympy.Eq], values: Sequence[sympy.Symbol]) -> tu
     reduced, pivots = DomainMatrix.from_Matrix(A.row_join(b)).to_field().rref()
     if len(values) in pivots:
         return ()
-    return tuple(_equation(row, pivot, values) for row, pivot in zip(reduced.to_Matrix().tolist(), pivots))
-
-
-def _equation(row: Sequence[sympy.Expr], pivot: int, values: Sequence[sympy.Symbol]) -> sympy.Eq:
-    rest = [-factor * value for place, (factor, value) in enumerate(zip(row, values)) if place != pivot]
-    return sympy.Eq(values[pivot], sympy.Add(sympy.factor(row[-1]), *rest), evaluate=False)
+    solved = []
+    for row, pivot in zip(reduced.to_Matrix().tolist(), pivots):
+        rest = [-factor * value for place, (factor, value) in enumerate(zip(row, values)) if place != pivot]
+        solved.append(sympy.Eq(values[pivot], sympy.Add(sympy.factor(row[-1]), *rest), evaluate=False))
+    return tuple(solved)
