@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from ..mechanics.vibration.effective_masses import EffectiveMasses
     from ..page.content import PageContent
     from ..scene.run.scene_data import SceneData
+    from ..scene.schema.entry_types import Table
 
 MOST_ENTRIES = 6  # listed entries of a shape; JSON has all
 PHASE_DIGITS = 1  # of degrees, after the point
@@ -166,7 +167,7 @@ class ModalAnalysis(Analysis):
         self.coordinates = scene.equations.coordinates
 
     @classmethod
-    def solve(cls, scene: SceneData, settings: None = None) -> Answer:
+    def solve(cls, scene: SceneData, settings: Table | None = None) -> Answer:
         """The answer of any scene; a page needs mass, damping and stiffness."""
         self, robot = cls(scene), scene.equations.robot_scene
         masses = self.effective_masses
@@ -292,8 +293,9 @@ def shape_entries(shape: np.ndarray, coordinates: Coordinates) -> list[str]:
 
 def shape_cells(shape: np.ndarray, coordinates: Coordinates) -> list[tuple[str, str]]:
     """Names and amplitudes of all coordinates that move, in descending order."""
-    moving = np.flatnonzero(np.abs(shape) > noise_of(1.0, len(shape)))
-    order = sorted(moving, key=lambda i: descending(shape[i]))
+    sizes = np.abs(shape)
+    moving = np.flatnonzero(sizes > noise_of(1.0, len(shape)))
+    order = sorted(moving, key=lambda i: descending(float(sizes[i])))
     return [(coordinates.names[i], _entry(shape[i], coordinates.units[i])) for i in order]
 
 

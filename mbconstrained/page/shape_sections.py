@@ -191,10 +191,11 @@ def _details(number: int, mode: ModePicture, shown: bool) -> str:
     """Note, shares and shape of a mode; visible where it is selected."""
     blocks = [f'<p class="note">{typeset(mode.note)}</p>'] if mode.note else []
     if mode.shares:  # a bar for each share, without empty columns
-        titles = {1: "kinetic energy", 2: "strain energy"}
-        columns = [column for column in titles if any(row[column] is not None for row in mode.shares)]
-        bars = [(row[0], "".join(_bar(row[column]) for column in columns)) for row in mode.shares]
-        blocks.append(_small_table(["element", *(titles[column] for column in columns)], bars))
+        names, kinetic, strain = zip(*mode.shares)
+        columns = {"kinetic energy": kinetic, "strain energy": strain}
+        columns = {title: column for title, column in columns.items() if any(share is not None for share in column)}
+        bars = ["".join(map(_bar, row)) for row in zip(*columns.values())] or [""] * len(names)
+        blocks.append(_small_table(["element", *columns], list(zip(names, bars))))
     if mode.shape:
         entries = [(name, f"<td>{typeset(entry)}</td>") for name, entry in mode.shape[:MOST_ENTRIES]]
         blocks.append(_small_table(["coordinate", "shape"], entries))

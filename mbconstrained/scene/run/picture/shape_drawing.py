@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -62,7 +62,7 @@ class ShapeDrawing:
         turns = [drawing.turn_scale * _sum(body.turns, entries) for body in drawing.bodies]
         between = [moves[link.end] - moves[link.start] for link in drawing.links]
         limits = ((ABSOLUTE, moves.values()), (NEIGHBOURS, between), (WIDEST_ANGLE, turns))
-        furthest = [(limit, max(map(np.linalg.norm, vectors), default=0.0)) for limit, vectors in limits]
+        furthest = [(limit, float(max(map(np.linalg.norm, vectors), default=0.0))) for limit, vectors in limits]
         return two_digits(min((limit / size for limit, size in furthest if size), default=1.0))
 
     def paths(self, shape: np.ndarray, factor: float) -> dict[str, Path]:
@@ -72,7 +72,8 @@ class ShapeDrawing:
 
 
 def _at_rest(element: Element) -> Element:
-    return replace(element, **{key: 0.0 for key in LENGTHS if getattr(element, key, None)})
+    lengths: dict[str, Any] = {key: 0.0 for key in LENGTHS if getattr(element, key, None)}
+    return replace(element, **lengths)
 
 
 def _typical_values(shapes: Sequence[np.ndarray], units: Sequence[str]) -> np.ndarray:
