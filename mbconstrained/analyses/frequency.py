@@ -75,11 +75,7 @@ class Frequency(Analysis):
 
     @classmethod
     def solve(cls, scene: SceneData, settings: FrequencyTable | None) -> Answer:  # type: ignore[override]
-        """The answer of any scene.
-
-        Raises:
-            SceneError: unknown names, a quantity that does not fit, too many responses.
-        """
+        """The answer of any scene."""
         return cls(scene, settings).to_answer()
 
     @cached_property
@@ -318,8 +314,7 @@ class Frequency(Analysis):
         return (TextTable("Antiresonances", columns, tuple(rows)),) if rows else ()
 
     def _data(self) -> dict:
-        response = self.response
-        f = response.frequencies_hz
+        response, f = self.response, self.response.frequencies_hz
         return {
             "source": self.scene.table.source,
             "quantity": response.quantity,
@@ -328,21 +323,10 @@ class Frequency(Analysis):
             "units": response.units,
             "frequencies": {"from": f[0], "to": f[-1], "count": len(f)},
             "peaks": [
-                {
-                    "output": peak.output,
-                    "input": peak.input,
-                    "frequency_hz": peak.frequency_hz,
-                    "amplitude": peak.amplitude,
-                    "bandwidth_hz": peak.bandwidth_hz,
-                    "damping_ratio": _half_power_ratio(peak),
-                    "phase": peak.phase,
-                }
+                {**_entries(peak, "amplitude", "bandwidth_hz", "phase"), "damping_ratio": _half_power_ratio(peak)}
                 for peak in self.peaks
             ],
-            "antiresonances": [
-                {"output": zero.output, "input": zero.input, "frequency_hz": zero.frequency_hz, "damping_ratio": zero.damping_ratio}
-                for zero in self.antiresonances
-            ],
+            "antiresonances": [_entries(zero, "damping_ratio") for zero in self.antiresonances],
             "poles": [{"real": pole.real, "imaginary": pole.imag} for pole in response.poles],
             "poles_on_lines": [{"frequency_hz": one.frequency_hz, "order": one.pole.order} for one in response.poles_on_lines],
             "error_estimate": self._error,
@@ -366,7 +350,7 @@ class Frequency(Analysis):
         return frequency_plots(self.response, look, *self.shown)
 
     def deflections(self) -> Deflections | None:
-        """How all coordinates move at each frequency under a unit of an input; None where the model has no places, or nothing to draw."""
+        """Shapes of all coordinates at each frequency under a unit of an input; None where the model has no places, or nothing to draw."""
         system, scene = self.system, self.scene
         if system is None or not scene.table.output.animation:
             return None
@@ -411,6 +395,10 @@ class Frequency(Analysis):
         peaks = [peak.frequency_hz for peak in self.peaks if np.isfinite(peak.amplitude) and peak.frequency_hz > 0]
         lines = np.union1d(lines, peaks)
         return np.setdiff1d(lines, [one.frequency_hz for one in response(lines).poles_on_lines])
+
+
+def _entries(feature: Peak | Antiresonance, *keys: str) -> dict[str, Any]:
+    return {key: getattr(feature, key) for key in ("output", "input", "frequency_hz", *keys)}
 
 
 def _half_power_ratio(peak: Peak) -> float | None:

@@ -96,7 +96,7 @@ class ModeLine:
         return f" (shape {self.place + 1} of {count})" if count > 1 else ""
 
     def text(self, coordinates: Coordinates) -> str:
-        """Its meaning, its energy shares, its shape."""
+        """Meaning, energy shares and shape, for a terminal."""
         lines = wrap(f"Mode {self.number}{self.among}: {self.cells['meaning']}", WIDTH, subsequent_indent="  ")
         if self.shape is not None:
             lines += _packed("kinetic energy", share_entries(self.shares.kinetic))
@@ -105,7 +105,7 @@ class ModeLine:
         return "\n".join(lines)
 
     def picture(self, swinging: ShapeDrawing, facts: Facts, name: str = "", **parts: Any) -> ModePicture:
-        """Its shape as it moves in a drawing."""
+        """The shape as it moves in a drawing."""
         factor = swinging.amplitude(self.shape)
         period = 2 * np.pi / self.value.imag if self.value.imag else None
         name, paths = name or self.cells["kind"] + self.among, swinging.paths(self.shape, factor)

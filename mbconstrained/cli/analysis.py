@@ -117,23 +117,21 @@ def command(analysis: type[Analysis]):
 def _entries(analysis: type[Analysis]):
     """Option, metavariable and help of each setting, except tables and lists that have no option of their own."""
     for name, field in analysis.settings.model_fields.items() if analysis.settings else ():
-        key, kinds = field.alias or name, typing.get_args(field.annotation) or (field.annotation,)
-        is_list = any(typing.get_origin(kind) is list for kind in (*kinds, field.annotation))
-        if is_list and key not in analysis.options:
-            continue
-        if any(typing.get_origin(kind) is dict or kind is Any for kind in (*kinds, field.annotation)):
+        key, kinds = field.alias or name, (field.annotation, *typing.get_args(field.annotation))
+        origins = {typing.get_origin(kind) for kind in kinds}
+        if Any in kinds or dict in origins or (list in origins and key not in analysis.options):
             continue
         flag = analysis.options.get(key, f"--{key.replace('_', '-')}")
         if flag is not None:
-            value = "NAME,…" if is_list else "" if field.annotation is bool else "VALUE"
+            value = "NAME,…" if list in origins else "" if field.annotation is bool else "VALUE"
             yield key, (flag, value, field.description or "")
 
 
 def _option(flag: str, value: str, text: str):
     if not value:
         return Annotated[bool, typer.Option(flag, help=text)], False
-    if value.startswith("NAME,"):
-        return Annotated[list[str] | None, typer.Option(flag, metavar="NAME", help=f"{text} Repeat it.")], None
+    if value.endswith("…"):
+        return Annotated[list[str] | None, typer.Option(flag, metavar=value, help=f"{text} May be repeated.")], None
     return Annotated[str, typer.Option(flag, metavar=value, help=text)], ""
 
 
