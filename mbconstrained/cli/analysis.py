@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from ..analyses.base import Analysis, Answer
     from ..scene.schema.scene_schema import OutputTable
 
-Page = Annotated[bool, typer.Option("--page", help="Write a page too.")]
 Plots = Annotated[bool, typer.Option("--plots", help="Write the plots as SVG and PNG too.")]
 Source = Annotated[str, typer.Argument(metavar="SCENE|RECORD", help="A scene, a .toml; or a file with an acceleration over time.")]
 
@@ -68,7 +67,8 @@ def command(analysis: type[Analysis]):
     reads_records, entries = hasattr(analysis, "of_record"), dict(_entries(analysis))
     options = {f"{name}_": _option(*entry) for name, entry in entries.items()}  # "from" is a word of Python's grammar
     options |= {name: _option(flag, kind, text) for name, (flag, kind, text) in RECORD.items()} if reads_records else {}
-    common: dict[str, tuple[Any, Any]] = {} if analysis.writes else {"page": (Page, False)}
+    page_option = _option("--page", "", f"Write NAME.{analysis.name}.html too.")
+    common: dict[str, tuple[Any, Any]] = {} if analysis.writes else {"page": page_option}
     common |= {"out": (Out, "")} | ({"plots": (Plots, False)} if analysis.writes else {})
     common |= {
         "shared_viewer": (SharedViewer, False),
