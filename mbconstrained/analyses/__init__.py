@@ -9,7 +9,9 @@ from __future__ import annotations
 from importlib import import_module
 
 #: The analyses by name: the modules that declare them.
-ANALYSES = {"random": "random", "shock": "shock", "mac": "mac"}
+ANALYSES = {
+    "modes": "modes", "frequency": "frequency", "random": "random", "shock": "shock", "sensitivity": "sensitivity", "mac": "mac"
+}  # fmt: skip
 
 
 def load(name: str):

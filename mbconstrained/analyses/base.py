@@ -20,7 +20,8 @@ from ..scene.schema.validation import validated
 
 if TYPE_CHECKING:
     from ..page.html import Delivery
-    from ..scene.run.scene import Scene
+    from ..scene.run.scene_data import SceneData
+    from ..scene.schema.scene_schema import OutputTable
 
 #: Rows of a table for a terminal, and on the page.
 MOST_ROWS, MOST_ROWS_OF_PAGE = 16, 200
@@ -45,6 +46,10 @@ class Answer(Displayed):
         columns: columns of each CSV file by their heads, the files by the text before their ending, such as ".peaks".
         arrays: arrays of the npz file, in SI.
         heading: for the terminal; by default the title.
+        texts: for the terminal, after the tables.
+        most_rows: rows of each table on the terminal; None for all.
+        on_page: parts of the page that differ or are not here, such as a motion or shapes to draw, a function as the plots.
+        keys: parts of the plain data besides title and data.
     """
 
     kind: str
@@ -59,6 +64,10 @@ class Answer(Displayed):
     columns: Callable[[], Mapping[str, Mapping[str, Any]]] = dict
     arrays: Callable[[], Mapping[str, np.ndarray]] = dict
     heading: str = ""
+    texts: tuple[str, ...] = ()
+    most_rows: int | None = MOST_ROWS
+    on_page: Callable[[], Mapping[str, Any]] = dict
+    keys: tuple[str, ...] = ("notices", "trusted", "files")
 
     @property
     def is_trusted(self) -> bool:
@@ -70,28 +79,42 @@ class Answer(Displayed):
         head = "\n".join(line for text in (self.heading or self.title, self.source) for line in wrap(text, WIDTH))
         about = "\n".join(_indented(f"{label}: {text}", "") for label, text in self.facts)
         lists = {"Notices": [_indented(str(notice), "  ") for notice in self.notices], "Written": [f"  {path}" for path in files]}
-        shown = [_limited(table, MOST_ROWS) for table in self.tables]
-        return [head, about, *shown, *("\n".join([title, *lines]) for title, lines in lists.items() if lines)]
+        shown = [limited(table, self.most_rows) for table in self.tables]
+        return [
+            head,
+            *filter(None, [about]),
+            *shown,
+            *self.texts,
+            *("\n".join([title, *lines]) for title, lines in lists.items() if lines),
+        ]
 
     def to_dict(self, files: Sequence[Path] = ()) -> dict:
         """The answer as plain data, numbers in SI: title, data, notices, whether it is to be trusted, files."""
         notices = [{"kind": one.kind, "text": one.text, "doubtful": one.doubtful} for one in self.notices]
         end = {"notices": notices, "trusted": self.is_trusted, "files": [str(path) for path in files]}
-        return {"title": self.title, **{key: json_value(value) for key, value in self.data.items()}, **end}
+        return {"title": self.title, **json_value(self.data), **{key: end[key] for key in self.keys}}
 
     def page(self) -> PageContent:
         """Plots, tables, notices and facts as a page."""
-        tables = tuple(_limited(table, MOST_ROWS_OF_PAGE) for table in self.tables)
-        plots = tuple(self.plots())
-        return PageContent(self.title, self.source, plots=plots, tables=tables, notices=self.notices, facts=self.facts)
+        own: dict[str, Any] = {"tables": self.tables, "plots": tuple(self.plots()), "notices": self.notices, "facts": self.facts}
+        own |= self.on_page()
+        own["tables"] = tuple(limited(table, MOST_ROWS_OF_PAGE) for table in own["tables"])
+        return PageContent(self.title, self.source, **own)
 
-    def write(self, folder: Path, formats: Iterable[str] = ("page", "csv", "npz"), viewer: Delivery = "inside") -> list[Path]:
+    def write(
+        self,
+        folder: Path,
+        formats: Iterable[str] = ("page", "csv", "npz"),
+        viewer: Delivery = "inside",
+        files: Replacements | None = None,
+    ) -> list[Path]:
         """Write NAME.KIND.html, .csv and .npz, all of them or none.
 
         Args:
             folder: is created if it does not exist.
             formats: some of "page", "csv", "npz", "pictures" (each plot as SVG and PNG).
             viewer: location of the script of the 3-D viewer, see ``mbconstrained.page.html``.
+            files: take their places together with others; None for these alone.
 
         Returns:
             The paths.
@@ -99,23 +122,25 @@ class Answer(Displayed):
         Raises:
             OSError: they cannot be written; files that were there are unchanged.
         """
+        if files is None:
+            with Replacements() as files:
+                return self.write(folder, formats, viewer, files)
         from ..page.html import write_page
         from ..page.plots.images import plot_image, plot_images
 
-        stem, chosen = f"{self.name}.{self.kind}", set(formats)
-        folder.mkdir(parents=True, exist_ok=True)
+        stem, chosen, before = f"{self.name}.{self.kind}", set(formats), len(files.paths)
         content = self.page() if chosen & {"page", "pictures"} else None
-        with Replacements() as files:
-            for part, columns in self.columns().items() if "csv" in chosen else ():
-                files.temporary(folder / f"{stem}{part}.csv").write_text(csv_of(columns), encoding="utf-8")
-            if "npz" in chosen:
-                write_arrays(files.temporary(folder / f"{stem}.npz"), dict(self.arrays()), ".npz")
-            for name, plot in plot_images(content.plots).items() if content and "pictures" in chosen else ():
-                for kind in PICTURES:
-                    files.temporary(folder / f"{stem}.{name}.{kind}").write_bytes(plot_image(plot, kind))
-            if content and "page" in chosen:
-                write_page(folder / f"{stem}.html", content, viewer, files)
-        return files.paths
+        folder.mkdir(parents=True, exist_ok=True)
+        for part, columns in self.columns().items() if "csv" in chosen else ():
+            files.temporary(folder / f"{stem}{part}.csv").write_text(csv_of(columns), encoding="utf-8")
+        if "npz" in chosen:
+            write_arrays(files.temporary(folder / f"{stem}.npz"), dict(self.arrays()), ".npz")
+        for name, plot in plot_images(content.plots).items() if content and "pictures" in chosen else ():
+            for kind in PICTURES:
+                files.temporary(folder / f"{stem}.{name}.{kind}").write_bytes(plot_image(plot, kind))
+        if content and "page" in chosen:
+            write_page(folder / f"{stem}.html", content, viewer, files)
+        return files.paths[before:]
 
     def _summary(self) -> str:
         return f"{self.kind} of {self.name}"
@@ -131,7 +156,10 @@ class Analysis:
         name: name of the command and of the table in a scene.
         help: a sentence for the list of commands.
         settings: a table of the scene, whose entries are the options of the command.
-        options: names of options that differ from their entries, by entry; None for entries without an option.
+        options: names of options that differ from their entries, by entry; None for entries without an option. Lists of names have an
+            option only if it is here.
+        replaced: entries of the table that a given one replaces, by its name.
+        writes: whether the command writes files without being asked.
     """
 
     name: ClassVar[str]
@@ -139,14 +167,15 @@ class Analysis:
     settings: ClassVar[type[Table] | None] = None
     options: ClassVar[Mapping[str, str | None]] = {}
     replaced: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    writes: ClassVar[bool] = True
 
     @classmethod
-    def solve(cls, scene: Scene, settings: Table | None) -> Answer:
+    def solve(cls, scene: SceneData, settings: Table | None) -> Answer:
         """The answer; a pure function of the scene and of the settings."""
         raise NotImplementedError
 
     @classmethod
-    def answer(cls, scene: Scene, **given) -> Answer:
+    def answer(cls, scene: SceneData, **given) -> Answer:
         """The answer of a scene with some settings in the place of those in its table, by the names of its entries."""
         own = getattr(scene.table, cls.name, None)
         return cls.solve(scene, cls.changed(own, given, scene.file_name) if given else own)
@@ -181,11 +210,18 @@ def json_value(value):
     return finite_or_none(value) if isinstance(value, (float, np.floating)) else value
 
 
-def _limited(table: TextTable, most: int) -> TextTable:
+def formats_of(output: OutputTable) -> list[str]:
+    """The formats that the table [output] requests."""
+    requested = {"page": output.page, "csv": output.csv, "npz": output.npz, "pictures": output.plot_images}
+    return [name for name, wanted in requested.items() if wanted]
+
+
+def limited(table: TextTable, most: int | None) -> TextTable:
     """The first rows, and how many more there are."""
-    if len(table.rows) <= most:
+    if most is None or len(table.rows) <= most:
         return table
-    return replace(table, rows=table.rows[:most], note=f"and {len(table.rows) - most} more")
+    note = "; ".join(filter(None, [f"and {len(table.rows) - most} more", table.note]))
+    return replace(table, rows=table.rows[:most], note=note)
 
 
 def _indented(text: str, indent: str) -> str:

@@ -11,7 +11,20 @@ import typer
 from typer.core import TyperGroup
 
 from ..analyses import ANALYSES, load
-from .answer import FINE, NOT_TRUSTED, Compress, Json, Out, ScenePath, Settings, SharedViewer, answer, leave, viewer_of
+from .answer import (
+    FINE,
+    NOT_TRUSTED,
+    Compress,
+    Json,
+    Out,
+    ScenePath,
+    Settings,
+    SharedViewer,
+    answer,
+    leave,
+    several_values,
+    viewer_of,
+)
 
 if TYPE_CHECKING:
     from ..analyses.base import Analysis, Answer
@@ -32,9 +45,9 @@ class Commands(TyperGroup):
     """The commands of the application and those of the analyses, each made when it is called: a command loads its analysis only."""
 
     def list_commands(self, ctx) -> list[str]:
-        """Names of all commands, with the analyses after the frequency response."""
+        """Names of all commands, with the analyses after the run."""
         names = super().list_commands(ctx)
-        place = names.index("frequency") + 1
+        place = names.index("run") + 1
         return [*names[:place], *ANALYSES, *names[place:]]
 
     def get_command(self, ctx, cmd_name: str):
@@ -54,25 +67,30 @@ def command(analysis: type[Analysis]):
     reads_records, entries = hasattr(analysis, "of_record"), dict(_entries(analysis))
     options = {f"{name}_": _option(*entry) for name, entry in entries.items()}  # "from" is a word of Python's grammar
     options |= {name: _option(flag, kind, text) for name, (flag, kind, text) in RECORD.items()} if reads_records else {}
-    common: dict[str, tuple[Any, Any]] = {
-        "out": (Out, ""),
-        "plots": (Plots, False),
+    page_option = _option("--page", "", f"Write NAME.{analysis.name}.html too.")
+    common: dict[str, tuple[Any, Any]] = {} if analysis.writes else {"page": page_option}
+    common |= {"out": (Out, "")} | ({"plots": (Plots, False)} if analysis.writes else {})
+    common |= {
         "shared_viewer": (SharedViewer, False),
         "compress": (Compress, False),
+        "settings": (Settings, None),
+        "json": (Json, False),
     }
-    common |= {"settings": (Settings, None), "json": (Json, False)}
 
-    def run(source: str, out: str, plots: bool, shared_viewer: bool, compress: bool, settings, json: bool, **given) -> None:
+    def run(source: str, out: str, shared_viewer: bool, compress: bool, settings, json: bool, **given) -> None:
+        page, plots = given.pop("page", None), given.pop("plots", False)
+        if out and page is False:
+            raise typer.BadParameter("only the page is written; give --page too", param_hint="--out")
         reading = {key: given.pop(key) or None for key in RECORD} if reads_records else {}
-        chosen = {key: _value(given[f"{key}_"]) for key in entries if given[f"{key}_"] not in ("", False)}
+        chosen = {key: _value(given[f"{key}_"]) for key in entries if given[f"{key}_"]}
         viewer: Any = viewer_of(shared_viewer, compress)
 
         def write(one: Answer, output: OutputTable) -> int:
+            from ..analyses.base import formats_of
             from .printing import show
 
-            formats = [name for name in ("page", "csv", "npz") if getattr(output, name)]
-            formats += ["pictures"] if plots or output.plot_images else []
-            files = one.write(Path(out or Path("results") / one.name), formats, viewer or output.viewer)
+            formats = {*formats_of(output), *(["pictures"] if plots else [])} if page is None else {"page"} if page else set()
+            files = one.write(Path(out or Path("results") / one.name), formats, viewer or output.viewer) if formats else []
             show(json, lambda: one.to_dict(files), lambda: one.blocks(files))
             return FINE if one.is_trusted else NOT_TRUSTED
 
@@ -97,25 +115,32 @@ def command(analysis: type[Analysis]):
 
 
 def _entries(analysis: type[Analysis]):
-    """Option, metavariable and help of each setting, except tables and lists."""
+    """Option, metavariable and help of each setting, except tables and lists that have no option of their own."""
     for name, field in analysis.settings.model_fields.items() if analysis.settings else ():
-        key, kinds = field.alias or name, typing.get_args(field.annotation) or (field.annotation,)
-        if any(typing.get_origin(kind) in (list, dict) or kind is Any for kind in (*kinds, field.annotation)):
+        key, kinds = field.alias or name, (field.annotation, *typing.get_args(field.annotation))
+        origins = {typing.get_origin(kind) for kind in kinds}
+        if Any in kinds or dict in origins or (list in origins and key not in analysis.options):
             continue
         flag = analysis.options.get(key, f"--{key.replace('_', '-')}")
         if flag is not None:
-            yield key, (flag, "" if field.annotation is bool else "VALUE", field.description or "")
+            value = "NAME,…" if list in origins else "" if field.annotation is bool else "VALUE"
+            yield key, (flag, value, field.description or "")
 
 
 def _option(flag: str, value: str, text: str):
     if not value:
         return Annotated[bool, typer.Option(flag, help=text)], False
+    if value.endswith("…"):
+        return Annotated[list[str] | None, typer.Option(flag, metavar=value, help=f"{text} May be repeated.")], None
     return Annotated[str, typer.Option(flag, metavar=value, help=text)], ""
 
 
 def _value(given):
+    """The value of an option as it could stand in the file; each text of a list may have several names with commas."""
     from ..scene.quantities.settings import value_of
 
+    if isinstance(given, list):
+        return [name for text in given for name in several_values(f"={text}")]
     return value_of(given) if isinstance(given, str) else given
 
 

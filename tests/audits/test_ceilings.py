@@ -15,7 +15,8 @@ import pytest
 from tests.audits.source import FILES, MODULES, ROOT, expect_none, room, text, tree
 
 #: Lines of each room, blank ones and docstrings included. Frequency took the enclosures of variances from exact, mechanics the normal form and
-#: the descriptor form from control; response, robot and scene the protocols and base classes with which no circle of imports is left.
+#: the descriptor form from control; response, robot and scene the protocols and base classes with which no circle of imports is left; analyses
+#: modes, frequency responses and sensitivities from scene and cli, 1,290 lines there, 938 here.
 LINES = {
     "__init__": 229,
     "__main__": 8,
@@ -30,12 +31,12 @@ LINES = {
     "linalg": 4878,
     "mechanics": 10897,
     "models": 1220,
-    "page": 5436,
+    "page": 5377,
     "papers": 317,
     "polynomial": 2981,
     "response": 5349,
     "robot": 9283,
-    "scene": 12805,
+    "scene": 11516,
     "signals": 1792,
     "studies": 8117,
 }

@@ -9,14 +9,13 @@ from functools import cached_property
 
 import numpy as np
 
+from ...analyses.modes import variants_content
 from ...ground.checks import counted
 from ...ground.display import TextTable, finite_or_none, number_text, with_unit
 from ...ground.errors import MbconstrainedError
 from ...ground.notices import Notice, NoticeKind
 from ...page.content import PageContent
-from ...page.html import Content
 from ...scene.quantities.variations import Distribution, Variation
-from ...scene.run.modes.variant_page import variants_content
 from ...scene.run.report.summary import notices_json
 from ..figures import Picture
 from ..study_report import StudyReport
@@ -115,11 +114,11 @@ class SweepReport(StudyReport):
             pictures.append(bars(title, [names[i] for i in order], {"": values}, "rank correlation"))
         return pictures
 
-    def page_content(self, pictures: Sequence[Picture] | None = None) -> Content:
+    def page_content(self, pictures: Sequence[Picture] | None = None) -> PageContent:
         """The report as a page, which animates variants at quantiles of the first quantity in their lowest mode."""
         content, result = super().page_content(pictures), self.result
         system = result.scene.equations.system
-        if not isinstance(content, PageContent) or not self.figures or system is None or system.size > MOST_COORDINATES:
+        if not self.figures or system is None or system.size > MOST_COORDINATES:
             return content
         name, variants = self.figures[0], []
         unit, factor = self.units[name]
