@@ -16,12 +16,12 @@ from ...control.transfer.matrix_fraction import scalar_force, scalar_matrix
 from ...control.transfer.rational import RationalFunction, rational_function
 from ...control.transfer.transfer_function import transfer_function_response
 from ...ground.checks import nearest
-from ...ground.errors import IllConditioned, InputError, NoNormalForm, SceneError
+from ...ground.errors import IllConditioned, InputError, NoNormalForm, SceneError, shown
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...response.response import Response
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import power, zero
-from ..file.messages import at, shown
+from ..file.messages import at
 from ..quantities.coordinates import Coordinates, initial_values, state_values
 from .data_files import entries_of
 from .forces import input_of

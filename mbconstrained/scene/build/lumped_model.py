@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from ...ground.errors import InputError
+from ...ground.quantities import quantity
 from ...models.lumped import LumpedModel
 from ..file.messages import at
 from ..quantities.coordinates import Coordinates, constraint_row
-from ..quantities.quantities import quantity
 
 
 def lumped_model(table, file_name: str) -> LumpedModel:

@@ -10,13 +10,12 @@ import numpy as np
 
 from ...ground.checks import nearest
 from ...ground.coordinate_units import DERIVATIVES
-from ...ground.errors import InputError
+from ...ground.errors import InputError, named, shown
+from ...ground.quantities import Dimension, any_quantity, dimension, quantity, unit_of
 from ...ground.tolerances import noise_of
 from ...mechanics.constraints import LEVELS
-from ..file.messages import EntryError, at, named, shown
-from .dimensions import Dimension, dimension, unit_of
+from ..file.messages import EntryError, at
 from .output_units import OutputUnits
-from .quantities import any_quantity, quantity
 
 FORCE_UNITS = {"m": "N", "rad": "N*m"}
 

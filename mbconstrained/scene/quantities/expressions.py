@@ -12,8 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ...ground.errors import InputError
-from ..file.messages import quoted, shown
+from ...ground.errors import InputError, quoted, shown
 
 LONGEST_EXPRESSION = 200  # characters
 LARGEST_EXPONENT = 20

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...ground.display import with_unit
-from ...ground.errors import InputError
-from ..file.messages import shown
-from .dimensions import dimension, meant, unit_named
-from .quantities import unit_name
-from .units import registry
+from ...ground.errors import InputError, shown
+from ...ground.quantities import dimension, meant, unit_name, unit_named
+from ...ground.units import registry
 
 ACCELERATION = "m/s^2"
 

@@ -11,12 +11,11 @@ from fractions import Fraction
 from graphlib import CycleError, TopologicalSorter
 
 from ...ground.checks import nearest
-from ...ground.errors import InputError, SceneError
+from ...ground.errors import InputError, SceneError, shown
 from ...ground.notices import Notice, NoticeKind
-from ..file.messages import Place, place, shown, together
-from .dimensions import Dimension, described, unit_of
+from ...ground.quantities import Dimension, Expressed, any_quantity, described, in_range, unit_of
+from ..file.messages import Place, place, together
 from .expressions import Expression, read_expression
-from .quantities import Expressed, any_quantity, in_range
 
 MOST_BITS = 20_000  # of a numerator or denominator: more come of powers of powers
 

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...ground.checks import nearest
-from ...ground.errors import InputError
+from ...ground.errors import InputError, quoted, shown
 from ...ground.notices import Notice, NoticeKind
-from ..file.messages import ORIGIN, Place, SceneName, at, parts_of, quoted, shown, written
-from ..quantities.dimensions import described, unit_of
-from .quantities import any_quantity
+from ...ground.quantities import any_quantity, described, unit_of
+from ..file.messages import ORIGIN, Place, SceneName, at, parts_of, written
 
 TEXTS = ("title", "source")  # what stands above all tables
 PLACES = "time.end, model.mass[1].mass or model.mass.cart.mass"

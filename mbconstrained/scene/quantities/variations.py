@@ -11,10 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ...ground.errors import InputError
-from ..file.messages import shown
-from .dimensions import Dimension, described, unit_of
-from .quantities import any_quantity
+from ...ground.errors import InputError, shown
+from ...ground.quantities import Dimension, any_quantity, described, unit_of
 
 #: Values of one range or list: more are another kind of study.
 MOST_VALUES = 1_000_000

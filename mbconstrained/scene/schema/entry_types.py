@@ -9,10 +9,9 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, WithJsonSchema, model_validator
 
 from ...ground.checks import nearest
-from ...ground.errors import InputError
-from ..file.messages import EntryError, quoted, shown
-from ..quantities.dimensions import KINDS
-from ..quantities.quantities import quantity, unit_name
+from ...ground.errors import InputError, quoted, shown
+from ...ground.quantities import KINDS, quantity, unit_name
+from ..file.messages import EntryError
 
 LONGEST_TEXT = 2000
 _NAME = re.compile(r"[^\W\d][\w .'()-]{0,39}")

@@ -6,8 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
-from ...ground.errors import InputError
-from ..file.messages import shown
+from ...ground.errors import InputError, shown
 from .entry_types import (
     SPEED,
     Acceleration,

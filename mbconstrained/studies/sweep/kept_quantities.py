@@ -16,7 +16,7 @@ import numpy as np
 from ...analyses.random import random_response
 from ...ground.checks import nearest
 from ...ground.errors import InputError
-from ...scene.quantities.quantities import quantity
+from ...ground.quantities import quantity
 from ...scene.run.curves import ORDERS
 from ...scene.run.frequency.scene_frequency import SceneFrequency
 from ...scene.run.plan import Plan

@@ -7,7 +7,7 @@ import re
 from itertools import product
 from typing import NamedTuple
 
-from ...ground.checks import nearest
+from .checks import nearest
 
 
 class Unit(NamedTuple):
