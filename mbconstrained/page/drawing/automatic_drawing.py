@@ -12,8 +12,7 @@ import numpy as np
 
 from ...ground.coordinate_units import GROUND
 from ...models.elements import Body as ModelBody
-from ...models.elements import Element, Gear, Mass, Node, PrescribedMotion, Pulley, Rack
-from ...models.rigid_bar import with_parts
+from ...models.elements import Element, Gear, Mass, Node, PrescribedMotion, Pulley, Rack, with_parts
 from ...models.rotor import Unbalance
 from .bars import bar_length, bar_pieces, bars_of
 from .bodies import Drawing, DrawnBody, DrawnLink

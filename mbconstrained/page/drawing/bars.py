@@ -13,8 +13,7 @@ import numpy as np
 
 from ...ground.coordinate_units import GROUND
 from ...models.elements import Body as ModelBody
-from ...models.elements import Element, Relation
-from ...models.rigid_bar import RigidBar
+from ...models.elements import Element, Relation, RigidBar
 from ...models.rotor import PLANES, Rotor, in_planes
 from .bodies import DrawnBody, DrawnLink, Shape, Solid, Vector
 from .chains import BALL, Chain

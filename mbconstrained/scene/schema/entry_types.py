@@ -106,7 +106,7 @@ Frequency = quantity_field("Hz")
 Rate = quantity_field("1/s")
 
 
-def _in_planes(unit: str):
+def in_planes(unit: str):
     """The type of a key with a quantity, one for each of the planes y and z, a matrix of them, or a list of these."""
 
     def converted(value):
@@ -116,9 +116,6 @@ def _in_planes(unit: str):
     return Annotated[
         Any, BeforeValidator(converted), WithJsonSchema({"title": title, "anyOf": [*NUMBER_SCHEMA["anyOf"], {"type": "array"}]})
     ]
-
-
-PlaneStiffness, PlaneDamping = _in_planes("N/m"), _in_planes("N*s/m")
 
 
 class RayleighTable(Table):
