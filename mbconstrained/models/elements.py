@@ -6,13 +6,14 @@ An element is one class: its fields with units, ranges and descriptions, its equ
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields, replace
 from fractions import Fraction
 from itertools import count
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args, get_type_hints
+
+import numpy as np
 
 from ..ground.checks import ReadOnly, real_number
 from ..ground.coordinate_units import GROUND, rate_unit
@@ -374,6 +375,10 @@ class TorsionDamper(Link):
     axis, symbol = "rad", "torsion damper"
 
 
+#: The pressure angle of standard involute gears, rad.
+PRESSURE_ANGLE = math.radians(20)
+
+
 @dataclass(frozen=True)
 class GearMesh(Link):
     """Two gears with elastic teeth: force -stiffness e - damping e' along the line of action, e = r_start q_start + r_end q_end.
@@ -402,7 +407,7 @@ class GearMesh(Link):
     start_teeth: Annotated[Real, Numeric("1", "Number of teeth at the start.", "whole", varied=False)] = None
     end_teeth: Annotated[Real, Numeric("1", "Number of teeth at the end.", "whole", varied=False)] = None
     module: Annotated[Real, Numeric("m", "Pitch diameter by number of teeth.", "positive")] = None
-    pressure_angle: Annotated[Real, Numeric("rad", "Pressure angle of the teeth; 20 degrees when left out.")] = math.radians(20)
+    pressure_angle: Annotated[Real, Numeric("rad", "Pressure angle of the teeth; 20 degrees when left out.")] = None
     internal: Annotated[bool, "true where one gear runs inside the other."] = False
 
     axis, unit, symbol = "rad", "m", "gear"
@@ -410,11 +415,13 @@ class GearMesh(Link):
 
     def __post_init__(self):
         super().__post_init__()
-        radii, by_teeth = (self.start_radius, self.end_radius), (self.start_teeth, self.end_teeth, self.module)
-        for given, others in ((radii, by_teeth), (by_teeth, radii)):
-            if None not in given and others.count(None) == len(others):
-                return
-        raise InputError(f"{self.label}: expected both radii of the base circles, or both numbers of teeth with the module")
+        radii, teeth = (self.start_radius, self.end_radius), (self.start_teeth, self.end_teeth, self.module)
+        by_radii, by_teeth = (
+            None not in radii and (*teeth, self.pressure_angle) == (None,) * 4,
+            None not in teeth and radii == (None, None),
+        )
+        if not (by_radii or by_teeth):
+            raise InputError(f"{self.label}: expected both radii of the base circles, or both numbers of teeth and the module")
 
     @property
     def sizes(self) -> tuple[float, float]:
@@ -423,7 +430,8 @@ class GearMesh(Link):
 
     @property
     def row(self) -> dict[str, float]:
-        factor = 1 if self.module is None else self.module * _cosine(self.pressure_angle, self.label) / 2
+        angle = PRESSURE_ANGLE if self.pressure_angle is None else self.pressure_angle
+        factor = 1 if self.module is None else self.module * _cosine(angle, self.label) / 2
         start, end = (factor * size for size in self.sizes)
         return {self.start: start, self.end: -end if self.internal else end}
 
@@ -431,7 +439,7 @@ class GearMesh(Link):
 def _cosine(angle, label: str):
     """The cosine of a float or complex number, or of an exact one as a decimal."""
     if isinstance(angle, (float, complex)):
-        return cmath.cos(angle) if isinstance(angle, complex) else math.cos(angle)
+        return np.cos(angle)
     try:
         return Fraction(repr(math.cos(angle)))
     except TypeError:

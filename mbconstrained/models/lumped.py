@@ -69,7 +69,8 @@ def _adds(kind: Callable[Fields, Added]) -> Callable[Concatenate[LumpedModel, Fi
     def add(self, *args, **kwargs):
         return self._add(kind(*args, **kwargs))
 
-    parameters, entries, lines = [], entries_of(kind), []
+    entries = entries_of(kind)  # type: ignore[arg-type]
+    parameters, lines = [], []
     for parameter in inspect.signature(kind).parameters.values():
         about = entries[parameter.name].about
         unit = f", in {about.unit}" if isinstance(about, Numeric) and about.unit not in (None, "1") else ""

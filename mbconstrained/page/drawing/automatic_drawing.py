@@ -7,13 +7,13 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from ...ground.coordinate_units import GROUND
 from ...models.elements import Body as ModelBody
-from ...models.elements import Element, Gear, Mass, Node, PrescribedMotion, Pulley, Rack, with_parts
-from ...models.rotor import Unbalance
+from ...models.elements import Element, Mass, Node, Pulley, Rack, Relation, with_parts
 from .bars import bar_length, bar_pieces, bars_of
 from .bodies import Drawing, DrawnBody, DrawnLink
 from .chains import Chain
@@ -49,7 +49,7 @@ def lumped_drawing(
     """
     elements, motion = with_parts(elements), {} if values is None else _motion(names, values)
     bodies = [element for element in elements if isinstance(element, ModelBody)]
-    gears = [element for element in elements if isinstance(element, Gear)]
+    gears: list[Any] = [element for element in elements if element.symbol == "gear"]
     pulleys = [element for element in elements if isinstance(element, Pulley)]
     turning = [body.name for body in bodies if body.unit == "rad"]
     sliding = [body.name for body in bodies if body.unit != "rad"]
@@ -105,8 +105,7 @@ def _at_zero(body: DrawnBody, natural: dict, scale: float) -> DrawnBody:
 
 def _not_drawn(elements: Iterable[Element], known: set[str]) -> str:
     """A note of the elements without a link; gears and racks are drawn as wheels in contact."""
-    left_out = (ModelBody, Gear, Rack, PrescribedMotion, Unbalance)
-    others = (element for element in elements if not (isinstance(element, left_out) or element.parts))
+    others = (element for element in elements if element.symbol not in (None, "gear", "rack") or isinstance(element, Relation))
     missing = ", ".join(element.name for element in others if element.name not in known)
     return f"not drawn: {missing}" * bool(missing)
 

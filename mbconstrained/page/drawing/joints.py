@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -39,9 +39,8 @@ def joints_of(model: Iterable[Any]) -> list[DrawnJoint]:
     for element in model:
         lengths = (getattr(element, name, None) for name in ("rest_length", "distance", "rest_angle", "value"))
         length = next((length for length in lengths if length is not None), None)
-        if isinstance(element, (elements.Link, elements.RigidTie)):
-            kind = element.kind if isinstance(element, elements.Link) else "rod"
-            joints.append(DrawnJoint(element.name, kind, element.start, element.end, length))
+        if isinstance(element, (elements.Link, elements.RigidTie)) and element.symbol in get_args(LinkKind):
+            joints.append(DrawnJoint(element.name, element.symbol, element.start, element.end, length))
         elif isinstance(element, elements.Relation) and element.level == "position":
             ends = {factor: name for name, factor in element.coefficients.items()}
             if ends.keys() == {-1.0, 1.0} and len(element.coefficients) == 2:
