@@ -30,7 +30,7 @@ def test_both_gears_oscillate_against_each_other(internal):
 
 
 def test_teeth_and_module_give_the_base_circles():
-    model, mesh = two_gears(**BY_TEETH)
+    _, mesh = two_gears(**BY_TEETH)
     base = [0.002 * teeth * np.cos(np.pi / 9) / 2 for teeth in (20, 60)]
     assert list(mesh.row.values()) == pytest.approx(base, rel=1e-15)
     _, mesh = two_gears(**BY_TEETH, pressure_angle="14.5 deg")

@@ -17,9 +17,7 @@ from ...models.elements import Element, Relation, RigidBar
 from ...models.rotor import PLANES, Rotor, in_planes
 from .bodies import DrawnBody, DrawnLink, Shape, Solid, Vector
 from .chains import BALL, Chain
-from .joints import DrawnJoint, groups, walk
-from .orientation import turned_piece
-from .pieces import Piece
+from .layout import DrawnJoint, Piece, groups, turned_piece, walk
 
 #: Length between the outermost points of the longest bar, least distance of points, and longest bar, drawing units.
 LENGTH, CLOSEST, LONGEST = 5.0, 1.5, 14.0

@@ -14,8 +14,7 @@ import numpy as np
 from ...ground.coordinate_units import GROUND
 from ...models.elements import Gear, GearMesh
 from .bodies import DrawnBody, DrawnLink, Shape, Vector
-from .joints import DrawnJoint, groups, walk
-from .pieces import Piece
+from .layout import DrawnJoint, Piece, groups, walk
 
 #: Distances from body to body along a shaft, from a shaft to its wall, and between unconnected shafts, drawing units.
 PITCH, WALL_DISTANCE, SHAFT_GAP = 1.3, 1.3, 3.0

@@ -14,7 +14,7 @@ from ....ground.coordinate_units import force_unit, rate_unit
 from ....ground.tolerances import noise_of
 from ....mechanics.channels import channels
 from ....page.drawing.bodies import Drawing, DrawnBody, Vector
-from ....page.drawing.orientation import two_digits
+from ....page.drawing.layout import two_digits
 from ....page.frequency_page import Deflections
 from ..modes.mode_pages import amplitude, mode_drawing
 from ..picture.robot_drawing import NOTE, TURN, VISIBLE, RobotPicture

@@ -10,7 +10,7 @@ import numpy as np
 
 from ....ground.tolerances import noise_of
 from ....page.drawing.bodies import Drawing
-from ....page.drawing.orientation import ABSOLUTE, NEIGHBOURS, WIDEST_ANGLE, two_digits
+from ....page.drawing.layout import ABSOLUTE, NEIGHBOURS, WIDEST_ANGLE, two_digits
 from ....page.drawing.paths import Path
 from ....page.mode_page import ModePicture, ModesContent, Share, cycle
 from ..picture.robot_drawing import RobotPicture

@@ -9,7 +9,7 @@ import pytest
 import mbconstrained as mb
 from mbconstrained.ground.display import TextTable, table_text
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.page.drawing.orientation import WIDEST_ANGLE
+from mbconstrained.page.drawing.layout import WIDEST_ANGLE
 from mbconstrained.page.mode_page import cycle
 from mbconstrained.scene.quantities.coordinates import Coordinates
 from mbconstrained.scene.run.modes.mode_pages import amplitude, mode_drawing, modes_content
