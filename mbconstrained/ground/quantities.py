@@ -42,15 +42,10 @@ KINDS = {  # SI unit: (what it is called, an example)
 
 
 class Dimension(NamedTuple):
-    """A kind of quantity: the base units of pint with their exponents, and the radian.
+    """A kind of quantity: the base units of pint with their exponents, and the radian."""
 
-    Attributes:
-        units: pint's container of base units, which multiplies and divides.
-        radian: the exponent of the radian; None in products, where radians may be written or not.
-    """
-
-    units: UnitsContainer
-    radian: float | None
+    units: UnitsContainer  # pint's container of base units, which multiplies and divides
+    radian: float | None  # the exponent of the radian; None in products, where radians may be written or not
 
     def times(self, other: Dimension) -> Dimension:
         """The kind of a product."""
@@ -316,18 +311,13 @@ def measured(value) -> float:
 class Expressed(float):
     """The value of an expression with the default values of its parameters, or of a text with a unit, in SI; a float.
 
-    Attributes:
-        text: as it stands in the scene, that of an expression with its "=".
-        tree: the expression; None of a text with a unit.
-        dimension: its kind of quantity; None where unknown.
-
     >>> Expressed(4.0, "=2*k", None, None) + 1.0
     5.0
     """
 
-    text: str
-    tree: Any
-    dimension: Dimension | None
+    text: str  # as it stands in the scene, that of an expression with its "="
+    tree: Any  # the expression; None of a text with a unit
+    dimension: Dimension | None  # its kind of quantity; None where unknown
 
     def __new__(cls, value: float, text: str, tree: Any, dimension: Dimension | None):
         """The number with where it comes from."""

@@ -33,31 +33,19 @@ Range = Literal["positive", "whole", "nonzero", "nonnegative", "real"]
 
 
 class Numeric(NamedTuple):
-    """A number, or numbers, of a field.
+    """A number, or numbers, of a field."""
 
-    Attributes:
-        unit: in SI; None for that of the coordinates at the ends of the element.
-        text: description for users.
-        range: of the number; None is accepted where it is the default.
-        varied: whether it is a parameter: an equation of every speed and time depends on it.
-    """
-
-    unit: str | None
-    text: str
-    range: Range = "real"
-    varied: bool = True
+    unit: str | None  # in SI; None for that of the coordinates at the ends of the element
+    text: str  # description for users
+    range: Range = "real"  # of the number; None is accepted where it is the default
+    varied: bool = True  # whether it is a parameter: an equation of every speed and time depends on it
 
 
 class Joins(NamedTuple):
-    """The name of a body that an element joins, or of a point of a rotor.
+    """The name of a body that an element joins, or of a point of a rotor."""
 
-    Attributes:
-        text: description for users.
-        unit: of the coordinate that it must have, "m" or "rad"; an empty text for that of the class, None for either.
-    """
-
-    text: str
-    unit: str | None = ""
+    text: str  # description for users
+    unit: str | None = ""  # of the coordinate that it must have, "m" or "rad"; an empty text for that of the class, None for either
 
 
 class Entry(NamedTuple):
@@ -103,24 +91,16 @@ def numbers_of(kind: type[Element]) -> dict[str, Numeric]:
 
 @dataclass(frozen=True)
 class Element:
-    """Base of all elements.
-
-    Attributes:
-        kind: in words, e.g. torsion spring.
-        axis: unit of the coordinates of the bodies that it joins, "m" or "rad"; None for either.
-        end_count: how many different bodies it joins, at least.
-        symbol: in the drawing, a kind of link or "gear"; None where it has none.
-        has_coordinates: whether it is a body, or has some.
-        spellings: further keys of its table in scenes, each with the fields that it gives.
-    """
+    """Base of all elements."""
 
     name: Annotated[str, "A name for messages and the drawing; by default of kind and ends."] = field(default="", kw_only=True)
 
-    kind: ClassVar[str]
-    axis: ClassVar[str | None] = "m"
-    end_count: ClassVar[int] = 0
-    symbol: ClassVar[str | None] = None
-    has_coordinates: ClassVar[bool] = False
+    kind: ClassVar[str]  # in words, e.g. torsion spring.
+    axis: ClassVar[str | None] = "m"  # unit of the coordinates of the bodies that it joins, "m" or "rad"; None for either
+    end_count: ClassVar[int] = 0  # how many different bodies it joins, at least
+    symbol: ClassVar[str | None] = None  # in the drawing, a kind of link or "gear"; None where it has none
+    has_coordinates: ClassVar[bool] = False  # whether it is a body, or has some
+    # further keys of its table in scenes, each with the fields that it gives
     spellings: ClassVar[Mapping[str, tuple[str, ...]]] = {}
 
     def __init_subclass__(cls):
@@ -455,10 +435,9 @@ class Tie(Element):
     Attributes:
         row: the coefficients by coordinate; that of the ground is ignored.
         row_value: the right-hand side.
-        level: of the row.
     """
 
-    level: Level = "position"
+    level: Level = "position"  # of the row
     end_count = 2
     row = property(lambda self: {})
     row_value = property(lambda self: 0.0)
@@ -597,17 +576,11 @@ class Relation(Tie):
 
 
 class RowInSI(NamedTuple):
-    """A constraint row in SI.
+    """A constraint row in SI."""
 
-    Attributes:
-        factors: by name of a coordinate, perhaps expressions of parameters.
-        value: the right-hand side, perhaps an expression.
-        unit: unit of the sum of factor times coordinate, "m", "rad" or "1"; None where its terms have several.
-    """
-
-    factors: dict[str, float]
-    value: float
-    unit: str | None
+    factors: dict[str, float]  # by name of a coordinate, perhaps expressions of parameters
+    value: float  # the right-hand side, perhaps an expression
+    unit: str | None  # unit of the sum of factor times coordinate, "m", "rad" or "1"; None where its terms have several
 
 
 def row_in_si(coefficients: Mapping[str, Any], value, level: Level, units: Mapping[str, str]) -> RowInSI:

@@ -271,19 +271,12 @@ class LumpedModel(Displayed):
 
 @dataclass(frozen=True, eq=False)
 class BranchRows:
-    """The springs or the dampers of a model with n coordinates, one a row.
+    """The springs or the dampers of a model with n coordinates, one a row."""
 
-    Attributes:
-        incidence: B, -1 at the start, 1 at the end, nothing for the ground, or the radii of gears, shape (p, n).
-        constants: stiffness or damping, all positive, shape (p,).
-        rest: elongation without force, shape (p,); zero for dampers.
-        names: names of the elements.
-    """
-
-    incidence: np.ndarray
-    constants: np.ndarray
-    rest: np.ndarray
-    names: tuple[str, ...]
+    incidence: np.ndarray  # B, -1 at the start, 1 at the end, nothing for the ground, or the radii of gears, shape (p, n)
+    constants: np.ndarray  # stiffness or damping, all positive, shape (p,)
+    rest: np.ndarray  # elongation without force, shape (p,); zero for dampers
+    names: tuple[str, ...]  # names of the elements
 
     @property
     def matrix(self) -> ElementMatrix:
@@ -302,20 +295,13 @@ class BranchRows:
 
 @dataclass(frozen=True, eq=False)
 class Incidence:
-    """Incidence matrices and constants of a model.
+    """Incidence matrices and constants of a model."""
 
-    Attributes:
-        springs, dampers: the branches of K and of C.
-        masses: masses and inertias by coordinate, zero for nodes, shape (n,).
-        weighing: the masses that gravity acts on, shape (n,).
-        ties: the elements that are a constraint row.
-    """
-
-    springs: BranchRows
+    springs: BranchRows  # the branches of K and of C
     dampers: BranchRows
-    masses: np.ndarray
-    weighing: np.ndarray
-    ties: tuple[Tie, ...]
+    masses: np.ndarray  # masses and inertias by coordinate, zero for nodes, shape (n,)
+    weighing: np.ndarray  # the masses that gravity acts on, shape (n,)
+    ties: tuple[Tie, ...]  # the elements that are a constraint row
 
     def static_force(self, gravity) -> np.ndarray:
         """The force of rest lengths and weights, shape (n,)."""

@@ -221,22 +221,14 @@ class Unbalance(Element):
 
 @dataclass(frozen=True, eq=False)
 class RotorTerms:
-    """Contributions of rotors, bearings and unbalance to the equations of a model with n coordinates.
+    """Contributions of rotors, bearings and unbalance to the equations of a model with n coordinates."""
 
-    Attributes:
-        gyroscopic: G, shape (n, n).
-        whirl: masses between y and z, diametral inertias between the tilts, skew-symmetric, shape (n, n).
-        stiffness, damping: the parts that springs and dampers do not represent, shape (n, n).
-        tables: bearings whose coefficients change with the speed.
-        unbalance: u of the force W^2 Re(u e^{i W t}), complex, in kg m, shape (n,).
-    """
-
-    gyroscopic: np.ndarray
-    whirl: np.ndarray
-    stiffness: np.ndarray
+    gyroscopic: np.ndarray  # G, shape (n, n)
+    whirl: np.ndarray  # masses between y and z, diametral inertias between the tilts, skew-symmetric, shape (n, n)
+    stiffness: np.ndarray  # the parts that springs and dampers do not represent, shape (n, n)
     damping: np.ndarray
-    tables: tuple[SpeedTable, ...]
-    unbalance: np.ndarray
+    tables: tuple[SpeedTable, ...]  # bearings whose coefficients change with the speed
+    unbalance: np.ndarray  # u of the force W^2 Re(u e^{i W t}), complex, in kg m, shape (n,)
 
     def added_to(self, elements: ElementMatrix, what: str) -> ElementMatrix | np.ndarray:
         """The matrix of springs or dampers plus ``stiffness`` or ``damping``."""

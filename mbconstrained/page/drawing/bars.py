@@ -37,19 +37,14 @@ _LYING = np.array([[0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 
 
 @dataclass(frozen=True)
 class Bar:
-    """A rigid bar of the model: names of its displacement, angle and rows, and its points with their distances in m.
-
-    Attributes:
-        rotor: the name of the rotor whose bar in one plane it is.
-        plane: "y" or "z", that of its displacements.
-    """
+    """A rigid bar of the model: names of its displacement, angle and rows, and its points with their distances in m."""
 
     name: str
     angle: str | None
     points: Mapping[str, float]
     rows: frozenset[str]
-    rotor: str | None = None
-    plane: str = "z"
+    rotor: str | None = None  # the name of the rotor whose bar in one plane it is
+    plane: str = "z"  # "y" or "z", that of its displacements
 
     @property
     def places(self) -> dict[str, float]:

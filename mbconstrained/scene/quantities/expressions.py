@@ -26,13 +26,9 @@ _UNARY = {ast.UAdd: operator.pos, ast.USub: operator.neg}
 
 @dataclass(frozen=True)
 class Expression:
-    """An expression of parameters.
+    """An expression of parameters."""
 
-    Attributes:
-        tree: of Python's parser; a Name has the name of a parameter, a Constant the text of a number.
-    """
-
-    tree: ast.expr
+    tree: ast.expr  # of Python's parser; a Name has the name of a parameter, a Constant the text of a number
 
     def value(self, number: Callable[[str], Any], names: Mapping[str, Any]) -> Any:
         """The value of the expression."""

@@ -21,9 +21,6 @@ class OutputUnits:
 
     Accelerations remain in m/s^2 unless they have a unit of their own, such as mm/s^2 or g.
 
-    Attributes:
-        units: each of another kind; none for SI.
-
     >>> units = OutputUnits(("mm", "deg", "rpm", "kN"))
     >>> units.of("m/s"), units.of("N m"), units.of("rad/s")[0], units.of("J")
     (('mm/s', 1000.0), ('kN m', 0.001), 'rpm', ('J', 1.0))
@@ -31,7 +28,7 @@ class OutputUnits:
     (('m/s^2', 1.0), ('mm/s^2', 1000.0))
     """
 
-    units: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()  # each of another kind; none for SI
 
     def of(self, unit: str) -> tuple[str, float]:
         """The unit in place of an SI unit, with its factor.

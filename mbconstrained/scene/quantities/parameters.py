@@ -22,16 +22,11 @@ MOST_BITS = 20_000  # of a numerator or denominator: more come of powers of powe
 
 @dataclass(frozen=True)
 class Measured:
-    """An exact number with its dimension: expressions calculate with it, and refuse to add kg to m.
+    """An exact number with its dimension: expressions calculate with it, and refuse to add kg to m."""
 
-    Attributes:
-        value: in SI.
-        dimension: None where unknown: a parameter that is a plain number may be any quantity in SI.
-        is_number: whether it is made of numbers in an expression: a factor without a dimension, as a summand of any kind.
-    """
-
-    value: Fraction
-    dimension: Dimension | None = None
+    value: Fraction  # in SI
+    dimension: Dimension | None = None  # None where unknown: a parameter that is a plain number may be any quantity in SI
+    # whether it is made of numbers in an expression: a factor without a dimension, as a summand of any kind
     is_number: bool = False
 
     def __post_init__(self):
@@ -89,18 +84,14 @@ _PI = {"pi": Measured(Fraction(math.pi), None, True)}
 
 @dataclass(frozen=True)
 class Parameters:
-    """The parameters of a scene.
+    """The parameters of a scene."""
 
-    Attributes:
-        values: in SI, by name, in the order of the file; those that are expressions of others are written out everywhere.
-        dimensions: kinds of quantity by name; None for plain numbers, which may be anything in SI.
-        unused: the names of those that stand in no expression.
-        places: of the expressions, with the names of the parameters in them and in those.
-    """
-
+    # in SI, by name, in the order of the file; those that are expressions of others are written out everywhere
     values: dict[str, float] = field(default_factory=dict)
+    # kinds of quantity by name; None for plain numbers, which may be anything in SI
     dimensions: dict[str, Dimension | None] = field(default_factory=dict)
-    unused: tuple[str, ...] = ()
+    unused: tuple[str, ...] = ()  # the names of those that stand in no expression
+    # of the expressions, with the names of the parameters in them and in those
     places: dict[Place, frozenset[str]] = field(default_factory=dict)
 
     @property

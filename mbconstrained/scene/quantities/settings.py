@@ -19,17 +19,11 @@ PLACES = "time.end, model.mass[1].mass or model.mass.cart.mass"
 
 @dataclass(frozen=True)
 class Setting:
-    """A value set on the command line.
+    """A value set on the command line."""
 
-    Attributes:
-        name: name of the parameter, or the place.
-        value: the new value, as it could be written in the file.
-        before: the previous value; None without one.
-    """
-
-    name: str
-    value: Any
-    before: Any = None
+    name: str  # name of the parameter, or the place
+    value: Any  # the new value, as it could be written in the file
+    before: Any = None  # the previous value; None without one
 
     @property
     def notice(self) -> Notice:
