@@ -130,7 +130,7 @@ class Symbols:
         units: units by name.
         numbers: whether the parameters are their default values from the start.
 
-    >>> from mbconstrained.scene.quantities.expressions import read_expression
+    >>> from mbconstrained.scene.quantities.parameters import read_expression
     >>> symbols = Symbols({"k": 2.0, "g": -9.81})
     >>> symbols.of(0.1), symbols.expression(read_expression("2*k*g"))
     (1/10, -2*g·*k·)

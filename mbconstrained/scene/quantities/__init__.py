@@ -1,2 +1,2 @@
-"""Numbers with units in scenes. Read ``parameters`` with ``expressions``, then ``coordinates`` with their
+"""Numbers with units in scenes. Read ``parameters`` , then ``coordinates`` with their
 values; ``settings`` are values from the command line."""

@@ -41,18 +41,7 @@ class Coordinates:
     shown: OutputUnits = OutputUnits()
 
     def number(self, name: str, *others: str) -> int:
-        """The number of a coordinate, from 0.
-
-        Args:
-            name: name of the coordinate.
-            others: names that may stand there as well.
-
-        Returns:
-            Its number.
-
-        Raises:
-            InputError: no such coordinate.
-        """
+        """The number of a coordinate, from 0; an InputError names the others, and those that may stand there as well."""
         if name not in self.names:
             hint = nearest(name, (*self.names, *others))
             inputs = f", the inputs {', '.join(others)}" if others else ""
@@ -69,15 +58,7 @@ class Coordinates:
         return [{"name": name, "unit": unit} for name, unit in zip(self.names, self.units)]
 
     def derivative_unit(self, index: int, order: int) -> str:
-        """The unit of a derivative of a coordinate.
-
-        Args:
-            index: index of the coordinate.
-            order: order of the derivative.
-
-        Returns:
-            The unit, e.g. m/s^2.
-        """
+        """The unit of a derivative of a coordinate, e.g. m/s^2."""
         return with_time(self.units[index], -order)
 
 

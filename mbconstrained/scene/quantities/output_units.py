@@ -31,14 +31,7 @@ class OutputUnits:
     units: tuple[str, ...] = ()  # each of another kind; none for SI
 
     def of(self, unit: str) -> tuple[str, float]:
-        """The unit in place of an SI unit, with its factor.
-
-        Args:
-            unit: as texts write it, products with a blank.
-
-        Returns:
-            Its name, and the factor of the values.
-        """
+        """The unit in place of an SI unit, which has products with a blank, with the factor of the values."""
         for each in self.units if unit != "1" else ():
             if _alike(each, unit):
                 return _SHOWN.get(each, each), _factor(unit, each)
@@ -64,15 +57,7 @@ class OutputUnits:
         return f"{above}/({below})" if any(sign in below for sign in " /") else f"{above}/{below}", up / down
 
     def text(self, value: float, unit: str) -> str:
-        """A value in SI as a text in the selected unit.
-
-        Args:
-            value: in the unit.
-            unit: unit of SI.
-
-        Returns:
-            Number and unit.
-        """
+        """A value in SI as a text in the selected unit."""
         name, factor = self.of(unit)
         return with_unit(factor * value, name)
 
