@@ -235,6 +235,9 @@ class Inertia(Body):
     unit = property(lambda self: "rad")
 
 
+POINTS = "Points with their distances from the centre of mass along the bar; each is a coordinate, tied to the bar."
+
+
 @dataclass(frozen=True)
 class RigidBar(Mass):
     """A rigid bar that is displaced across its length and turns by a small angle, m x'' = sum of forces, J q'' = sum of moments.
@@ -256,10 +259,7 @@ class RigidBar(Mass):
 
     name: Annotated[str, 'The name of the bar and of the displacement of its centre of mass; its angle is "NAME angle".'] = field()
     inertia: Annotated[Real, Numeric("kg*m^2", "Its moment of inertia about the centre of mass.", "positive")] = field(kw_only=True)
-    points: Annotated[
-        Mapping[str, Real],
-        Numeric("m", "Points with their distances from the centre of mass along the bar; each is a coordinate, tied to the bar."),
-    ] = field(kw_only=True)
+    points: Annotated[Mapping[str, Real], Numeric("m", POINTS)] = field(kw_only=True)
 
     constant = property(lambda self: self.mass)
 
@@ -444,17 +444,22 @@ class Tie(Element):
 
 
 @dataclass(frozen=True)
-class RigidTie(Tie):
-    """A rigid link: x_end - x_start = distance; the multiplier is the force, or torque, on the end."""
+class TwoEndedTie(Tie):
+    """A tie of two bodies."""
 
     start: Annotated[str, Joins('The body at its start; "ground" does not move.')]
     end: Annotated[str, Joins("The body at its end.")]
-    distance: Annotated[
-        Real, Numeric(None, "x_end - x_start, kept by the link; a length, or an angle between bodies that turn.")
-    ] = 0.0
+
+    spellings: ClassVar = Link.spellings
+
+
+@dataclass(frozen=True)
+class RigidTie(TwoEndedTie):
+    """A rigid link: x_end - x_start = distance; the multiplier is the force, or torque, on the end."""
+
+    distance: Annotated[Real, Numeric(None, "x_end - x_start; a length, or an angle between bodies that turn.")] = 0.0
 
     axis, symbol = None, "rod"
-    spellings: ClassVar = Link.spellings
     row = property(lambda self: {self.start: -1.0, self.end: 1.0})
     row_value = property(lambda self: self.distance)
 
@@ -466,11 +471,9 @@ class RigidTie(Tie):
 
 
 @dataclass(frozen=True)
-class Lever(Tie):
+class Lever(TwoEndedTie):
     """A massless lever on a fixed pivot: x_start / start_arm + x_end / end_arm = 0; the multiplier is the force on the start."""
 
-    start: Annotated[str, Joins("The body at the one end.")]
-    end: Annotated[str, Joins("The body at the other end, which moves in the opposite direction.")]
     start_arm: Annotated[Real, Numeric("m", "The arm from the pivot to the start.", "nonzero")]
     end_arm: Annotated[Real, Numeric("m", "The arm to the end; negative where it lies on the same side as the other.", "nonzero")]
 
@@ -480,11 +483,9 @@ class Lever(Tie):
 
 
 @dataclass(frozen=True)
-class Gear(Tie):
+class Gear(TwoEndedTie):
     """Two gear wheels in mesh: start_radius q_start + end_radius q_end = 0; the multiplier is the torque on the start."""
 
-    start: Annotated[str, Joins("The one wheel.")]
-    end: Annotated[str, Joins("The other wheel.")]
     start_radius: Annotated[Real, Numeric("m", "Radius of the one wheel, or its number of teeth: their ratio counts.", "positive")]
     end_radius: Annotated[Real, Numeric("m", "Radius of the other wheel, or its number of teeth.", "positive")]
     internal: Annotated[bool, "true where one wheel runs inside the other; both then turn in the same direction."] = False
@@ -513,41 +514,31 @@ class Rack(Tie):
 
 
 @dataclass(frozen=True)
-class Pulley(Tie):
+class Pulley(TwoEndedTie):
     """An inextensible rope whose ends hang below a pulley on both sides, x_start + x_end - 2 x_over = -length, positions upwards.
 
-    Without a length the coordinates are displacements from a state in which the rope is taut, and the right-hand side is 0. The
+    The length is negative where the ends lie above the pulley. Without one the coordinates are displacements from a state in which the rope is taut, and the right-hand side is 0. The
     multiplier is the tension (minus the tension where the ends lie above). The row acts in both directions: a real rope goes slack
     where its tension would be negative.
     """
 
-    start: Annotated[str, Joins("The body at one end of the rope.")]
-    end: Annotated[str, Joins("The body at the other end.")]
     over: Annotated[str, Joins("The body that carries the pulley.")] = GROUND
-    length: Annotated[
-        Real,
-        Numeric(
-            "m",
-            "The length of rope on both sides, negative where its ends lie above the pulley; left out: just taut at the start.",
-            "nonzero",
-        ),
-    ] = None
+    length: Annotated[Real, Numeric("m", "The length of rope on both sides; left out: just taut at the start.", "nonzero")] = None
 
     end_count = 3
     symbol = "belt"
-    spellings: ClassVar = Link.spellings
     row = property(lambda self: {self.start: 1.0, self.end: 1.0, self.over: -2.0})
     row_value = property(lambda self: 0.0 if self.length is None else -self.length)
+
+
+COEFFICIENTS = 'Coordinates with their factors, e.g. { x1 = 1, q1 = -1 } or { heave = 1, pitch = "1.01 m" }.'
 
 
 @dataclass(frozen=True)
 class Relation(Tie):
     """One constraint row: the sum of coefficient times coordinate, or its first or second derivative, equals the value."""
 
-    coefficients: Annotated[
-        Mapping[str, Real],
-        Numeric(None, 'Coordinates with their factors, e.g. { x1 = 1, q1 = -1 } or { heave = 1, pitch = "1.01 m" }.'),
-    ]
+    coefficients: Annotated[Mapping[str, Real], Numeric(None, COEFFICIENTS)]
     value: Annotated[Real, Numeric(None, "The right-hand side, constant in time.")] = 0.0
     level: Annotated[Level, "What the row holds for: positions, velocities or accelerations."] = "position"
 
@@ -629,11 +620,7 @@ class PrescribedMotion(Tie):
     """
 
     body: Annotated[str, Joins("The body whose coordinate is prescribed.")]
-    signal: Annotated[
-        ImpulsiveSmooth,
-        "b with one row, such as mb.harmonic([0.01], frequency_hz=2) or a record, mb.sampled; in m or rad, by s or s^2 at velocity and "
-        "acceleration level.",
-    ]
+    signal: Annotated[ImpulsiveSmooth, "b in SI with one row, e.g. mb.harmonic([0.01], frequency_hz=2) or a record, mb.sampled."]
     factor: Annotated[Real, Numeric("1", "Factor of the signal, where several supports move by multiples of one signal.")] = 1.0
     level: Annotated[Level, '"position" for a displacement, "velocity", or "acceleration".'] = "position"
 
