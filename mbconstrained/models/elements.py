@@ -98,7 +98,7 @@ class Element:
     kind: ClassVar[str]  # in words, e.g. torsion spring.
     axis: ClassVar[str | None] = "m"  # unit of the coordinates of the bodies that it joins, "m" or "rad"; None for either
     end_count: ClassVar[int] = 0  # how many different bodies it joins, at least
-    symbol: ClassVar[str | None] = None  # in the drawing, a kind of link or "gear"; None where it has none
+    symbol: ClassVar[Any] = None  # in the drawing, a kind of link or "gear"; None where it has none
     has_coordinates: ClassVar[bool] = False  # whether it is a body, or has some
     # further keys of its table in scenes, each with the fields that it gives
     spellings: ClassVar[Mapping[str, tuple[str, ...]]] = {}

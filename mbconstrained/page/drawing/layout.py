@@ -167,8 +167,8 @@ class Piece:
         turned = []
         for body in self.bodies:
             moves = {name: downwards(np.negative(vector)) for name, vector in body.moves.items()}
-            size = tuple(map(abs, downwards(body.size)))
-            turned.append(replace(body, rest=downwards(body.rest), moves=moves, size=size))
+            x, y, z = map(abs, downwards(body.size))
+            turned.append(replace(body, rest=downwards(body.rest), moves=moves, size=(x, y, z)))
         links = (replace(link, offset=downwards(link.offset), end_offset=downwards(link.end_offset)) for link in self.links)
         return Piece(tuple(turned), tuple(links))
 

@@ -28,8 +28,8 @@ LARGEST_EXPONENT = 20
 _NAMES_IN_TEXT = re.compile(r"(?<![\w.])[^\W\d_]\w*")
 _NUMBER = re.compile(r"(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
 _FOREIGN = re.compile(r"[^\w\s.+\-*/^()]|(?<!\w)_")
-_BINARY = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
-_UNARY = {ast.UAdd: operator.pos, ast.USub: operator.neg}
+_BINARY: dict[Any, Any] = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
+_UNARY: dict[Any, Any] = {ast.UAdd: operator.pos, ast.USub: operator.neg}
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,9 @@ class Expression:
     def value(self, number: Callable[[str], Any], names: Mapping[str, Any]) -> Any:
         """The value of the expression."""
 
-        def of(node: ast.expr) -> Any:
+        def of(node: Any) -> Any:
             if isinstance(node, ast.Constant):
-                return number(node.value)
+                return number(str(node.value))
             if isinstance(node, ast.Name):
                 return names[node.id]
             if isinstance(node, ast.UnaryOp):
