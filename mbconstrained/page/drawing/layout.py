@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, get_args
+from typing import Any, NamedTuple, cast, get_args
 
 import numpy as np
 
@@ -46,7 +46,7 @@ def joints_of(model: Iterable[Any]) -> list[DrawnJoint]:
         lengths = (getattr(element, name, None) for name in ("rest_length", "distance", "rest_angle", "value"))
         length = next((length for length in lengths if length is not None), None)
         if isinstance(element, (Link, RigidTie)) and element.symbol in get_args(LinkKind):
-            joints.append(DrawnJoint(element.name, element.symbol, element.start, element.end, length))
+            joints.append(DrawnJoint(element.name, cast(LinkKind, element.symbol), element.start, element.end, length))
         elif isinstance(element, Relation) and element.level == "position":
             ends = {factor: name for name, factor in element.coefficients.items()}
             if ends.keys() == {-1.0, 1.0} and len(element.coefficients) == 2:
