@@ -197,7 +197,7 @@ class Body(Element):
 
     @property
     def constant(self) -> float:
-        """Its mass (kg) or moment of inertia (kg m^2), 0 of a node."""
+        """The mass (kg) or moment of inertia (kg m^2), 0 of a node."""
         return getattr(self, self.kind, 0.0)
 
     def __post_init__(self):

@@ -1,4 +1,4 @@
-"""From the tables of a lumped scene to a LumpedModel."""
+"""The LumpedModel of the tables of a lumped scene."""
 
 from __future__ import annotations
 
