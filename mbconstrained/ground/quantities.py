@@ -324,3 +324,6 @@ class Expressed(float):
         result = super().__new__(cls, value)
         result.text, result.tree, result.dimension = text, tree, dimension
         return result
+
+    def __getnewargs__(self):
+        return float(self), self.text, self.tree, self.dimension

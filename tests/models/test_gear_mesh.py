@@ -1,5 +1,8 @@
 """The elastic mesh of two gears, against hand-derived frequencies, SciPy's eigenvalues, and the rigid gear as its limit."""
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 import scipy.linalg
@@ -7,6 +10,7 @@ import scipy.linalg
 import mbconstrained as mb
 from mbconstrained.scene.run.scene import read_scene
 from mbconstrained.scene.schema.editors import scene_schema
+from tests.scene.scenes import EXAMPLES
 
 J, K, R = (4e-4, 3.6e-3), 5e5, (0.02, 0.06)
 BY_TEETH = {"start_teeth": 20, "end_teeth": 60, "module": "2 mm"}
@@ -167,6 +171,11 @@ def test_errors_of_scenes_name_the_entry(tmp_path, old, new, message):
     path.write_text(SCENE.replace(old, new), encoding="utf-8")
     with pytest.raises(mb.SceneError, match=message):
         read_scene(path)
+
+
+def test_elements_of_parameters_are_pickled():
+    elements = read_scene(EXAMPLES / "gear_mesh.toml").equations.model.elements
+    assert pickle.loads(pickle.dumps(elements)) == copy.deepcopy(elements) == elements
 
 
 def test_the_schema_follows_from_the_class():
