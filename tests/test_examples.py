@@ -195,6 +195,18 @@ def test_wagons_roll_off_and_swing():
     assert result.curves("energy").values[-1] == pytest.approx(np.full(len(t), 0.5 * 20_000), rel=1e-12)
 
 
+def test_gear_mesh_follows_the_error_of_the_pitch():
+    """The steady force between the teeth, k e + c e' with e'' + 2 zeta w e' + w^2 e = w^2 e0 sin(w0 t), w = 1000 rad/s, zeta = 5 %."""
+    result = run("gear_mesh")
+    assert result.modes.natural_frequencies == pytest.approx([1000.0], rel=1e-12)
+    w0, motion = 2 * np.pi * 140, result.motion
+    t = np.linspace(1.0, 1.01, 9)  # the free oscillation has decayed to e^-50
+    late = motion(t)
+    approach = 1e-3 * (20 * late[0] + 60 * late[1])
+    expected = (20e-6 * 1e6 / (1e6 - w0**2 + 100j * w0) * np.exp(1j * w0 * t)).imag
+    assert approach == pytest.approx(expected, abs=1e-14)
+
+
 def test_gear_train_is_two_equal_inertias_on_the_shaft():
     # Reduced to the shaft: J = 0.02 on both ends of k = 40; twist d = (T/2k)(1 - cos w t), w = sqrt(2 k/J), mean 25 t^2.
     result = run("gear_train")

@@ -145,7 +145,7 @@ def _value(given):
 
 
 def _of_record(analysis, path: Path, chosen: dict, reading: dict):
-    from ..scene.quantities.quantities import quantity
+    from ..ground.quantities import quantity
     from ..scene.schema.scene_schema import OutputTable
 
     column, step = reading["column"], reading["step"]

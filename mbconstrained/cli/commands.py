@@ -187,8 +187,8 @@ def _moment(still: str) -> float | None:
     if not still:
         return None
     from ..ground.errors import InputError
+    from ..ground.quantities import quantity
     from ..page.photograph import NONE_INSTALLED, browser
-    from ..scene.quantities.quantities import quantity
     from ..scene.quantities.settings import value_of
 
     try:

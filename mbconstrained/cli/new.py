@@ -10,8 +10,7 @@ import typer
 
 from ..ground.checks import nearest
 from ..ground.display import TextTable, table_text
-from ..ground.errors import InputError
-from ..scene.file.messages import quoted, shown
+from ..ground.errors import InputError, quoted, shown
 from ..scene.schema.editors import ROBOT_SCHEMA_FILE, SCHEMA_FILE
 from .answer import COMMAND_WRONG, leave
 

@@ -153,7 +153,7 @@ def _cell(text: str) -> str:
 
 def units() -> str:
     """The accepted units by kind, and the spellings that are refused."""
-    from mbconstrained.scene.quantities.units import AMBIGUOUS, UNITS
+    from mbconstrained.ground.units import AMBIGUOUS, UNITS
 
     rows = "\n".join(map(_unit, UNITS))
     refused = "\n".join(f"| `{name}` | {_cell(text)} |" for name, text in AMBIGUOUS.items())

@@ -1,4 +1,4 @@
-"""The exceptions of the package; every error that a user sees is one of them."""
+"""The exceptions of the package, every error that a user sees is one of them, and values as messages quote them."""
 
 from __future__ import annotations
 
@@ -101,3 +101,35 @@ def within_float64() -> Iterator[None]:
         raise
     except (np.linalg.LinAlgError, ValueError, ArithmeticError):
         raise IllConditioned(OUT_OF_RANGE) from None
+
+
+@contextmanager
+def named(name: str) -> Iterator[None]:
+    """A context that adds a name to the message of an InputError about its value."""
+    try:
+        yield
+    except InputError as problem:
+        raise InputError(f"{name}: {problem}") from None
+
+
+def shown(value, longest: int = 60) -> str:
+    """A value as quoted in messages."""
+    text = getattr(value, "text", value)  # an expression of parameters shows as written
+    if isinstance(text, str):
+        text = quoted(text[: longest + 1])
+    elif isinstance(value, bool):
+        text = str(value).lower()
+    elif isinstance(value, dict):
+        text = "a table"
+    elif isinstance(value, list):
+        text = f"an array of {len(value)}"
+    elif isinstance(value, int) and abs(value) > 10**18:
+        text = "a whole number of more than 18 digits"
+    else:
+        text = str(value)
+    return text if len(text) <= longest + 2 else text[:longest] + "..."
+
+
+def quoted(text: str) -> str:
+    """The text in double quotes with every unprintable character escaped."""
+    return '"' + "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text) + '"'

@@ -1,90 +1,186 @@
-"""The elements of a lumped model, each with its equation; "ground" is the fixed body."""
+"""The elements of a lumped model; "ground" is the fixed body.
+
+An element is one class: its fields with units, ranges and descriptions, its equations, and its symbol in the drawing. The method of
+``LumpedModel``, the table of a scene with its JSON Schema, the parameters of sensitivities and the reference follow from it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import MISSING, Field, dataclass, field, fields, replace
+from fractions import Fraction
 from itertools import count
-from typing import ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args, get_type_hints
+
+import numpy as np
 
 from ..ground.checks import ReadOnly, real_number
-from ..ground.coordinate_units import GROUND
-from ..ground.errors import InputError
-from ..mechanics.constraints import Level, checked_level
+from ..ground.coordinate_units import GROUND, rate_unit
+from ..ground.errors import InputError, named, shown
+from ..ground.quantities import Dimension, Expressed, any_quantity, dimension, quantity, unit_of
+from ..mechanics.constraints import LEVELS, Level, checked_level
 from ..signals.impulsive import ImpulsiveSmooth
 
-# Common to all elements: a name, a label for messages, the bodies that they join, their numbers.
+# Annotations of fields.
+
+if TYPE_CHECKING:
+    Real = Any  # what is set: a number in SI or a text with a unit; what is read: a float
+else:
+    Real = float
+
+Range = Literal["positive", "whole", "nonzero", "nonnegative", "real"]
+
+
+class Numeric(NamedTuple):
+    """A number, or numbers, of a field."""
+
+    unit: str | None  # in SI; None for that of the coordinates at the ends of the element
+    text: str  # description for users
+    range: Range = "real"  # of the number; None is accepted where it is the default
+    varied: bool = True  # whether it is a parameter: an equation of every speed and time depends on it
+
+
+class Joins(NamedTuple):
+    """The name of a body that an element joins, or of a point of a rotor."""
+
+    text: str  # description for users
+    unit: str | None = ""  # of the coordinate that it must have, "m" or "rad"; an empty text for that of the class, None for either
+
+
+class Entry(NamedTuple):
+    """A field of an element: its type, its annotation (Numeric, Joins or a text), and the field of the dataclass."""
+
+    type: Any
+    about: Any
+    field: Field
+
+    @property
+    def is_number(self) -> bool:
+        return self.type is Real and isinstance(self.about, Numeric)
+
+    @property
+    def is_required(self) -> bool:
+        return self.field.default is MISSING and self.field.default_factory is MISSING
+
+    @property
+    def text(self) -> str:
+        """Description for users."""
+        return self.about if isinstance(self.about, str) else self.about.text
+
+
+_ENTRIES: dict[type, dict[str, Entry]] = {}
+
+
+def entries_of(kind: type[Element]) -> dict[str, Entry]:
+    """The fields of a class of elements by name."""
+    if kind not in _ENTRIES:
+        hints = get_type_hints(kind, include_extras=True)
+        _ENTRIES[kind] = {each.name: Entry(*get_args(hints[each.name])[:2], each) for each in fields(kind)}  # type: ignore[call-arg]
+    return _ENTRIES[kind]
+
+
+def numbers_of(kind: type[Element]) -> dict[str, Numeric]:
+    """The annotations of the fields with one number, the positive ones first."""
+    numbers = {name: entry.about for name, entry in entries_of(kind).items() if entry.is_number}
+    return dict(sorted(numbers.items(), key=lambda item: get_args(Range).index(item[1].range)))
+
+
+# Common to all elements.
 
 
 @dataclass(frozen=True)
 class Element:
-    """Base of all elements; a class is a table of its fields.
+    """Base of all elements."""
 
-    Attributes:
-        name: its name, for a body also that of its coordinate; empty for one that the model makes of kind and ends.
-        moving, turning, either: fields that name a body that it joins, which moves along the axis (m), turns (rad), or does either.
-        positive, nonzero, nonnegative, real: fields of numbers, in this range; None is accepted where it is the default.
-        end_count: least number of different bodies that it connects.
-    """
+    name: Annotated[str, "A name for messages and the drawing; by default of kind and ends."] = field(default="", kw_only=True)
 
-    name: str = field(default="", kw_only=True)
+    kind: ClassVar[str]  # in words, e.g. torsion spring.
+    axis: ClassVar[str | None] = "m"  # unit of the coordinates of the bodies that it joins, "m" or "rad"; None for either
+    end_count: ClassVar[int] = 0  # how many different bodies it joins, at least
+    symbol: ClassVar[Any] = None  # in the drawing, a kind of link or "gear"; None where it has none
+    has_coordinates: ClassVar[bool] = False  # whether it is a body, or has some
+    # further keys of its table in scenes, each with the fields that it gives
+    spellings: ClassVar[Mapping[str, tuple[str, ...]]] = {}
 
-    moving: ClassVar[tuple[str, ...]] = ()
-    turning: ClassVar[tuple[str, ...]] = ()
-    either: ClassVar[tuple[str, ...]] = ()
-    positive: ClassVar[tuple[str, ...]] = ()
-    nonzero: ClassVar[tuple[str, ...]] = ()
-    nonnegative: ClassVar[tuple[str, ...]] = ()
-    real: ClassVar[tuple[str, ...]] = ()
-    end_count: ClassVar[int] = 0
+    def __init_subclass__(cls):
+        if "kind" not in vars(cls):
+            cls.kind = "".join(f" {letter.lower()}" if letter.isupper() else letter for letter in cls.__name__).strip()
 
     def __post_init__(self):
-        for name in (*self.positive, *self.nonzero, *self.nonnegative, *self.real):
-            value, what = getattr(self, name), f"{self.label}: {name.replace('_', ' ')}"
-            if value is None and getattr(type(self), name, 0.0) is None:
-                continue
-            minimum = 0.0 if name in self.nonnegative else None
-            number = real_number(value, what, positive=name in self.positive, minimum=minimum)
-            if not number and name in self.nonzero:
-                raise InputError(f"{what}: found 0; expected a length that is not zero")
-            object.__setattr__(self, name, number)  # a frozen dataclass
+        for name, about in numbers_of(type(self)).items():
+            value = getattr(self, name)
+            if value is not None or entries_of(type(self))[name].field.default is not None:
+                object.__setattr__(self, name, self._number(value, name.replace("_", " "), about))  # a frozen dataclass
+
+    def _number(self, value, what: str, about: Numeric) -> float | str:
+        """A number in SI; expressions of parameters as such, and texts whose unit depends on the model unchanged."""
+        what = f"{self.label}: {what}"
+        if isinstance(value, str) and about.unit is None:
+            return value
+        if isinstance(value, str):
+            with named(what):
+                value = quantity(value, about.unit)
+        minimum = 0.0 if about.range == "nonnegative" else None
+        number = real_number(value, what, positive=about.range in ("positive", "whole"), minimum=minimum)
+        if not number and about.range == "nonzero":
+            raise InputError(f"{what}: found 0; expected a length that is not zero")
+        if about.range == "whole" and number != int(number):
+            raise InputError(f"{what}: found {number:g}; expected a whole number")
+        return value if isinstance(value, Expressed) else number
+
+    def _numbers(self, field: str, what: str) -> ReadOnly:
+        """The numbers of a field by name, each named in messages."""
+        about, values = entries_of(type(self))[field].about, getattr(self, field)
+        return ReadOnly({name: self._number(value, what.format(name), about) for name, value in values.items()})
+
+    def settled(self, units: Mapping[str, str]) -> Self:
+        """The element with its texts in SI where their units depend on those of the coordinates, in a model with these."""
+        return self
 
     @property
     def label(self) -> str:
-        """Label of the element in messages: its kind and name."""
+        """The element in a message: its kind and its name."""
         return f'{self.kind} "{self.name or next(self.default_names)}"'
 
     @property
-    def kind(self) -> str:
-        """Kind of the element as text, e.g. torsion spring."""
-        letters = "".join(f" {letter.lower()}" if letter.isupper() else letter for letter in type(self).__name__)
-        return letters.strip()
-
-    @property
     def ends(self) -> dict[str, str | None]:
-        """The bodies that it connects, each with the required unit of its coordinate, or None."""
+        """The bodies that it joins, each with the unit that its coordinate must have, None for both."""
         return dict(self._joined)
 
     @property
     def _joined(self) -> list[tuple[str, str | None]]:
-        units = dict.fromkeys(self.moving, "m") | dict.fromkeys(self.turning, "rad") | dict.fromkeys(self.either)
-        return [(getattr(self, one.name), units[one.name]) for one in fields(self) if one.name in units]
+        joins = [(name, entry.about) for name, entry in entries_of(type(self)).items() if isinstance(entry.about, Joins)]
+        return [(getattr(self, name), self.axis if about.unit == "" else about.unit) for name, about in joins]
 
     @property
     def parts(self) -> tuple[Element, ...]:
-        """The elements that belong to it."""
+        """The elements that are added with it."""
         return ()
 
     @property
     def weighing(self) -> dict[str, float]:
-        """The masses (kg) subject to gravity, by the coordinate along it."""
+        """The masses (kg) that gravity acts on, by the coordinate along it."""
         return {}
 
     @property
     def default_names(self) -> Iterator[str]:
-        """Default names of an element, in order of preference."""
+        """Names for an element without one, the first that is not in use to be chosen."""
         base = f"{self.kind} {'-'.join(str(body) for body, _ in self._joined[:2])}"
         return (f"{base} {number}" if number > 1 else base for number in count(1))
+
+
+def unchecked(kind: type, **values) -> Element:
+    """An element without validation of its constants, which another element has checked; in formulas they are expressions."""
+    element = object.__new__(kind)
+    for each in fields(kind):
+        object.__setattr__(element, each.name, values.get(each.name, each.default))
+    return element
+
+
+def with_parts(elements: Iterable[Element]) -> tuple[Element, ...]:
+    """The elements, each followed by its parts."""
+    return tuple(one for element in elements for one in (element, *element.parts))
 
 
 # Bodies: the elements that have a coordinate, named as they are.
@@ -94,17 +190,18 @@ class Element:
 class Body(Element):
     """A position along the common axis in m, or an angle in rad."""
 
-    name: str = field()
+    name: Annotated[str, "The name of the body and of its coordinate."] = field()
 
+    has_coordinates = True
     unit = property(lambda self: "m")
 
     @property
     def constant(self) -> float:
-        """Mass (kg) or moment of inertia (kg m^2), 0 for a node."""
+        """The mass (kg) or moment of inertia (kg m^2), 0 of a node."""
         return getattr(self, self.kind, 0.0)
 
     def __post_init__(self):
-        if self.positive and isinstance(self.constant, (int, float)) and self.constant == 0:
+        if not isinstance(self, Node) and isinstance(self.constant, (int, float)) and self.constant == 0:
             node = "rotational node" if self.unit == "rad" else "node"
             raise InputError(f"{self.label}: found no {self.kind}; a point without {self.kind} is a {node}")
         super().__post_init__()
@@ -112,124 +209,221 @@ class Body(Element):
 
 @dataclass(frozen=True)
 class Mass(Body):
-    """A body that moves along the axis, m x'' = sum of forces.
+    """A body that moves along the axis, m x'' = sum of forces."""
 
-    Args:
-        mass: m > 0, in kg.
-        position: position of the body at x = 0 in the drawing, in m; the motion does not depend on it.
-    """
-
-    mass: float
-    position: float | None = None
-
-    positive: ClassVar[tuple[str, ...]] = ("mass",)
-    real = ("position",)
+    mass: Annotated[Real, Numeric("kg", "Its mass.", "positive")]
+    position: Annotated[Real, Numeric("m", "Where it is drawn; the motion does not depend on it.", varied=False)] = None
 
     weighing = property(lambda self: {self.name: self.mass})
 
 
 @dataclass(frozen=True)
 class Node(Body):
-    """A massless joint, 0 = sum of forces; without inertia, and with an angle as coordinate, where it is rotational."""
+    """A joint without mass, 0 = sum of forces."""
 
-    rotational: bool = False
+    rotational: Annotated[bool, "true: its coordinate is an angle in rad; false: a position in m."] = False
 
     unit = property(lambda self: "rad" if self.rotational else "m")
 
 
 @dataclass(frozen=True)
 class Inertia(Body):
-    """A rotating body, J q'' = sum of torques; inertia J > 0 in kg m^2, q in rad."""
+    """A body that turns, J q'' = sum of torques."""
 
-    inertia: float
+    inertia: Annotated[Real, Numeric("kg*m^2", "Its moment of inertia about the axis it turns about.", "positive")]
 
-    positive = ("inertia",)
     unit = property(lambda self: "rad")
 
 
-# Links: springs and dampers, which resist the relative motion of two bodies.
+POINTS = "Points with their distances from the centre of mass along the bar; each is a coordinate, tied to the bar."
+
+
+@dataclass(frozen=True)
+class RigidBar(Mass):
+    """A rigid bar that is displaced across its length and turns by a small angle, m x'' = sum of forces, J q'' = sum of moments.
+
+    Its coordinates are the displacement of its centre of mass, named as the bar, its angle, "NAME angle", and the displacement
+    of each of its points, named as the point, which springs, dampers and ties are attached to. For each point there is a
+    constraint row x_point - x - distance q = 0; its multiplier is the force on the point.
+
+    Example:
+        Bounce and pitch of a vehicle on two equal springs at equal distances are independent: w^2 = 2 k/m and 2 k d^2/J.
+
+        >>> from mbconstrained import LumpedModel
+        >>> model = LumpedModel()
+        >>> _ = model.rigid_bar("body", 2.0, inertia=1.0, points={"rear": -1.0, "front": 1.0})
+        >>> _ = model.spring("ground", "front", 4.0), model.spring("ground", "rear", 4.0)
+        >>> model.assemble().modes().natural_frequencies.round(9).tolist()
+        [2.0, 2.828427125]
+    """
+
+    name: Annotated[str, 'The name of the bar and of the displacement of its centre of mass; its angle is "NAME angle".'] = field()
+    inertia: Annotated[Real, Numeric("kg*m^2", "Its moment of inertia about the centre of mass.", "positive")] = field(kw_only=True)
+    points: Annotated[Mapping[str, Real], Numeric("m", POINTS)] = field(kw_only=True)
+
+    constant = property(lambda self: self.mass)
+
+    def __post_init__(self):
+        if not isinstance(self.points, Mapping) or not self.points:
+            raise InputError(f'{self.label}: points: expected distances by name, such as {{"rear": -1.5, "front": 1.2}}')
+        for point in self.points:
+            if not isinstance(point, str) or not point.strip():
+                raise InputError(f"{self.label}: points: found the name {point!r}; expected a text")
+        object.__setattr__(self, "points", self._numbers("points", 'distance of "{}"'))
+        Element.__post_init__(self)
+
+    @property
+    def angle(self) -> str:
+        """Name of the coordinate of its angle."""
+        return f"{self.name} angle"
+
+    @property
+    def parts(self) -> tuple[Element, ...]:
+        """The inertia of its angle, a node for each point, and the rows of the points."""
+        rows = (
+            unchecked(Relation, name=f"{point} on {self.name}", coefficients={point: 1.0, self.name: -1.0, self.angle: -distance})
+            for point, distance in self.points.items()
+        )
+        nodes = (unchecked(Node, name=point) for point in self.points)
+        return (unchecked(Inertia, name=self.angle, inertia=self.inertia), *nodes, *rows)
+
+
+# Links: springs and dampers, which resist an elongation, and gears with elastic teeth.
+
+LOSS_FACTOR = "eta of structural damping, k (1 + i eta): for frequency responses and steady states, not for motion in time."
 
 
 @dataclass(frozen=True)
 class Link(Element):
-    """An element between two bodies, or a body and "ground", whose coordinates have its unit.
+    """An element with the force -stiffness (e - rest) - damping e' along its elongation e, the sum of row times coordinate.
 
     Attributes:
-        start, end: names of the bodies.
+        unit: of its elongation.
         rest: its elongation without force.
+        row: the factors of the coordinates; that of the ground is ignored.
     """
 
-    start: str
-    end: str
+    start: Annotated[str, Joins('The body at its start; "ground" does not move.')]
+    end: Annotated[str, Joins("The body at its end.")]
 
-    moving = ("start", "end")
     end_count = 2
+    spellings: ClassVar = {"between": ("start", "end")}
+    unit = property(lambda self: self.axis)
     rest = property(lambda self: 0.0)
-
-    @property
-    def constant(self) -> float:
-        """Stiffness or damping coefficient."""
-        return getattr(self, self.positive[0])
+    row = property(lambda self: {self.start: -1, self.end: 1})
 
 
 @dataclass(frozen=True)
 class Spring(Link):
-    """A spring with the force -k (x_end - x_start - rest_length) on the end, its opposite on the start.
+    """A linear spring along the axis: force -stiffness (x_end - x_start - rest_length) on the end, its opposite on the start."""
 
-    Args:
-        stiffness: k > 0, in N/m.
-        rest_length: elongation without force, in m.
-        loss_factor: eta >= 0 of structural damping, k (1 + i eta): for frequency responses and steady states, not for motion in time.
-    """
+    stiffness: Annotated[Real, Numeric("N/m", "Force by elongation.", "positive")]
+    rest_length: Annotated[Real, Numeric("m", "x_end - x_start at which the spring is without force.")] = 0.0
+    loss_factor: Annotated[Real, Numeric("1", LOSS_FACTOR, "nonnegative", varied=False)] = 0.0
 
-    stiffness: float
-    rest_length: float = 0.0
-    loss_factor: float = 0.0
-
-    positive = ("stiffness",)
-    nonnegative = ("loss_factor",)
-    real = ("rest_length",)
+    symbol = "spring"
     rest = property(lambda self: self.rest_length)
 
 
 @dataclass(frozen=True)
 class Damper(Link):
-    """A viscous damper with the force -c (x_end' - x_start') on the end, its opposite on the start; damping c > 0 in N s/m."""
+    """A linear damper along the axis: force -damping (x_end' - x_start') on the end, its opposite on the start."""
 
-    damping: float
+    damping: Annotated[Real, Numeric("N*s/m", "Force by velocity.", "positive")]
 
-    positive = ("damping",)
+    symbol = "damper"
 
 
 @dataclass(frozen=True)
 class TorsionSpring(Link):
-    """A spring with the torque -k (q_end - q_start - rest_angle) on the end, its opposite on the start.
+    """A linear torsion spring: torque -stiffness (q_end - q_start - rest_angle) on the end, its opposite on the start."""
 
-    Args:
-        stiffness: k > 0, in N m/rad.
-        rest_angle: angle without torque, in rad.
-        loss_factor: eta >= 0 of structural damping, k (1 + i eta): for frequency responses and steady states, not for motion in time.
-    """
+    stiffness: Annotated[Real, Numeric("N*m/rad", "Torque by angle.", "positive")]
+    rest_angle: Annotated[Real, Numeric("rad", "q_end - q_start at which the spring is without torque.")] = 0.0
+    loss_factor: Annotated[Real, Numeric("1", LOSS_FACTOR, "nonnegative", varied=False)] = 0.0
 
-    stiffness: float
-    rest_angle: float = 0.0
-    loss_factor: float = 0.0
-
-    turning = ("start", "end")
-    positive = ("stiffness",)
-    nonnegative = ("loss_factor",)
-    real = ("rest_angle",)
+    axis, symbol = "rad", "torsion spring"
     rest = property(lambda self: self.rest_angle)
 
 
 @dataclass(frozen=True)
 class TorsionDamper(Link):
-    """A viscous damper with the torque -c (q_end' - q_start') on the end, its opposite on the start; c > 0 in N m s/rad."""
+    """A linear torsion damper: torque -damping (q_end' - q_start') on the end, its opposite on the start."""
 
-    damping: float
+    damping: Annotated[Real, Numeric("N*m*s/rad", "Torque by angular velocity.", "positive")]
 
-    turning = ("start", "end")
-    positive = ("damping",)
+    axis, symbol = "rad", "torsion damper"
+
+
+#: The pressure angle of standard involute gears, rad.
+PRESSURE_ANGLE = math.radians(20)
+
+
+@dataclass(frozen=True)
+class GearMesh(Link):
+    """Two gears with elastic teeth: force -stiffness e - damping e' along the line of action, e = r_start q_start + r_end q_end.
+
+    The radii r are those of the base circles, module * teeth * cos(pressure_angle) / 2; that of the end is negative for an internal
+    gear. The torques are r times the force. The teeth remain in contact, without backlash. A transmission error e_0(t) is a load:
+    the torques r (stiffness e_0 + damping e_0').
+
+    Example:
+        Both gears oscillate against each other with w^2 = k (r_start^2 / J_start + r_end^2 / J_end).
+
+        >>> from mbconstrained import LumpedModel
+        >>> model = LumpedModel()
+        >>> _ = model.inertia("pinion", "0.02 kg*m^2"), model.inertia("wheel", "0.08 kg*m^2")
+        >>> _ = model.gear_mesh("pinion", "wheel", "100 N/mm", start_radius="40 mm", end_radius="80 mm")
+        >>> model.assemble().modes().natural_frequencies.round(9).tolist()
+        [126.491106407]
+    """
+
+    stiffness: Annotated[Real, Numeric("N/m", "Force along the line of action by approach of the teeth.", "positive")]
+    damping: Annotated[Real, Numeric("N*s/m", "Force along the line of action by velocity.", "nonnegative")] = 0.0
+    start_radius: Annotated[Real, Numeric("m", "Radius of the base circle at the start; give these or the teeth.", "positive")] = (
+        None
+    )
+    end_radius: Annotated[Real, Numeric("m", "Radius of the base circle at the end.", "positive")] = None
+    start_teeth: Annotated[Real, Numeric("1", "Number of teeth at the start.", "whole", varied=False)] = None
+    end_teeth: Annotated[Real, Numeric("1", "Number of teeth at the end.", "whole", varied=False)] = None
+    module: Annotated[Real, Numeric("m", "Pitch diameter by number of teeth.", "positive")] = None
+    pressure_angle: Annotated[Real, Numeric("rad", "Pressure angle of the teeth; 20 degrees when left out.")] = None
+    internal: Annotated[bool, "true where one gear runs inside the other."] = False
+
+    axis, unit, symbol = "rad", "m", "gear"
+    spellings: ClassVar = {**Link.spellings, "radii": ("start_radius", "end_radius"), "teeth": ("start_teeth", "end_teeth")}
+
+    def __post_init__(self):
+        super().__post_init__()
+        radii, teeth = (self.start_radius, self.end_radius), (self.start_teeth, self.end_teeth, self.module)
+        by_radii, by_teeth = (
+            None not in radii and (*teeth, self.pressure_angle) == (None,) * 4,
+            None not in teeth and radii == (None, None),
+        )
+        if not (by_radii or by_teeth):
+            raise InputError(f"{self.label}: expected both radii of the base circles, or both numbers of teeth and the module")
+
+    @property
+    def sizes(self) -> tuple[float, float]:
+        """Radii, or numbers of teeth, which are proportional to them."""
+        return (self.start_teeth, self.end_teeth) if self.module is not None else (self.start_radius, self.end_radius)
+
+    @property
+    def row(self) -> dict[str, float]:
+        angle = PRESSURE_ANGLE if self.pressure_angle is None else self.pressure_angle
+        factor = 1 if self.module is None else self.module * _cosine(angle, self.label) / 2
+        start, end = (factor * size for size in self.sizes)
+        return {self.start: start, self.end: -end if self.internal else end}
+
+
+def _cosine(angle, label: str):
+    """The cosine of a float or complex number, or of an exact one as a decimal."""
+    if isinstance(angle, (float, complex)):
+        return np.cos(angle)
+    try:
+        return Fraction(repr(math.cos(angle)))
+    except TypeError:
+        raise InputError(f"{label}: there is no formula with a symbol for the pressure angle; give it as a number") from None
 
 
 # Ties: elements that are one constraint row each. The multiplier is the force or torque that each names.
@@ -241,130 +435,130 @@ class Tie(Element):
     Attributes:
         row: the coefficients by coordinate; that of the ground is ignored.
         row_value: the right-hand side.
-        level: level of the row.
     """
 
-    level: Level = "position"
+    level: Level = "position"  # of the row
     end_count = 2
     row = property(lambda self: {})
     row_value = property(lambda self: 0.0)
 
 
 @dataclass(frozen=True)
-class RigidTie(Tie):
-    """A rigid link, x_end - x_start = distance (m, or rad between bodies that turn); the multiplier is the force on the end."""
+class TwoEndedTie(Tie):
+    """A tie of two bodies."""
 
-    start: str
-    end: str
-    distance: float = 0.0
+    start: Annotated[str, Joins('The body at its start; "ground" does not move.')]
+    end: Annotated[str, Joins("The body at its end.")]
 
-    either = ("start", "end")
-    real = ("distance",)
-    row = property(lambda self: {self.start: -1.0, self.end: 1.0})
-    row_value = property(lambda self: self.distance)
+    spellings: ClassVar = Link.spellings
 
 
 @dataclass(frozen=True)
-class Lever(Tie):
-    """x_start / start_arm + x_end / end_arm = 0: a massless lever on a fixed pivot, its arms on opposite sides.
+class RigidTie(TwoEndedTie):
+    """A rigid link: x_end - x_start = distance; the multiplier is the force, or torque, on the end."""
 
-    Arms in m; a negative one lies on the same side as the other. The multiplier is the force on the start.
-    """
+    distance: Annotated[Real, Numeric(None, "x_end - x_start; a length, or an angle between bodies that turn.")] = 0.0
 
-    start: str
-    end: str
-    start_arm: float
-    end_arm: float
+    axis, symbol = None, "rod"
+    row = property(lambda self: {self.start: -1.0, self.end: 1.0})
+    row_value = property(lambda self: self.distance)
 
-    moving = ("start", "end")
-    nonzero = ("start_arm", "end_arm")
+    def settled(self, units: Mapping[str, str]) -> Self:
+        if not isinstance(self.distance, (str, Expressed)):
+            return self
+        with named(f"{self.label}: distance"):
+            return replace(self, distance=quantity(self.distance, next((units[name] for name in self.ends if name in units), "m")))
+
+
+@dataclass(frozen=True)
+class Lever(TwoEndedTie):
+    """A massless lever on a fixed pivot: x_start / start_arm + x_end / end_arm = 0; the multiplier is the force on the start."""
+
+    start_arm: Annotated[Real, Numeric("m", "The arm from the pivot to the start.", "nonzero")]
+    end_arm: Annotated[Real, Numeric("m", "The arm to the end; negative where it lies on the same side as the other.", "nonzero")]
+
+    symbol = "rod"
+    spellings: ClassVar = {**Link.spellings, "arms": ("start_arm", "end_arm")}
     row = property(lambda self: {self.start: 1.0, self.end: self.start_arm / self.end_arm})
 
 
 @dataclass(frozen=True)
-class Gear(Tie):
-    """Two wheels in mesh: start_radius q_start + end_radius q_end = 0; the multiplier is the torque on the start.
+class Gear(TwoEndedTie):
+    """Two gear wheels in mesh: start_radius q_start + end_radius q_end = 0; the multiplier is the torque on the start."""
 
-    Args:
-        start_radius, end_radius: radii in m, or numbers of teeth: only their ratio counts.
-        internal: whether one wheel has its teeth inside, which is a minus sign.
-    """
+    start_radius: Annotated[Real, Numeric("m", "Radius of the one wheel, or its number of teeth: their ratio counts.", "positive")]
+    end_radius: Annotated[Real, Numeric("m", "Radius of the other wheel, or its number of teeth.", "positive")]
+    internal: Annotated[bool, "true where one wheel runs inside the other; both then turn in the same direction."] = False
 
-    start: str
-    end: str
-    start_radius: float
-    end_radius: float
-    internal: bool = False
-
-    turning = ("start", "end")
-    positive = ("start_radius", "end_radius")
+    axis, symbol = "rad", "gear"
+    spellings: ClassVar = {**Link.spellings, "radii": ("start_radius", "end_radius"), "teeth": ("start_radius", "end_radius")}
+    sizes = property(lambda self: (self.start_radius, self.end_radius))
     row = property(lambda self: {self.start: 1.0, self.end: (-1 if self.internal else 1) * self.end_radius / self.start_radius})
 
 
 @dataclass(frozen=True)
 class Rack(Tie):
-    """A pinion and its rack, x_rack = radius q_gear, radius in m, negative where the pinion turns the other way.
+    """A rack and pinion, x_rack = radius q_gear; the multiplier is the force on the rack."""
 
-    The multiplier is the force on the rack.
-    """
+    gear: Annotated[str, Joins("The pinion, a coordinate in rad.", "rad")]
+    rack: Annotated[str, Joins("The rack, a coordinate in m.", "m")]
+    radius: Annotated[Real, Numeric("m", "The pitch radius of the pinion; negative where it turns the other way.", "nonzero")]
 
-    gear: str
-    rack: str
-    radius: float
-
-    moving = ("rack",)
-    turning = ("gear",)
-    nonzero = ("radius",)
+    symbol = "rack"
     row = property(lambda self: {self.rack: 1.0, self.gear: -self.radius})
+
+    def settled(self, units: Mapping[str, str]) -> Self:
+        if units.get(self.gear) == "m" and units.get(self.rack) == "rad":
+            raise InputError(f'gear is what turns, here "{self.rack}", and rack what moves, "{self.gear}"; they are swapped')
+        return self
 
 
 @dataclass(frozen=True)
-class Pulley(Tie):
-    """x_start + x_end - 2 x_over = -length: a rope whose ends hang below a pulley on both sides, positions upwards.
+class Pulley(TwoEndedTie):
+    """An inextensible rope whose ends hang below a pulley on both sides, x_start + x_end - 2 x_over = -length, positions upwards.
 
-    The length in m is that of the rope, both sides together; negative where the ends lie above the pulley, as those
-    of a hoist's moving block do. Without one the coordinates are displacements from a state in which the rope is taut,
-    and the right-hand side is 0. The multiplier is the tension (minus the tension where the ends lie above). The row
-    acts in both directions: a real rope goes slack where its tension would be negative.
+    The length is negative where the ends lie above the pulley. Without one the coordinates are displacements from a state in which the rope is taut, and the right-hand side is 0. The
+    multiplier is the tension (minus the tension where the ends lie above). The row acts in both directions: a real rope goes slack
+    where its tension would be negative.
     """
 
-    start: str
-    end: str
-    over: str = GROUND
-    length: float | None = None
+    over: Annotated[str, Joins("The body that carries the pulley.")] = GROUND
+    length: Annotated[Real, Numeric("m", "The length of rope on both sides; left out: just taut at the start.", "nonzero")] = None
 
-    moving = ("start", "end", "over")
-    nonzero = ("length",)
     end_count = 3
+    symbol = "belt"
     row = property(lambda self: {self.start: 1.0, self.end: 1.0, self.over: -2.0})
     row_value = property(lambda self: 0.0 if self.length is None else -self.length)
 
 
+COEFFICIENTS = 'Coordinates with their factors, e.g. { x1 = 1, q1 = -1 } or { heave = 1, pitch = "1.01 m" }.'
+
+
 @dataclass(frozen=True)
 class Relation(Tie):
-    """Any other constraint row: sum of coefficient times coordinate (or its first or second derivative) = value.
+    """One constraint row: the sum of coefficient times coordinate, or its first or second derivative, equals the value."""
 
-    Args:
-        coefficients: by name of a coordinate.
-        value: value of the sum, in the unit of its terms.
-        level: level of the row, see ``Constraint``.
-    """
+    coefficients: Annotated[Mapping[str, Real], Numeric(None, COEFFICIENTS)]
+    value: Annotated[Real, Numeric(None, "The right-hand side, constant in time.")] = 0.0
+    level: Annotated[Level, "What the row holds for: positions, velocities or accelerations."] = "position"
 
-    coefficients: Mapping[str, float]
-    value: float = 0.0
-    level: Level = "position"
-
-    real = ("value",)
     kind = "constraint"
     end_count = 1
+    spellings: ClassVar = {"rows": ("coefficients",)}
 
     def __post_init__(self):
         if not isinstance(self.coefficients, Mapping) or not self.coefficients:
             raise InputError(f'{self.label}: expected factors by coordinate, such as {{"cart": 1, "hook": -1}}')
-        factors = {name: real_number(factor, f"{self.label}: factor of {name}") for name, factor in self.coefficients.items()}
-        object.__setattr__(self, "coefficients", ReadOnly(factors))
+        object.__setattr__(self, "coefficients", self._numbers("coefficients", "factor of {}"))
         super().__post_init__()
         checked_level(self.level, self.label)
+
+    def settled(self, units: Mapping[str, str]) -> Self:
+        if not any(isinstance(each, (str, Expressed)) for each in (*self.coefficients.values(), self.value)):
+            return self
+        with named(self.label):
+            row = row_in_si(self.coefficients, self.value, self.level, units)
+        return replace(self, coefficients=row.factors, value=row.value)
 
     default_names = property(lambda self: (f"constraint {number}" for number in count(1)))
     ends = property(lambda self: dict.fromkeys(self.coefficients))
@@ -372,28 +566,67 @@ class Relation(Tie):
     row_value = property(lambda self: self.value)
 
 
+class RowInSI(NamedTuple):
+    """A constraint row in SI."""
+
+    factors: dict[str, float]  # by name of a coordinate, perhaps expressions of parameters
+    value: float  # the right-hand side, perhaps an expression
+    unit: str | None  # unit of the sum of factor times coordinate, "m", "rad" or "1"; None where its terms have several
+
+
+def row_in_si(coefficients: Mapping[str, Any], value, level: Level, units: Mapping[str, str]) -> RowInSI:
+    """The factors and the right-hand side of a constraint row in SI, between coordinates of these units.
+
+    A factor with a unit must make the unit of the terms without one of its coordinate's, as in { heave = 1, pitch = "1.01 m" };
+    where all factors have units, all terms must be of one kind. A unit of the value is understood where the terms have one.
+    """
+    measured = {name: any_quantity(factor) for name, factor in coefficients.items()}
+    bare = sorted({units[name] for name, (_, kind) in measured.items() if kind is None})
+    unit = bare[0] if len(bare) == 1 else None
+    if any(kind is not None for _, kind in measured.values()):  # otherwise no unit is looked at
+        common = _common_kinds(coefficients, {name: kind for name, (_, kind) in measured.items()}, units)
+        if not bare:
+            unit = next((unit for unit in ("m", "rad") if dimension(unit).units == common[0].units), None)
+    power = LEVELS.index(level)
+    if isinstance(value, str) and unit is None:
+        mixed = " and ".join(rate_unit(each, power) for each in bare) or "units other than m and rad"
+        raise InputError(f"value: found {shown(value)}; this row mixes {mixed}: give a plain number")
+    with named("value"):
+        number = quantity(value, rate_unit(unit, power) if unit else "1")
+    return RowInSI({name: factor for name, (factor, _) in measured.items()}, number, unit)
+
+
+def _common_kinds(rows: Mapping[str, Any], kinds: Mapping[str, Dimension | None], own: Mapping[str, str]) -> list[Dimension]:
+    """The common dimensions of the terms of a row."""
+    common = [dimension(own[name]) for name, kind in kinds.items() if kind is None]
+    for name, kind in kinds.items():
+        if kind is None:
+            continue
+        term = kind.times(dimension(own[name]))
+        common = common or [term]
+        if all(term.units != other.units for other in common):
+            wanted = " or ".join(dict.fromkeys(unit_of(other.over(dimension(own[name]))) for other in common))
+            raise InputError(
+                f"{name}: found {shown(rows[name])}; expected a factor in {wanted}, so that all terms of the row have the same unit"
+            )
+    return common
+
+
 @dataclass(frozen=True)
 class PrescribedMotion(Tie):
-    """A prescribed motion of a body: its displacement, velocity or acceleration is a signal b(t) (base excitation).
-
-    Args:
-        body: whose coordinate is prescribed.
-        signal: b with one row, such as ``mb.harmonic([0.01], frequency_hz=2)`` or a record, ``mb.sampled``; in m or rad, by s or
-            s^2 at velocity and acceleration level.
-        factor: factor of the signal, where several supports move by multiples of one signal.
-        level: "position" for a displacement, "velocity", or "acceleration".
+    """A prescribed motion of a body: its displacement, velocity or acceleration is factor times a signal b(t) (base excitation).
 
     The multiplier is the force that the support must supply.
     """
 
-    body: str
-    signal: ImpulsiveSmooth
-    factor: float = 1.0
-    level: Level = "position"
+    body: Annotated[str, Joins("The body whose coordinate is prescribed.")]
+    signal: Annotated[ImpulsiveSmooth, "b in SI with one row, e.g. mb.harmonic([0.01], frequency_hz=2) or a record, mb.sampled."]
+    factor: Annotated[Real, Numeric("1", "Factor of the signal, where several supports move by multiples of one signal.")] = 1.0
+    level: Annotated[Level, '"position" for a displacement, "velocity", or "acceleration".'] = "position"
 
-    either = ("body",)
-    real = ("factor",)
+    axis = None
     end_count = 1
+    kind = "motion"
 
     def __post_init__(self):
         super().__post_init__()
@@ -403,7 +636,6 @@ class PrescribedMotion(Tie):
             raise InputError(f'{self.label}: "ground" does not move; prescribe the motion of a body or a node')
         checked_level(self.level, self.label)
 
-    kind = "motion"
     default_names = property(lambda self: (f"motion of {self.body}{f' {number}' if number > 1 else ''}" for number in count(1)))
     row = property(lambda self: {self.body: 1.0})
     row_value = property(lambda self: self.factor * self.signal)

@@ -1,48 +1,59 @@
-"""A model of bodies along one axis, or of shafts, assembled element by element."""
+"""A model of bodies along one axis, or of shafts, assembled element by element, and the constants of its elements as parameters.
+
+Every entry of the equations is a rational function of the numbers of the elements. Its derivative is taken by a complex step,
+Im g(p + i h) / h with h = 1e-40 p, which is exact to rounding errors: nothing cancels (Squire and Trapp 1998).
+"""
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Concatenate, ParamSpec, TypeVar
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 
 from ..ground.checks import OF_FUNCTION, counted, nearest, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed, TextTable
-from ..ground.errors import InputError
+from ..ground.errors import InputError, named
+from ..ground.quantities import quantity
+from ..ground.tolerances import COMPLEX_STEP
 from ..mechanics.constraints import Constraint
 from ..mechanics.element_matrix import ElementMatrix
 from ..mechanics.energy import EnergyParts
 from ..mechanics.equations import ElementForce
+from ..mechanics.parameter import Parameter
 from ..mechanics.system import MechanicalSystem
 from ..signals.inputs import ImpulsiveSmooth, zero
-from .element_parameters import element_parameters
 from .elements import (
     Body,
     Damper,
     Element,
     Gear,
+    GearMesh,
     Inertia,
     Lever,
     Link,
     Mass,
     Node,
+    Numeric,
     PrescribedMotion,
     Pulley,
     Rack,
     Relation,
+    RigidBar,
     RigidTie,
     Spring,
     Tie,
     TorsionDamper,
     TorsionSpring,
+    entries_of,
+    numbers_of,
+    with_parts,
 )
-from .rigid_bar import RigidBar, with_parts
 from .rotor import Bearing, Rotor, Unbalance, rotor_terms
 
 STATES = {"m": "moves along the axis (m)", "rad": "turns (rad)"}
@@ -58,9 +69,17 @@ def _adds(kind: Callable[Fields, Added]) -> Callable[Concatenate[LumpedModel, Fi
     def add(self, *args, **kwargs):
         return self._add(kind(*args, **kwargs))
 
-    parameters = inspect.signature(kind).parameters.values()
+    entries = entries_of(kind)  # type: ignore[arg-type]
+    parameters, lines = [], []
+    for parameter in inspect.signature(kind).parameters.values():
+        about = entries[parameter.name].about
+        unit = f", in {about.unit}" if isinstance(about, Numeric) and about.unit not in (None, "1") else ""
+        lines.append(f"    {parameter.name}: {entries[parameter.name].text.removesuffix('.')}{unit}.")
+        parameters.append(parameter.replace(annotation=float | str if entries[parameter.name].is_number else parameter.empty))
+    text, example, further = inspect.cleandoc(kind.__doc__).partition("\n\nExample:")
+    add.__doc__ = "\n".join([f"{text}\n\nArgs:", *lines]) + example + further
     own = inspect.Parameter("self", inspect.Parameter.POSITIONAL_ONLY)
-    add.__doc__, add.__dict__["__signature__"] = kind.__doc__, inspect.Signature([own, *parameters])
+    add.__dict__ |= {"__signature__": inspect.Signature([own, *parameters]), "kind": kind}
     return add
 
 
@@ -70,14 +89,15 @@ class LumpedModel(Displayed):
     Each body has one coordinate, named as the body: its absolute position along one axis in m (a displacement
     where no rest lengths are given), or its angle in rad; a rigid bar has one of each, and one for each of its points; a rotor is a bar in
     two planes (``Rotor``). "ground" is the fixed body. Elements between bodies are
-    added after them; every method takes the arguments of the element's class and returns the element. It raises an
-    ``InputError`` for a name in use, an unknown body, one that moves where it should turn, a number out of range.
+    added after them; every method takes the arguments of the element's class, numbers in SI or texts with a unit such as "3 N/mm",
+    and returns the element. It raises an ``InputError`` for a name in use, an unknown body, one that moves where it should turn,
+    a number out of range, a wrong unit.
 
     >>> model = LumpedModel()
-    >>> _ = model.mass("cart", 10.0)
-    >>> _ = model.spring("ground", "cart", stiffness=2.0, rest_length=0.2)
+    >>> _ = model.mass("cart", "10 kg")
+    >>> _ = model.spring("ground", "cart", stiffness="3 N/mm", rest_length=0.2)
     >>> model.assemble().stiffness.tolist()
-    [[2.0]]
+    [[3000.0]]
     """
 
     def __init__(self):
@@ -113,9 +133,9 @@ class LumpedModel(Displayed):
         return dict(self._units)
 
     mass = _adds(Mass)
-    rigid_bar = _adds(RigidBar)
     inertia = _adds(Inertia)
     node = _adds(Node)
+    rigid_bar = _adds(RigidBar)
     spring = _adds(Spring)
     damper = _adds(Damper)
     torsion_spring = _adds(TorsionSpring)
@@ -123,6 +143,7 @@ class LumpedModel(Displayed):
     rigid_tie = _adds(RigidTie)
     lever = _adds(Lever)
     gear = _adds(Gear)
+    gear_mesh = _adds(GearMesh)
     rack = _adds(Rack)
     pulley = _adds(Pulley)
     rotor = _adds(Rotor)
@@ -131,8 +152,10 @@ class LumpedModel(Displayed):
     constrain = _adds(Relation)
     prescribe = _adds(PrescribedMotion)
 
-    def gravity(self, acceleration: float) -> None:
+    def gravity(self, acceleration: float | str) -> None:
         """A force m g along the axis on every mass, on a rotor along z; negative where the axis points upwards (m/s^2)."""
+        with named("gravity"):
+            acceleration = quantity(acceleration, "m/s^2") if isinstance(acceleration, str) else acceleration
         self.gravity_along = real_number(acceleration, "gravity")
 
     def force(self, name: str, signal: ImpulsiveSmooth) -> None:
@@ -155,7 +178,7 @@ class LumpedModel(Displayed):
 
     def incidence(self) -> Incidence:
         """The factors K = B^T diag(k) B, C = B^T diag(c) B, M = diag(m)."""
-        return incidence_of(self.elements)
+        return incidence_of(self.elements, self.coordinates)
 
     def assemble(self) -> MechanicalSystem:
         """M x'' + C x' + K x = f of all elements: rest lengths and weights are its static force, ties its constraint rows.
@@ -167,28 +190,29 @@ class LumpedModel(Displayed):
         units, names = self.units, self.coordinates
         if not units:
             raise InputError("the model has no body; add a mass, an inertia or a node")
-        factors, ties = self.incidence(), [element for element in with_parts(self.elements) if isinstance(element, Tie)]
-        weights = {name: self.gravity_along * mass for element in self.elements for name, mass in element.weighing.items()}
+        factors = self.incidence()
         signals = [signal.mapped(coordinate_row({name: 1.0}, names)[:, None]) for name, signal in self._forces.items()]
         turning = rotor_terms(self.elements, names)
+        springs, dampers = factors.springs.matrix, factors.dampers.matrix
         system = MechanicalSystem(
             mass=ElementMatrix(np.eye(len(names)), factors.masses),
-            damping=turning.added_to(factors.dampers.matrix, "damping") if turning else factors.dampers.matrix,
-            stiffness=turning.added_to(factors.springs.matrix, "stiffness") if turning else factors.springs.matrix,
+            damping=turning.added_to(dampers, "damping") if turning else dampers,
+            stiffness=turning.added_to(springs, "stiffness") if turning else springs,
             constraints=[
-                Constraint(coordinate_row(tie.row, names), level=tie.level, value=tie.row_value, names=tie.name) for tie in ties
+                Constraint(coordinate_row(tie.row, names), level=tie.level, value=tie.row_value, names=tie.name)
+                for tie in factors.ties
             ],
             names=names,
             force=sum(signals, zero(len(names))) if signals else None,
-            static_force=factors.springs.rest_force() + coordinate_row(weights, names),
+            static_force=factors.static_force(self.gravity_along),
             units=units,
             energy_parts=None if turning and turning.stiffness.any() else _energy_parts(factors, names),
             gyroscopic=turning and turning.gyroscopic,
         )
         if turning:
             system.speed_tables, system.unbalance, system.whirl_matrix = turning.tables, turning.unbalance, turning.whirl
-        springs = (element for element in with_parts(self.elements) if isinstance(element, (Spring, TorsionSpring)))
-        system.loss_factors = {spring.name: spring.loss_factor for spring in springs if spring.loss_factor}
+        loss_factors = {element.name: getattr(element, "loss_factor", 0.0) for element in with_parts(self.elements)}
+        system.loss_factors = {name: factor for name, factor in loss_factors.items() if factor}
         system.elements = element_forces(self.elements, names)
         system.origin = copy(self)
         system.origin._elements, system.origin._units = dict(self._elements), units  # what is added later is not in the system
@@ -205,8 +229,10 @@ class LumpedModel(Displayed):
             raise InputError(f"{element.kind}: found the name {name!r}; expected a text")
         for one in (element, *element.parts):
             self._check_name(element, one.name)
-        for name, unit in element.ends.items():
+        for name in element.ends:
             self._check_body(element.label, name)
+        element = element.settled(self._units)
+        for name, unit in element.ends.items():
             if unit and name != GROUND and self._units[name] != unit:
                 raise InputError(
                     f'{element.label}: "{name}" {STATES[self._units[name]]}, but a {element.kind} needs a body that {STATES[unit]}'
@@ -239,29 +265,28 @@ class LumpedModel(Displayed):
             )
 
 
-# The factors of the matrices of a lumped model: K = B^T diag(k) B, C = B^T diag(c) B, M = diag(m).
+# The factors of the matrices of a lumped model: K = B^T diag(k) B, C = B^T diag(c) B, M = diag(m). Their numbers are floats, complex
+# numbers for derivatives, or expressions for formulas.
 
 
 @dataclass(frozen=True, eq=False)
 class BranchRows:
-    """The springs or the dampers of a model with n coordinates, one a row.
+    """The springs or the dampers of a model with n coordinates, one a row."""
 
-    Attributes:
-        incidence: B, -1 at the start, 1 at the end, nothing for the ground, shape (p, n).
-        constants: stiffness or damping, all positive, shape (p,).
-        rest: elongation without force, shape (p,); zero for dampers.
-        names: names of the elements.
-    """
-
-    incidence: np.ndarray
-    constants: np.ndarray
-    rest: np.ndarray
-    names: tuple[str, ...]
+    incidence: np.ndarray  # B, -1 at the start, 1 at the end, nothing for the ground, or the radii of gears, shape (p, n)
+    constants: np.ndarray  # stiffness or damping, all positive, shape (p,)
+    rest: np.ndarray  # elongation without force, shape (p,); zero for dampers
+    names: tuple[str, ...]  # names of the elements
 
     @property
     def matrix(self) -> ElementMatrix:
         """B^T diag(constants) B, shape (n, n)."""
         return ElementMatrix(self.incidence, self.constants)
+
+    @property
+    def product(self) -> np.ndarray:
+        """B^T diag(constants) B as an array of its numbers, shape (n, n)."""
+        return self.incidence.T @ (self.constants[:, None] * self.incidence)
 
     def rest_force(self) -> np.ndarray:
         """B^T diag(constants) rest: the force of the rest lengths at x = 0, shape (n,)."""
@@ -270,56 +295,66 @@ class BranchRows:
 
 @dataclass(frozen=True, eq=False)
 class Incidence:
-    """Incidence matrices and constants of a model.
+    """Incidence matrices and constants of a model."""
 
-    Attributes:
-        springs, dampers: the branches of K and of C.
-        masses: masses and inertias by coordinate, zero for nodes, shape (n,).
-    """
-
-    springs: BranchRows
+    springs: BranchRows  # the branches of K and of C
     dampers: BranchRows
-    masses: np.ndarray
+    masses: np.ndarray  # masses and inertias by coordinate, zero for nodes, shape (n,)
+    weighing: np.ndarray  # the masses that gravity acts on, shape (n,)
+    ties: tuple[Tie, ...]  # the elements that are a constraint row
+
+    def static_force(self, gravity) -> np.ndarray:
+        """The force of rest lengths and weights, shape (n,)."""
+        return self.springs.rest_force() + gravity * self.weighing
 
 
-def incidence_of(elements: Sequence[Element]) -> Incidence:
+def incidence_of(elements: Sequence[Element], names: Sequence[str], dtype: type = float) -> Incidence:
     """The factors of the bodies, springs and dampers among these elements and their parts."""
+    weighing = {name: mass for element in elements for name, mass in element.weighing.items()}
     elements = with_parts(elements)
-    bodies = [element for element in elements if isinstance(element, Body)]
-    names = [body.name for body in bodies]
-    springs = [element for element in elements if isinstance(element, (Spring, TorsionSpring))]
-    dampers = [element for element in elements if isinstance(element, (Damper, TorsionDamper))]
-    return Incidence(_branches(springs, names), _branches(dampers, names), np.array([body.constant for body in bodies]))
+    links = [element for element in elements if isinstance(element, Link)]
+    return Incidence(
+        _branches(links, "stiffness", names, dtype),
+        _branches(links, "damping", names, dtype),
+        coordinate_row({element.name: element.constant for element in elements if isinstance(element, Body)}, names, dtype),
+        coordinate_row(weighing, names, dtype),
+        tuple(element for element in elements if isinstance(element, Tie)),
+    )
 
 
-def coordinate_row(coefficients: Mapping[str, float], names: Sequence[str]) -> np.ndarray:
+def _branches(links: Sequence[Link], field: str, names: Sequence[str], dtype: type) -> BranchRows:
+    links = [link for link in links if getattr(link, field, 0.0)]
+    rest = [link.rest if field == "stiffness" else 0.0 for link in links]
+    return BranchRows(
+        incidence=_rows([link.row for link in links], names, dtype),
+        constants=np.array([getattr(link, field) for link in links], dtype),
+        rest=np.array(rest, dtype),
+        names=tuple(link.name for link in links),
+    )
+
+
+def coordinate_row(coefficients: Mapping[str, Any], names: Sequence[str], dtype: type = float) -> np.ndarray:
     """Coefficients by name as a row."""
-    return np.array([coefficients.get(name, 0.0) for name in names])
+    return _rows([coefficients], names, dtype)[0]
+
+
+def _rows(coefficients: Sequence[Mapping[str, Any]], names: Sequence[str], dtype: type = float) -> np.ndarray:
+    """Coefficients by name as rows; those of other names, as of the ground, are ignored."""
+    rows, place = np.zeros((len(coefficients), len(names)), dtype), {name: i for i, name in enumerate(names)}
+    for row, factors in zip(rows, coefficients):
+        for name, factor in factors.items():
+            if name in place:
+                row[place[name]] = factor
+    return rows
 
 
 def element_forces(elements: Sequence[Element], names: Sequence[str]) -> dict[str, ElementForce]:
     """The forces of springs and dampers by name."""
-    forces = {}
-    for link in elements:
-        if isinstance(link, Link):
-            row = np.array([(name == link.end) - float(name == link.start) for name in names])
-            stiffness, damping = (0.0, link.constant) if isinstance(link, (Damper, TorsionDamper)) else (link.constant, 0.0)
-            forces[link.name] = ElementForce(row, -link.rest, stiffness, damping, "rad" if link.turning else "m")
-    return forces
-
-
-def _branches(links: Sequence[Link], names: Sequence[str]) -> BranchRows:
-    incidence, column = np.zeros((len(links), len(names))), {name: at for at, name in enumerate(names)}
-    for row, link in zip(incidence, links):
-        for end, sign in ((link.start, -1.0), (link.end, 1.0)):
-            if end in column:
-                row[column[end]] = sign
-    return BranchRows(
-        incidence=incidence,
-        constants=np.array([link.constant for link in links]),
-        rest=np.array([link.rest for link in links]),
-        names=tuple(link.name for link in links),
-    )
+    links = [element for element in elements if isinstance(element, Link)]
+    return {
+        link.name: ElementForce(row, -link.rest, getattr(link, "stiffness", 0.0), getattr(link, "damping", 0.0), link.unit)
+        for link, row in zip(links, _rows([link.row for link in links], names))
+    }
 
 
 def _energy_parts(factors: Incidence, names: Sequence[str]) -> EnergyParts:
@@ -328,3 +363,72 @@ def _energy_parts(factors: Incidence, names: Sequence[str]) -> EnergyParts:
     masses = {name: ElementMatrix(row[None], [mass]) for name, row, mass in zip(names, unit_rows, factors.masses) if mass}
     by_spring = zip(springs.names, springs.incidence, springs.constants)
     return EnergyParts(masses, {name: ElementMatrix(row[None], [constant]) for name, row, constant in by_spring})
+
+
+# The numbers of the elements as parameters.
+
+
+def element_parameters(model: LumpedModel) -> Iterator[Parameter]:
+    """One parameter for each constant of an element: named as a body or link itself, "gear 1.start_radius" for others."""
+    for element in model.elements:
+        if isinstance(element, PrescribedMotion):
+            continue
+        numbers = numbers_of(type(element))
+        for field, about in numbers.items():
+            value = getattr(element, field)
+            if value is not None and about.varied:
+                main = isinstance(element, (Body, Link)) and field == next(iter(numbers))
+                yield _parameter(model, element, field, element.name if main else f"{element.name}.{field}", float(value))
+        for field in ("points", "coefficients"):
+            for key, value in getattr(element, field, {}).items():
+                yield _parameter(model, element, field, f"{element.name}.{key}", float(value), key)
+
+
+def _parameter(model: LumpedModel, element: Element, field: str, name: str, value: float, key: str | None = None) -> Parameter:
+    step = COMPLEX_STEP * (abs(value) or 1.0)
+    number: Any = complex(value, step)
+    twin = copy(element)
+    object.__setattr__(twin, field, number if key is None else {**getattr(element, field), key: number})
+    unit = (entries_of(type(element))[field].about.unit or "m").replace("*", " ")
+    return complex_parameter(name, value, [twin], model.coordinates, step, unit, model.gravity_along)
+
+
+def exact_elements(elements: Iterable[Element], number: Callable[[Any], Any]) -> list[Element]:
+    """Copies of elements whose numbers are converted to other ones, or to expressions."""
+    twins = []
+    for element in elements:
+        twin = copy(element)
+        for name in entries_of(type(element)):
+            value = getattr(element, name)
+            if isinstance(value, Mapping):
+                object.__setattr__(twin, name, {key: number(each) for key, each in value.items()})
+            elif isinstance(value, float):
+                object.__setattr__(twin, name, number(value))
+        twins.append(twin)
+    return twins
+
+
+def complex_parameter(
+    name: str, value: float, elements: Sequence[Element], names: Sequence[str], step: float, unit: str, gravity: complex
+) -> Parameter:
+    """The derivatives from elements whose constants are those of p + i h."""
+    factors = incidence_of(elements, names, complex)
+    K, C, M, force = (
+        part.imag / step if part.imag.any() else 0.0
+        for part in (factors.springs.product, factors.dampers.product, np.diag(factors.masses), factors.static_force(gravity))
+    )
+    rows = {}
+    for tie in factors.ties:
+        if not isinstance(tie, PrescribedMotion):
+            row, right = coordinate_row(tie.row, names, complex).imag / step, complex(tie.row_value).imag / step
+            if row.any() or right:
+                rows[tie.name] = (row, right)
+    return Parameter(name, value, K, C, M, force, rows, unit)
+
+
+#: The classes of elements by the keys of their tables in scenes, in the order of these.
+ELEMENTS: dict[str, type[Element]] = {
+    "constraint" if name == "constrain" else name: method.kind
+    for name, method in vars(LumpedModel).items()
+    if name != "prescribe" and hasattr(method, "kind")
+}

@@ -8,17 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from ..ground.checks import ReadOnly, counted, real_array, real_number
+from ..ground.checks import counted, real_array
 from ..ground.coordinate_units import GROUND
-from ..ground.errors import InputError
+from ..ground.errors import InputError, named
+from ..ground.quantities import quantity
 from ..ground.tolerances import noise_of
 from ..mechanics.element_matrix import ElementMatrix, SpeedTable, unbalance_of
-from .elements import Damper, Element, Mass, Spring
-from .rigid_bar import RigidBar, unchecked, with_parts
+from .elements import Damper, Element, Joins, Mass, Numeric, Real, RigidBar, Spring, entries_of, unchecked, with_parts
+
+#: A number for both planes y and z, two of them, a matrix (2, 2), or a list of these with one for each speed of a table.
+PlaneValues = Any
 
 #: The planes through the shaft, in the order in which it turns.
 PLANES = ("y", "z")
@@ -45,12 +48,6 @@ class Rotor(Element):
     Its coordinates are "NAME y" and "NAME z" and, where it has moments of inertia, "NAME y angle" and "NAME z angle" and those of its
     points, "POINT y" and "POINT z" (``RigidBar``). Gravity acts along z.
 
-    Args:
-        mass: m > 0, in kg.
-        diametral_inertia: J_d > 0 about an axis across the shaft through the centre of mass, in kg m^2; None for a mass that does not tilt.
-        polar_inertia: J_p about the shaft, between 0 and 2 J_d, in kg m^2.
-        points: by name the distances from the centre of mass along the shaft, in m; of either sign.
-
     Example:
         A disc on springs whirls with the frequencies of k - w^2 J_d +- w W J_p = 0.
 
@@ -63,14 +60,22 @@ class Rotor(Element):
         [1.264911064, 1.414213562, 1.414213562]
     """
 
-    name: str = field()
-    mass: float
-    diametral_inertia: float | None = None
-    polar_inertia: float = 0.0
-    points: Mapping[str, float] = field(default_factory=dict)
+    name: Annotated[str, 'Its centre of mass has the coordinates "NAME y", "NAME z", its tilts "NAME y angle", "NAME z angle".'] = (
+        field()
+    )
+    mass: Annotated[Real, Numeric("kg", "Its mass.", "positive")]
+    diametral_inertia: Annotated[
+        Real, Numeric("kg*m^2", "J_d about an axis across the shaft; left out: a mass that does not tilt.", "positive")
+    ] = None
+    polar_inertia: Annotated[
+        Real, Numeric("kg*m^2", "J_p about the shaft, at most twice the diametral one.", "nonnegative", varied=False)
+    ] = 0.0
+    points: Annotated[
+        Mapping[str, Real],
+        Numeric("m", 'Points with their distances from the centre of mass along the shaft; each has "POINT y" and "POINT z".'),
+    ] = field(default_factory=dict)
 
-    positive: ClassVar[tuple[str, ...]] = ("mass", "diametral_inertia")
-    nonnegative: ClassVar[tuple[str, ...]] = ("polar_inertia",)
+    has_coordinates = True
 
     def __post_init__(self):
         super().__post_init__()
@@ -84,8 +89,7 @@ class Rotor(Element):
             )
         if not isinstance(self.points, Mapping):
             raise InputError(f'{self.label}: points: expected distances by name, such as {{"left": -0.2, "right": 0.3}}')
-        distances = {point: real_number(value, f'{self.label}: distance of "{point}"') for point, value in self.points.items()}
-        object.__setattr__(self, "points", ReadOnly(distances))
+        object.__setattr__(self, "points", self._numbers("points", 'distance of "{}"'))
 
     @property
     def weighing(self) -> dict[str, float]:
@@ -114,26 +118,28 @@ class Rotor(Element):
 
 @dataclass(frozen=True)
 class Bearing(Element):
-    """A bearing, seal or shaft between two points: the force -K r - C r' on the end, r = (y, z) the displacements relative to the start.
+    """A bearing, seal or shaft between two points: the force -K r - C r' on the end, r = (y, z) the displacements relative to the start."""
 
-    Args:
-        start, end: names of rotors, their points, or "ground".
-        stiffness: K in N/m, a number for the same in both planes, two for those of y and z, or a matrix (2, 2), of any signs and not
-            necessarily symmetric (oil films).
-        damping: C in N s/m, likewise.
-        speeds: W in rad/s, ascending; then stiffness and damping are sequences with an entry for each speed, linear between them.
-    """
+    start: Annotated[str, Joins('A rotor, a point of it, or "ground".', None)]
+    end: Annotated[str, Joins("The other one.", None)]
+    stiffness: Annotated[
+        PlaneValues,
+        Numeric("N/m", "K: one stiffness, [K_yy, K_zz], or [[K_yy, K_yz], [K_zy, K_zz]], not necessarily symmetric (oil films)."),
+    ] = 0.0
+    damping: Annotated[PlaneValues, Numeric("N*s/m", "C, likewise.")] = 0.0
+    speeds: Annotated[
+        Sequence[Real] | None,
+        Numeric("rad/s", "Speeds of a table, ascending; stiffness and damping then have an entry for each, linear in between."),
+    ] = None
 
-    start: str
-    end: str
-    stiffness: float | Sequence = 0.0
-    damping: float | Sequence = 0.0
-    speeds: Sequence[float] | None = None
-
+    spellings: ClassVar = {"between": ("start", "end")}
     end_count = 3
 
     def __post_init__(self):
         super().__post_init__()
+        for name in ("stiffness", "damping", "speeds"):
+            with named(f"{self.label}: {name}"):
+                object.__setattr__(self, name, in_si(getattr(self, name), entries_of(Bearing)[name].about.unit))
         if self.speeds is not None:
             speeds = real_array(self.speeds, f"{self.label}: speeds", shape=(None,))
             if len(speeds) < 2 or not (np.diff(speeds) > 0).all():
@@ -141,8 +147,6 @@ class Bearing(Element):
                 raise InputError(f"{self.label}: speeds: found {shown}; expected two or more, ascending, in rad/s")
         if not (self.matrices("stiffness").any() or self.matrices("damping").any()):
             raise InputError(f"{self.label}: found neither stiffness nor damping; give at least one of them")
-
-    _joined = property(lambda self: [(self.start, None), (self.end, None)])
 
     @property
     def ends(self) -> dict[str, str | None]:
@@ -170,6 +174,13 @@ class Bearing(Element):
         return matrices - np.diag(np.maximum(np.diag(matrices[0]), 0.0))
 
 
+def in_si(value, unit: str):
+    """Numbers in SI in place of texts with a unit, in lists too."""
+    if isinstance(value, (list, tuple)):
+        return [in_si(entry, unit) for entry in value]
+    return quantity(value, unit) if isinstance(value, str) else value
+
+
 def _matrices(value, speeds: Sequence[float] | None, what: str) -> np.ndarray:
     """Matrices of shape (S, 2, 2): one for each speed, or a single one."""
     if speeds is None:
@@ -191,23 +202,13 @@ def _matrix(value, what: str) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Unbalance(Element):
-    """An eccentric mass: the force moment W^2 (cos(W t + angle), sin(W t + angle)) in y and z.
+    """An eccentric mass: the force moment W^2 (cos(W t + angle), sin(W t + angle)) in y and z."""
 
-    Args:
-        on: name of a rotor or of one of its points.
-        moment: mass times eccentricity, m e >= 0, in kg m.
-        angle: from y towards z at t = 0, in rad.
-    """
+    on: Annotated[str, Joins("The rotor, or a point of it.", None)]
+    moment: Annotated[Real, Numeric("kg*m", "Mass times eccentricity.", "nonnegative", varied=False)]
+    angle: Annotated[Real, Numeric("rad", "From y towards z at t = 0.", varied=False)] = 0.0
 
-    on: str
-    moment: float
-    angle: float = 0.0
-
-    nonnegative = ("moment",)
-    real = ("angle",)
     end_count = 2
-
-    _joined = property(lambda self: [(self.on, None)])
 
     @property
     def ends(self) -> dict[str, str | None]:
@@ -219,22 +220,14 @@ class Unbalance(Element):
 
 @dataclass(frozen=True, eq=False)
 class RotorTerms:
-    """Contributions of rotors, bearings and unbalance to the equations of a model with n coordinates.
+    """Contributions of rotors, bearings and unbalance to the equations of a model with n coordinates."""
 
-    Attributes:
-        gyroscopic: G, shape (n, n).
-        whirl: masses between y and z, diametral inertias between the tilts, skew-symmetric, shape (n, n).
-        stiffness, damping: the parts that springs and dampers do not represent, shape (n, n).
-        tables: bearings whose coefficients change with the speed.
-        unbalance: u of the force W^2 Re(u e^{i W t}), complex, in kg m, shape (n,).
-    """
-
-    gyroscopic: np.ndarray
-    whirl: np.ndarray
-    stiffness: np.ndarray
+    gyroscopic: np.ndarray  # G, shape (n, n)
+    whirl: np.ndarray  # masses between y and z, diametral inertias between the tilts, skew-symmetric, shape (n, n)
+    stiffness: np.ndarray  # the parts that springs and dampers do not represent, shape (n, n)
     damping: np.ndarray
-    tables: tuple[SpeedTable, ...]
-    unbalance: np.ndarray
+    tables: tuple[SpeedTable, ...]  # bearings whose coefficients change with the speed
+    unbalance: np.ndarray  # u of the force W^2 Re(u e^{i W t}), complex, in kg m, shape (n,)
 
     def added_to(self, elements: ElementMatrix, what: str) -> ElementMatrix | np.ndarray:
         """The matrix of springs or dampers plus ``stiffness`` or ``damping``."""

@@ -5,11 +5,11 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from mbconstrained.mechanics.harmonic_response import QUANTITIES
 
 from mbconstrained.analyses.frequency import Frequency
 from mbconstrained.ground.display import TextTable, table_text
 from mbconstrained.ground.errors import SceneError
+from mbconstrained.mechanics.harmonic_response import QUANTITIES
 from mbconstrained.scene.schema.analyses.frequency_table import ResponseQuantity
 from tests.scene.scenes import COEFFICIENTS, OSCILLATOR, scene_of
 

@@ -11,7 +11,7 @@ from mbconstrained.analyses.modes import ModalAnalysis, shape_entries
 from mbconstrained.ground.display import WIDTH, TextTable, table_text
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.page.animation.shapes import cycle
-from mbconstrained.page.drawing.orientation import WIDEST_ANGLE
+from mbconstrained.page.drawing.layout import WIDEST_ANGLE
 from mbconstrained.scene.quantities.coordinates import Coordinates
 from mbconstrained.scene.run.picture.shape_drawing import ShapeDrawing
 from mbconstrained.scene.run.report.tables import share_entries

@@ -27,7 +27,7 @@ LINES = {
     "exact": 6370,
     "exchange": 1445,
     "frequency": 5538,
-    "ground": 1578,
+    "ground": 2102,
     "linalg": 4878,
     "mechanics": 10897,
     "models": 1220,

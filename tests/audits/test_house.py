@@ -33,7 +33,7 @@ HEAVY = {
     "flint": {"exact", "frequency", "linalg"},
     "matplotlib": {"frequency", "page", "studies"},
     "pydantic": {"scene", "analyses"},
-    "pint": {"scene"},
+    "pint": {"ground"},
     "typer": {"cli", "docs"},
     "rich": {"cli"},
 }

@@ -164,7 +164,7 @@ def formula(result: Result) -> object:
 
 #: Left-out stages that could be done all the same, by name.
 ALL_THE_SAME: dict[str, Callable[[Result], object]] = {
-    "units": lambda result: import_module("mbconstrained.scene.quantities.dimensions").registry(),
+    "units": lambda result: import_module("mbconstrained.ground.quantities").registry(),
     "robot model (pinocchio)": imported("pinocchio", "mbconstrained.robot"),
     "robot meshes": lambda result: result.scene.equations.robot.visuals(),
     "collision geometry": lambda result: result.scene.equations.robot.visuals(collision=True),

@@ -154,7 +154,15 @@ def built(method, *arguments, **named):
         (built("spring", "ground", "cart", -2.0), "stiffness: found -2; expected a number greater than zero"),
         (built("spring", "ground", "cart", 0.0), "stiffness: found 0; expected a number greater than zero"),
         (built("spring", "ground", "cart", float("nan")), "stiffness: .* a finite number"),
-        (built("spring", "ground", "cart", "3 N/m"), "stiffness: found .*3 N/m.*; expected a number in SI units"),
+        (
+            built("spring", "ground", "cart", "3 kg"),
+            'spring "spring ground-cart": stiffness: found "3 kg", a mass; expected a stiffness',
+        ),
+        (built("spring", "ground", "cart", "3"), 'stiffness: found "3"; expected a stiffness.*; write its unit too'),
+        (built("spring", "ground", "cart", "3 kn/m"), 'stiffness: .*there is no unit "kn"; did you mean "kN"'),
+        (built("rigid_tie", "ground", "cart", "3 deg"), 'distance: found "3 deg", an angle; expected a length'),
+        (built("constrain", {"cart": 1, "hook": "2 m"}), 'constraint "constraint 1": hook: found "2 m"; expected a factor in 1'),
+        (built("gravity", "9.81 kg"), 'gravity: found "9.81 kg", a mass; expected an acceleration'),
         (built("spring", "ground", "cart", 1.0, rest_length=float("inf")), "rest length: .* a finite number"),
         (built("damper", "ground", "cart", -1.0), "damping: found -1; expected a number greater than zero"),
         (built("mass", "ball", 0.0), 'mass "ball": found no mass; a point without mass is a node'),
@@ -171,7 +179,8 @@ def built(method, *arguments, **named):
             '"cart" moves along the axis .m., but a torsion spring needs a body that turns .rad.',
         ),
         (built("rigid_tie", "shaft", "cart"), "one end moves along the axis .m., the other turns .rad.; use a rack"),
-        (built("rack", "cart", "shaft", 0.1), '"cart" moves along the axis .m., but a rack needs a body that turns'),
+        (built("rack", "cart", "shaft", 0.1), 'gear is what turns, here "shaft", and rack what moves, "cart"; they are swapped'),
+        (built("rack", "cart", "hook", 0.1), '"cart" moves along the axis .m., but a rack needs a body that turns'),
         (built("gear", "shaft", "wheel", 0.0, 0.1), "start radius: found 0; expected a number greater than zero"),
         (built("gear", "cart", "hook", 0.1, 0.1), '"cart" moves along the axis .m., but a gear needs a body that turns .rad.'),
         (built("lever", "cart", "hook", 1.0, 0.0), "end arm: found 0; expected a length that is not zero"),
@@ -195,6 +204,26 @@ def test_errors_name_what_is_wrong(act, message):
     with pytest.raises(InputError, match=message):
         act(model)
     assert model.elements == elements  # nothing half added
+
+
+def test_texts_with_units_are_the_numbers_in_si():
+    model, same = LumpedModel(), LumpedModel()
+    model.mass("a", "2 kg"), same.mass("a", 2)
+    model.inertia("wheel", "3 g*m^2"), same.inertia("wheel", 0.003)
+    (
+        model.rigid_bar("bar", "1 t", inertia="5 kg*m^2", points={"end": "20 cm"}),
+        same.rigid_bar("bar", 1e3, inertia=5, points={"end": 0.2}),
+    )
+    model.spring("ground", "a", "3 N/mm", rest_length="5 mm"), same.spring("ground", "a", 3e3, rest_length=0.005)
+    model.torsion_damper("ground", "wheel", "2 N*m*s/rad"), same.torsion_damper("ground", "wheel", 2)
+    model.rigid_tie("a", "end", "30 mm"), same.rigid_tie("a", "end", 0.03)
+    model.constrain({"a": 1, "wheel": "0.5 m"}, "2 mm"), same.constrain({"a": 1, "wheel": 0.5}, 0.002)
+    model.rotor("disc", "4 kg"), same.rotor("disc", 4)
+    model.bearing("ground", "disc", ["1 N/mm", "2 N/mm"]), same.bearing("ground", "disc", [1e3, 2e3])
+    model.unbalance("disc", "20 kg*m", angle="90 deg"), same.unbalance("disc", 20, angle=np.pi / 2)
+    model.gravity("-1 gn"), same.gravity(-9.80665)
+    assert model.elements == same.elements and model.gravity_along == same.gravity_along
+    assert np.array_equal(model.assemble().stiffness, same.assemble().stiffness)
 
 
 def test_a_model_without_bodies():

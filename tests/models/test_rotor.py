@@ -137,7 +137,7 @@ def test_unbalance_turns_from_y_to_z():
         (lambda m: m.bearing("left", "left", 1.0), "two of its ends"),
         (lambda m: m.bearing("ground", "left"), "neither stiffness nor damping"),
         (lambda m: m.bearing("ground", "left", [1.0, 2.0, 3.0]), "two of the planes"),
-        (lambda m: m.bearing("ground", "left", "stiff"), "stiffness: found 'stiff'"),
+        (lambda m: m.bearing("ground", "left", "stiff"), 'stiffness: found "stiff"; expected a stiffness'),
         (
             lambda m: m.bearing("ground", "left", [1.0, 2.0], speeds=[2.0, 1.0]),
             "speeds: found 2, 1; expected two or more, ascending",

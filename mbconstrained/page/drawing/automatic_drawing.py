@@ -3,24 +3,34 @@
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from ...ground.coordinate_units import GROUND
 from ...models.elements import Body as ModelBody
-from ...models.elements import Element, Gear, Mass, Node, PrescribedMotion, Pulley, Rack
-from ...models.rigid_bar import with_parts
-from ...models.rotor import Unbalance
+from ...models.elements import Element, Mass, Node, Pulley, Rack, Relation, with_parts
 from .bars import bar_length, bar_pieces, bars_of
 from .bodies import Drawing, DrawnBody, DrawnLink
-from .chains import Chain
-from .joints import DrawnJoint, groups, joints_of, natural_positions, walk
-from .orientation import angle_scale, direction_of, displacement_scale, turned_piece
-from .pieces import PULLEY, Piece, stacked, tie_of
+from .chains import Chain, are_storeys, columns, storeys
+from .layout import (
+    PULLEY,
+    DrawnJoint,
+    Piece,
+    angle_scale,
+    direction_of,
+    displacement_scale,
+    groups,
+    joints_of,
+    natural_positions,
+    stacked,
+    tie_of,
+    turned_piece,
+    walk,
+)
 from .wheels import Train
 
 #: Two directions (unit vectors) that differ by less are equal within rounding error.
@@ -50,7 +60,7 @@ def lumped_drawing(
     """
     elements, motion = with_parts(elements), {} if values is None else _motion(names, values)
     bodies = [element for element in elements if isinstance(element, ModelBody)]
-    gears = [element for element in elements if isinstance(element, Gear)]
+    gears: list[Any] = [element for element in elements if element.symbol == "gear"]
     pulleys = [element for element in elements if isinstance(element, Pulley)]
     turning = [body.name for body in bodies if body.unit == "rad"]
     sliding = [body.name for body in bodies if body.unit != "rad"]
@@ -106,8 +116,7 @@ def _at_zero(body: DrawnBody, natural: dict, scale: float) -> DrawnBody:
 
 def _not_drawn(elements: Iterable[Element], known: set[str]) -> str:
     """A note of the elements without a link; gears and racks are drawn as wheels in contact."""
-    left_out = (ModelBody, Gear, Rack, PrescribedMotion, Unbalance)
-    others = (element for element in elements if not (isinstance(element, left_out) or element.parts))
+    others = (element for element in elements if element.symbol not in (None, "gear", "rack") or isinstance(element, Relation))
     missing = ", ".join(element.name for element in others if element.name not in known)
     return f"not drawn: {missing}" * bool(missing)
 
@@ -201,66 +210,3 @@ def _of_coordinate(name: str, unit: str, place: tuple[float, float, float]) -> l
         return [DrawnBody(name, "disc", place, turns={name: (0.0, -1.0, 0.0)}, size=(0.6, 0.2, 0.6))]
     rail = DrawnBody(f"rail of {name}", "rail", (place[0], 0.0, place[2] - 0.24), size=(5.0, 0.3, 0.05))
     return [rail, DrawnBody(name, "box", place, {name: (1.0, 0.0, 0.0)}, size=(0.42, 0.42, 0.42))]
-
-
-# A building: storeys one above the other that move sideways, with columns and braces between them.
-
-
-#: Extent of a slab, distance from slab to slab, and distance of the columns from the middle, drawing units.
-SLAB, STOREY, COLUMN = (3.6, 1.8, 0.24), 1.3, 1.5
-
-#: Distance of a further connection from the one in front of it, drawing units.
-BEHIND = 0.4
-
-_NAME = re.compile(r"(ground |top |roof |\d+(st|nd|rd|th) )?(floor|storey|story|roof|slab)[ _-]?\d*", re.IGNORECASE)
-
-
-def are_storeys(names: Sequence[str]) -> bool:
-    """Whether these are names of storeys, at least two.
-
-    >>> are_storeys(["floor 1", "floor_2", "roof"]), are_storeys(["floor 1", "cart"])
-    (True, False)
-    """
-    return len(names) > 1 and all(_NAME.fullmatch(name) for name in names)
-
-
-def storeys(order: Sequence[str], joints: Sequence[DrawnJoint]) -> Piece:
-    """The piece of a building.
-
-    A spring or rod is two columns, which lean as it is stretched, a damper is a brace.
-    """
-    levels = {GROUND: 0.0} | {name: STOREY * (number + 1) for number, name in enumerate(order)}
-    base = DrawnBody("ground", "base", (0.0, 0.0, -SLAB[2] / 2), size=(SLAB[0] + 1.0, SLAB[1] + 0.6, 0.1))
-    slabs = [DrawnBody(name, "box", (0.0, 0.0, levels[name]), {name: (1.0, 0.0, 0.0)}, size=SLAB) for name in order]
-    links: list[DrawnLink] = []
-    drawn: dict[tuple[str, str], int] = {}
-    for joint in joints:
-        if joint.ends <= levels.keys():
-            low, high = sorted((joint.start, joint.end), key=lambda name: levels[name])
-            number = drawn.get((low, high), 0)
-            drawn[low, high] = number + 1
-            links += _joined(joint, low, high, BEHIND * number, far=levels[high] - levels[low] > 1.5 * STOREY)
-    return Piece((base, *slabs), tuple(links))
-
-
-def columns(order: Sequence[str]) -> list[DrawnJoint]:
-    """Connections from each storey to the next one, where only the coordinates of the storeys are known."""
-    return [DrawnJoint(f"columns of {high}", "rod", low, high, None) for low, high in pairwise((GROUND, *order))]
-
-
-def _joined(joint: DrawnJoint, low: str, high: str, back: float, *, far: bool) -> list[DrawnLink]:
-    """A connection of two storeys, displaced backwards."""
-    bottom, top = (0.05 if low == GROUND else SLAB[2] / 2), -SLAB[2] / 2
-    kind = "rod" if joint.kind in ("spring", "rod") and not far else joint.kind
-    lines = [(-COLUMN, -COLUMN), (COLUMN, COLUMN)] if kind == "rod" else [(-0.7 * COLUMN, 0.7 * COLUMN)]
-    return [
-        DrawnLink(
-            joint.name if side == 0 else f"{joint.name}, right",
-            kind,
-            "ground" if low == GROUND else low,
-            high,
-            start_point=(left, back, bottom),
-            end_point=(right, back, top),
-        )
-        for side, (left, right) in enumerate(lines)
-    ]

@@ -13,14 +13,11 @@ import numpy as np
 
 from ...ground.coordinate_units import GROUND
 from ...models.elements import Body as ModelBody
-from ...models.elements import Element, Relation
-from ...models.rigid_bar import RigidBar
+from ...models.elements import Element, Relation, RigidBar
 from ...models.rotor import PLANES, Rotor, in_planes
 from .bodies import DrawnBody, DrawnLink, Shape, Solid, Vector
 from .chains import BALL, Chain
-from .joints import DrawnJoint, groups, walk
-from .orientation import turned_piece
-from .pieces import Piece
+from .layout import DrawnJoint, Piece, groups, turned_piece, walk
 
 #: Length between the outermost points of the longest bar, least distance of points, and longest bar, drawing units.
 LENGTH, CLOSEST, LONGEST = 5.0, 1.5, 14.0
@@ -40,19 +37,14 @@ _LYING = np.array([[0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 
 
 @dataclass(frozen=True)
 class Bar:
-    """A rigid bar of the model: names of its displacement, angle and rows, and its points with their distances in m.
-
-    Attributes:
-        rotor: the name of the rotor whose bar in one plane it is.
-        plane: "y" or "z", that of its displacements.
-    """
+    """A rigid bar of the model: names of its displacement, angle and rows, and its points with their distances in m."""
 
     name: str
     angle: str | None
     points: Mapping[str, float]
     rows: frozenset[str]
-    rotor: str | None = None
-    plane: str = "z"
+    rotor: str | None = None  # the name of the rotor whose bar in one plane it is
+    plane: str = "z"  # "y" or "z", that of its displacements
 
     @property
     def places(self) -> dict[str, float]:

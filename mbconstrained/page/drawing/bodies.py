@@ -41,29 +41,23 @@ _UNNAMED = ("mark", "rail", "ground", "base")
 class Solid:
     """A box, cylinder, sphere or mesh, fixed in the frame of a body.
 
-    Attributes:
-        kind: "box", "cylinder" (axis z), "sphere" or "mesh".
-        size: size of a box its extents along x, y, z; of a cylinder its radius and length; of a sphere its radius.
-        placement: shape (4, 4), from the solid's frame to the body's, a rotation and a translation.
-        color: "#rrggbb", or None for that of the body.
-        opacity: from 0 to 1.
-        vertices, faces: of a mesh, shapes (k, 3) and (f, 3); a face has the numbers of its three corners. Equal vertices are
-            merged, and those without a face and faces without area removed, so that the same mesh is the same numbers.
-        image: a JPEG file that a mesh shows instead of the colour, or None.
-        places: of the corners of each face in the image, shape (f, 3, 2), from (0, 0) at its lower left to (1, 1).
-
     >>> Solid("cylinder", (0.1, 2)).corners.max(axis=1)
     array([0.1, 0.1, 1. ])
     """
 
-    kind: str
+    kind: str  # "box", "cylinder" (axis z), "sphere" or "mesh"
+    # size of a box its extents along x, y, z; of a cylinder its radius and length; of a sphere its radius
     size: tuple[float, ...] = ()
+    # shape (4, 4), from the solid's frame to the body's, a rotation and a translation
     placement: np.ndarray = field(default_factory=lambda: np.eye(4))
-    color: str | None = None
-    opacity: float = 1.0
+    color: str | None = None  # "#rrggbb", or None for that of the body
+    opacity: float = 1.0  # from 0 to 1
+    # of a mesh, shapes (k, 3) and (f, 3); a face has the numbers of its three corners. Equal vertices are merged, and those without
+    # a face and faces without area removed, so that the same mesh is the same numbers.
     vertices: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     faces: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), dtype=int))
-    image: bytes | None = None
+    image: bytes | None = None  # a JPEG file that a mesh shows instead of the colour, or None
+    # of the corners of each face in the image, shape (f, 3, 2), from (0, 0) at its lower left to (1, 1)
     places: np.ndarray | None = None
 
     def __post_init__(self):
@@ -95,42 +89,31 @@ class Solid:
 class DrawnBody:
     """A drawn object that the coordinates move.
 
-    Attributes:
-        name: differs from the other bodies' names.
-        shape: "box" (a mass), "sphere" (a massless joint), "disc", "gear" or "ring" (an inertia, a toothed wheel, a wheel
-            with teeth inside; its axis is y), "mark" (a point such as a pivot), "rail" (along which a body moves),
-            "ground" (a hatched wall), "base" (a hatched plate that lies flat), "solids" (its solids).
-        rest: position where all coordinates are zero, in drawing units.
-        moves: coordinate name -> displacement in drawing units per unit of the coordinate.
-        turns: coordinate name -> rotation vector in rad per unit of the coordinate; (0, -1, 0) is counter-clockwise.
-        size: extent along x, y and z in drawing units, None for the usual one; along x it is the diameter of a wheel.
-        color: "#rrggbb", or None for the usual colour.
-        label: text next to the body; None for its name, except for a mark, a rail or the ground.
-        rest_turn: rotation vector in rad where all coordinates are zero.
-        teeth: number of teeth of a gear or ring.
-        solids: of a body of the shape "solids", whose size is ignored.
-        collision: further solids that the page shows on request.
-        path: its poses at the times of the animation; rest, moves and turns are then ignored.
-        ellipsoid: placement (4, 4) of a unit sphere, column by column, that makes it a uniform ellipsoid with centre of mass and
-            inertia of the body; None where there is no mass.
-
     >>> DrawnBody("cart", rest=(1, 0, 0), moves={"x1": (1, 0, 0)}).shape
     'box'
     """
 
-    name: str
+    name: str  # differs from the other bodies' names
+    # "box" (a mass), "sphere" (a massless joint), "disc", "gear" or "ring" (an inertia, a toothed wheel, a wheel with teeth inside;
+    # its axis is y), "mark" (a point such as a pivot), "rail" (along which a body moves), "ground" (a hatched wall), "base" (a
+    # hatched plate that lies flat), "solids" (its solids)
     shape: Shape = "box"
-    rest: Vector = (0.0, 0.0, 0.0)
+    rest: Vector = (0.0, 0.0, 0.0)  # position where all coordinates are zero, in drawing units
+    # coordinate name -> displacement in drawing units per unit of the coordinate
     moves: Mapping[str, Vector] = field(default_factory=dict)
+    # coordinate name -> rotation vector in rad per unit of the coordinate; (0, -1, 0) is counter-clockwise
     turns: Mapping[str, Vector] = field(default_factory=dict)
+    # extent along x, y and z in drawing units, None for the usual one; along x it is the diameter of a wheel
     size: Vector | None = None
-    color: str | None = None
-    label: str | None = None
-    rest_turn: Vector = (0.0, 0.0, 0.0)
-    teeth: int = 24
-    solids: tuple[Solid, ...] = ()
-    collision: tuple[Solid, ...] = ()
-    path: Path | None = None
+    color: str | None = None  # "#rrggbb", or None for the usual colour
+    label: str | None = None  # text next to the body; None for its name, except for a mark, a rail or the ground
+    rest_turn: Vector = (0.0, 0.0, 0.0)  # rotation vector in rad where all coordinates are zero
+    teeth: int = 24  # number of teeth of a gear or ring
+    solids: tuple[Solid, ...] = ()  # of a body of the shape "solids", whose size is ignored
+    collision: tuple[Solid, ...] = ()  # further solids that the page shows on request
+    path: Path | None = None  # its poses at the times of the animation; rest, moves and turns are then ignored
+    # placement (4, 4) of a unit sphere, column by column, that makes it a uniform ellipsoid with centre of mass and inertia of the
+    # body; None where there is no mass
     ellipsoid: tuple[float, ...] | None = None
 
     def __post_init__(self):
@@ -163,33 +146,26 @@ class DrawnBody:
 
 @dataclass(frozen=True)
 class DrawnLink:
-    """A drawn connection of two bodies.
+    """A drawn connection of two bodies."""
 
-    Attributes:
-        name: for messages.
-        kind: "spring", "damper", "strut" (a spring around a damper), "rod", "bushing" (a soft block), "loop" (a ball on
-            the end's body in a socket on the start's, so that a gap is visible), "torsion spring", "torsion damper" or "belt".
-        start, end: names of the bodies. Between wheels on one axis a torsion spring is a helix, otherwise a spiral from
-            its start to the hub at its end.
-        offset: shift of both ends across the link, so that parallel links do not overlap; an end that is shifted
-            out of its body is joined to it by a post.
-        end_offset: shift of the end where it differs from that of the start.
-        over: for a belt, the name of the wheel that it runs over.
-        start_point, end_point: its ends in the frames of the bodies, with which these points turn; None for the
-            side of the body that faces the other end, shifted by the offset, which does not turn.
-        turn: rotation vector (rad) of the frame in which it is drawn: wheels that it joins have their axes along the y axis
-            of this frame.
-    """
-
-    name: str
+    name: str  # for messages
+    # "spring", "damper", "strut" (a spring around a damper), "rod", "bushing" (a soft block), "loop" (a ball on the end's body in a
+    # socket on the start's, so that a gap is visible), "torsion spring", "torsion damper" or "belt"
     kind: LinkKind
+    # names of the bodies. Between wheels on one axis a torsion spring is a helix, otherwise a spiral from its start to the hub at
+    # its end.
     start: str
     end: str
+    # shift of both ends across the link, so that parallel links do not overlap; an end that is shifted out of its body is joined to
+    # it by a post
     offset: Vector = (0.0, 0.0, 0.0)
-    end_offset: Vector | None = None
-    over: str | None = None
+    end_offset: Vector | None = None  # shift of the end where it differs from that of the start
+    over: str | None = None  # for a belt, the name of the wheel that it runs over
+    # its ends in the frames of the bodies, with which these points turn; None for the side of the body that faces the other end,
+    # shifted by the offset, which does not turn
     start_point: Vector | None = None
     end_point: Vector | None = None
+    # rotation vector (rad) of the frame in which it is drawn: wheels that it joins have their axes along the y axis of this frame
     turn: Vector = (0.0, 0.0, 0.0)
 
     def __post_init__(self):
@@ -200,50 +176,29 @@ class DrawnLink:
 
 @dataclass(frozen=True)
 class View:
-    """A point of view.
+    """A point of view."""
 
-    Attributes:
-        yaw: angle to the right of the front, in rad.
-        pitch: angle above the horizontal, in rad.
-        zoom: magnification; at 1 the whole motion fills the picture.
-    """
-
-    yaw: float = 0.0
-    pitch: float = 0.0
-    zoom: float = 1.0
+    yaw: float = 0.0  # angle to the right of the front, in rad
+    pitch: float = 0.0  # angle above the horizontal, in rad
+    zoom: float = 1.0  # magnification; at 1 the whole motion fills the picture
 
 
 @dataclass(frozen=True, eq=False)
 class SliderPosing:
-    """Sliders for the posture of a robot: q = columns s, each link by the product exp(S_1 q_1) ... exp(S_n q_n).
+    """Sliders for the posture of a robot: q = columns s, each link by the product exp(S_1 q_1) ... exp(S_n q_n)."""
 
-    Attributes:
-        names, units, limits: names, units and symmetric limits of the r sliders s.
-        columns: shape (n, r).
-        twists: S_i, velocity at the origin and rate of rotation, shape (6, n).
-        moving: by link, the indices of its own coordinates.
-        rest: by link, the pose in the posture.
-    """
-
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # names, units and symmetric limits of the r sliders s
     units: tuple[str, ...]
     limits: tuple[float, ...]
-    columns: np.ndarray
-    twists: np.ndarray
-    moving: Mapping[str, tuple[int, ...]]
-    rest: Mapping[str, Path]
+    columns: np.ndarray  # shape (n, r)
+    twists: np.ndarray  # S_i, velocity at the origin and rate of rotation, shape (6, n)
+    moving: Mapping[str, tuple[int, ...]]  # by link, the indices of its own coordinates
+    rest: Mapping[str, Path]  # by link, the pose in the posture
 
 
 @dataclass(frozen=True)
 class Drawing:
     """Bodies and links, and the magnification of their motion.
-
-    Attributes:
-        scale, turn_scale: magnification of the displacements and of the angles; the page states both.
-        note: a sentence shown with the picture, or an empty string.
-        view: the point of view, or None for one that shows most.
-        turn: rotation vector (rad) of the whole drawing, applied last.
-        posing: by sliders, of a robot, or None.
 
     Raises:
         InputError: two bodies of one name.
@@ -251,12 +206,12 @@ class Drawing:
 
     bodies: tuple[DrawnBody, ...]
     links: tuple[DrawnLink, ...] = ()
-    scale: float = 1.0
+    scale: float = 1.0  # magnification of the displacements and of the angles; the page states both
     turn_scale: float = 1.0
-    note: str = ""
-    view: View | None = None
-    turn: Vector = (0.0, 0.0, 0.0)
-    posing: SliderPosing | None = None
+    note: str = ""  # a sentence shown with the picture, or an empty string
+    view: View | None = None  # the point of view, or None for one that shows most
+    turn: Vector = (0.0, 0.0, 0.0)  # rotation vector (rad) of the whole drawing, applied last
+    posing: SliderPosing | None = None  # by sliders, of a robot, or None
 
     def __post_init__(self):
         for name, count in Counter(body.name for body in self.bodies).items():

@@ -17,16 +17,13 @@ class Path:
 
     The page interpolates both by cubic polynomials between the times, and brings the quaternions back to unit length.
 
-    Attributes:
-        positions: shape (3, T) in drawing units (m for a robot), or (3, 1) for a body that rests.
-        quaternions: shape (4, T), x y z w, of unit length; their signs are chosen so that neighbours are near each other
-            (q and -q are the same orientation).
-
     >>> Path([[0, 1], [0, 0], [0, 0]], [[0, 0], [0, 0], [0, 0], [1, -1]]).quaternions[3]
     array([1., 1.])
     """
 
-    positions: np.ndarray
+    positions: np.ndarray  # shape (3, T) in drawing units (m for a robot), or (3, 1) for a body that rests
+    # shape (4, T), x y z w, of unit length; their signs are chosen so that neighbours are near each other (q and -q are the same
+    # orientation)
     quaternions: np.ndarray
 
     def __post_init__(self):

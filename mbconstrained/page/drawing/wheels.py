@@ -12,10 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...ground.coordinate_units import GROUND
-from ...models.elements import Gear
+from ...models.elements import Gear, GearMesh
 from .bodies import DrawnBody, DrawnLink, Shape, Vector
-from .joints import DrawnJoint, groups, walk
-from .pieces import Piece
+from .layout import DrawnJoint, Piece, groups, walk
 
 #: Distances from body to body along a shaft, from a shaft to its wall, and between unconnected shafts, drawing units.
 PITCH, WALL_DISTANCE, SHAFT_GAP = 1.3, 1.3, 3.0
@@ -43,7 +42,9 @@ class Train:
         racked: the bodies with a rack below them.
     """
 
-    def __init__(self, names: list[str], massless: frozenset[str], joints: list[DrawnJoint], gears: list[Gear], racked=frozenset()):
+    def __init__(
+        self, names: list[str], massless: frozenset[str], joints: list[DrawnJoint], gears: list[Gear | GearMesh], racked=frozenset()
+    ):
         self.massless = massless
         self.racked = racked
         self.joints = [joint for joint in joints if joint.ends <= {GROUND, *names}]
@@ -70,13 +71,13 @@ class Train:
         bodies = (body for own in (*drawn.values(), *(anchor.bodies for anchor in anchors)) for body in own)
         return Piece(tuple(bodies), (*inner, *(link for anchor in anchors for link in anchor.links)))
 
-    def _is_next(self, gear: Gear) -> bool:
+    def _is_next(self, gear: Gear | GearMesh) -> bool:
         """Whether one of its shafts has a position and the other does not."""
         return (self.shaft_of[gear.start] in self.axes) != (self.shaft_of[gear.end] in self.axes)
 
-    def _mesh(self, gear: Gear) -> None:
+    def _mesh(self, gear: Gear | GearMesh) -> None:
         """Places the other shaft of a gear so that its wheels touch, in the first direction in which no wheel meshes yet."""
-        ends = [(gear.start, gear.start_radius), (gear.end, gear.end_radius)]
+        ends = [*zip((gear.start, gear.end), gear.sizes)]
         if self.shaft_of[gear.start] not in self.axes:
             ends.reverse()
         (one, radius), (other, other_radius) = ends

@@ -16,12 +16,12 @@ from ...control.state_equations import Transfer, rational_transfer
 from ...control.state_space import StateSpace
 from ...control.transfer_function import transfer_function_response
 from ...ground.checks import nearest
-from ...ground.errors import IllConditioned, InputError, NoNormalForm, SceneError
+from ...ground.errors import IllConditioned, InputError, NoNormalForm, SceneError, shown
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...response.response import Response
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import power, zero
-from ..file.messages import at, shown
+from ..file.messages import at
 from ..quantities.coordinates import Coordinates, initial_values, state_values
 from .data_files import entries_of
 from .forces import input_of

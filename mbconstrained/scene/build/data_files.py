@@ -8,9 +8,9 @@ import numpy as np
 
 from ...exchange.matrices import full_matrix, read_matrix
 from ...ground.errors import InputError
+from ...ground.quantities import LARGEST, LEAST
 from ..file.reading import inside
 from ..quantities.coordinates import force_value
-from ..quantities.quantities import LARGEST, LEAST
 from .record_file import record_in_si
 
 

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...ground.errors import InputError
+from ...ground.errors import InputError, shown
 from ...ground.notices import Notice
+from ...ground.quantities import Expressed, quantity
 from ...ground.tolerances import CONSISTENT_ROWS
 from ...linalg.scaling import equilibration
 from ...mechanics.channels import channels
@@ -22,9 +23,8 @@ from ...response.response import Response
 from ...response.solve import solve
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import zero
-from ..file.messages import SceneName, at, shown
+from ..file.messages import SceneName, at
 from ..quantities.coordinates import DERIVATIVES, FORCE_UNITS, Coordinates, beyond_noise, constraint_row, initial_values
-from ..quantities.quantities import Expressed, quantity
 from .data_files import entries_of
 from .forces import SceneForce, force_of, load_patterns, loads_of, prescribed_motions, unbalance_loads
 

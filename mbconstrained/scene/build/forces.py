@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...ground.checks import nearest
-from ...ground.errors import InputError
+from ...ground.errors import InputError, named, shown
 from ...mechanics.constraints import LEVELS, Constraint
 from ...signals import inputs as signals
-from ..file.messages import at, named, shown
+from ..file.messages import at
 from ..quantities.coordinates import FORCE_UNITS, Coordinates, force_value, with_time
 from .data_files import record_of
 

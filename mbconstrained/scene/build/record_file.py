@@ -10,11 +10,23 @@ import numpy as np
 from ...exchange.samples import Samples, read_samples
 from ...ground.checks import counted, real_number
 from ...ground.display import Displayed
-from ...ground.errors import InputError
+from ...ground.errors import InputError, shown
+from ...ground.quantities import (
+    KINDS,
+    LARGEST,
+    LEAST,
+    Dimension,
+    Expressed,
+    any_quantity,
+    described,
+    dimension,
+    meant,
+    quantity,
+    same_kind,
+    unit_name,
+    unit_of,
+)
 from ...signals.inputs import ImpulsiveSmooth, sampled
-from ..file.messages import shown
-from ..quantities.dimensions import KINDS, Dimension, described, dimension, meant, same_kind, unit_of
-from ..quantities.quantities import LARGEST, LEAST, Expressed, any_quantity, quantity, unit_name
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...ground.errors import InputError
+from ...ground.errors import InputError, shown
+from ...ground.quantities import count_texts
 from ..file.includes import ROBOT_FILE, robot_tables
-from ..file.messages import at, shown
+from ..file.messages import at
 from ..file.reading import inside
-from ..quantities.quantities import count_texts
 from ..schema.validation import validated
 from .robot_values import PLACE, UrdfNames, joint_values, names_of_urdf, posing, robot_arguments
 

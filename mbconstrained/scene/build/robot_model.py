@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...ground.errors import InputError
+from ...ground.errors import InputError, shown
 from ..file.includes import robot_name, robot_path
-from ..file.messages import SceneName, at, shown
+from ..file.messages import SceneName, at
 from ..quantities.coordinates import Coordinates
 from .robot_file import RobotData, robot_data, robot_of
 from .robot_values import PLACE, joint_values, point_motion, posing

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 from ...ground.checks import nearest
 from ...ground.coordinate_units import GROUND
-from ...ground.errors import InputError
-from ..file.messages import EntryError, at, named, shown
-from ..quantities.quantities import quantity
+from ...ground.errors import InputError, named, shown
+from ...ground.quantities import quantity
+from ..file.messages import EntryError, at
 
 if TYPE_CHECKING:
     from ...robot.description.srdf import SemanticDescription

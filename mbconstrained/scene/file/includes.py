@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from ...ground.checks import nearest
-from ...ground.errors import InputError, SceneError
-from .messages import Place, SceneName, at, shown, written
+from ...ground.errors import InputError, SceneError, shown
+from .messages import Place, SceneName, at, written
 from .reading import FileKind, parse, read_text
 
 ROBOT_FILE = "robot.toml"

@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
-from ...ground.errors import InputError, SceneError
+from ...ground.errors import InputError, SceneError, shown
 
 #: The origin of entries that the command line sets.
 ORIGIN = "--set"
@@ -118,15 +118,6 @@ def at(file_name: str, where: str = "") -> Iterator[None]:
         raise SceneError(": ".join(_located(file_name, f"{where}: {problem}" if where else str(problem), problem))) from None
 
 
-@contextmanager
-def named(name: str) -> Iterator[None]:
-    """A context that adds a name to the message of an InputError about its value."""
-    try:
-        yield
-    except InputError as problem:
-        raise InputError(f"{name}: {problem}") from None
-
-
 def together(file_name: str, problems: Sequence[str | tuple[str, Exception | None]], more: int = 0) -> str:
     """One message for several problems."""
     pairs = [(problem, None) if isinstance(problem, str) else problem for problem in problems]
@@ -189,26 +180,3 @@ def _parts(text: str) -> tuple[list, list[int]]:
         parts.append(match[1] or match[2] or int(match[3]))
         ends.append(match.end())
     return parts, ends
-
-
-def shown(value, longest: int = 60) -> str:
-    """A value as quoted in messages."""
-    text = getattr(value, "text", value)  # an expression of parameters shows as written
-    if isinstance(text, str):
-        text = quoted(text[: longest + 1])
-    elif isinstance(value, bool):
-        text = str(value).lower()
-    elif isinstance(value, dict):
-        text = "a table"
-    elif isinstance(value, list):
-        text = f"an array of {len(value)}"
-    elif isinstance(value, int) and abs(value) > 10**18:
-        text = "a whole number of more than 18 digits"
-    else:
-        text = str(value)
-    return text if len(text) <= longest + 2 else text[:longest] + "..."
-
-
-def quoted(text: str) -> str:
-    """The text in double quotes with every unprintable character escaped."""
-    return '"' + "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text) + '"'

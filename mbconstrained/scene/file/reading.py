@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ...ground.checks import nearest
-from ...ground.errors import InputError, SceneError
-from .messages import quoted, shown
+from ...ground.errors import InputError, SceneError, quoted, shown
 
 LARGEST_SCENE = 1_000_000  # bytes; larger matrices belong into files next to the scene
 DEEPEST_NAME = 40  # parts of a dotted name; tomllib needs quadratic time for longer ones

@@ -1,2 +1,1 @@
-"""Numbers with units. Read ``dimensions``, ``quantities``, then ``parameters`` with ``expressions``, then ``coordinates`` with their
-values; ``settings`` are values from the command line."""
+"""Numbers with units in scenes. Read ``parameters``, then ``coordinates`` with their values; ``settings`` are values from the command line."""

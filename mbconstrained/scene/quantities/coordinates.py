@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...ground.checks import nearest
 from ...ground.coordinate_units import DERIVATIVES
-from ...ground.errors import InputError
+from ...ground.errors import InputError, named, shown
+from ...ground.quantities import quantity
 from ...ground.tolerances import noise_of
-from ...mechanics.constraints import LEVELS
-from ..file.messages import EntryError, at, named, shown
-from .dimensions import Dimension, dimension, unit_of
+from ...models.elements import RowInSI, row_in_si
+from ..file.messages import EntryError, at
 from .output_units import OutputUnits
-from .quantities import any_quantity, quantity
 
 FORCE_UNITS = {"m": "N", "rad": "N*m"}
 
@@ -44,18 +41,7 @@ class Coordinates:
     shown: OutputUnits = OutputUnits()
 
     def number(self, name: str, *others: str) -> int:
-        """The number of a coordinate, from 0.
-
-        Args:
-            name: name of the coordinate.
-            others: names that may stand there as well.
-
-        Returns:
-            Its number.
-
-        Raises:
-            InputError: no such coordinate.
-        """
+        """The number of a coordinate, from 0; an InputError names the others, and those that may stand there as well."""
         if name not in self.names:
             hint = nearest(name, (*self.names, *others))
             inputs = f", the inputs {', '.join(others)}" if others else ""
@@ -72,15 +58,7 @@ class Coordinates:
         return [{"name": name, "unit": unit} for name, unit in zip(self.names, self.units)]
 
     def derivative_unit(self, index: int, order: int) -> str:
-        """The unit of a derivative of a coordinate.
-
-        Args:
-            index: index of the coordinate.
-            order: order of the derivative.
-
-        Returns:
-            The unit, e.g. m/s^2.
-        """
+        """The unit of a derivative of a coordinate, e.g. m/s^2."""
         return with_time(self.units[index], -order)
 
 
@@ -130,57 +108,11 @@ def _row(row: dict | list, coordinates: Coordinates, order: int) -> np.ndarray:
     return values
 
 
-class SceneRow(NamedTuple):
-    """A constraint row in SI.
-
-    Attributes:
-        factors: by name of a coordinate, perhaps expressions of parameters.
-        value: the right-hand side, perhaps an expression.
-        unit: unit of the sum of factor times coordinate, "m", "rad" or "1"; None where its terms have several.
-    """
-
-    factors: dict[str, float]
-    value: float
-    unit: str | None
-
-
-def constraint_row(table, coordinates: Coordinates) -> SceneRow:
-    """The factors and the right-hand side of a constraint row in SI.
-
-    A factor with a unit must make the unit of the terms without one of its coordinate's, as in { heave = 1, pitch = "1.01 m" };
-    where all factors have units, all terms must be of one kind. A unit of the value is understood where the terms have one.
-    """
-    own = {name: coordinates.units[coordinates.number(name)] for name in table.rows}
-    measured = {name: any_quantity(factor) for name, factor in table.rows.items()}
-    units = sorted({own[name] for name, (_, kind) in measured.items() if kind is None})
-    unit = units[0] if len(units) == 1 else None
-    if any(kind is not None for _, kind in measured.values()):  # otherwise no unit is looked at
-        common = _common_kinds(table.rows, {name: kind for name, (_, kind) in measured.items()}, own)
-        if not units:
-            unit = next((unit for unit in ("m", "rad") if dimension(unit).units == common[0].units), None)
-    power = LEVELS.index(table.level)
-    if isinstance(table.value, str) and unit is None:
-        mixed = " and ".join(with_time(unit, -power) for unit in units) or "units other than m and rad"
-        raise InputError(f"value: found {shown(table.value)}; this row mixes {mixed}: give a plain number")
-    with named("value"):
-        value = quantity(table.value, with_time(unit or "1", -power)) if unit else quantity(table.value, "1")
-    return SceneRow({name: number for name, (number, _) in measured.items()}, value, unit)
-
-
-def _common_kinds(rows: Mapping[str, Any], kinds: Mapping[str, Dimension | None], own: Mapping[str, str]) -> list[Dimension]:
-    """The common dimensions of the terms of a row."""
-    common = [dimension(own[name]) for name, kind in kinds.items() if kind is None]
-    for name, kind in kinds.items():
-        if kind is None:
-            continue
-        term = kind.times(dimension(own[name]))
-        common = common or [term]
-        if all(term.units != other.units for other in common):
-            wanted = " or ".join(dict.fromkeys(unit_of(other.over(dimension(own[name]))) for other in common))
-            raise InputError(
-                f"{name}: found {shown(rows[name])}; expected a factor in {wanted}, so that all terms of the row have the same unit"
-            )
-    return common
+def constraint_row(table, coordinates: Coordinates) -> RowInSI:
+    """The factors and the right-hand side of a constraint row of a table in SI."""
+    for name in table.coefficients:
+        coordinates.number(name)
+    return row_in_si(table.coefficients, table.value, table.level, dict(zip(coordinates.names, coordinates.units)))
 
 
 def force_value(value, unit: str | None, time_power: int = 0, what: str = "value") -> float:

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...ground.display import with_unit
-from ...ground.errors import InputError
-from ..file.messages import shown
-from .dimensions import dimension, meant, unit_named
-from .quantities import unit_name
-from .units import registry
+from ...ground.errors import InputError, shown
+from ...ground.quantities import dimension, meant, unit_name, unit_named
+from ...ground.units import registry
 
 ACCELERATION = "m/s^2"
 
@@ -23,9 +21,6 @@ class OutputUnits:
 
     Accelerations remain in m/s^2 unless they have a unit of their own, such as mm/s^2 or g.
 
-    Attributes:
-        units: each of another kind; none for SI.
-
     >>> units = OutputUnits(("mm", "deg", "rpm", "kN"))
     >>> units.of("m/s"), units.of("N m"), units.of("rad/s")[0], units.of("J")
     (('mm/s', 1000.0), ('kN m', 0.001), 'rpm', ('J', 1.0))
@@ -33,17 +28,10 @@ class OutputUnits:
     (('m/s^2', 1.0), ('mm/s^2', 1000.0))
     """
 
-    units: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()  # each of another kind; none for SI
 
     def of(self, unit: str) -> tuple[str, float]:
-        """The unit in place of an SI unit, with its factor.
-
-        Args:
-            unit: as texts write it, products with a blank.
-
-        Returns:
-            Its name, and the factor of the values.
-        """
+        """The unit in place of an SI unit, which has products with a blank, with the factor of the values."""
         for each in self.units if unit != "1" else ():
             if _alike(each, unit):
                 return _SHOWN.get(each, each), _factor(unit, each)
@@ -69,15 +57,7 @@ class OutputUnits:
         return f"{above}/({below})" if any(sign in below for sign in " /") else f"{above}/{below}", up / down
 
     def text(self, value: float, unit: str) -> str:
-        """A value in SI as a text in the selected unit.
-
-        Args:
-            value: in the unit.
-            unit: unit of SI.
-
-        Returns:
-            Number and unit.
-        """
+        """A value in SI as a text in the selected unit."""
         name, factor = self.of(unit)
         return with_unit(factor * value, name)
 

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...ground.checks import nearest
-from ...ground.errors import InputError
+from ...ground.errors import InputError, quoted, shown
 from ...ground.notices import Notice, NoticeKind
-from ..file.messages import ORIGIN, Place, SceneName, at, parts_of, quoted, shown, written
-from ..quantities.dimensions import described, unit_of
-from .quantities import any_quantity
+from ...ground.quantities import any_quantity, described, unit_of
+from ..file.messages import ORIGIN, Place, SceneName, at, parts_of, written
 
 TEXTS = ("title", "source")  # what stands above all tables
 PLACES = "time.end, model.mass[1].mass or model.mass.cart.mass"
@@ -20,17 +19,11 @@ PLACES = "time.end, model.mass[1].mass or model.mass.cart.mass"
 
 @dataclass(frozen=True)
 class Setting:
-    """A value set on the command line.
+    """A value set on the command line."""
 
-    Attributes:
-        name: name of the parameter, or the place.
-        value: the new value, as it could be written in the file.
-        before: the previous value; None without one.
-    """
-
-    name: str
-    value: Any
-    before: Any = None
+    name: str  # name of the parameter, or the place
+    value: Any  # the new value, as it could be written in the file
+    before: Any = None  # the previous value; None without one
 
     @property
     def notice(self) -> Notice:

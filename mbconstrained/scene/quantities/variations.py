@@ -11,10 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ...ground.errors import InputError
-from ..file.messages import shown
-from .dimensions import Dimension, described, unit_of
-from .quantities import any_quantity
+from ...ground.errors import InputError, shown
+from ...ground.quantities import Dimension, any_quantity, described, unit_of
 
 #: Values of one range or list: more are another kind of study.
 MOST_VALUES = 1_000_000
@@ -29,15 +27,10 @@ _PERCENT = re.compile(r"([-+]?[\d.eE+-]+)\s*%")
 
 @dataclass(frozen=True)
 class Values:
-    """Given values, combined with all values of other parameters.
+    """Given values, combined with all values of other parameters."""
 
-    Attributes:
-        values: numbers in SI, or texts.
-        unit: unit of the numbers in SI; an empty string for plain numbers and texts.
-    """
-
-    values: tuple[Any, ...]
-    unit: str = ""
+    values: tuple[Any, ...]  # numbers in SI, or texts
+    unit: str = ""  # unit of the numbers in SI; an empty string for plain numbers and texts
 
     @property
     def nominal(self):
@@ -60,21 +53,14 @@ class Values:
 
 @dataclass(frozen=True)
 class Distribution:
-    """Random values.
+    """Random values."""
 
-    Attributes:
-        kind: "uniform", "normal" or "lognormal".
-        first, second: the ends of a uniform distribution; or mean and standard deviation, of a lognormal one those of the value itself.
-        low, high: limits of the truncation.
-        unit: in SI; an empty string for plain numbers.
-    """
-
-    kind: str
-    first: float
+    kind: str  # "uniform", "normal" or "lognormal"
+    first: float  # the ends of a uniform distribution; or mean and standard deviation, of a lognormal one those of the value itself
     second: float
-    low: float = -math.inf
+    low: float = -math.inf  # limits of the truncation
     high: float = math.inf
-    unit: str = ""
+    unit: str = ""  # in SI; an empty string for plain numbers
 
     @cached_property
     def _whole(self):

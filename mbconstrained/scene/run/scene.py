@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from ...ground.display import Studied
 from ...ground.errors import InputError
+from ...ground.quantities import count_texts
+from ...ground.units import registry
 from ..build.equations import Equations, equations_of
 from ..file.includes import read_tables, with_robot_file
 from ..file.messages import SceneName, at
 from ..quantities.output_units import OutputUnits
 from ..quantities.parameters import with_parameters
-from ..quantities.quantities import count_texts
 from ..quantities.settings import with_settings, with_values
-from ..quantities.units import registry
 from ..schema.scene_schema import SceneFile
 from ..schema.validation import validated
 from .plan import Plan

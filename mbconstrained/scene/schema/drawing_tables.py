@@ -9,8 +9,8 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from ...ground.checks import nearest
-from ...ground.errors import InputError
-from ..file.messages import EntryError, shown
+from ...ground.errors import InputError, shown
+from ..file.messages import EntryError
 from .entry_types import Angle, Name, Number, Table, Teeth, Text, Vector
 
 Shape = Literal["box", "sphere", "disc", "gear", "ring", "mark", "rail", "ground", "base"]

@@ -6,7 +6,7 @@ import json
 
 from pydantic import BaseModel
 
-from ..quantities.dimensions import KINDS
+from ...ground.quantities import KINDS
 from .robot_tables import RobotFile
 from .scene_schema import SceneFile
 

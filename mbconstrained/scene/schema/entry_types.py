@@ -9,10 +9,9 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, WithJsonSchema, model_validator
 
 from ...ground.checks import nearest
-from ...ground.errors import InputError
-from ..file.messages import EntryError, quoted, shown
-from ..quantities.dimensions import KINDS
-from ..quantities.quantities import quantity, unit_name
+from ...ground.errors import InputError, quoted, shown
+from ...ground.quantities import KINDS, quantity, unit_name
+from ..file.messages import EntryError
 
 LONGEST_TEXT = 2000
 _NAME = re.compile(r"[^\W\d][\w .'()-]{0,39}")
@@ -107,7 +106,7 @@ Frequency = quantity_field("Hz")
 Rate = quantity_field("1/s")
 
 
-def _in_planes(unit: str):
+def in_planes(unit: str):
     """The type of a key with a quantity, one for each of the planes y and z, a matrix of them, or a list of these."""
 
     def converted(value):
@@ -117,9 +116,6 @@ def _in_planes(unit: str):
     return Annotated[
         Any, BeforeValidator(converted), WithJsonSchema({"title": title, "anyOf": [*NUMBER_SCHEMA["anyOf"], {"type": "array"}]})
     ]
-
-
-PlaneStiffness, PlaneDamping = _in_planes("N/m"), _in_planes("N*s/m")
 
 
 class RayleighTable(Table):

@@ -7,9 +7,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
-from ...ground.errors import InputError
-from ..file.messages import shown
-from ..quantities.quantities import measured
+from ...ground.errors import InputError, shown
+from ...ground.quantities import measured
 from .entry_types import NUMBER_SCHEMA, SPEED, Angle, AngularVelocity, DampedTable, Eccentric, Name, Number, Pair, Table, Text, Unit
 from .force_tables import MOST_POWER
 from .lumped_tables import ConstraintTable

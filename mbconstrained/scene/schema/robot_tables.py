@@ -6,9 +6,8 @@ from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, model_validator
 
-from ...ground.errors import InputError
-from ..file.messages import shown
-from ..quantities.quantities import quantity
+from ...ground.errors import InputError, shown
+from ...ground.quantities import quantity
 from .entry_types import (
     Angle,
     DampedTable,

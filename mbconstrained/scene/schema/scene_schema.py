@@ -7,9 +7,8 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, SkipValidation, WithJsonSchema, field_validator, model_validator
 
-from ...ground.errors import InputError
+from ...ground.errors import InputError, shown
 from ...ground.tolerances import noise_of
-from ..file.messages import shown
 from ..quantities.coordinates import DERIVATIVES
 from ..quantities.output_units import output_units
 from .analyses.campbell_table import CampbellTable

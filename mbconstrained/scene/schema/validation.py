@@ -7,8 +7,8 @@ import re
 from pydantic import BaseModel, ValidationError
 
 from ...ground.checks import nearest
-from ...ground.errors import SceneError
-from ..file.messages import place, shown, together
+from ...ground.errors import SceneError, shown
+from ..file.messages import place, together
 
 SIGNALS = '"step", "ramp", "power", "impulse", "harmonic", "term", "pulse" or "sampled"'
 KINDS = {

@@ -8,13 +8,12 @@ import numpy as np
 
 from ...ground.checks import counted
 from ...ground.display import TextTable, number_text, with_unit
-from ...ground.errors import InputError
+from ...ground.errors import InputError, named
 from ...ground.notices import Notice
+from ...ground.quantities import quantity, unit_name
 from ...mechanics.root_locus import RootLocus
 from ...page.animation.figure import PALETTE
 from ...page.plots.images import INK, LINE, MUTED, RED
-from ...scene.file.messages import named
-from ...scene.quantities.quantities import quantity, unit_name
 from ...scene.quantities.variations import Distribution, variation_of
 from ..figures import Picture
 from ..study_report import StudyReport

@@ -75,7 +75,7 @@ def _lumped_factors(scene: Scene, problem: StudyProblem) -> Iterator[tuple[str, 
 def _title(scene: Scene, entry: tuple[str, int]) -> str:
     """Title of an entry: its name or its two ends, with a number for several without a name between the same ends."""
     table, place = entry
-    names = [entry.name or " to ".join(entry.between) for entry in getattr(scene.table.model, table)]
+    names = [entry.name or f"{entry.start} to {entry.end}" for entry in getattr(scene.table.model, table)]
     name = names[place]
     number = f" ({names[: place + 1].count(name)})" if names.count(name) > 1 else ""
     return f"{ELEMENTS[table]} of {name}{number}"

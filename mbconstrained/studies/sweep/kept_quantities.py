@@ -17,7 +17,7 @@ from ...analyses.frequency import Frequency
 from ...analyses.random import random_response
 from ...ground.checks import nearest
 from ...ground.errors import InputError
-from ...scene.quantities.quantities import quantity
+from ...ground.quantities import quantity
 from ...scene.run.curves import ORDERS
 from ...scene.run.plan import Plan
 from ...scene.run.result import Result

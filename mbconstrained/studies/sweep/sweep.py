@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from ...ground.checks import counted, nearest, real_number, whole_number
 from ...ground.display import Displayed
-from ...ground.errors import InputError, MbconstrainedError, SceneError
+from ...ground.errors import InputError, MbconstrainedError, SceneError, shown
 from ...scene.file.includes import read_tables
-from ...scene.file.messages import shown
 from ...scene.quantities.variations import Values, Variation
 from ...scene.schema.analyses.vary_table import VaryTable
 from ...scene.schema.validation import validated

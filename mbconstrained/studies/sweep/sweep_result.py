@@ -10,8 +10,7 @@ import numpy as np
 
 from ...ground.checks import counted, nearest, optional_package
 from ...ground.display import Displayed
-from ...ground.errors import InputError
-from ...scene.file.messages import shown
+from ...ground.errors import InputError, shown
 from ...scene.schema.analyses.vary_table import VaryTable
 from .evaluation import ANSWERED, Job
 from .kept_quantities import SampleFigure, Variable, figures_of, limits_of

@@ -11,8 +11,7 @@ from mbconstrained.page.animation.figure import figure_data
 from mbconstrained.page.animation.keyframes import key_frames
 from mbconstrained.page.content import PageContent
 from mbconstrained.page.drawing.automatic_drawing import coordinate_drawing, lumped_drawing
-from mbconstrained.page.drawing.joints import groups, joints_of, natural_positions, walk
-from mbconstrained.page.drawing.orientation import turn_to
+from mbconstrained.page.drawing.layout import groups, joints_of, natural_positions, turn_to, walk
 from mbconstrained.page.drawing.paths import quaternions_of, rotated
 from mbconstrained.page.html import page_html
 from tests.page.contents import positions

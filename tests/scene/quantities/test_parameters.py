@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.scene.quantities.quantities import Expressed
+from mbconstrained.ground.quantities import Expressed
 from mbconstrained.scene.run.formula import formula_of
 from mbconstrained.scene.run.scene import read_scene
 from mbconstrained.scene.schema.scene_schema import SceneFile

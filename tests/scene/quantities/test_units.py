@@ -10,9 +10,9 @@ import pint
 import pytest
 
 from mbconstrained.ground.errors import InputError
+from mbconstrained.ground.quantities import count_texts, expected, quantity
+from mbconstrained.ground.units import AMBIGUOUS, UNITS, instead_of, is_accepted, registry
 from mbconstrained.scene.file.messages import shown
-from mbconstrained.scene.quantities.quantities import count_texts, expected, quantity
-from mbconstrained.scene.quantities.units import AMBIGUOUS, UNITS, instead_of, is_accepted, registry
 
 # Definitions: 1 in = 25.4 mm, 1 lbf = 4.4482216152605 N, 1 t = 1000 kg, 1 rev = 2 pi rad.
 CONVERSIONS = [
@@ -177,7 +177,7 @@ def test_texts_that_look_like_quantities_are_counted():
 
 def test_plain_numbers_do_not_import_pint():
     code = (
-        "import sys; from mbconstrained.scene.quantities.quantities import quantity, count_texts; quantity(3, 'kg'); count_texts(['3 kg'])\n"
+        "import sys; from mbconstrained.ground.quantities import quantity, count_texts; quantity(3, 'kg'); count_texts(['3 kg'])\n"
         "assert 'pint' not in sys.modules; quantity('3 kg', 'kg'); assert 'pint' in sys.modules"
     )
     root = str(Path(__file__).parents[3])

@@ -1,6 +1,6 @@
 """The [parameters] of a scene as parameters of its mechanical system, with the derivatives of the equations.
 
-The expressions of the scene are evaluated with p + i h in the place of p (``models.element_parameters``). The equations of robots and
+The expressions of the scene are evaluated with p + i h in the place of p (``models.lumped``). The equations of robots and
 of modal damping come from an equilibrium or from modes, those of a rotor depend on its speed: these are assembled for values around p (``Parameter.of_function``).
 """
 
@@ -17,11 +17,10 @@ from ....ground.errors import InputError
 from ....ground.tolerances import COMPLEX_STEP
 from ....mechanics.constraints import row_names
 from ....mechanics.parameter import Parameter
-from ....models.element_parameters import complex_parameter
+from ....models.lumped import complex_parameter, exact_elements
 from ...quantities.coordinates import constraint_row
 from ...run.scene_data import SceneData
 from ..data_files import entries_of
-from .symbolic_scene import exact_elements
 
 
 class ComplexNumbers:
@@ -73,8 +72,9 @@ def _system(scene: SceneData, assembled, name: str, value: float):
 
 def _of_elements(scene: SceneData, name: str, value: float, numbers: ComplexNumbers, step: float) -> Parameter:
     model, gravity = scene.equations.model, scene.table.model.gravity
-    elements = exact_elements(scene, numbers)
-    return complex_parameter(name, value, elements, model, step, "", numbers.of(0.0 if gravity is None else gravity))
+    elements = exact_elements(model.elements, numbers.of)
+    pull = numbers.of(0.0 if gravity is None else gravity)
+    return complex_parameter(name, value, elements, model.coordinates, step, "", pull)
 
 
 def _of_matrices(scene: SceneData, name: str, numbers: ComplexNumbers, step: float) -> Parameter:

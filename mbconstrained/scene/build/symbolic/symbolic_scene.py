@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ....ground.errors import InputError
 from ....mechanics.constraints import LEVELS
-from ....models.elements import Element, Tie
-from ....models.lumped import coordinate_row, incidence_of
-from ....models.rigid_bar import with_parts
+from ....models.lumped import coordinate_row, exact_elements, incidence_of
 from ...file.messages import at
 from ...quantities.coordinates import FORCE_UNITS, Coordinates, constraint_row, force_value, initial_values, state_values
 from ...run.scene_data import SceneData
 from ..data_files import entries_of
 from ..forces import sampled_force
-from ..lumped_model import element_fields
 
 if TYPE_CHECKING:
     from ....exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
@@ -229,47 +225,12 @@ def _exact_lumped(scene: SceneData, symbols: Symbols) -> tuple[list[np.ndarray],
     """K, C, M as arrays of expressions, the constraint rows, and the static force of rest lengths and weights."""
     from ....exact.symbolic_equations import Row
 
-    table, coordinates = scene.table.model, scene.equations.coordinates
-    elements = exact_elements(scene, symbols)
-    factors = incidence_of(elements)
-    K, C = (_integers(b.incidence).T @ (b.constants[:, None] * _integers(b.incidence)) for b in (factors.springs, factors.dampers))
-    gravity = symbols.of(0 if table.gravity is None else table.gravity)  # 0 may be the default of a parameter
-    weights = {name: gravity * mass for element in elements for name, mass in element.weighing.items()}
-    rest = _integers(factors.springs.incidence).T @ (factors.springs.constants * factors.springs.rest)
-    static = rest + coordinate_row({name: weights.get(name, 0) for name in coordinates.names}, coordinates.names)
+    table, names = scene.table.model, scene.equations.coordinates.names
+    factors = incidence_of(exact_elements(scene.equations.model.elements, symbols.of), names, object)
+    static = factors.static_force(symbols.of(0 if table.gravity is None else table.gravity))  # 0 may be the default of a parameter
     rows = [
-        Row(
-            tie.name,
-            symbols.all_of([tie.row.get(name, 0) for name in coordinates.names]),
-            LEVELS.index(tie.level),
-            symbols.of(tie.row_value),
-        )
-        for tie in with_parts(elements)
-        if isinstance(tie, Tie)
+        Row(tie.name, symbols.all_of(coordinate_row(tie.row, names, object)), LEVELS.index(tie.level), symbols.of(tie.row_value))
+        for tie in factors.ties
     ]
-    matrices = [symbols.all_of(matrix) for matrix in (K, C, np.diag(factors.masses))]  # sums of nothing are numbers
-    return matrices, rows, symbols.all_of(static)
-
-
-def _integers(incidence: np.ndarray) -> np.ndarray:
-    return incidence.astype(int).astype(object)
-
-
-class Numbers(Protocol):
-    """Conversion of the entries of a scene to other numbers, or to expressions."""
-
-    def of(self, entry) -> Any:
-        """The number or expression of an entry."""
-
-
-def exact_elements(scene: SceneData, symbols: Numbers) -> list[Element]:
-    """Copies of the elements with expressions for constants, in the order of their creation."""
-    model, elements = scene.equations.model, []
-    for element, (key, _, entry) in zip(model.elements, scene.table.model.elements):
-        twin = copy.copy(element)
-        for name, value in element_fields(key, entry, model.units).items():
-            if isinstance(value, (float, dict)):
-                exact = {k: symbols.of(v) for k, v in value.items()} if isinstance(value, dict) else symbols.of(value)
-                object.__setattr__(twin, name, exact)
-        elements.append(twin)
-    return elements
+    matrices = (factors.springs.product, factors.dampers.product, np.diag(factors.masses))
+    return [symbols.all_of(matrix) for matrix in matrices], rows, symbols.all_of(static)  # sums of nothing are numbers

@@ -11,7 +11,7 @@ import numpy as np
 from ....ground.checks import counted
 from ....ground.tolerances import NOT_DRAWN
 from ....page.drawing.bodies import Drawing, SliderPosing, Solid
-from ....page.drawing.orientation import two_digits
+from ....page.drawing.layout import two_digits
 from ....page.drawing.paths import Path
 from ....page.drawing.robot_layout import MOST_TRIANGLES, link_points, robot_drawing, robot_size, solids_of
 from ...file.messages import at

@@ -12,7 +12,7 @@ import numpy as np
 from ....ground.checks import nearest
 from ....ground.errors import InputError
 from ....page.drawing.bodies import Drawing, DrawnBody, DrawnLink, Vector, View
-from ....page.drawing.orientation import ALONG, turn_to
+from ....page.drawing.layout import ALONG, turn_to
 from ....page.drawing.paths import matrix_of
 from ...file.messages import at
 from ..scene_data import SceneData

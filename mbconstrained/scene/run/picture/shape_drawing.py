@@ -11,7 +11,7 @@ import numpy as np
 from ....ground.tolerances import noise_of
 from ....page.animation.shapes import cycle
 from ....page.drawing.bodies import DrawnBody, Vector
-from ....page.drawing.orientation import ABSOLUTE, NEIGHBOURS, WIDEST_ANGLE, two_digits
+from ....page.drawing.layout import ABSOLUTE, NEIGHBOURS, WIDEST_ANGLE, two_digits
 from ....page.drawing.paths import Path
 from ..scene_data import SceneData
 from .robot_drawing import NOTE, TURN, VISIBLE, RobotPicture

@@ -10,8 +10,7 @@ import numpy as np
 
 from ....ground.checks import nearest
 from ....ground.coordinate_units import GROUND, force_unit, rate_unit
-from ....ground.errors import InputError
-from ...file.messages import shown
+from ....ground.errors import InputError, shown
 
 if TYPE_CHECKING:
     from ...build.equations import Equations

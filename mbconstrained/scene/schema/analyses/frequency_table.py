@@ -8,9 +8,8 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, model_validator
 
-from ....ground.errors import InputError
-from ...file.messages import shown
-from ...quantities.quantities import quantity
+from ....ground.errors import InputError, shown
+from ....ground.quantities import quantity
 from ..entry_types import NUMBER_SCHEMA, QUANTITY_SCHEMA, Table, Text, ratios
 
 ResponseQuantity = Literal[

@@ -7,9 +7,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from ....frequency.random.spectra import Spectrum, kanai_tajimi, psd, road_profile, white_noise
-from ....ground.errors import InputError
-from ...file.messages import shown
-from ...quantities.quantities import quantity
+from ....ground.errors import InputError, shown
+from ....ground.quantities import quantity
 from ..entry_types import NUMBER_SCHEMA, Number, Table, Text, Time, quantity_field, ratios
 
 Speed = quantity_field("m/s")

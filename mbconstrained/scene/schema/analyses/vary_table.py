@@ -6,8 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
-from ....ground.errors import InputError
-from ...file.messages import named, shown
+from ....ground.errors import InputError, named, shown
 from ...quantities.variations import FORMS, Variation, variation_of
 from ..entry_types import Table, Text
 

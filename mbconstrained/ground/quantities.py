@@ -1,22 +1,138 @@
 """Quantities: a number in SI, a text of a number and a unit such as "3 N/mm", or the value of an expression of parameters.
 
-A pattern splits a text before pint sees any of it, and pint only reads names of units: nothing in a scene file is executed. pint
-is imported at the first text, so a scene of plain numbers does not load it.
+A pattern splits a text before pint sees any of it, and pint only reads names of units: nothing in a text is executed. pint
+is imported at the first text, so numbers alone do not load it.
 """
 
 from __future__ import annotations
 
+import functools
 import math
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ...ground.errors import InputError
-from ..file.messages import quoted, shown
-from .dimensions import KINDS, Dimension, advice, described, dimension, meant, same_kind, unit_named
+from .errors import InputError, quoted, shown
 from .units import instead_of, registry, unknown_name
 
 if TYPE_CHECKING:
-    from .expressions import Expression
+    from pint.util import UnitsContainer
+
+KINDS = {  # SI unit: (what it is called, an example)
+    "1": ("a plain number", "2"),
+    "kg": ("a mass", '"10 kg"'),
+    "kg*m": ("an unbalance, mass times eccentricity", '"20 g*mm"'),
+    "kg*m^2": ("a moment of inertia", '"0.02 kg*m^2"'),
+    "m": ("a length", '"0.2 m"'),
+    "m/s": ("a velocity", '"0.5 m/s"'),
+    "m/s^2": ("an acceleration", '"-9.81 m/s^2"'),
+    "rad": ("an angle", '"30 deg"'),
+    "rad/s": ("an angular velocity", '"12 rad/s"'),
+    "rad/s^2": ("an angular acceleration", '"3 rad/s^2"'),
+    "N": ("a force", '"5 N"'),
+    "N*m": ("a torque", '"2 N*m"'),
+    "N/m": ("a stiffness", '"3 N/mm"'),
+    "N*m/rad": ("a torsional stiffness", '"20 N*m/rad"'),
+    "N*s/m": ("a damping coefficient", '"4 N*s/m"'),
+    "N*m*s/rad": ("a torsional damping coefficient", '"0.1 N*m*s/rad"'),
+    "N*s": ("an impulse", '"3 N*s"'),
+    "s": ("a time", '"50 s"'),
+    "Hz": ("a frequency", '"2 Hz"'),
+    "1/s": ("a rate", '"-0.5 1/s"'),
+}
+
+
+class Dimension(NamedTuple):
+    """A kind of quantity: the base units of pint with their exponents, and the radian."""
+
+    units: UnitsContainer  # pint's container of base units, which multiplies and divides
+    radian: float | None  # the exponent of the radian; None in products, where radians may be written or not
+
+    def times(self, other: Dimension) -> Dimension:
+        """The kind of a product."""
+        return Dimension(self.units * other.units, None)
+
+    def over(self, other: Dimension) -> Dimension:
+        """The kind of a quotient."""
+        return Dimension(self.units / other.units, None)
+
+    def power(self, exponent: int) -> Dimension:
+        """The kind of a power."""
+        return Dimension(self.units**exponent, None)
+
+
+def unit_of(kind: Dimension) -> str:
+    """The SI unit of a kind of quantity.
+
+    >>> unit_of(dimension("N/mm"))
+    'N/m'
+    """
+    if not kind.units and not kind.radian:
+        return "1"
+    known = (unit for unit in KINDS if unit != "1" and same_kind(kind, unit))
+    return next(known, "") or f"{registry().Quantity(1, kind.units).units:~C}".replace("**", "^")
+
+
+@functools.cache
+def unit_named(text: str):
+    """A pint unit from a text of known names, * / and ^."""
+    return registry().parse_units(text)
+
+
+@functools.cache
+def dimension(text: str) -> Dimension:
+    """The kind of a unit."""
+    from pint.util import UnitsContainer
+
+    exponents = dict((1 * unit_named(text)).to_root_units().unit_items())
+    radian = exponents.pop("rad", 0)
+    return Dimension(UnitsContainer(exponents), radian)
+
+
+def same_kind(kind: Dimension, unit: str) -> bool:
+    """Whether dimensions are equal; N*m/rad may also be written N*m, as is common for torsion springs."""
+    wanted = dimension(unit)
+    if kind.radian is None:  # radians are not written in products
+        return kind.units == wanted.units
+    return kind.units == wanted.units and kind.radian in ((wanted.radian, 0) if wanted.radian < 0 else (wanted.radian,))
+
+
+def described(kind: Dimension, otherwise: str = "another kind of quantity") -> str:
+    """The name of a kind of quantity."""
+    if not kind.units and not kind.radian:
+        return "a plain number"
+    radians = (kind.radian,) if kind.radian is not None else (0, 1, -1)
+    kinds = [Dimension(kind.units, radian) for radian in radians]
+    name = next((name for unit, (name, _) in KINDS.items() if unit != "1" and dimension(unit) in kinds), None)
+    return name or otherwise
+
+
+def meant(unit: str, expected: str | None) -> str:
+    """The intended unit: g alone is the standard acceleration of gravity where an acceleration is expected, not a gram.
+
+    >>> meant("g", "m/s^2"), meant("g", "kg")
+    ('gn', 'g')
+    """
+    return "gn" if unit == "g" and expected == "m/s^2" else unit
+
+
+def advice(text: str, number: float, kind: Dimension, unit: str) -> str:
+    """A hint where hertz and radians per second, or masses and weights, are confused.
+
+    >>> advice("3 Hz", 3.0, dimension("Hz"), "rad/s")
+    '; an angular frequency is 2 pi times the frequency: write "18.8496 rad/s", or frequency = "3 Hz"'
+    """
+    if unit == "rad/s" and kind == dimension("Hz"):
+        angular = f"{2 * math.pi * number:.6g} rad/s"
+        return f'; an angular frequency is 2 pi times the frequency: write "{angular}", or frequency = "{text}"'
+    if unit == "Hz" and kind == dimension("rad/s"):
+        frequency = f"{number / (2 * math.pi):.6g} Hz"
+        return f'; a frequency is the angular frequency divided by 2 pi: write "{frequency}", or angular_frequency = "{text}"'
+    if unit == "m/s^2" and kind == dimension("kg"):
+        return '; the standard acceleration of gravity is gn, or g alone: write "0.3 gn"'
+    if unit == "N" and kind == dimension("kg"):
+        return "; the weight of a mass is given in N, lbf or kgf"
+    return ""
+
 
 LONGEST_QUANTITY = 60  # characters; "-0.123456789012345678e-10 N*m*s/rad" has 36
 
@@ -195,21 +311,19 @@ def measured(value) -> float:
 class Expressed(float):
     """The value of an expression with the default values of its parameters, or of a text with a unit, in SI; a float.
 
-    Attributes:
-        text: as it stands in the scene, that of an expression with its "=".
-        tree: the expression; None of a text with a unit.
-        dimension: its kind of quantity; None where unknown.
-
     >>> Expressed(4.0, "=2*k", None, None) + 1.0
     5.0
     """
 
-    text: str
-    tree: Expression | None
-    dimension: Dimension | None
+    text: str  # as it stands in the scene, that of an expression with its "="
+    tree: Any  # the expression; None of a text with a unit
+    dimension: Dimension | None  # its kind of quantity; None where unknown
 
-    def __new__(cls, value: float, text: str, tree: Expression | None, dimension: Dimension | None):
+    def __new__(cls, value: float, text: str, tree: Any, dimension: Dimension | None):
         """The number with where it comes from."""
         result = super().__new__(cls, value)
         result.text, result.tree, result.dimension = text, tree, dimension
         return result
+
+    def __getnewargs__(self):
+        return float(self), self.text, self.tree, self.dimension

@@ -7,27 +7,18 @@ import re
 from itertools import product
 from typing import NamedTuple
 
-from ...ground.checks import nearest
+from .checks import nearest
 
 
 class Unit(NamedTuple):
-    """A unit with its spellings.
+    """A unit with its spellings."""
 
-    Attributes:
-        of: the quantity that it measures.
-        symbols: its symbols, separated by blanks; the first is that of the tables.
-        definition: in units above it, as pint reads it.
-        prefixes: symbols of the SI prefixes that it may have.
-        names: its names in full, which may have the names of the prefixes, and an s behind them.
-        irregular: other spellings, without prefix or plural.
-    """
-
-    of: str
-    symbols: str
-    definition: str
-    prefixes: str = ""
-    names: str = ""
-    irregular: str = ""
+    of: str  # the quantity that it measures
+    symbols: str  # its symbols, separated by blanks; the first is that of the tables
+    definition: str  # in units above it, as pint reads it
+    prefixes: str = ""  # symbols of the SI prefixes that it may have
+    names: str = ""  # its names in full, which may have the names of the prefixes, and an s behind them
+    irregular: str = ""  # other spellings, without prefix or plural
 
 
 _ALL = "n u m k M G"
