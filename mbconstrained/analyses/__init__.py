@@ -9,7 +9,15 @@ from __future__ import annotations
 from importlib import import_module
 
 #: The analyses by name: the modules that declare them.
-ANALYSES = {"random": "random", "shock": "shock", "mac": "mac"}
+ANALYSES = {
+    "random": "random",
+    "shock": "shock",
+    "mac": "mac",
+    "accuracy": "accuracy.accuracy",
+    "stability": "stability.stability",
+    "sweep": "sweep.sweep",
+    "optimise": "sweep.optimisation",
+}
 
 
 def load(name: str):

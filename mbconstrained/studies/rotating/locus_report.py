@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...analyses.figures import Picture
+from ...analyses.timing import machine
 from ...ground.checks import counted
 from ...ground.display import TextTable, number_text, with_unit
 from ...ground.errors import InputError
@@ -16,9 +18,7 @@ from ...page.plots.images import INK, LINE, MUTED, RED
 from ...scene.file.messages import named
 from ...scene.quantities.quantities import quantity, unit_name
 from ...scene.quantities.variations import Distribution, variation_of
-from ..figures import Picture
 from ..study_report import StudyReport
-from ..timing import machine
 
 if TYPE_CHECKING:
     from ...scene.run.scene import Scene

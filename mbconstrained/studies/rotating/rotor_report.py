@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...analyses.figures import Picture
+from ...analyses.timing import machine
 from ...ground.checks import counted
 from ...ground.display import TextTable, finite_or_none, number_text, with_unit
 from ...ground.errors import InputError
@@ -15,9 +17,7 @@ from ...ground.tolerances import EPS
 from ...mechanics.vibration.rotating import Campbell, CriticalSpeed, campbell, critical_points, direction
 from ...mechanics.vibration.rotor_equations import speed_ranges
 from ...mechanics.vibration.unbalance_response import UnbalancePeak, UnbalanceResponse, unbalance_response, with_resonances
-from ..figures import Picture
 from ..study_report import StudyReport
-from ..timing import machine
 from .rotor_pictures import RotorPictures
 
 if TYPE_CHECKING:
