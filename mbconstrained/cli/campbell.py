@@ -44,7 +44,7 @@ def _campbell(
     options |= {"orders": [value_of(text) for text in order]} if order else {}
 
     def work(loaded: Scene) -> int:
-        from ..scene.run.frequency.scene_response import with_options
+        from ..scene.schema.analyses.options import with_options
         from ..studies.rotating.rotor_report import RotorReport
 
         table = with_options(loaded.table.campbell, "campbell", options, loaded.file_name)

@@ -14,8 +14,8 @@ from ..ground.errors import InputError
 from ..ground.notices import Notice, distinct
 from ..page.animation.figure import PALETTE
 from ..page.plots.images import RED
-from ..scene.run.frequency.scene_response import with_options
 from ..scene.run.report.summary import notices_json
+from ..scene.schema.analyses.options import with_options
 from .study_report import StudyReport
 
 if TYPE_CHECKING:

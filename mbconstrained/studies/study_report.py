@@ -13,7 +13,7 @@ from ..ground.display import TextTable
 from ..ground.files import Replacements
 from ..ground.notices import Notice
 from ..page.content import PageContent
-from ..page.html import Content, write_page
+from ..page.html import write_page
 
 #: Called with the name of what is being computed.
 Progress = Callable[[str], None]
@@ -81,7 +81,7 @@ class StudyReport(ABC):
         machine = "\n".join(f"{label}: {text}" for label, text in self.machine.items())
         return [self.heading, "\n".join(self.sentences), *self.tables, machine]
 
-    def page_content(self, pictures: Sequence[Picture] | None = None) -> Content:
+    def page_content(self, pictures: Sequence[Picture] | None = None) -> PageContent:
         """The report as a page."""
         pictures = self.pictures() if pictures is None else pictures
         return PageContent(
