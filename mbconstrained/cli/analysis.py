@@ -156,11 +156,8 @@ def _entries(analysis: type[Analysis]):
         if flag is not None:
             bounds = {end: getattr(one, name) for one in field.metadata for name, end in _BOUNDS.items() if hasattr(one, name)}
             is_number = len(bounds) == len(field.metadata)  # others are texts with units
-            kind = (
-                tuple
-                if list[str] in (*kinds, field.annotation)
-                else several or next((one for one in (bool, int, float) if kinds == {one} and is_number), str)
-            )
+            names = tuple if several is list and list[Any] not in (*kinds, field.annotation) else None
+            kind = names or several or next((one for one in (bool, int, float) if kinds == {one} and is_number), str)
             yield key, (flag, kind, field.description or "", bounds if kind in (int, float) else {})
 
 
