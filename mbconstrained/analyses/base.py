@@ -202,6 +202,11 @@ class Analysis:
         return cls.solve(scene, cls.changed(own, given, scene.file_name) if given else own, **reported)
 
     @classmethod
+    def answer_without_scene(cls, progress: Callable | None = None, **given) -> Answer:
+        """The answer without a scene, by the options of ``without_scene``."""
+        raise NotImplementedError
+
+    @classmethod
     def changed(cls, own: Table | None, given: Mapping[str, Any], file_name: str) -> Table:
         """The settings with other values; those that a given one replaces are left out.
 

@@ -151,7 +151,8 @@ def _entries(analysis: type[Analysis]):
     """Option, kind, help and bounds of each setting; tables and lists where the analysis names an option for them."""
     for name, field in analysis.settings.model_fields.items() if analysis.settings else ():
         key, kinds = field.alias or name, set(typing.get_args(field.annotation)) - {type(None)} or {field.annotation}
-        several = next((one for one in (dict, list) if one in map(typing.get_origin, (*kinds, field.annotation))), None)
+        origins = {typing.get_origin(kind) for kind in (*kinds, field.annotation)}
+        several = next((one for one in (dict, list) if one in origins), None)
         flag = analysis.options.get(key, None if several or Any in kinds else f"--{key.replace('_', '-')}")
         if flag is not None:
             bounds = {end: getattr(one, name) for one in field.metadata for name, end in _BOUNDS.items() if hasattr(one, name)}
