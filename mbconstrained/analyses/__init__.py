@@ -10,8 +10,17 @@ from importlib import import_module
 
 #: The analyses by name: the modules that declare them.
 ANALYSES = {
-    "modes": "modes", "frequency": "frequency", "random": "random", "shock": "shock", "sensitivity": "sensitivity", "mac": "mac"
-}  # fmt: skip
+    "modes": "modes",
+    "frequency": "frequency",
+    "random": "random",
+    "shock": "shock",
+    "sensitivity": "sensitivity",
+    "mac": "mac",
+    "accuracy": "accuracy.accuracy",
+    "stability": "stability.stability",
+    "sweep": "sweep.sweep",
+    "optimise": "sweep.optimisation",
+}
 
 
 def load(name: str):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from ..page.html import Delivery
     from ..scene.run.scene_data import SceneData
     from ..scene.schema.scene_schema import OutputTable
+    from .figures import Picture
 
 #: Rows of a table for a terminal, and on the page.
 MOST_ROWS, MOST_ROWS_OF_PAGE = 16, 200
@@ -46,6 +48,7 @@ class Answer(Displayed):
         columns: columns of each CSV file by their heads, the files by the text before their ending, such as ".peaks".
         arrays: arrays of the npz file, in SI.
         heading: for the terminal; by default the title.
+        figures: static figures of the page, before its plots.
         texts: for the terminal, after the tables.
         most_rows: rows of each table on the terminal; None for all.
         on_page: parts of the page that differ or are not here, such as a motion or shapes to draw, a function as the plots.
@@ -64,6 +67,7 @@ class Answer(Displayed):
     columns: Callable[[], Mapping[str, Mapping[str, Any]]] = dict
     arrays: Callable[[], Mapping[str, np.ndarray]] = dict
     heading: str = ""
+    figures: Callable[[], Iterable[Picture]] = tuple
     texts: tuple[str, ...] = ()
     most_rows: int | None = MOST_ROWS
     on_page: Callable[[], Mapping[str, Any]] = dict
@@ -75,11 +79,11 @@ class Answer(Displayed):
         return not any(notice.doubtful for notice in self.notices)
 
     def blocks(self, files: Sequence[Path] = ()) -> list[str | TextTable]:
-        """Texts and tables for a terminal of 80 columns, with the files that were written."""
+        """Texts and tables for a terminal of 80 columns, with the files that were written; folded tables are for the page."""
         head = "\n".join(line for text in (self.heading or self.title, self.source) for line in wrap(text, WIDTH))
         about = "\n".join(_indented(f"{label}: {text}", "") for label, text in self.facts)
         lists = {"Notices": [_indented(str(notice), "  ") for notice in self.notices], "Written": [f"  {path}" for path in files]}
-        shown = [limited(table, self.most_rows) for table in self.tables]
+        shown = [limited(table, self.most_rows) for table in self.tables if not table.folded]
         return [
             head,
             *filter(None, [about]),
@@ -95,8 +99,9 @@ class Answer(Displayed):
         return {"title": self.title, **json_value(self.data), **{key: end[key] for key in self.keys}}
 
     def page(self) -> PageContent:
-        """Plots, tables, notices and facts as a page."""
+        """Figures, plots, tables, notices and facts as a page."""
         own: dict[str, Any] = {"tables": self.tables, "plots": tuple(self.plots()), "notices": self.notices, "facts": self.facts}
+        own["figures"] = tuple(picture.on_page() for picture in self.figures())
         own |= self.on_page()
         own["tables"] = tuple(limited(table, MOST_ROWS_OF_PAGE) for table in own["tables"])
         return PageContent(self.title, self.source, **own)
@@ -108,11 +113,12 @@ class Answer(Displayed):
         viewer: Delivery = "inside",
         files: Replacements | None = None,
     ) -> list[Path]:
-        """Write NAME.KIND.html, .csv and .npz, all of them or none.
+        """Write NAME.KIND.html, .csv, .npz, .png and .json, all of them or none.
 
         Args:
             folder: is created if it does not exist.
-            formats: some of "page", "csv", "npz", "pictures" (each plot as SVG and PNG).
+            formats: some of "page", "csv", "npz", "pictures" (each plot as SVG and PNG by its title), "images" (all figures and plots
+                as PNG by their numbers), "json".
             viewer: location of the script of the 3-D viewer, see ``mbconstrained.page.html``.
             files: take their places together with others; None for these alone.
 
@@ -129,7 +135,7 @@ class Answer(Displayed):
         from ..page.plots.images import plot_image, plot_images
 
         stem, chosen, before = f"{self.name}.{self.kind}", set(formats), len(files.paths)
-        content = self.page() if chosen & {"page", "pictures"} else None
+        content = self.page() if chosen & {"page", "pictures", "images"} else None
         folder.mkdir(parents=True, exist_ok=True)
         for part, columns in self.columns().items() if "csv" in chosen else ():
             files.temporary(folder / f"{stem}{part}.csv").write_text(csv_of(columns), encoding="utf-8")
@@ -140,6 +146,14 @@ class Answer(Displayed):
                 files.temporary(folder / f"{stem}.{name}.{kind}").write_bytes(plot_image(plot, kind))
         if content and "page" in chosen:
             write_page(folder / f"{stem}.html", content, viewer, files)
+        if content and "images" in chosen:
+            images = [*(picture.png() for picture in self.figures()), *(plot_image(plot, "png") for plot in content.plots)]
+            for number, image in enumerate(images, 1):
+                files.temporary(folder / f"{stem}{f'-{number}' * (number > 1)}.png").write_bytes(image)
+        if "json" in chosen:
+            data = {key: value for key, value in self.to_dict().items() if key != "files"}
+            text = json.dumps(data, indent=2, allow_nan=False) + "\n"
+            files.temporary(folder / f"{stem}.json").write_text(text, encoding="utf-8")
         return files.paths[before:]
 
     def _summary(self) -> str:
@@ -156,8 +170,11 @@ class Analysis:
         name: name of the command and of the table in a scene.
         help: a sentence for the list of commands.
         settings: a table of the scene, whose entries are the options of the command.
-        options: names of options that differ from their entries, by entry; None for entries without an option. Lists of names have an
-            option only if it is here.
+        options: names of options that differ from their entries, by entry; None for entries without an option. Lists and tables are
+            options, which may be repeated, where they are named here.
+        formats: written formats; none for those of [output] in the scene.
+        progress: what a bar counts, such as "generations"; "steps" for a line with the name of each step; empty for short work.
+        without_scene: options of the answer without a scene, given by ``answer_without_scene``.
         replaced: entries of the table that a given one replaces, by its name.
         writes: whether the command writes files without being asked.
     """
@@ -167,6 +184,9 @@ class Analysis:
     settings: ClassVar[type[Table] | None] = None
     options: ClassVar[Mapping[str, str | None]] = {}
     replaced: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    formats: ClassVar[tuple[str, ...]] = ()
+    progress: ClassVar[str] = ""
+    without_scene: ClassVar[tuple[str, ...]] = ()
     writes: ClassVar[bool] = True
 
     @classmethod
@@ -175,10 +195,16 @@ class Analysis:
         raise NotImplementedError
 
     @classmethod
-    def answer(cls, scene: SceneData, **given) -> Answer:
+    def answer(cls, scene: SceneData, progress: Callable | None = None, **given) -> Answer:
         """The answer of a scene with some settings in the place of those in its table, by the names of its entries."""
         own = getattr(scene.table, cls.name, None)
-        return cls.solve(scene, cls.changed(own, given, scene.file_name) if given else own)
+        reported = {"progress": progress} if progress else {}
+        return cls.solve(scene, cls.changed(own, given, scene.file_name) if given else own, **reported)
+
+    @classmethod
+    def answer_without_scene(cls, progress: Callable | None = None, **given) -> Answer:
+        """The answer without a scene, by the options of ``without_scene``."""
+        raise NotImplementedError
 
     @classmethod
     def changed(cls, own: Table | None, given: Mapping[str, Any], file_name: str) -> Table:

@@ -222,7 +222,11 @@ class _Spectrum:
             decades = np.log10(own / factor * corners / (2 * np.pi) ** exponent)
             for power in range(int(np.ceil(decades.min())), int(np.floor(decades.max())) + 1):
                 level = 10.0**power / own * factor * (2 * np.pi) ** exponent
-                yield Guide(f"{power_label(10.0**power)} {raised(shown)}", level, exponent)
+                left, right = ((f, level * f**exponent) for f in (across.low, across.high))
+                name, is_at_left = f"{power_label(10.0**power)} {raised(shown)}", exponent < 0 and left[1] <= up.high
+                if exponent < 0 and left[1] > up.high and right[1] > up.low:
+                    name = ""  # from the upper to the right edge: the rising lines have their names there
+                yield Guide(name, right, left) if is_at_left else Guide(name, left, right)
 
 
 def _excitation(scene: Scene, table: ShockTable, motions: Mapping[str, str]) -> tuple[str, str, ImpulsiveSmooth] | None:

@@ -27,9 +27,9 @@ def main() -> None:
 @cache
 def application() -> typer.Typer:
     """The application with all commands, in the order of the help."""
-    from . import campbell, compare, new, studies, variation
+    from . import campbell, compare, new
     from .commands import app
 
-    for module in (compare, campbell, variation, studies, new):
+    for module in (compare, campbell, new):
         module.add_to(app)
     return app

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -16,6 +17,9 @@ from .plots.axis import Axis, Scale, axis_of
 
 #: Shares of an axis below this are rounding errors.
 LEAST_SHARE = 1e-9
+
+#: Curves shown at first: more in one picture are indistinct.
+MOST_SHOWN = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,61 +64,93 @@ class Curve:
         color: number of its colour and dashes; for a coordinate its number in the animation, so that the curve has the
             colour of the body that it moves. None for its number in the plot.
         function: its values at all times, as functions and a row of them; None for straight lines between the values.
+        along: its values along the horizontal axis of a phase plane, shape (T,); None for those of the plot.
+        drawn: where it is drawn, shape (T,); None for everywhere.
     """
 
     name: str
     values: np.ndarray
     color: int | None = None
     function: tuple[TimeFunctions, int] | None = None
+    along: np.ndarray | None = None
+    drawn: np.ndarray | None = None
+
+    @property
+    def parts(self) -> list[tuple[int, int]]:
+        """First and last index of each part that is drawn.
+
+        >>> Curve("c", np.zeros(5), drawn=np.array([True, True, False, True, True])).parts
+        [(0, 1), (3, 4)]
+        """
+        if self.drawn is None:
+            return [(0, len(self.values) - 1)]
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], self.drawn, [False]])))
+        return [(int(first), int(end) - 1) for first, end in edges.reshape(-1, 2)]
+
+
+def curve_with_gaps(name: str, values: np.ndarray, color: int | None = None, along: np.ndarray | None = None) -> Curve:
+    """A curve that is drawn where its values are numbers, and those along the horizontal axis.
+
+    >>> curve_with_gaps("c", np.array([1.0, np.nan, 3.0])).drawn
+    array([ True, False,  True])
+    """
+    drawn = np.isfinite(values) if along is None else np.isfinite(values) & np.isfinite(along)
+    values, along = (row if row is None else np.where(drawn, row, 0.0) for row in (values, along))
+    return Curve(name, values, color, along=along, drawn=drawn)
 
 
 @dataclass(frozen=True)
 class Guide:
-    """A power law level x^exponent, a straight line of the grid on two logarithmic axes.
+    """A straight line of the picture, of which the part within the axes is drawn.
 
     Attributes:
-        name: next to the line.
-        level: at 1 on the horizontal axis.
-        exponent: its slope.
+        name: next to the end; an empty string for none.
+        start, end: two of its points.
+        is_limit: whether it is drawn as a limit, not as a line of the grid.
     """
 
     name: str
-    level: float
-    exponent: float
+    start: tuple[float, float]
+    end: tuple[float, float]
+    is_limit: bool = False
 
     def ends(self, across: Axis, up: Axis) -> tuple[tuple[float, float], tuple[float, float]] | None:
         """End points of the line in the picture, as fractions of both axes from the left and from below; None where it is outside.
 
-        Args:
-            across, up: logarithmic.
-
-        Returns:
-            The left and the right end.
+        >>> axis = axis_of(0.0, 10.0)
+        >>> Guide("twice", (0.0, 0.0), (10.0, 20.0)).ends(axis, axis)
+        ((0.0, 0.0), (0.5, 1.0))
         """
-        (left, right), (low, high) = (np.log10((axis.low, axis.high)) for axis in (across, up))
-        start = np.log10(self.level)
-        at = np.sort(np.append((np.array([low, high]) - start) / self.exponent, [left, right]))[
-            1:3
-        ]  # where it is within both ranges
-        x, y = (at - left) / (right - left), (start + self.exponent * at - low) / (high - low)
-        if x[1] <= x[0] or (y < -LEAST_SHARE).any() or (y > 1 + LEAST_SHARE).any():
+        first, last = np.array([[axis.fractions(value) for axis, value in zip((across, up), at)] for at in (self.start, self.end)])
+        step = last - first
+        with np.errstate(divide="ignore", invalid="ignore"):
+            hits = np.sort((np.array([[-LEAST_SHARE], [1 + LEAST_SHARE]]) - first) / step, axis=0)
+        hits[:, step == 0] = [[-np.inf], [np.inf]]
+        low, high = max(0.0, hits[0].max()), min(1.0, hits[1].min())
+        constant = first[step == 0]
+        if high <= low or (np.abs(constant - 0.5) > 0.5 + LEAST_SHARE).any():
             return None
-        return (float(x[0]), float(y[0])), (float(x[1]), float(y[1]))
+        (a, b), (c, d) = (np.clip(first + share * step, 0.0, 1.0).tolist() for share in (low, high))
+        return (a, b), (c, d)
 
-    def named_at(self, across: Axis, up: Axis) -> tuple[float, float, bool] | None:
-        """Position of its name: at the upper end of a rising line, at the left or lower end of a falling one; none meet.
 
-        Args:
-            across, up: logarithmic.
+@dataclass(frozen=True, eq=False)
+class Marks:
+    """Marks at points of a plot.
 
-        Returns:
-            Shares of the axes, and whether the name is left of that point; None for no name.
-        """
-        if (ends := self.ends(across, up)) is None:
-            return None
-        if self.exponent > 0:
-            return *ends[1], True
-        return (*ends[0], False) if ends[0][0] < LEAST_SHARE else (*ends[1], True) if ends[1][1] < LEAST_SHARE else None
+    Attributes:
+        name: for the legend; an empty string for none.
+        points: shape (P, 2).
+        texts: of each point, shown where the pointer rests on it; none by default.
+        shape: of the marks.
+        curve: number of the curve to which they belong, whose colour they have; None for none.
+    """
+
+    name: str
+    points: np.ndarray
+    texts: tuple[str, ...] = ()
+    shape: Literal["circle", "cross", "diamond"] = "circle"
+    curve: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,10 +165,17 @@ class Plot:
         across: of a phase plane, a curve along the horizontal axis, whose name is its title; None for the time.
         across_unit: of the horizontal axis.
         quantity: title of the vertical axis; an empty string for that of the plot.
-        variable: quantity along the horizontal axis, such as "frequency".
+        variable: quantity along the horizontal axis, such as "frequency"; of a phase plane the one along its curves.
         scales: of the horizontal and of the vertical axis, "linear" or "log"; values that are not positive are at the low end of a
             logarithmic axis.
-        guides: further lines of the grid, on two logarithmic axes.
+        guides: further lines.
+        marks: marks at points.
+        note: a sentence below.
+        includes: values that the vertical axis reaches in any case.
+        shown: number of curves that are shown at first.
+        bands: ranges of the horizontal axis with a background of their own.
+        is_large: whether the picture is high and as wide as the page.
+        variable_unit: in a phase plane, unit of the variable, whose value is shown at the pointer; None for no such text.
 
     Raises:
         InputError: shapes that do not match, NaN, infinity or numbers beyond 1e290, times that do not ascend; no positive value for
@@ -149,37 +192,54 @@ class Plot:
     variable: str = "time"
     scales: tuple[Scale, Scale] = ("linear", "linear")
     guides: tuple[Guide, ...] = ()
+    marks: tuple[Marks, ...] = ()
+    note: str = ""
+    includes: tuple[float, ...] = ()
+    shown: int = MOST_SHOWN
+    bands: tuple[tuple[float, float], ...] = ()
+    is_large: bool = False
+    variable_unit: str | None = None
 
     def __post_init__(self):
         times = ascending_times(self.times, f'plot "{self.title[:60]}", {"times" if self.variable == "time" else self.variable}')
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "curves", tuple(self._checked(curve, i) for i, curve in enumerate(self.curves)))
         object.__setattr__(self, "across", self.across and self._checked(self.across, 0))
-        values = [curve.values for curve in self.curves]
-        for name, scale, rows in zip(("horizontal", "vertical"), self.scales, ([self.horizontal.values], values)):
-            if scale == "log" and rows and not (np.array(rows) > 0).any():
+        drawn = self._drawn_values() if self.curves and "log" in self.scales else ()
+        for name, scale, values in zip(("horizontal", "vertical"), self.scales, drawn):
+            if scale == "log" and not (values > 0).any():
                 raise InputError(
                     f'plot "{self.title[:60]}": no value along its {name} axis is positive; '
                     "a logarithmic axis needs positive values, give it a linear one"
                 )
 
     def _checked(self, curve: Curve, place: int) -> Curve:
-        values = drawable(curve.values, f'plot "{self.title[:60]}", curve "{curve.name}"', self.times.shape)
-        return replace(curve, values=values, color=place if curve.color is None else curve.color)
+        what = f'plot "{self.title[:60]}", curve "{curve.name}"'
+        values, along = (row if row is None else drawable(row, what, self.times.shape) for row in (curve.values, curve.along))
+        return replace(curve, values=values, along=along, color=place if curve.color is None else curve.color)
+
+    def along(self, curve: Curve) -> np.ndarray:
+        """The values of a curve along the horizontal axis."""
+        return curve.along if curve.along is not None else self.across.values if self.across else self.times
 
     @property
-    def horizontal(self) -> Curve:
-        """The values along the horizontal axis and their name."""
-        return self.across or Curve(self.variable, self.times)
+    def across_name(self) -> str:
+        """Title of the horizontal axis."""
+        return self.across.name if self.across else self.variable
+
+    def _drawn_values(self) -> tuple[np.ndarray, np.ndarray]:
+        """All drawn values along both axes, and the points of all marks."""
+        points = np.concatenate([np.zeros((0, 2)), *(marks.points for marks in self.marks)])
+        pairs = [(self.along(curve), curve.values, curve.drawn) for curve in self.curves]
+        rows = [[row if drawn is None else row[drawn] for row in (x, y)] for x, y, drawn in pairs]
+        xs, ys = zip(*rows) if self.across and rows else ([self.times], [y for _, y in rows])
+        return np.concatenate([*xs, points[:, 0]]), np.concatenate([*ys, points[:, 1], np.array(self.includes)])
 
     @property
     def axes(self) -> tuple[Axis, Axis]:
         """The horizontal and the vertical axis; of a plot with at least one curve."""
-        across, up = self.horizontal.values, np.array([curve.values for curve in self.curves])
-        return (
-            axis_of(*_range(across, self.scales[0]), widen=self.across is not None, scale=self.scales[0]),
-            axis_of(*_range(up, self.scales[1]), scale=self.scales[1]),
-        )
+        across, up = (_range(values, scale) for values, scale in zip(self._drawn_values(), self.scales))
+        return axis_of(*across, widen=self.across is not None, scale=self.scales[0]), axis_of(*up, scale=self.scales[1])
 
 
 def _range(values: np.ndarray, scale: Scale) -> tuple[float, float]:

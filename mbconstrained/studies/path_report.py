@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..analyses.figures import Picture, power_of_ten
+from ..analyses.timing import machine
 from ..ground.checks import counted
 from ..ground.display import TextTable, finite_or_none, number_text
 from ..ground.errors import InputError
@@ -14,9 +16,7 @@ from ..page.animation.figure import PALETTE
 from ..page.plots.images import RED
 from ..scene.run.report.summary import notices_json
 from ..scene.schema.analyses.options import with_options
-from .figures import Picture, power_of_ten
 from .study_report import StudyReport
-from .timing import machine
 
 if TYPE_CHECKING:
     from ..scene.run.scene import Scene

@@ -8,12 +8,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from tempfile import TemporaryFile
 
+from ..analyses.figures import Picture
 from ..ground.display import TextTable
 from ..ground.files import Replacements
 from ..ground.notices import Notice
 from ..page.content import PageContent
 from ..page.html import write_page
-from .figures import Picture
 
 #: Called with the name of what is being computed.
 Progress = Callable[[str], None]

@@ -31,7 +31,7 @@ HEAVY = {
     "meshcat": {"page"},
     "sympy": {"exact"},
     "flint": {"exact", "frequency", "linalg"},
-    "matplotlib": {"frequency", "page", "studies"},
+    "matplotlib": {"frequency", "page", "analyses", "studies"},
     "pydantic": {"scene", "analyses"},
     "pint": {"ground"},
     "typer": {"cli", "docs"},

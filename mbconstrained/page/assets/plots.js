@@ -21,6 +21,7 @@ class PlottedCurve {
     this.functions = plots.sets[places[places.length - 2]];
     this.row = places[places.length - 1];
     this.across = plot.phase ? { functions: plots.sets[places[0]], row: places[1] } : null;
+    this.parts = partsOf(entry.dataset.parts, [plot.start, plot.end]);
     this.look = entry.querySelector("path").getAttribute("class");
     this.dot = plot.add("circle", { class: this.look, r: 4, visibility: "hidden" });
     this.button.addEventListener("click", () => this.toggle());
@@ -38,6 +39,7 @@ class PlottedCurve {
     this.button.setAttribute("aria-pressed", shown);
     if (shown) this.draw();
     if (this.path) this.path.classList.toggle("off", !shown);
+    this.plot.placeMarks();
   }
 
   toggle() {
@@ -58,15 +60,21 @@ class PlottedCurve {
   }
 
   outline() {
-    const { across, up, svg, phase, start, end } = this.plot;
+    const { across, svg, phase, start, end } = this.plot;
     const width = svg.clientWidth || 600;
     const [from, to] = phase ? [start, end] : across.ends.map((time) => Math.min(end, Math.max(start, time)));
     const spacing = phase ? (to - from) / Math.min(20000, 2000 / (across.view[1] - across.view[0])) : (to - from) / width;
-    const x = (time) => cells * across.share(phase ? this.across.functions.at(this.across.row, time)[0] : time);
-    const y = (time) => cells * (1 - up.share(this.functions.at(this.row, time)[0]));
-    const points = this.functions.timesBetween(from, to, spacing).map((time) => [x(time), y(time)]);
-    const kept = phase ? points : thinned(points, cells / width);
-    return "M" + kept.map(([a, b]) => `${Math.round(10 * a) / 10} ${Math.round(10 * clipped(b)) / 10}`).join("L");
+    const shown = this.parts.map(([begin, stop]) => [Math.max(from, begin), Math.min(to, stop)]).filter(([begin, stop]) => begin <= stop);
+    return shown.map(([begin, stop]) => {
+      const points = this.functions.timesBetween(begin, stop, spacing).map((time) => this.point(time));
+      const drawn = points.map(([x, y]) => [cells * x, cells * (1 - y)]);
+      const kept = phase ? drawn : thinned(drawn, cells / width);
+      return "M" + kept.map(([a, b]) => `${Math.round(10 * a) / 10} ${Math.round(10 * clipped(b)) / 10}`).join("L");
+    }).join("");
+  }
+
+  has(time) {
+    return this.parts.some(([begin, end]) => time >= begin && time <= end);
   }
 
   at(time) {
@@ -74,7 +82,7 @@ class PlottedCurve {
   }
 
   show(time) {
-    const there = time !== null && this.shown;
+    const there = time !== null && this.shown && this.has(time);
     const point = there ? this.point(time) : [NaN, NaN];
     const inside = point.every((share) => share >= 0 && share <= 1);
     this.dot.setAttribute("visibility", there && inside ? "visible" : "hidden");
@@ -111,12 +119,13 @@ class PlottedFigure {
     this.ticks = svg.querySelector(".ticks");
     this.paths = svg.querySelector(".curves");
     this.guides = svg.querySelector(".guides");
+    this.marks = [...svg.querySelectorAll(".mark")];
     this.grid = this.ticks.innerHTML;
     this.pointers = new Map();
     this.cursor = this.add("line", { class: "cursor", y2: this.height, visibility: "hidden" });
     this.pointer = this.add("line", { class: "pointer", y2: this.height, visibility: "hidden" });
     this.pointerTime = this.add("text", { class: "pointer-time", y: -3, "text-anchor": "middle" });
-    const entries = [...this.figure.querySelectorAll(".legend li")];
+    const entries = [...this.figure.querySelectorAll(".legend [data-function]")];
     const pathOf = (number) => this.paths.querySelector(`[data-number="${number}"]`);
     this.curves = entries.map((entry, i) => new PlottedCurve(this, entry, i, pathOf(i)));
     this.reset = this.resetButton();
@@ -212,7 +221,13 @@ class PlottedFigure {
     const now = this.over === plots.variable ? this.within(plots.time) : null;
     const pointed = plots.over === this.over ? this.within(plots.hover) : null;
     this.curves.forEach((curve) => curve.show(pointed === null ? now : pointed));
-    if (this.phase) return;
+    if (this.phase) {
+      const [at, { variable, variableUnit }] = [pointed === null ? now : pointed, this.svg.dataset];
+      const named = at !== null && variableUnit !== undefined;
+      this.pointerTime.textContent = named ? `${variable}: ${numberWithUnit(Number(at.toPrecision(4)), variableUnit)}` : "";
+      this.pointerTime.setAttribute("x", "50%");
+      return;
+    }
     this.put(this.cursor, now);
     this.put(this.pointer, pointed);
     const rounded = pointed !== null && this.across.rounded(pointed, 2 * this.svg.clientWidth);
@@ -244,27 +259,32 @@ class PlottedFigure {
     return Math.min(this.end, Math.max(this.start, this.across.rounded(time, 2 * this.svg.clientWidth).value));
   }
 
-  // The time at which a phase curve is nearest to the pointer; where it crosses itself, the one nearest to now.
+  // The time at which a shown phase curve is nearest to the pointer; where it crosses itself, the one nearest to now.
   nearest(x, y) {
-    const [curve, box] = [this.curves[0], this.svg.getBoundingClientRect()];
-    const times = curve.functions.timesBetween(this.start, this.end, (this.end - this.start) / 2000);
-    const distances = times.map((time) => {
-      const [px, py] = curve.point(time);
-      return Math.hypot((px - x) * box.width, (py - y) * box.height);
+    const box = this.svg.getBoundingClientRect();
+    const points = this.curves.filter((curve) => curve.shown).flatMap((curve) => {
+      const times = curve.functions.timesBetween(this.start, this.end, (this.end - this.start) / 2000);
+      return times.filter((time) => curve.has(time)).map((time) => {
+        const [px, py] = curve.point(time);
+        return [time, Math.hypot((px - x) * box.width, (py - y) * box.height)];
+      });
     });
-    const closest = Math.min(...distances);
+    const closest = points.reduce((least, [, distance]) => Math.min(least, distance), Infinity);
     const now = this.within(plots.time) === null ? this.start : plots.time;
-    return times
-      .filter((_, i) => distances[i] < closest + 5)
-      .reduce((best, time) => (Math.abs(time - now) < Math.abs(best - now) ? time : best));
+    const near = points.filter(([, distance]) => distance < closest + 5).map(([time]) => time);
+    return near.reduce((best, time) => (Math.abs(time - now) < Math.abs(best - now) ? time : best), near.length ? near[0] : this.start);
   }
 
   // The shown curve that is nearest to the pointer, or null.
   curveAt(event) {
-    if (this.phase) return null;
-    const [, y] = this.shares(event);
+    const [x, y] = this.shares(event);
     const time = this.timeAt(event);
-    const distances = this.curves.map((curve) => (curve.shown ? Math.abs(curve.point(time)[1] - y) * this.height : Infinity));
+    const { width } = this.svg.getBoundingClientRect();
+    const distances = this.curves.map((curve) => {
+      if (!curve.shown || !curve.has(time)) return Infinity;
+      const [px, py] = curve.point(time);
+      return Math.hypot(this.phase ? (px - x) * width : 0, (py - y) * this.height);
+    });
     const least = Math.min(...distances);
     return least < near ? this.curves[distances.indexOf(least)] : null;
   }
@@ -375,6 +395,7 @@ class PlottedFigure {
       if (this.zoomed) this.drawTicks();
       else this.ticks.innerHTML = this.grid;
       if (this.guides) this.guides.setAttribute("viewBox", this.part());
+      this.placeMarks();
       this.curves.filter((curve) => curve.shown).forEach((curve) => curve.draw());
       this.show();
     });
@@ -384,6 +405,18 @@ class PlottedFigure {
   part() {
     const [[left, right], [low, high]] = [this.across.view, this.up.view];
     return [left, 1 - high, right - left, high - low].map((share) => cells * share).join(" ");
+  }
+
+  // Marks in the part that is shown, of shown curves.
+  placeMarks() {
+    for (const mark of this.marks) {
+      const [x, y] = mark.dataset.at.split(" ").map((value, i) => [this.across, this.up][i].share(Number(value)));
+      const curve = mark.dataset.curve === undefined ? null : this.curves[mark.dataset.curve];
+      const inside = [x, y].every((share) => share >= -1e-9 && share <= 1 + 1e-9);
+      mark.setAttribute("visibility", inside && (curve === null || curve.shown) ? "visible" : "hidden");
+      mark.setAttribute("x", `${(100 * x).toFixed(3)}%`);
+      mark.setAttribute("y", (this.height * (1 - y)).toFixed(2));
+    }
   }
 
   drawTicks() {
@@ -403,6 +436,13 @@ class PlottedFigure {
     this.add("line", { class: "axis", y2: height }, ticks);
     this.add("line", { class: "axis", x2: "100%", y1: height, y2: height }, ticks);
   }
+}
+
+// Stretches of times from a text of their ends; the whole where there is none.
+function partsOf(text, whole) {
+  if (text === undefined) return [whole];
+  const ends = text.split(" ").map(Number);
+  return Array.from({ length: ends.length / 2 }, (_, i) => [ends[2 * i], ends[2 * i + 1]]);
 }
 
 // The height of a curve in its plot, in cells.
@@ -452,6 +492,6 @@ function showInPlots(time) {
 
 plots.sets = functionsOf(JSON.parse(document.getElementById("plot-data").textContent));
 for (const svg of document.querySelectorAll("svg.plot")) {
-  if (svg.querySelector("path")) plots.all.push(new PlottedFigure(svg));
+  if (svg.querySelector(".curves")) plots.all.push(new PlottedFigure(svg));
 }
 document.addEventListener("wheel", (event) => event.defaultPrevented || (plots.scrolled = performance.now()), { passive: true });

@@ -66,9 +66,13 @@ class Axis:
         >>> axis_of(1.0, 100.0, scale="log").shares(np.array([1.0, 10.0, 0.0]))
         array([0. , 0.5, 0. ])
         """
+        return self.fractions(np.maximum(values, self.low) if self.scale == "log" else values)
+
+    def fractions(self, values) -> np.ndarray:
+        """Positions of values, those outside the axis below 0 or above 1; positive ones on a logarithmic axis."""
         low, high, values = self.low, self.high, np.asarray(values, dtype=float)
         if self.scale == "log":
-            low, high, values = math.log10(low), math.log10(high), np.log10(np.maximum(values, low))
+            low, high, values = math.log10(low), math.log10(high), np.log10(values)
         return (values - low) / (high - low)
 
 

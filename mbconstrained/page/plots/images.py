@@ -12,6 +12,8 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+
 from ..animation.figure import PALETTE
 from ..content import LEAST_SHARE, Curve, Plot
 from ..typeset import shortened
@@ -24,11 +26,14 @@ if TYPE_CHECKING:
 #: Curves of an image: more are indistinct.
 MOST_CURVES = 24
 
-#: Size of an image without its legend, half a page of a report, inches.
-WIDTH, HEIGHT = 6.4, 3.1
+#: Size of an image without its legend, half a page of a report, and the height of a large one, inches.
+WIDTH, HEIGHT, LARGE_HEIGHT = 6.4, 3.1, 4.4
 
 #: For each round through the colours another pattern of dashes, in widths of the line; the first is solid.
 _DASHES = (None, (4, 2.2), (1.2, 2.2), (5, 2.2, 1.2, 2.2))
+
+#: Marks of matplotlib by shape.
+_MARKERS = {"circle": "o", "cross": "x", "diamond": "D"}
 
 #: Height of a row of the legend, width of the line before a name and of a letter, inches.
 _ROW, _SAMPLE, _LETTER = 0.19, 0.6, 0.075
@@ -135,21 +140,25 @@ def plot_image(plot: Plot, kind: Literal["svg", "png"]) -> bytes:
     >>> plot_image(Plot("speed", "m/s", np.array([0.0, 1.0]), (Curve("cart", np.array([0.0, 2.0])),)), "png")[1:4]
     b'PNG'
     """
-    curves = plot.curves[:MOST_CURVES]
+    curves = plot.curves[: max(MOST_CURVES, plot.shown)]
     longest = max(len(shortened(curve.name)) for curve in curves)
     columns = min(len(curves), max(1, int((WIDTH - 0.3) / (_SAMPLE + _LETTER * longest))))
-    height = HEIGHT + _ROW * -(-len(curves) // columns)
+    height = (LARGE_HEIGHT if plot.is_large else HEIGHT) + _ROW * -(-(len(curves) + len(_named_marks(plot))) // columns)
     return drawn_image(lambda figure: _draw(figure, plot, curves, columns), WIDTH, height, kind)
+
+
+def _named_marks(plot: Plot) -> set[str]:
+    return {marks.name for marks in plot.marks if marks.name}
 
 
 def _draw(figure: Figure, plot: Plot, curves: tuple[Curve, ...], columns: int) -> None:
     axes = figure.add_subplot()
-    horizontal = plot.horizontal.values
     across, up = plot.axes
     marker = "o" if len(plot.times) == 1 else ""
     for curve in curves:
         dashes = _DASHES[curve.color // len(PALETTE) % len(_DASHES)]
-        (line,) = axes.plot(horizontal, curve.values, label=shortened(curve.name), marker=marker)
+        values = curve.values if curve.drawn is None else np.where(curve.drawn, curve.values, np.nan)
+        (line,) = axes.plot(plot.along(curve), values, label=shortened(curve.name), marker=marker)
         line.set(color=PALETTE[curve.color % len(PALETTE)], linestyle="-" if dashes is None else (0, dashes))
     axes.set(xscale=across.scale, yscale=up.scale)
     axes.set_xlim(across.low, across.high)
@@ -160,17 +169,29 @@ def _draw(figure: Figure, plot: Plot, curves: tuple[Curve, ...], columns: int) -
     for guide in plot.guides:
         if ends := guide.ends(across, up):
             (line,) = axes.plot(*zip(*ends), transform=axes.transAxes, scalex=False, scaley=False)
-            line.set(color=LINE, linewidth=0.5, linestyle="--", zorder=0.8)
-        if place := guide.named_at(across, up):
-            x, y, is_left = place
+            if guide.is_limit:
+                line.set(color=RED, linewidth=0.9, zorder=1.5)
+            else:
+                line.set(color=LINE, linewidth=0.5, linestyle="--", zorder=0.8)
+            x, y = ends[1]
             text = axes.text(x, y, guide.name, color=MUTED, fontsize=6.5, transform=axes.transAxes)
-            text.set(ha="right" if is_left else "left", va="bottom" if y < LEAST_SHARE else "top")
+            text.set(ha="left" if x < LEAST_SHARE else "right", va="bottom" if y < LEAST_SHARE else "top")
+    for band in plot.bands:
+        axes.axvspan(*band, color=RED, alpha=0.12, linewidth=0)
+    named = set()
+    for marks in plot.marks:
+        if marks.curve is None or marks.curve < len(curves):
+            color = INK if marks.curve is None else PALETTE[(curves[marks.curve].color or 0) % len(PALETTE)]
+            label = marks.name if marks.name not in named else ""
+            named.add(marks.name)
+            style = {"marker": _MARKERS[marks.shape], "linestyle": "none", "markersize": 4, "label": label or "_"}
+            axes.plot(*marks.points.T, color=color, markerfacecolor="white", **style)
     if 0.0 in up.ticks:
         axes.axhline(0.0, color=LINE, linewidth=0.8, zorder=0.9)
     xlabel, ylabel = axis_titles(plot, across.exponent, up.exponent)
     axes.set(xlabel=xlabel, ylabel=ylabel)
     axes.set_title(shortened(plot.title, 80), loc="left", fontsize=10, fontweight="bold", color=INK)
-    if len(curves) > 1 or plot.across is None:
+    if len(curves) > 1 or plot.across is None or named - {""}:
         figure.legend(loc="outside lower left", ncols=columns, labelcolor=INK, handlelength=2.2, columnspacing=1.6)
     if len(plot.curves) > MOST_CURVES:
         axes.set_title(f"the first {MOST_CURVES} of {len(plot.curves)} curves", loc="right", fontsize=8, color=MUTED)

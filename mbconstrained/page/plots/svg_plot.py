@@ -10,28 +10,26 @@ names, too.
 from __future__ import annotations
 
 import html
+from collections.abc import Iterator
 from dataclasses import replace
-from itertools import pairwise
+from itertools import groupby, pairwise, zip_longest
 
 import numpy as np
 
-from ..content import Curve, Plot, TimeFunctions
-from ..typeset import raised, shortened, superscript
+from ..content import LEAST_SHARE, MOST_SHOWN, Curve, Marks, Plot, TimeFunctions
+from ..typeset import raised, shortened, superscript, typeset
 from .axis import Axis
 from .readings import Readings, linear_readings, readings_of
 from .record_steps import RecordReadings, RecordSteps, record_readings, record_steps
 
-#: Height of the axes, px.
-HEIGHT = 214
+#: Height of the axes and of those of a large plot, px.
+HEIGHT, LARGE_HEIGHT = 214, 400
 
 #: Size of the square that the curves are written in, in cells.
 CELLS = 10_000
 
 #: A curve of more points than the picture has pixels is drawn by the lowest and highest value of each pixel column.
 MOST_POINTS = 2400
-
-#: Curves shown at first: more in one picture are indistinct.
-MOST_SHOWN = 8
 
 #: With more curves than this the names can be searched, and all be shown or hidden at once.
 FEW_CURVES = 12
@@ -47,6 +45,9 @@ COLORS, DASHES = 6, 4
 
 #: Curves that differ by less than this share of the height coincide in the picture.
 COINCIDE = 1 / 200
+
+#: Shapes of marks, in px about their point.
+MARKS = {"circle": "M-4 0a4 4 0 1 0 8 0a4 4 0 1 0-8 0z", "cross": "M-4-4L4 4M-4 4L4-4", "diamond": "M0-5L5 0L0 5L-5 0z"}
 
 HELP = (
     "To zoom into a plot turn the wheel, pinch, or press + and −; drag or press the arrow keys to move the part that is shown; "
@@ -65,18 +66,18 @@ class PlotFunctions:
         self._places: dict[tuple, tuple[int, int]] = {}
         shared: dict[tuple, tuple[TimeFunctions, list[int]]] = {}
         for plot in drawn:
-            own = []
-            for curve in _all_curves(plot):
-                if curve.function is None:
-                    own.append(curve)
+            own: dict[tuple, np.ndarray] = {}
+            for values, function in _all_functions(plot):
+                if function is None:
+                    own.setdefault((id(plot), id(values)), values)
                     continue
-                functions, row = curve.function
+                functions, row = function
                 rows = shared.setdefault((id(functions), plot.times[0], plot.times[-1]), (functions, []))[1]
                 if row not in rows:
                     rows.append(row)
             if own:
-                self._places |= {(id(plot), id(curve.values)): (len(self.sets), row) for row, curve in enumerate(own)}
-                self.sets.append((linear_readings(plot.times, np.array([curve.values for curve in own])),))
+                self._places |= {key: (len(self.sets), row) for row, key in enumerate(own)}
+                self.sets.append((linear_readings(plot.times, np.array(list(own.values()))),))
         for (key, start, end), (functions, rows) in shared.items():
             self._places |= {(key, start, end, row): (len(self.sets), place) for place, row in enumerate(rows)}
             self.sets.append(self._parts(_selected(functions, rows), float(start), float(end)))
@@ -98,12 +99,14 @@ class PlotFunctions:
                     return (*before, middle, *after)
         return (readings_of(functions, start, end),)
 
-    def place(self, plot: Plot, curve: Curve) -> tuple[int, int]:
-        """Position of the function of a curve."""
-        if curve.function is None:
-            return self._places[id(plot), id(curve.values)]
-        functions, row = curve.function
-        return self._places[id(functions), plot.times[0], plot.times[-1], row]
+    def places(self, plot: Plot, curve: Curve) -> list[tuple[int, int]]:
+        """Positions of the functions of a curve; in a phase plane first that along the horizontal axis."""
+        return [
+            self._places[id(plot), id(values)]
+            if function is None
+            else self._places[id(function[0]), plot.times[0], plot.times[-1], function[1]]
+            for values, function in _functions(plot, curve)
+        ]
 
     def as_data(self) -> dict[str, list]:
         return {
@@ -112,8 +115,15 @@ class PlotFunctions:
         }
 
 
-def _all_curves(plot: Plot) -> tuple[Curve, ...]:
-    return (*([plot.across] if plot.across else []), *plot.curves)
+def _functions(plot: Plot, curve: Curve) -> Iterator[tuple[np.ndarray, tuple[TimeFunctions, int] | None]]:
+    """Values and function of a curve along each axis that is not the time."""
+    if plot.across:
+        yield plot.along(curve), plot.across.function if curve.along is None else None
+    yield curve.values, curve.function
+
+
+def _all_functions(plot: Plot) -> Iterator[tuple[np.ndarray, tuple[TimeFunctions, int] | None]]:
+    return (each for curve in plot.curves for each in _functions(plot, curve))
 
 
 def _selected(functions: TimeFunctions, rows: list[int]) -> TimeFunctions:
@@ -121,19 +131,27 @@ def _selected(functions: TimeFunctions, rows: list[int]) -> TimeFunctions:
 
 
 def plot_figures(plots: tuple[Plot, ...], functions: PlotFunctions | None = None) -> str:
-    """All plots, in pairs side by side where the window is wide enough; the last of an odd number takes the full width."""
-    paired, functions = len(plots) - len(plots) % 2, functions or PlotFunctions(plots)
-    figures = "\n".join(_figure(plot, functions, " wide" if i >= paired else "") for i, plot in enumerate(plots))
+    """All plots, in pairs side by side where the window is wide enough; large ones and those without a neighbour have the full width."""
+    functions, texts = functions or PlotFunctions(plots), []
+    for is_large, group in groupby(plots, lambda plot: plot.is_large):
+        own = list(group)
+        paired = 0 if is_large else len(own) - len(own) % 2
+        texts += [_figure(plot, functions, " wide" if i >= paired else "") for i, plot in enumerate(own)]
+    figures = "\n".join(texts)
     note = f'\n<p class="note plot-help">{HELP}</p>' if functions.sets else ""
     return f'<div class="plots">\n{figures}\n</div>{note}' if plots else ""
 
 
 def _figure(plot: Plot, functions: PlotFunctions, wide: str) -> str:
-    count, note, body = len(plot.curves), "", '<p class="note">no curves</p>'
+    count, note, body = (
+        len(plot.curves),
+        f'\n<p class="note">{typeset(plot.note)}</p>' if plot.note else "",
+        '<p class="note">no curves</p>',
+    )
     if count:
         body = f"{_svg(plot)}\n{_legend(plot, functions)}"
-    if count > MOST_SHOWN:
-        note = f'\n<p class="note">{count} curves, {MOST_SHOWN} of them shown at first</p>'
+    if count > plot.shown:
+        note += f'\n<p class="note">{count} curves, {plot.shown} of them shown at first</p>'
     return f'<figure class="plot-figure{wide}">\n<h2>{html.escape(plot.title)}</h2>\n{body}{note}\n</figure>'
 
 
@@ -141,31 +159,42 @@ def _svg(plot: Plot) -> str:
     """The picture alone; its data attributes describe the axes for the script."""
     times, phase = plot.times, plot.across is not None
     across, up = plot.axes
-    shown = plot.curves[:MOST_SHOWN]
-    x, y = _cells(across, plot.horizontal.values), CELLS - _cells(up, np.array([curve.values for curve in shown]))
+    shown, height = plot.curves[: plot.shown], LARGE_HEIGHT if plot.is_large else HEIGHT
+    x, y = (
+        np.array([_cells(across, plot.along(curve)) for curve in shown]),
+        CELLS - np.array([_cells(up, curve.values) for curve in shown]),
+    )
     right, upwards = map(html.escape, axis_titles(plot, across.exponent, up.exponent))
     elements = [
         *_guides(plot, across, up),
-        f'<g class="ticks">\n{_grid(across, up)}\n{_guide_names(plot, across, up)}</g>',
-        f'<text x="50%" y="{HEIGHT + 38}" text-anchor="middle">{right}</text>',
-        f'<text transform="translate(-58 {HEIGHT // 2}) rotate(-90)" text-anchor="middle">{upwards}</text>',
+        f'<g class="ticks">\n{_grid(across, up, height)}\n{_guide_names(plot, across, up, height)}</g>',
+        f'<text x="50%" y="{height + 38}" text-anchor="middle">{right}</text>',
+        f'<text transform="translate(-58 {height // 2}) rotate(-90)" text-anchor="middle">{upwards}</text>',
     ]
     if len(times) == 1:
         elements += [
-            f'<circle class="{_classes(curve.color)}" cx="{100 * x[0] / CELLS:.2f}%" cy="{HEIGHT * row[0] / CELLS:.1f}" r="3.5"/>'
-            for curve, row in zip(shown, y)
+            f'<circle class="{_classes(curve.color)}" cx="{100 * a[0] / CELLS:.2f}%" cy="{height * b[0] / CELLS:.1f}" r="3.5"/>'
+            for curve, a, b in zip(shown, x, y)
         ]
     else:
         order = np.argsort(-np.ptp(y, axis=1), kind="stable")  # the smallest is drawn last, so that no larger one hides it
-        twins = _coinciding(y[order])
+        twins = _coinciding(np.hstack([x, y])[order])
         paths = "\n".join(
-            _path(number, shown[number], plotted(x, y[number], phase=phase), twin) for number, twin in zip(order.tolist(), twins)
+            _path(
+                number,
+                shown[number],
+                [plotted(x[number, a : b + 1], y[number, a : b + 1], phase=phase) for a, b in shown[number].parts],
+                twin,
+            )
+            for number, twin in zip(order.tolist(), twins)
         )
         elements.append(f'<svg class="curves" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">\n{paths}\n</svg>')
+    elements += _marks(plot, across, up, height)
     over = "phase" if phase else html.escape(plot.variable)
     variable = f' data-variable="{html.escape(plot.variable)}"' if phase and plot.variable != "time" else ""
+    variable += "" if plot.variable_unit is None else f' data-variable-unit="{html.escape(raised(plot.variable_unit))}"'
     return (
-        f'<svg class="plot" role="img" tabindex="0" aria-label="{html.escape(_description(plot, plot.curves))}"'
+        f'<svg class="plot{" large" * plot.is_large}" role="img" tabindex="0" aria-label="{html.escape(_description(plot, plot.curves))}"'
         f' data-start="{float(times[0])!r}" data-end="{float(times[-1])!r}" data-over="{over}"{variable}'
         f" {_scale('across', across, plot.across_unit)} {_scale('up', up, plot.unit)}>\n" + "\n".join(elements) + "\n</svg>"
     )
@@ -187,48 +216,70 @@ def _scale(name: str, axis: Axis, unit: str) -> str:
     return f'data-{name}="{ends}" data-{name}-unit="{html.escape(shortened(raised(unit), AXIS_NAME))}"'
 
 
-def _grid(across: Axis, up: Axis) -> str:
+def _grid(across: Axis, up: Axis, height: int) -> str:
     """Lines and labels; every other horizontal label is left out where the window is narrow."""
     lines = []
     crowded = len(across.labels) > MOST_LABELS
     for i, (x, label) in enumerate(zip(_cells(across, np.array(across.ticks)), across.labels)):
         place, kind = f"{100 * x / CELLS:.2f}%", ' class="second"' if crowded and i % 2 else ""
-        lines.append(f'<line class="grid" x1="{place}" x2="{place}" y2="{HEIGHT}"/>')
-        lines.append(f'<text{kind} x="{place}" y="{HEIGHT + 18}" text-anchor="middle">{label}</text>')
+        lines.append(f'<line class="grid" x1="{place}" x2="{place}" y2="{height}"/>')
+        lines.append(f'<text{kind} x="{place}" y="{height + 18}" text-anchor="middle">{label}</text>')
     for tick, y, label in zip(up.ticks, _cells(up, np.array(up.ticks)), up.labels):
-        down = HEIGHT * (1 - y / CELLS)
+        down = height * (1 - y / CELLS)
         lines.append(f'<line class="{"axis" if tick == 0 else "grid"}" x2="100%" y1="{down:.1f}" y2="{down:.1f}"/>')
         lines.append(f'<text x="-8" y="{down + 4:.1f}" text-anchor="end">{label}</text>')
-    lines.append(f'<line class="axis" y2="{HEIGHT}"/><line class="axis" x2="100%" y1="{HEIGHT}" y2="{HEIGHT}"/>')
+    lines.append(f'<line class="axis" y2="{height}"/><line class="axis" x2="100%" y1="{height}" y2="{height}"/>')
     return "\n".join(lines)
 
 
 def _guides(plot: Plot, across: Axis, up: Axis) -> list[str]:
-    """The guide lines, in a separate picture with the view of the curves."""
-    ends = [place for guide in plot.guides if (place := guide.ends(across, up))]
-    lines = "".join(
-        f'<path class="guide" d="M{CELLS * a:.0f} {CELLS * (1 - b):.0f}L{CELLS * c:.0f} {CELLS * (1 - d):.0f}"/>'
-        for (a, b), (c, d) in ends
-    )
-    return [f'<svg class="guides" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">{lines}</svg>'] if lines else []
+    """Bands and guide lines, in a separate picture with the view of the curves."""
+    lines = [
+        f'<rect class="band" x="{left:.0f}" width="{right - left:.0f}" height="{CELLS}"/>'
+        for left, right in (_cells(across, np.array(band)) for band in plot.bands)
+    ]
+    for guide in plot.guides:
+        if ends := guide.ends(across, up):
+            (a, b), (c, d) = ends
+            data = f"M{CELLS * a:.0f} {CELLS * (1 - b):.0f}L{CELLS * c:.0f} {CELLS * (1 - d):.0f}"
+            lines.append(f'<path class="guide{" limit" * guide.is_limit}" d="{data}"/>')
+    if not lines:
+        return []
+    return [f'<svg class="guides" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">{"".join(lines)}</svg>']
 
 
-def _guide_names(plot: Plot, across: Axis, up: Axis) -> str:
-    """Names at ends of the lines, below the point, at the lower edge above it."""
+def _guide_names(plot: Plot, across: Axis, up: Axis, height: int) -> str:
+    """Names at the ends of the lines, below the point, at the lower edge above it."""
     texts = []
     for guide in plot.guides:
-        if place := guide.named_at(across, up):
-            x, y, is_left = place
-            down = min(HEIGHT * (1 - y) + 11, HEIGHT - 3)
-            anchor = "end" if is_left else "start"
+        if guide.name and (ends := guide.ends(across, up)):
+            x, y = ends[1]
+            down, anchor = min(height * (1 - y) + 11, height - 3), "start" if x < LEAST_SHARE else "end"
             name = html.escape(guide.name)
             texts.append(f'<text class="guide-name" x="{100 * x:.2f}%" y="{down:.1f}" text-anchor="{anchor}">{name}</text>\n')
     return "".join(texts)
 
 
+def _marks(plot: Plot, across: Axis, up: Axis, height: int) -> Iterator[str]:
+    """Marks at their places, with their values for the script."""
+    for marks in plot.marks:
+        own = "" if marks.curve is None else f' data-curve="{marks.curve}"'
+        own += ' visibility="hidden"' * (marks.curve is not None and marks.curve >= plot.shown)
+        for point, text in zip_longest(marks.points.tolist(), marks.texts, fillvalue=""):
+            x, y = (float(axis.shares(value)) for axis, value in zip((across, up), point))
+            title = f"<title>{html.escape(text)}</title>" if text else ""
+            place = f'x="{100 * x:.2f}%" y="{height * (1 - y):.1f}" data-at="{point[0]!r} {point[1]!r}"'
+            yield f'<svg class="mark" {place}{own}>{_mark(plot, marks, title)}</svg>'
+
+
+def _mark(plot: Plot, marks: Marks, title: str = "") -> str:
+    color = "" if marks.curve is None else f" c{(plot.curves[marks.curve].color or 0) % COLORS}"
+    return f'<path class="{marks.shape}{color}" d="{MARKS[marks.shape]}">{title}</path>'
+
+
 def axis_titles(plot: Plot, across: int = 0, up: int = 0) -> tuple[str, str]:
     """The titles of the axes, such as "displacement in 10⁻³ m"; a long name is shortened, the heading has all of it."""
-    rows = (plot.horizontal.name, plot.across_unit, across), (plot.quantity or plot.title, plot.unit, up)
+    rows = (plot.across_name, plot.across_unit, across), (plot.quantity or plot.title, plot.unit, up)
     horizontal, vertical = (
         " in ".join(filter(None, (shortened(name, AXIS_NAME), _measure(unit, power)))) for name, unit, power in rows
     )
@@ -245,20 +296,27 @@ def _description(plot: Plot, curves: tuple[Curve, ...]) -> str:
     rows = [
         f"{shortened(curve.name)}: from {values[0]:.3g} to {values[-1]:.3g}, lowest {values.min():.3g}, highest {values.max():.3g}"
         for curve in curves[:MOST_SHOWN]
-        for values in (curve.values,)
+        for values in (curve.values if curve.drawn is None else curve.values[curve.drawn],)
+        if len(values)
     ]
-    return f"{vertical} over {horizontal}, {plot.times[0]:g} to {plot.times[-1]:g} s. {'; '.join(rows)}.".replace("-", "−")
+    unit = (plot.variable_unit or "s") if plot.across else plot.across_unit
+    along = f"{plot.times[0]:g} to {plot.times[-1]:g} {unit}".rstrip()
+    return f"{vertical} over {horizontal}, {along}. {'; '.join(rows)}.".replace("-", "−")
 
 
-def _path(number: int, curve: Curve, cells: np.ndarray, twin: bool) -> str:
-    (x, y), steps = cells[:, 0], np.diff(cells).T.tolist()
-    data = f"M{x} {y}l" + " ".join(f"{a} {b}" for a, b in steps).replace(" -", "-")
+def _path(number: int, curve: Curve, parts: list[np.ndarray], twin: bool) -> str:
+    """A curve from its first point in relative steps; a part begins at the end of the one before."""
+    data, last = "", np.zeros(2, dtype=int)
+    for cells in parts:
+        (x, y), steps = cells[:, 0] - last, np.diff(cells).T.tolist() or [[0, 0]]  # a single point is a dot
+        last = cells[:, -1]
+        data += f"{'m' if data else 'M'}{x} {y}l" + " ".join(f"{a} {b}" for a, b in steps).replace(" -", "-")
     return f'<path class="{_classes(curve.color)}{" twin" if twin else ""}" data-number="{number}" d="{data}"/>'
 
 
 def _legend(plot: Plot, functions: PlotFunctions) -> str:
     """Names, of lines as buttons that show and hide them, each with space for its value; of many curves with a search."""
-    rows, has_lines, curves = [], len(plot.times) > 1, plot.curves if len(plot.times) > 1 else plot.curves[:MOST_SHOWN]
+    rows, has_lines, curves = [], len(plot.times) > 1, plot.curves if len(plot.times) > 1 else plot.curves[: plot.shown]
     for number, curve in enumerate(curves):
         name, data = html.escape(curve.name), ""
         entry = (
@@ -267,12 +325,18 @@ def _legend(plot: Plot, functions: PlotFunctions) -> str:
         )
         if has_lines:
             title = f' title="{name}"' if len(curve.name) > AXIS_NAME else ""
-            pressed = "true" if number < MOST_SHOWN else "false"
+            pressed = "true" if number < plot.shown else "false"
             entry = f'<button type="button" aria-pressed="{pressed}"{title}>{entry}</button><span class="value"></span>'
-            across = (plot.across,) if plot.across else ()
-            places = " ".join(f"{number} {row}" for number, row in (functions.place(plot, each) for each in (*across, curve)))
-            data = f' data-function="{places}"'
+            data = f' data-function="{" ".join(f"{number} {row}" for number, row in functions.places(plot, curve))}"'
+            if curve.drawn is not None:
+                ends = " ".join(f"{float(plot.times[i])!r}" for part in curve.parts for i in part)
+                data += f' data-parts="{ends}"'
         rows.append(f"<li{data}>{entry}</li>")
+    rows += [
+        f'<li class="of-marks"><svg width="26" height="12" viewBox="-13 -6 26 12" aria-hidden="true">{_mark(plot, marks)}</svg>'
+        f"<span>{html.escape(marks.name)}</span></li>"
+        for marks in {marks.name: marks for marks in plot.marks if marks.name}.values()
+    ]
     choice = ""
     if has_lines and len(curves) > FEW_CURVES:
         choice = (

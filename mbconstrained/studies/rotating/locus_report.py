@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...analyses.figures import Picture
+from ...analyses.timing import machine
 from ...ground.checks import counted
 from ...ground.display import TextTable, number_text, with_unit
 from ...ground.errors import InputError, named
@@ -15,9 +17,7 @@ from ...mechanics.root_locus import RootLocus
 from ...page.animation.figure import PALETTE
 from ...page.plots.images import INK, LINE, MUTED, RED
 from ...scene.quantities.variations import Distribution, variation_of
-from ..figures import Picture
 from ..study_report import StudyReport
-from ..timing import machine
 
 if TYPE_CHECKING:
     from ...scene.run.scene import Scene

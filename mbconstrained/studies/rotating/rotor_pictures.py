@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...analyses.figures import Picture, power_of_ten
 from ...page.animation.figure import PALETTE
 from ...page.plots.images import INK, LINE, MUTED, RED
-from ..figures import Picture, power_of_ten
 
 if TYPE_CHECKING:
     from ...mechanics.rotating import Campbell, CriticalSpeed, UnbalanceResponse

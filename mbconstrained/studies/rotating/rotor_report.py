@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...analyses.figures import Picture
+from ...analyses.timing import machine
 from ...ground.checks import counted
 from ...ground.display import TextTable, finite_or_none, number_text, with_unit
 from ...ground.errors import InputError
@@ -24,9 +26,7 @@ from ...mechanics.rotating import (
     unbalance_response,
     with_resonances,
 )
-from ..figures import Picture
 from ..study_report import StudyReport
-from ..timing import machine
 from .rotor_pictures import RotorPictures
 
 if TYPE_CHECKING:

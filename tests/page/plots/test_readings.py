@@ -103,8 +103,8 @@ def test_readings_of_example_pages_are_those_of_the_solver(path):
     functions, found = PlotFunctions(plots), []
     sets = functions_of_data(functions.as_data())
     for plot in plots:
-        for curve in (*filter(None, [plot.across]), *plot.curves):
-            number, row = functions.place(plot, curve)
+        pairs = [pair for one in plot.curves for pair in zip((*filter(None, [plot.across]), one), functions.places(plot, one))]
+        for curve, (number, row) in pairs:
             source, own_row = curve.function
             exact = source.at(times)
             noise = max(source.noise, 1e-12) * np.abs(exact).max()

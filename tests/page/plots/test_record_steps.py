@@ -81,7 +81,7 @@ def readings_against_the_solver(plots, times):
     wrong, few = 0, []
     for plot in plots:
         for curve in plot.curves:
-            number, row = functions.place(plot, curve)
+            ((number, row),) = functions.places(plot, curve)
             source, own = curve.function
             exact = source.at(times)
             noise = source.noise * np.abs(exact).max()

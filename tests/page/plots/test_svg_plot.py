@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from mbconstrained.ground.errors import InputError
-from mbconstrained.page.content import Curve, Plot, TimeFunctions
-from mbconstrained.page.plots.svg_plot import CELLS, FEW_CURVES, HELP, MOST_POINTS, MOST_SHOWN, PlotFunctions, plot_figures
+from mbconstrained.page.content import MOST_SHOWN, Curve, Guide, Marks, Plot, TimeFunctions, curve_with_gaps
+from mbconstrained.page.plots.svg_plot import CELLS, FEW_CURVES, HELP, MOST_POINTS, PlotFunctions, plot_figures
 from tests.page.contents import HOSTILE, phase_plane
 
 TIMES = np.linspace(0, 10, 11)
@@ -70,7 +70,7 @@ def test_plots_of_the_same_functions_share_their_data():
     functions = TimeFunctions(lambda times: np.array([times, 2 * times, np.cos(times)]), np.array([]))
     one, other = (Plot("p", "m", TIMES, (Curve("c", functions.at(TIMES)[i], function=(functions, i)),)) for i in (2, 0))
     shared = PlotFunctions((one, other))
-    assert [shared.place(one, one.curves[0]), shared.place(other, other.curves[0])] == [(0, 0), (0, 1)]
+    assert [shared.places(one, one.curves[0]), shared.places(other, other.curves[0])] == [[(0, 0)], [(0, 1)]]
     assert [len(part.codes) for parts in shared.sets for part in parts] == [2]
 
 
@@ -157,3 +157,41 @@ def test_texts_are_escaped(text):
     assert {element.tag for element in figure.iter()} <= {
         "figure", "h2", "svg", "g", "line", "text", "path", "ul", "li", "button", "span",
     }  # fmt: skip
+
+
+def test_a_curve_is_drawn_where_it_has_values():
+    values = np.where((TIMES < 3) | (TIMES > 5), TIMES, np.nan)
+    figure = figure_of(Plot("p", "m", TIMES, (curve_with_gaps("c", values),)))
+    assert 'data-parts="0.0 2.0 6.0 10.0"' in figure
+    (data,) = re.findall(r'<path class="curve c0" data-number="0" d="M([^"]*)"', figure)
+    places = [np.array(re.findall(r"-?\d+", part), int).reshape(-1, 2) for part in data.replace("m", "l").split("l")]
+    points = np.cumsum(np.concatenate(places), axis=0) / CELLS
+    drawn = np.concatenate([[0, 1, 2], [6, 7, 8, 9, 10]]) / 10
+    assert np.allclose(points, np.array([drawn, 1 - drawn]).T)
+
+
+def test_curves_of_a_complex_plane_have_their_own_values_along_both_axes():
+    s = np.array([TIMES - 1j * TIMES, -TIMES + 1j * TIMES**2])
+    curves = tuple(Curve(str(i), row.imag, along=row.real) for i, row in enumerate(s))
+    plot = Plot("locus", "rad/s", TIMES, curves, Curve("real part", s[0].real), "1/s", "imaginary part", "c", variable_unit="N s/m")
+    figure = figure_of(plot)
+    (across, up), drawn = plot.axes, points(figure)
+    assert (across.low, across.high) == (-10, 10) and (up.low, up.high) == (-20, 100)
+    for row, (x, y) in zip(s, (each.T for each in drawn)):
+        assert np.allclose(x, across.shares(row.real), atol=1e-4) and np.allclose(1 - y, up.shares(row.imag), atol=1e-4)
+    assert 'data-variable="c" data-variable-unit="N s/m"' in figure
+
+
+def test_guides_bands_and_marks_are_where_they_belong():
+    guides = (Guide("1×", (0.0, 0.0), (10.0, 20.0)), Guide("outside", (0.0, 30.0), (10.0, 30.0)), Guide("", (5, 0), (5, 10), True))
+    marks = (Marks("critical speed", np.array([[5.0, 7.5]]), ("at 5",)), Marks("", np.array([[10.0, 0.0]]), shape="cross", curve=0))
+    plot = Plot(
+        "p", "m", TIMES, (Curve("c", TIMES),), guides=guides, marks=marks, bands=((2.0, 4.0),), includes=(-10.0,), is_large=True
+    )
+    figure = figure_of(plot)
+    assert 'd="M0 5000L5000 0"' in figure and 'class="guide limit" d="M5000 5000L5000 0"' in figure
+    assert '<rect class="band" x="2000" width="2000"' in figure
+    assert re.findall(r'class="guide-name" x="([\d.]+)%"[^>]*>([^<]*)', figure) == [("50.00", "1×")]
+    assert 'class="mark" x="50.00%" y="50.0" data-at="5.0 7.5"' in figure and "<title>at 5</title>" in figure
+    assert 'x="100.00%" y="200.0" data-at="10.0 0.0" data-curve="0"' in figure and '<path class="cross c0"' in figure
+    assert figure.count('class="of-marks"') == 1 and ">critical speed<" in figure

@@ -1,0 +1,396 @@
+"""Numerical stability: correct, expected and claimed digits for the systems of the gallery, or for a scene scaled over decades."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from pydantic import Field
+
+from ...ground.checks import counted
+from ...ground.display import TextTable
+from ...ground.notices import Notice, NoticeKind
+from ...page.content import Marks, Plot, curve_with_gaps
+from ...page.plots.axis import Scale
+from ...page.plots.images import INK, MUTED, RED
+from ...page.typeset import shortened
+from ...scene.schema.entry_types import Table, Text
+from ..base import Analysis, Answer
+from ..figures import Picture, nothing_to_show, power_of_ten, powers
+from ..timing import Progress, machine, no_progress
+from .point import Point, points_of
+from .scaling_factors import ScalingSweep, scaling_factors
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ...scene.run.scene import Scene
+    from .gallery import System
+
+#: A scene is scaled by factors from 10^-DECADES to 10^DECADES, in steps of so many decades.
+DECADES, STEP = 8, 2
+
+#: An answer with so many digits fewer than the data determine is reported.
+SHORT = 0.5
+
+#: Below the table of digits.
+NOTE = (
+    "right: correct digits by exact arithmetic, 16 at most; expected: digits that the condition of the data allows; claimed: by the "
+    "error estimate. warned: the answer came with a warning; wrong: more than one digit fewer than claimed, without a warning. "
+    "Redundant constraint rows that were left out of the answer are left out of the exact solution too."
+)
+
+#: Verdicts but "right", as they stand in sentences.
+VERDICTS = {"warned": "came with a warning", "refused": "refused with a reason", "not judged": "not judged by exact arithmetic"}
+
+
+class StabilitySettings(Table):
+    """Systems of the gallery, or decades over which a scene is scaled."""
+
+    systems: Text | None = Field(None, description="Only these systems of the gallery, as A,B.")
+    decades: int = Field(DECADES, ge=1, le=16, description="Scale a scene by 10^-N to 10^N.")
+    step: int = Field(STEP, ge=1, le=16, description="Decades from point to point.")
+
+
+class Stability(Analysis):
+    """Count the digits that are right, that the condition of the data allows, and that the error estimate claims.
+
+    Without a scene this is done for the gallery of stiff and extreme systems; with one its masses, dampers, springs and its
+    horizon are scaled over decades. Writes NAME.stability.html, .png and .json. The exit code is 3 if any answer was wrong without
+    a warning."""
+
+    name = "stability"
+    help = "Correct, expected and claimed digits over decades."
+    settings = StabilitySettings
+    formats = ("page", "images", "json")
+    progress = "steps"
+    without_scene = ("systems",)
+
+    @classmethod
+    def solve(cls, scene: Scene, settings: StabilitySettings | None, progress: Progress = no_progress) -> Answer:  # type: ignore[override]
+        """The answer of a scene."""
+        table = settings or StabilitySettings()
+        return scene_report(scene, table.decades, table.step, progress).answer(scene.name)
+
+    @classmethod
+    def answer_without_scene(cls, progress: Progress | None = None, systems: str = "", **_) -> Answer:
+        """The answer of the gallery."""
+        from .gallery import GALLERY, system
+
+        names = [name.strip() for name in systems.split(",") if name.strip()]
+        return gallery_report([system(name) for name in names] or GALLERY, progress or no_progress).answer("gallery")
+
+
+@dataclass(frozen=True)
+class StabilityReport:
+    """Correct digits over sweeps."""
+
+    title: str  # title of the scene, or of the gallery
+    sweeps: tuple[ScalingSweep, ...]  # one for each system of the gallery, or for each scaling factor of a scene
+    machine: dict[str, str]  # processor, system and packages
+    of_scene: bool  # whether a scene was scaled
+
+    def count(self, verdict: str) -> int:
+        """Number of points with a verdict: right, warned, refused, not judged or wrong."""
+        return sum(sweep.count(verdict) for sweep in self.sweeps)
+
+    @property
+    def is_trusted(self) -> bool:
+        """Whether no answer was wrong without a warning."""
+        return not self.count("wrong")
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The result as sentences."""
+        return (self._trust(), self._counts(), *self._extremes(), *self._promises())
+
+    def _trust(self) -> str:
+        judged, wrong = sum(len(sweep.answers) for sweep in self.sweeps), self.count("wrong")
+        if not judged:
+            return "No answer was compared with exact arithmetic."
+        answers = f"{counted(judged, 'answer')} compared with exact arithmetic"
+        return f"{wrong or 'None'} of {answers} {'are' if wrong > 1 else 'is'} wrong without a warning."
+
+    def _counts(self) -> str:
+        counts = [f"{counted(self.count('right'), 'answer')} had the digits that the estimate claims"]
+        counts += [f"{self.count(verdict)} {text}" for verdict, text in VERDICTS.items() if self.count(verdict)]
+        return f"{', '.join(counts)}."
+
+    def _extremes(self) -> tuple[str, ...]:
+        """The smallest number of digits without a warning, and the answer furthest below what the data determine."""
+        silent = [(sweep, point) for sweep in self.sweeps for point in sweep.answers if point.verdict == "right"]
+        if not silent:
+            return ()
+        sweep, least = min(silent, key=lambda pair: pair[1].right)
+        sentences = [f"Fewest digits without a warning: {_digits(sweep, least)}."]
+        known = [(sweep, point) for sweep, point in silent if not math.isnan(point.expected)]
+        sweep, short = max(known, key=lambda pair: pair[1].expected - pair[1].right, default=(sweep, least))
+        if short.expected - short.right > SHORT:
+            sentences.append(f"Furthest below what the data determine: {_digits(sweep, short)}.")
+        return tuple(sentences)
+
+    def _promises(self) -> tuple[str, ...]:
+        """Whether the systems of the gallery have their declared properties."""
+        broken = [promise for sweep in self.sweeps for promise in sweep.broken]
+        if broken:
+            return (f"Not as declared: {'; '.join(broken)}.",)
+        return () if self.of_scene else ("The declared properties of the systems hold, by exact arithmetic.",)
+
+    def answer(self, name: str) -> Answer:
+        """Digits, the reasons of all verdicts but "right", and curves; of a scene a heat map too."""
+        counts = {verdict: self.count(verdict) for verdict in ("right", "warned", "refused", "not judged", "wrong")}
+        data = {
+            "title": self.title,
+            "verdict": self.sentences,
+            "counts": counts,
+            "machine": self.machine,
+            "sweeps": [sweep.as_json() for sweep in self.sweeps],
+        }
+        notice = Notice(NoticeKind.ACCURACY, " ".join(self.sentences), doubtful=not self.is_trusted)
+        tables = (digit_table(self), *reason_tables(self), *(() if self.of_scene else (gallery_table(self),)))
+        maps = (heat_map("Digits right", self.sweeps),) if self.of_scene else ()
+        return Answer(
+            "stability",
+            name,
+            f"Numerical stability: {self.title}",
+            "",
+            tuple(self.machine.items()),
+            tables,
+            (notice,),
+            data,
+            lambda: digit_plots(self.sweeps),
+            figures=lambda: maps,
+            most_rows=None,
+        )
+
+
+def gallery_report(systems: Sequence[System], progress: Progress = no_progress) -> StabilityReport:
+    """Run systems of the gallery."""
+    sweeps = [_of_system(system, progress) for system in systems]
+    return StabilityReport("Gallery of stiff and extreme systems", tuple(sweeps), machine(), of_scene=False)
+
+
+def _of_system(system: System, progress: Progress) -> ScalingSweep:
+    from .gallery import broken_promises
+
+    title, difficulty, source = system.texts
+    points = points_of(system.build, system.values, lambda text: progress(f"{title}: {text}"))
+    broken = [sentence for value in system.values for sentence in broken_promises(system, value)]
+    return ScalingSweep(system.name, title, system.theme, difficulty, source, system.parameter, points, tuple(broken))
+
+
+def scene_report(scene: Scene, decades: int = DECADES, step: int = STEP, progress: Progress = no_progress) -> StabilityReport:
+    """Scale the parameters of a scene, and its horizon, over decades."""
+    up = [*range(step, decades, step), decades]
+    factors = [float(f"1e{exponent}") for exponent in (*(-power for power in reversed(up)), 0, *up)]
+    sweeps = []
+    for name, scaled in scaling_factors(scene).items():
+        points = points_of(scaled, factors, lambda text, name=name: progress(f"{name} times {text}"))
+        sweeps.append(ScalingSweep(name, name, "", "", "", f"factor on {name}", points))
+    return StabilityReport(scene.heading, tuple(sweeps), machine(), of_scene=True)
+
+
+def _digits(sweep: ScalingSweep, point: Point) -> str:
+    """The digits of a point and its parameter."""
+    expected = "" if math.isnan(point.expected) else f", {point.expected:.1f} determined by the data"
+    place = f"{sweep.title}, {sweep.parameter} = {point.parameter:.3g}"
+    return f"{point.right:.1f} right, {point.claimed:.1f} claimed{expected} ({place})"
+
+
+def digit_table(report: StabilityReport) -> TextTable:
+    """A row for each sweep, in the gallery by theme."""
+    columns = ("from … to", "points", "right", "warned", "refused", "wrong", "fewest digits", "expected", "claimed")
+    rows, theme = [], ""
+    for sweep in report.sweeps:
+        named = (sweep.title,) if report.of_scene else (sweep.theme if sweep.theme != theme else "", sweep.name)
+        theme = sweep.theme
+        counts = [str(sweep.count(verdict) or "–") for verdict in ("right", "warned", "refused", "wrong")]
+        least = min(sweep.answers, key=lambda point: point.right, default=None)
+        digits = (math.nan,) * 3 if least is None else (least.right, least.expected, least.claimed)
+        texts = ("–" if math.isnan(value) else f"{value:.1f}" for value in digits)
+        span = f"{sweep.points[0].parameter:.3g} … {sweep.points[-1].parameter:.3g}"
+        rows.append((*named, span, str(len(sweep.points)), *counts, *texts))
+    head = ("parameter",) if report.of_scene else ("theme", "system")
+    return TextTable("Digits", (*head, *columns), tuple(rows), NOTE)
+
+
+def reason_tables(report: StabilityReport) -> list[TextTable]:
+    """Wrong answers, warnings and refusals with their reasons; equal reasons share a row."""
+    titles = {"wrong": "Wrong without a warning", "warned": "Warnings", "refused": "Refused", "not judged": "Not judged"}
+    rows_of = [(title, _reason_rows(report, verdict)) for verdict, title in titles.items()]
+    return [TextTable(title, ("parameter", "at", "reason"), rows) for title, rows in rows_of if rows]
+
+
+def _reason_rows(report: StabilityReport, verdict: str) -> tuple[tuple[str, str, str], ...]:
+    rows: dict[tuple[str, str], list[str]] = {}
+    for sweep in report.sweeps:
+        for point in sweep.points:
+            if point.verdict == verdict:
+                rows.setdefault((sweep.name, _short(point)), []).append(f"{point.parameter:.3g}")
+    return tuple((name, ", ".join(parameters), reason) for (name, reason), parameters in rows.items())
+
+
+def _short(point: Point) -> str:
+    """Short reason; for several warnings the first, without its numbers, which are in the data."""
+    return point.warnings[0].partition(":")[0] if point.verdict == "warned" else point.reason
+
+
+def gallery_table(report: StabilityReport) -> TextTable:
+    """The systems of the gallery, their difficulties and sources."""
+    rows = tuple((sweep.name, sweep.title, sweep.parameter, sweep.difficulty, sweep.source) for sweep in report.sweeps)
+    return TextTable("The systems", ("system", "title", "parameter", "difficulty", "source"), rows, folded=True)
+
+
+# --- plots and the heat map
+
+#: Digits of a double.
+MOST = 16
+
+#: Least ratio of parameters on a logarithmic axis.
+LOGARITHMIC = 100.0
+
+#: A colour map with even steps of brightness, suitable for colour-blind readers, and without grey, which means refused.
+COLORS, REFUSED = "viridis", "#d5dbe0"
+
+#: Height of a row of the map and of all else, inches; letters of the longest name; most columns of cells with numbers in them.
+MAP_ROW_HIGH, AROUND_HIGH, NAME, MOST_NUMBERED = 0.3, 1.15, 34, 30
+
+#: Number of digits from which the colours of the map are bright, with dark numbers on them.
+BRIGHT = 8
+
+#: Verdicts other than "right" in legends, and the shapes of their marks.
+SHAPES = {
+    "warned": ("with a warning", "circle"),
+    "refused": ("refused", "diamond"),
+    "not judged": ("not judged", "diamond"),
+    "wrong": ("wrong without a warning", "cross"),
+}
+
+#: The mark of wrong answers in the map.
+CROSS = {"marker": "X", "color": RED, "markeredgecolor": "white", "markeredgewidth": 0.8, "markersize": 10.5, "zorder": 7}
+
+
+def digit_plots(sweeps: Sequence[ScalingSweep]) -> Iterator[Plot]:
+    """Digits right, claimed and expected over the parameter of each sweep, with a mark where an answer is not right."""
+    for sweep in sweeps:
+        points = sorted(sweep.points, key=lambda point: point.parameter)
+        x = np.array([point.parameter for point in points])
+        keys = ("right", "claimed", "expected") if sweep.answers else ()
+        digits = {key: np.array([getattr(point, key) for point in points], dtype=float) for key in keys}
+        marks = []
+        for verdict, (text, shape) in SHAPES.items():
+            if own := [point for point in points if point.verdict == verdict]:
+                places = np.array([[point.parameter, point.right or 0.0] for point in own])
+                marks.append(Marks(text, places, tuple(point.reason for point in own), shape))  # type: ignore[arg-type]
+        is_wide = bool((x >= 0).all() and x.max() >= LOGARITHMIC * x[x > 0].min(initial=x.max()))
+        curves = tuple(curve_with_gaps(f"digits {key}", values) for key, values in digits.items() if np.isfinite(values).any())
+        if curves:
+            scales: tuple[Scale, Scale] = ("log" if is_wide else "linear", "linear")
+            yield Plot(
+                sweep.title,
+                "",
+                x,
+                curves,
+                None,
+                "",
+                "digits",
+                sweep.parameter,
+                scales,
+                marks=tuple(marks),
+                includes=(0.0, float(MOST)),
+            )
+
+
+def _sentence(sweep: ScalingSweep) -> str:
+    least = [f"at least {min(point.right for point in sweep.answers):.1f} digits right"] if sweep.answers else []
+    counts = [(sweep.count(key), SHAPES[key][0]) for key in ("warned", "refused", "wrong")]
+    parts = [counted(len(sweep.points), "point"), *least, *(f"{count} {text}" for count, text in counts if count)]
+    return f"{shortened(sweep.title, 60)}: {', '.join(parts)}."
+
+
+def heat_map(title: str, sweeps: Sequence[ScalingSweep]) -> Picture:
+    """A row for each sweep, a column for each value of the parameter; the colour of a cell shows its correct digits.
+
+    Cells with a warning are framed, refused ones are grey, and wrong ones without a warning have a red cross.
+    """
+    sweeps = [sweep for sweep in sweeps if sweep.points]
+    if not sweeps:
+        return nothing_to_show(title, "Digits right")
+    values = sorted({point.parameter for sweep in sweeps for point in sweep.points})
+
+    def draw(figure: Figure) -> None:
+        import matplotlib
+
+        axes = figure.subplots()
+        digits = np.full((len(sweeps), len(values)), math.nan)
+        for row, sweep in enumerate(sweeps):
+            for point in sweep.points:
+                column = values.index(point.parameter)
+                digits[row, column] = math.nan if point.right is None else math.floor(point.right)
+                _cell(axes, column, row, point, len(values) <= MOST_NUMBERED)
+        colors = matplotlib.colormaps[COLORS].resampled(MOST + 1)
+        mesh = axes.pcolormesh(digits, cmap=colors, vmin=-0.5, vmax=MOST + 0.5, edgecolors="white", linewidth=1.0, zorder=1)
+        figure.colorbar(mesh, ax=axes, ticks=range(0, MOST + 1, 4), label="digits right", aspect=30, pad=0.01)
+        _names(axes, sweeps, values)
+        _map_legend(figure, sweeps)
+
+    return Picture(
+        title,
+        " ".join(["Digits right, claimed and expected over the parameter.", *map(_sentence, sweeps)]),
+        AROUND_HIGH + MAP_ROW_HIGH * max(len(sweeps), 3),
+        draw,
+    )
+
+
+def _cell(axes: Axes, column: int, row: int, point: Point, has_number: bool) -> None:
+    """Frame, cross, number, and grey where refused."""
+    from matplotlib.patches import Rectangle
+
+    color = "white" if point.right is not None and point.right < BRIGHT else INK
+    if point.verdict == "refused":
+        axes.add_patch(Rectangle((column, row), 1, 1, facecolor=REFUSED, edgecolor="white", zorder=2))
+    if point.verdict == "warned":
+        axes.add_patch(Rectangle((column + 0.09, row + 0.14), 0.82, 0.72, fill=False, edgecolor=color, linewidth=1.3, zorder=2))
+    if point.verdict == "wrong":
+        axes.plot(column + 0.5, row + 0.5, linestyle="none", **CROSS)
+    elif has_number:
+        missing = "–" if point.verdict == "refused" else "?"
+        number = missing if point.right is None else str(math.floor(point.right))
+        axes.text(column + 0.5, row + 0.5, number, ha="center", va="center_baseline", color=color, fontsize=7.5)
+
+
+def _names(axes: Axes, sweeps: Sequence[ScalingSweep], values: Sequence[float]) -> None:
+    """Names of the rows, factors below the columns."""
+    axes.invert_yaxis()
+    step = math.ceil(len(values) / 20)
+    axes.set_xticks(np.arange(0, len(values), step) + 0.5, [_value(value) for value in values[::step]])
+    axes.set_yticks(np.arange(len(sweeps)) + 0.5, [shortened(sweep.title, NAME) for sweep in sweeps], color=INK)
+    parameters = {sweep.parameter for sweep in sweeps}
+    axes.set_xlabel(shortened(parameters.pop(), 80) if len(parameters) == 1 else "scaling factor")
+    axes.grid(False)
+    axes.tick_params(length=0)
+    axes.spines[:].set_visible(False)
+
+
+def _value(value: float) -> str:
+    return power_of_ten(value) if f"{value:.2e}".startswith("1.00e") else powers(f"{value:.3g}")
+
+
+def _map_legend(figure: Figure, sweeps: Sequence[ScalingSweep]) -> None:
+    """The legend of verdicts other than "right"."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    handles = {
+        "warned": Patch(facecolor="white", edgecolor=INK, linewidth=1.3, label="with a warning"),
+        "refused": Patch(facecolor=REFUSED, edgecolor=REFUSED, label="refused"),
+        "not judged": Patch(facecolor="white", edgecolor=MUTED, linewidth=0.6, linestyle=":", label="? not judged"),
+        "wrong": Line2D([], [], linestyle="none", label="wrong without a warning", **CROSS),
+    }
+    shown = [handle for verdict, handle in handles.items() if any(sweep.count(verdict) for sweep in sweeps)]
+    if shown:
+        figure.legend(handles=shown, loc="outside lower center", ncols=4, handlelength=1.6, fontsize=8)

@@ -1,0 +1,73 @@
+"""The work-precision diagram: every measured point is in it, whatever was measured."""
+
+import numpy as np
+import pytest
+
+from mbconstrained.analyses.accuracy.accuracy import LOWEST, work_precision
+from mbconstrained.analyses.accuracy.measure import Measurement
+from mbconstrained.analyses.accuracy.methods import ComparedMethod, MethodSetting
+from mbconstrained.analyses.timing import Timing
+from mbconstrained.ground.tolerances import EPS
+from mbconstrained.page.plots.images import plot_image
+
+
+def timing(seconds: float) -> Timing:
+    return Timing((0.8 * seconds, 0.9 * seconds, seconds, 1.2 * seconds, 1.3 * seconds))
+
+
+def run(method: ComparedMethod, error: float, seconds: float, label: str = "") -> Measurement:
+    """One run takes so many seconds, a further evaluation 0.4 of them."""
+    return Measurement(method, MethodSetting(label), error, timing(0.5 * seconds), timing(0.5 * seconds), timing(0.4 * seconds))
+
+
+def named(name: str, is_ours: bool = False) -> ComparedMethod:
+    return ComparedMethod(name, lambda problem, value: None, is_ours=is_ours)
+
+
+def peer(name: str, start: float = 1e-3) -> list[Measurement]:
+    method = named(name)
+    return [run(method, 1e-3 * 100.0**-i, start * 3.0**i, f"rtol 1e-{2 * i + 3:02d}") for i in range(4)]
+
+
+OURS = [run(named("closed form", is_ours=True), 3e-16, 4e-3)]
+PEERS = [peer(f"method {i}", 1e-3 * 1.7**i) for i in range(14)]
+SOME = [*OURS, *PEERS[0], *PEERS[1], *PEERS[2]]
+
+
+@pytest.mark.parametrize("place, kind", [(0, "one_run"), (1, "further")])
+def test_points_have_their_times_and_errors(place, kind):
+    plot = list(work_precision(SOME))[place]
+    assert [curve.name for curve in plot.curves] == ["closed form", "method 0", "method 1", "method 2"]
+    assert plot.scales == ("log", "log") and plot.shown == 4
+    points = np.concatenate([marks.points for marks in plot.marks])
+    assert points.tolist() == [[getattr(run, kind).median, run.error] for run in SOME]
+    for curve, marks in zip(plot.curves, plot.marks):
+        assert np.array_equal(np.array([curve.along, curve.values])[:, curve.drawn].T, marks.points)
+    assert "rtol 1e-05: 1.0e-05 in" in plot.marks[1].texts[1]
+
+
+@pytest.mark.parametrize("floor, lines", [(0.0, {EPS}), (1e-12, {EPS, 1e-12})])
+def test_lines_at_the_floors(floor, lines):
+    for plot in work_precision(SOME, floor):
+        assert {guide.start[1] for guide in plot.guides} == lines
+
+
+@pytest.mark.parametrize("error", [0.0, 1e-30])
+def test_what_is_too_small_is_drawn_at_the_bottom_and_named_in_the_note(error):
+    method = named("a")
+    plot = next(work_precision([run(method, error, 1e-3), run(method, 1e-9, 2e-3)]))
+    assert plot.marks[0].points[0, 1] == LOWEST and "1e-17" in plot.note and plot.axes[1].low <= LOWEST
+    assert "1e-17" not in next(work_precision(SOME)).note
+
+
+def test_nothing_measured_is_no_plot_and_the_note_has_the_failed():
+    assert list(work_precision([])) == []
+    assert "Not in the picture: IDA, index 3; lsim." in next(work_precision(SOME, 0.0, ("IDA, index 3", "lsim"))).note
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("points", [[(1e-6, 1e-3)], [(1e-6, 1e-3)] * 5, [(EPS, 1e-9)], [(0.99, 1e6)], [(0.0, 1e-3)]])
+def test_single_and_equal_points_have_a_picture(points):
+    method = named("a")
+    for plot in work_precision([run(method, *point) for point in points]):
+        assert plot_image(plot, "png")[1:4] == b"PNG"
