@@ -9,7 +9,7 @@ from __future__ import annotations
 from importlib import import_module
 
 #: The analyses by name: the modules that declare them.
-ANALYSES = {"random": "random", "shock": "shock", "mac": "mac"}
+ANALYSES = {name: name for name in ("random", "shock", "mac", "campbell", "locus", "path")}
 
 
 def load(name: str):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
@@ -19,11 +21,12 @@ from ..scene.schema.entry_types import Table
 from ..scene.schema.validation import validated
 
 if TYPE_CHECKING:
-    from ..page.html import Delivery
+    from ..page.html import Content, Delivery
     from ..scene.run.scene import Scene
+    from ..studies.figures import Picture
 
-#: Rows of a table for a terminal, and on the page.
-MOST_ROWS, MOST_ROWS_OF_PAGE = 16, 200
+#: Rows of a table for a terminal, on the page, and no limit.
+MOST_ROWS, MOST_ROWS_OF_PAGE, ALL_ROWS = 16, 200, 10**9
 
 #: Formats of pictures of plots.
 PICTURES: tuple[Literal["svg", "png"], ...] = ("svg", "png")
@@ -45,6 +48,10 @@ class Answer(Displayed):
         columns: columns of each CSV file by their heads, the files by the text before their ending, such as ".peaks".
         arrays: arrays of the npz file, in SI.
         heading: for the terminal; by default the title.
+        figures: static figures of the page, before its plots.
+        presented: turns the page into one with an animation.
+        most_rows: of a table in a terminal.
+        last_keys: of the plain data, after the data themselves.
     """
 
     kind: str
@@ -59,6 +66,18 @@ class Answer(Displayed):
     columns: Callable[[], Mapping[str, Mapping[str, Any]]] = dict
     arrays: Callable[[], Mapping[str, np.ndarray]] = dict
     heading: str = ""
+    figures: Callable[[], Iterable[Picture]] = tuple
+    presented: Callable[[PageContent], Content] = lambda content: content
+    most_rows: int = MOST_ROWS
+    last_keys: tuple[str, ...] = ("notices", "trusted", "files")
+
+    @cached_property
+    def _figures(self) -> tuple[Picture, ...]:
+        return tuple(self.figures())
+
+    @cached_property
+    def _plots(self) -> tuple[Plot, ...]:
+        return tuple(self.plots())
 
     @property
     def is_trusted(self) -> bool:
@@ -66,31 +85,34 @@ class Answer(Displayed):
         return not any(notice.doubtful for notice in self.notices)
 
     def blocks(self, files: Sequence[Path] = ()) -> list[str | TextTable]:
-        """Texts and tables for a terminal of 80 columns, with the files that were written."""
+        """Texts and tables for a terminal of 80 columns, with the files that were written; folded tables are for the page."""
         head = "\n".join(line for text in (self.heading or self.title, self.source) for line in wrap(text, WIDTH))
         about = "\n".join(_indented(f"{label}: {text}", "") for label, text in self.facts)
         lists = {"Notices": [_indented(str(notice), "  ") for notice in self.notices], "Written": [f"  {path}" for path in files]}
-        shown = [_limited(table, MOST_ROWS) for table in self.tables]
+        shown = [_limited(table, self.most_rows) for table in self.tables if not table.folded]
         return [head, about, *shown, *("\n".join([title, *lines]) for title, lines in lists.items() if lines)]
 
     def to_dict(self, files: Sequence[Path] = ()) -> dict:
         """The answer as plain data, numbers in SI: title, data, notices, whether it is to be trusted, files."""
         notices = [{"kind": one.kind, "text": one.text, "doubtful": one.doubtful} for one in self.notices]
         end = {"notices": notices, "trusted": self.is_trusted, "files": [str(path) for path in files]}
-        return {"title": self.title, **{key: json_value(value) for key, value in self.data.items()}, **end}
+        last = {key: end[key] for key in self.last_keys}
+        return {"title": self.title, **{key: json_value(value) for key, value in self.data.items()}, **last}
 
-    def page(self) -> PageContent:
-        """Plots, tables, notices and facts as a page."""
+    def page(self) -> Content:
+        """Figures, plots, tables, notices and facts as a page."""
         tables = tuple(_limited(table, MOST_ROWS_OF_PAGE) for table in self.tables)
-        plots = tuple(self.plots())
-        return PageContent(self.title, self.source, plots=plots, tables=tables, notices=self.notices, facts=self.facts)
+        figures = tuple(picture.on_page() for picture in self._figures)
+        content = PageContent(self.title, self.source, None, self._plots, tables, self.notices, self.facts, figures=figures)
+        return self.presented(content)
 
     def write(self, folder: Path, formats: Iterable[str] = ("page", "csv", "npz"), viewer: Delivery = "inside") -> list[Path]:
-        """Write NAME.KIND.html, .csv and .npz, all of them or none.
+        """Write NAME.KIND.html, .csv, .npz, .png and .json, all of them or none.
 
         Args:
             folder: is created if it does not exist.
-            formats: some of "page", "csv", "npz", "pictures" (each plot as SVG and PNG).
+            formats: some of "page", "csv", "npz", "pictures" (each plot as SVG and PNG by its title), "images" (all figures and plots
+                as PNG by their numbers), "json".
             viewer: location of the script of the 3-D viewer, see ``mbconstrained.page.html``.
 
         Returns:
@@ -104,17 +126,24 @@ class Answer(Displayed):
 
         stem, chosen = f"{self.name}.{self.kind}", set(formats)
         folder.mkdir(parents=True, exist_ok=True)
-        content = self.page() if chosen & {"page", "pictures"} else None
         with Replacements() as files:
             for part, columns in self.columns().items() if "csv" in chosen else ():
                 files.temporary(folder / f"{stem}{part}.csv").write_text(csv_of(columns), encoding="utf-8")
             if "npz" in chosen:
                 write_arrays(files.temporary(folder / f"{stem}.npz"), dict(self.arrays()), ".npz")
-            for name, plot in plot_images(content.plots).items() if content and "pictures" in chosen else ():
+            for name, plot in plot_images(self._plots).items() if "pictures" in chosen else ():
                 for kind in PICTURES:
                     files.temporary(folder / f"{stem}.{name}.{kind}").write_bytes(plot_image(plot, kind))
-            if content and "page" in chosen:
-                write_page(folder / f"{stem}.html", content, viewer, files)
+            if "page" in chosen:
+                write_page(folder / f"{stem}.html", self.page(), viewer, files)
+            if "images" in chosen:
+                images = [*(picture.png() for picture in self._figures), *(plot_image(plot, "png") for plot in self._plots)]
+                for number, image in enumerate(images, 1):
+                    files.temporary(folder / f"{stem}{f'-{number}' * (number > 1)}.png").write_bytes(image)
+            if "json" in chosen:
+                data = {key: value for key, value in self.to_dict().items() if key != "files"}
+                text = json.dumps(data, indent=2, allow_nan=False) + "\n"
+                files.temporary(folder / f"{stem}.json").write_text(text, encoding="utf-8")
         return files.paths
 
     def _summary(self) -> str:
@@ -131,7 +160,11 @@ class Analysis:
         name: name of the command and of the table in a scene.
         help: a sentence for the list of commands.
         settings: a table of the scene, whose entries are the options of the command.
-        options: names of options that differ from their entries, by entry; None for entries without an option.
+        options: names of options that differ from their entries, by entry; None for entries without an option. Lists and tables are
+            options, which may be repeated, where they are named here.
+        formats: written formats; none for those of [output] in the scene.
+        progress: what a bar counts, such as "generations"; "steps" for a line with the name of each step; empty for short work.
+        without_scene: options of the answer without a scene, given by ``answer_without_scene``.
     """
 
     name: ClassVar[str]
@@ -139,6 +172,9 @@ class Analysis:
     settings: ClassVar[type[Table] | None] = None
     options: ClassVar[Mapping[str, str | None]] = {}
     replaced: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    formats: ClassVar[tuple[str, ...]] = ()
+    progress: ClassVar[str] = ""
+    without_scene: ClassVar[tuple[str, ...]] = ()
 
     @classmethod
     def solve(cls, scene: Scene, settings: Table | None) -> Answer:
@@ -146,10 +182,11 @@ class Analysis:
         raise NotImplementedError
 
     @classmethod
-    def answer(cls, scene: Scene, **given) -> Answer:
+    def answer(cls, scene: Scene, progress: Callable | None = None, **given) -> Answer:
         """The answer of a scene with some settings in the place of those in its table, by the names of its entries."""
         own = getattr(scene.table, cls.name, None)
-        return cls.solve(scene, cls.changed(own, given, scene.file_name) if given else own)
+        reported = {"progress": progress} if progress else {}
+        return cls.solve(scene, cls.changed(own, given, scene.file_name) if given else own, **reported)
 
     @classmethod
     def changed(cls, own: Table | None, given: Mapping[str, Any], file_name: str) -> Table:

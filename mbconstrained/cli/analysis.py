@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import inspect
 import typing
+from contextlib import nullcontext
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from ..analyses import ANALYSES, load
-from .answer import FINE, NOT_TRUSTED, Compress, Json, Out, ScenePath, Settings, SharedViewer, answer, leave, viewer_of
+from .answer import FINE, NOT_TRUSTED, Compress, Json, Out, ScenePath, Settings, SharedViewer, answer, leave, setting, viewer_of
 
 if TYPE_CHECKING:
     from ..analyses.base import Analysis, Answer
@@ -19,6 +21,10 @@ if TYPE_CHECKING:
 
 Plots = Annotated[bool, typer.Option("--plots", help="Write the plots as SVG and PNG too.")]
 Source = Annotated[str, typer.Argument(metavar="SCENE|RECORD", help="A scene, a .toml; or a file with an acceleration over time.")]
+OptionalScene = Annotated[str, typer.Argument(metavar="SCENE", help="The scene file, a .toml; left out: the gallery.")]
+
+#: Exit code of shells for a process that SIGINT ended.
+INTERRUPTED = 130
 
 #: Options of a record, by argument: the unit, the column and the step of the samples.
 RECORD = {
@@ -64,27 +70,51 @@ def command(analysis: type[Analysis]):
 
     def run(source: str, out: str, plots: bool, shared_viewer: bool, compress: bool, settings, json: bool, **given) -> None:
         reading = {key: given.pop(key) or None for key in RECORD} if reads_records else {}
-        chosen = {key: _value(given[f"{key}_"]) for key in entries if given[f"{key}_"] not in ("", False)}
+        chosen = {key: _value(given[f"{key}_"], *entry[:2]) for key, entry in entries.items() if _is_given(given[f"{key}_"])}
         viewer: Any = viewer_of(shared_viewer, compress)
 
-        def write(one: Answer, output: OutputTable) -> int:
-            from .printing import show
+        def work(scene) -> int:
+            folder = Path(out or Path("results") / (scene.name if scene else "gallery"))
+            if not analysis.progress:
+                return write(analysis.answer(scene, **chosen), scene.table.output)
+            _check_writable(folder)  # before hours of computation
+            try:
+                with _progress(analysis.progress) as progress:
+                    one = analysis.answer(scene, progress, **chosen) if scene else analysis.answer_without_scene(progress, **chosen)
+            except KeyboardInterrupt as problem:
+                if not problem.args:
+                    raise
+                return show_error(str(problem), json, INTERRUPTED)
+            return write(one, scene.table.output if scene else None)
 
-            formats = [name for name in ("page", "csv", "npz") if getattr(output, name)]
-            formats += ["pictures"] if plots or output.plot_images else []
-            files = one.write(Path(out or Path("results") / one.name), formats, viewer or output.viewer)
+        def write(one: Answer, output: OutputTable | None) -> int:
+            formats = list(analysis.formats) or [name for name in ("page", "csv", "npz") if getattr(output, name)]
+            formats += ["pictures"] if plots or (output and output.plot_images) else []
+            own: Any = output.viewer if output else "inside"
+            files = one.write(Path(out or Path("results") / one.name), formats, viewer or own)
             show(json, lambda: one.to_dict(files), lambda: one.blocks(files))
             return FINE if one.is_trusted else NOT_TRUSTED
 
+        from .printing import show, show_error
+
+        if not source:
+            if settings:
+                raise typer.BadParameter("values are set in a scene; name one", param_hint="--set")
+            leave("gallery", json, lambda: work(None))
+        if used := [key for key in analysis.without_scene if key in chosen]:
+            raise typer.BadParameter(f"give a scene or {used[0]}, not both", param_hint=entries[used[0]][0])
         if not reads_records or Path(source).suffix.lower() == ".toml":
             if used := [key for key, value in reading.items() if value is not None]:
                 raise typer.BadParameter("it belongs to a record; a scene has its units in its tables", param_hint=f"--{used[0]}")
-            answer(source, json, lambda scene: write(analysis.answer(scene, **chosen), scene.table.output), settings)
+            answer(source, json, work, settings)
         if settings:
             raise typer.BadParameter("values are set in a scene; this is a record", param_hint="--set")
         leave(Path(source).name, json, lambda: write(*_of_record(analysis, Path(source), chosen, reading)))
 
-    parameters = [("source", Source if reads_records else ScenePath, inspect.Parameter.empty)]
+    place: Any = (
+        (OptionalScene, "") if analysis.without_scene else (Source if reads_records else ScenePath, inspect.Parameter.empty)
+    )
+    parameters = [("source", *place)]
     parameters += [(name, kind, default) for name, (kind, default) in {**options, **common}.items()]
     run.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
         [
@@ -97,26 +127,62 @@ def command(analysis: type[Analysis]):
 
 
 def _entries(analysis: type[Analysis]):
-    """Option, metavariable and help of each setting, except tables and lists."""
+    """Option, kind, help and bounds of each setting; tables and lists where the analysis names an option for them."""
     for name, field in analysis.settings.model_fields.items() if analysis.settings else ():
-        key, kinds = field.alias or name, typing.get_args(field.annotation) or (field.annotation,)
-        if any(typing.get_origin(kind) in (list, dict) or kind is Any for kind in (*kinds, field.annotation)):
-            continue
-        flag = analysis.options.get(key, f"--{key.replace('_', '-')}")
+        key, kinds = field.alias or name, set(typing.get_args(field.annotation)) - {type(None)} or {field.annotation}
+        several = next((one for one in (dict, list) if one in map(typing.get_origin, (*kinds, field.annotation))), None)
+        flag = analysis.options.get(key, None if several or Any in kinds else f"--{key.replace('_', '-')}")
         if flag is not None:
-            yield key, (flag, "" if field.annotation is bool else "VALUE", field.description or "")
+            bounds = {end: getattr(one, name) for one in field.metadata for name, end in _BOUNDS.items() if hasattr(one, name)}
+            is_number = len(bounds) == len(field.metadata)  # others are texts with units
+            kind = several or next((one for one in (bool, int, float) if kinds == {one} and is_number), str)
+            yield key, (flag, kind, field.description or "", bounds if kind in (int, float) else {})
 
 
-def _option(flag: str, value: str, text: str):
-    if not value:
+#: Bounds of numbers, as pydantic and typer name them.
+_BOUNDS = {"ge": "min", "le": "max"}
+
+
+def _option(flag: str, kind, text: str, bounds=None):
+    if kind is bool:
         return Annotated[bool, typer.Option(flag, help=text)], False
-    return Annotated[str, typer.Option(flag, metavar=value, help=text)], ""
+    if kind in (dict, list):
+        return Annotated[list[str] | None, typer.Option(flag, metavar="NAME=VALUE" if kind is dict else "VALUE", help=text)], None
+    if kind in (int, float):
+        return Annotated[kind | None, typer.Option(flag, metavar="N", help=text, **bounds)], None
+    return Annotated[str, typer.Option(flag, metavar=kind if isinstance(kind, str) else "VALUE", help=text)], ""
 
 
-def _value(given):
+def _is_given(value) -> bool:
+    return value not in (None, "", []) and value is not False
+
+
+def _value(given, flag: str, kind):
+    """The value of an option as it could stand in the scene; NAME=VALUE of each option of a table, each name once."""
     from ..scene.quantities.settings import value_of
 
-    return value_of(given) if isinstance(given, str) else given
+    if kind is list:
+        return [value_of(text) for text in given]
+    if kind is not dict:
+        return value_of(given) if isinstance(given, str) else given
+    pairs: dict[str, Any] = {}
+    for name, value in (setting(text, flag) for text in given):
+        if name in pairs:
+            raise typer.BadParameter(f'"{name}" is given twice; give it once', param_hint=flag)
+        pairs[name] = value
+    return pairs
+
+
+def _progress(counted: str):
+    """Context of a function that reports progress: of steps by name, else a bar of what is counted."""
+    from .printing import bar_progress, step_progress
+
+    return step_progress() if counted == "steps" else bar_progress(counted) if counted else nullcontext()
+
+
+def _check_writable(folder: Path) -> None:
+    with TemporaryFile(dir=next(one for one in (folder, *folder.absolute().parents) if one.exists())):
+        pass
 
 
 def _of_record(analysis, path: Path, chosen: dict, reading: dict):

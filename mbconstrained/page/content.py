@@ -105,13 +105,13 @@ class Guide:
     Attributes:
         name: next to the end; an empty string for none.
         start, end: two of its points.
-        is_limit: whether it is drawn as a limit, not as a line of the grid.
+        kind: how it is drawn: as a line of the grid, as a line with a meaning of its own, or as a limit.
     """
 
     name: str
     start: tuple[float, float]
     end: tuple[float, float]
-    is_limit: bool = False
+    kind: Literal["grid", "line", "limit"] = "grid"
 
     def ends(self, across: Axis, up: Axis) -> tuple[tuple[float, float], tuple[float, float]] | None:
         """End points of the line in the picture, as fractions of both axes from the left and from below; None where it is outside.

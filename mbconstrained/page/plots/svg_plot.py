@@ -242,7 +242,7 @@ def _guides(plot: Plot, across: Axis, up: Axis) -> list[str]:
         if ends := guide.ends(across, up):
             (a, b), (c, d) = ends
             data = f"M{CELLS * a:.0f} {CELLS * (1 - b):.0f}L{CELLS * c:.0f} {CELLS * (1 - d):.0f}"
-            lines.append(f'<path class="guide{" limit" * guide.is_limit}" d="{data}"/>')
+            lines.append(f'<path class="guide {guide.kind}" d="{data}"/>')
     if not lines:
         return []
     return [f'<svg class="guides" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">{"".join(lines)}</svg>']
@@ -333,7 +333,7 @@ def _legend(plot: Plot, functions: PlotFunctions) -> str:
                 data += f' data-parts="{ends}"'
         rows.append(f"<li{data}>{entry}</li>")
     rows += [
-        f'<li class="of-marks"><svg width="26" height="12" viewBox="-13 -6 26 12" aria-hidden="true">{_mark(plot, marks)}</svg>'
+        f'<li class="of-marks"><svg width="26" height="12" viewBox="-13 -6 26 12" aria-hidden="true">{_mark(plot, replace(marks, curve=None))}</svg>'
         f"<span>{html.escape(marks.name)}</span></li>"
         for marks in {marks.name: marks for marks in plot.marks if marks.name}.values()
     ]
