@@ -166,8 +166,8 @@ def _svg(plot: Plot) -> str:
     )
     right, upwards = map(html.escape, axis_titles(plot, across.exponent, up.exponent))
     elements = [
-        *_guides(plot, across, up),
         f'<g class="ticks">\n{_grid(across, up, height)}\n{_guide_names(plot, across, up, height)}</g>',
+        *_guides(plot, across, up),
         f'<text x="50%" y="{height + 38}" text-anchor="middle">{right}</text>',
         f'<text transform="translate(-58 {height // 2}) rotate(-90)" text-anchor="middle">{upwards}</text>',
     ]
@@ -254,9 +254,9 @@ def _guide_names(plot: Plot, across: Axis, up: Axis, height: int) -> str:
     for guide in plot.guides:
         if guide.name and (ends := guide.ends(across, up)):
             x, y = ends[1]
-            down, anchor = min(height * (1 - y) + 11, height - 3), "start" if x < LEAST_SHARE else "end"
-            name = html.escape(guide.name)
-            texts.append(f'<text class="guide-name" x="{100 * x:.2f}%" y="{down:.1f}" text-anchor="{anchor}">{name}</text>\n')
+            down, (anchor, away) = min(height * (1 - y) + 11, height - 3), ("start", 4) if x < LEAST_SHARE else ("end", -4)
+            place = f'x="{100 * x:.2f}%" y="{down:.1f}" dx="{away}" text-anchor="{anchor}"'
+            texts.append(f'<text class="guide-name" {place}>{html.escape(guide.name)}</text>\n')
     return "".join(texts)
 
 
