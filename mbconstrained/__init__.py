@@ -88,9 +88,9 @@ _LATE = {
     "Robot": "robot.robot",
     "Geometry": "exchange.universal",
     "Record": "scene.build.record_file",
-    "Optimum": "studies.sweep.optimisation",
-    "Sweep": "studies.sweep.sweep",
-    "SweepResult": "studies.sweep.sweep_report",
+    "Optimum": "analyses.sweep.optimisation",
+    "Sweep": "analyses.sweep.sweep",
+    "SweepResult": "analyses.sweep.sweep",
     "linspace": "scene.quantities.variations",
     "read_matrix": "exchange.matrices",
     "read_record": "scene.build.record_file",
@@ -105,7 +105,7 @@ def _presentation():
 
 
 def _studies(name: str):
-    return import_module(f".studies.sweep.{name}", __name__)
+    return import_module(f".analyses.sweep.{name}", __name__)
 
 
 Presented.presentation = staticmethod(_presentation)

@@ -9,7 +9,18 @@ from __future__ import annotations
 from importlib import import_module
 
 #: The analyses by name: the modules that declare them.
-ANALYSES = {name: name for name in ("random", "shock", "mac", "campbell", "locus", "path")}
+ANALYSES = {
+    "random": "random",
+    "shock": "shock",
+    "mac": "mac",
+    "campbell": "campbell",
+    "locus": "locus",
+    "path": "path",
+    "accuracy": "accuracy.accuracy",
+    "stability": "stability.stability",
+    "sweep": "sweep.sweep",
+    "optimise": "sweep.optimisation",
+}
 
 
 def load(name: str):

@@ -23,7 +23,7 @@ from ..scene.schema.validation import validated
 if TYPE_CHECKING:
     from ..page.html import Content, Delivery
     from ..scene.run.scene import Scene
-    from ..studies.figures import Picture
+    from .figures import Picture
 
 #: Rows of a table for a terminal, on the page, and no limit.
 MOST_ROWS, MOST_ROWS_OF_PAGE, ALL_ROWS = 16, 200, 10**9

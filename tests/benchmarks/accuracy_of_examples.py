@@ -12,8 +12,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from mbconstrained.scene.run.scene import read_scene
-from mbconstrained.studies.accuracy.accuracy_report import (
+from mbconstrained.analyses.accuracy.accuracy import (
+    Accuracy,
     AccuracyReport,
     accuracy_report,
     fastest,
@@ -21,9 +21,9 @@ from mbconstrained.studies.accuracy.accuracy_report import (
     one_run,
     ratio,
 )
-from mbconstrained.studies.study_problem import problem_of
-from mbconstrained.studies.study_report import writable
-from mbconstrained.studies.timing import duration
+from mbconstrained.analyses.study_problem import problem_of
+from mbconstrained.analyses.timing import duration
+from mbconstrained.scene.run.scene import read_scene
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -43,7 +43,7 @@ def main(folder: Path, names: list[str]) -> None:
     rows = []
     for path in [EXAMPLES / f"{name}.toml" for name in names] or sorted(EXAMPLES.glob("*.toml")):
         report = accuracy_report(problem_of(read_scene(path)), progress=lambda text, path=path: say(f"{path.stem}: {text}"))
-        report.write(writable(folder), f"{path.stem}.accuracy")
+        report.answer(path.stem).write(folder, Accuracy.formats)
         rows.append(row(path.stem, report))
     say("")
     print(f"| example | states | error | one run | further | reduction | {' | '.join(KINDS)} |")

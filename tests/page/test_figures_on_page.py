@@ -5,11 +5,11 @@ import re
 
 import pytest
 
+from mbconstrained.analyses.figures import Picture
 from mbconstrained.ground.display import TextTable
 from mbconstrained.ground.notices import Notice
 from mbconstrained.page.content import Curve, Figure, PageContent, Plot
 from mbconstrained.page.html import page_html, write_page
-from mbconstrained.studies.figures import Picture
 from tests.page.browser import needs_chromium
 from tests.page.contents import HOSTILE
 from tests.page.svg import checked_svg

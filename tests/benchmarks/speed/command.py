@@ -8,8 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from mbconstrained.analyses.timing import SMALL, machine
 from mbconstrained.ground.files import replacing
-from mbconstrained.studies.timing import SMALL, machine
 from tests.benchmarks.speed import growth
 from tests.benchmarks.speed.growth import Grown, grown
 from tests.benchmarks.speed.measure import Effort, Measured, measured

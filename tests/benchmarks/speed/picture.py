@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mbconstrained.analyses.accuracy.accuracy import ratio as shown_ratio
+from mbconstrained.analyses.figures import Picture, nothing_to_show, power_of_ten
 from mbconstrained.page.plots.images import GREY, INK, MUTED, RED
-from mbconstrained.studies.accuracy.accuracy_report import ratio as shown_ratio
-from mbconstrained.studies.figures import Picture, nothing_to_show, power_of_ten
 from tests.benchmarks.speed.report import PARTS, Row
 
 if TYPE_CHECKING:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from mbconstrained.studies.accuracy.accuracy_report import ratio as shown_ratio
-from mbconstrained.studies.timing import Timing, duration
+from mbconstrained.analyses.accuracy.accuracy import ratio as shown_ratio
+from mbconstrained.analyses.timing import Timing, duration
 from tests.benchmarks.speed.growth import Grown, exponent
 from tests.benchmarks.speed.measure import Measured
 from tests.benchmarks.speed.setup import WANTED, SetUp

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbconstrained.studies.timing import Timing
+from mbconstrained.analyses.timing import Timing
 from tests.benchmarks.speed.command import BEGIN, END, Report, _Refusal, is_asked, rows_of, with_tables
 from tests.benchmarks.speed.growth import Grown, exponent
 from tests.benchmarks.speed.measure import Measured, ours

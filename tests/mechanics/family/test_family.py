@@ -7,7 +7,7 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained import Constraint, InputError, family
-from mbconstrained.studies.sweep.evaluation import SampleFamily
+from mbconstrained.analyses.sweep.evaluation import SampleFamily
 from tests.oracles.ball_exponential import motion
 
 SEED = np.random.default_rng(20)

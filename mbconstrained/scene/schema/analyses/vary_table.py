@@ -24,8 +24,19 @@ def _variations(value) -> dict[str, Variation]:
     return result
 
 
+def _parts(entry):
+    """The entry, or the names and the number of a text such as "k,m=0.5"."""
+    if not isinstance(entry, str):
+        return entry
+    names, _, value = entry.partition("=")
+    try:
+        return [*(name.strip() for name in names.split(",")), float(value)]
+    except ValueError:
+        raise InputError(f'found "{entry}"; expected A,B=R, e.g. k,m=0.5') from None
+
+
 def _correlations(value) -> list[tuple[str, str, float]]:
-    entries = value if isinstance(value, list) else [value]
+    entries = [_parts(entry) for entry in (value if isinstance(value, list) else [value])]
     for entry in entries:
         is_entry = isinstance(entry, (list, tuple)) and len(entry) == 3
         if not (is_entry and all(isinstance(name, str) for name in entry[:2]) and isinstance(entry[2], (int, float))):

@@ -1,0 +1,429 @@
+"""Error against run time of every method that applies to a problem: measured, compared in tables, and drawn as a work-precision diagram."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+import numpy as np
+from pydantic import Field
+
+from ...ground.checks import counted
+from ...ground.display import TextTable
+from ...ground.notices import Notice, NoticeKind
+from ...ground.tolerances import EPS, TRUST_LIMIT
+from ...page.animation.figure import PALETTE
+from ...page.plots.images import INK, MUTED
+from ...page.typeset import shortened
+from ...scene.schema.entry_types import Table
+from ..base import Analysis, Answer
+from ..figures import Picture, nothing_to_show, power_of_ten, powers
+from ..study_problem import StudyProblem, problem_of
+from ..timing import Progress, Timing, duration, machine, no_progress, suitable_clock
+from .measure import SECONDS, Measurement, ReferenceSolution, measure, reduction_time, reference_solution, states_of
+from .methods import ComparedMethod
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ...scene.run.scene import Scene
+
+#: The errors for which the fastest method is reported.
+ERRORS = (1e-3, 1e-6, 1e-9, 1e-12)
+
+#: Run times with a smaller ratio are called equal: other work of the machine changes them by as much.
+EQUAL = 1.5
+
+
+class AccuracySettings(Table):
+    """Limits of the measurement."""
+
+    seconds: float = Field(SECONDS, ge=0.1, le=3600.0, description="Time limit of a single run, s.")
+
+
+class Accuracy(Analysis):
+    """Measure error against run time: the methods of this package and those of other tools.
+
+    The other tools are scipy's solve_ivp (DOP853, LSODA, Radau, BDF), odeint, steps with e^(S dt), scipy.signal.lsim and, where
+    they are installed, python-control and IDA of scikit-sundae, each over its tolerances. Errors are measured with exact arithmetic. Writes
+    NAME.accuracy.html, .png and .json."""
+
+    name = "accuracy"
+    help = "Error against run time, compared with other tools."
+    settings = AccuracySettings
+    formats = ("page", "images", "json")
+    progress = "steps"
+
+    @classmethod
+    def solve(cls, scene: Scene, settings: AccuracySettings | None, progress: Progress = no_progress) -> Answer:  # type: ignore[override]
+        """The answer of a scene."""
+        seconds = (settings or AccuracySettings()).seconds
+        return accuracy_report(problem_of(scene), seconds=seconds, progress=progress).answer(scene.name, scene.table.source)
+
+
+@dataclass(frozen=True)
+class AccuracyReport:
+    """Errors and run times of methods on one problem.
+
+    Attributes:
+        problem: the problem.
+        reference: the reference solution.
+        runs: every setting of every method, the closed form first, with those that failed or do not apply.
+        machine: processor, system and packages.
+        reduction: run time of the reduced equations that stepping methods get; None without them.
+    """
+
+    problem: StudyProblem
+    reference: ReferenceSolution
+    runs: tuple[Measurement, ...]
+    machine: dict[str, str]
+    reduction: Timing | None = None
+
+    @property
+    def answers(self) -> tuple[Measurement, ...]:
+        """The runs with values."""
+        return tuple(run for run in self.runs if not run.failure)
+
+    @property
+    def failures(self) -> tuple[Measurement, ...]:
+        """The runs without values."""
+        return tuple(run for run in self.runs if run.failure)
+
+    @property
+    def closed_form(self) -> Measurement:
+        """The default method."""
+        return self.runs[0]
+
+    @property
+    def closed_form_method(self) -> str:
+        """The method that this package selects for the problem, and the reason."""
+        method = self.problem.solve().method
+        return f"{method.name}, {method.reason}"
+
+    @property
+    def fastest(self) -> tuple[tuple[float, str, str], ...]:
+        """For each of ``ERRORS``: the error, the fastest method for one run, and for each further evaluation."""
+        ours = [run for run in self.answers if run.method.is_ours]
+        others = [run for run in self.answers if not run.method.is_ours]
+        return tuple((error, *(_comparison(ours, others, error, time) for time in (one_run, further))) for error in ERRORS)
+
+    @property
+    def facts(self) -> tuple[tuple[str, str], ...]:
+        """Problem, closed form, reference solution and machine."""
+        times, A, force = self.problem.times, self.problem.polynomial_matrix, self.problem.force
+        states, changes = len(A.jordan_pairs().finite.J), len(force.knots) - 1
+        changing = f"a force that changes {counted(changes, 'time')}" if changes else "a force"
+        size = f"{counted(A.size, 'equation')} of order {A.degree}, {counted(states, 'state')}, {'no force' if force.is_zero else changing}"
+        return (
+            ("problem", f"{size}, {len(times)} times from {times[0]:g} s to {times[-1]:g} s"),
+            ("closed form", self.closed_form_method),
+            ("reference solution", self.reference.source),
+            *self.machine.items(),
+        )
+
+    @property
+    def timing_note(self) -> str:
+        """The clock, and the data that stepping methods get outside their run time."""
+        time = f" (computed by this package in {duration(self.reduction.median)})" if self.reduction else ""
+        return (
+            f"{suitable_clock(states_of(self.problem)).name}. Not included: the reduced equations of stepping methods{time}, their "
+            "values at 0+ where the start jumps, and formulas of the force."
+        )
+
+    def ratios(self, run: Measurement) -> dict[str, float]:
+        """The times of a run over those of the closed form, by name; empty where that failed."""
+        if self.closed_form.failure:
+            return {}
+        kinds = (("one_run_over_closed_form", one_run), ("further_evaluation_over_closed_form", further))
+        return {name: time(run) / time(self.closed_form) for name, time in kinds}
+
+    def answer(self, name: str, source: str = "") -> Answer:
+        """Tables, the work-precision diagram and data; not trusted where the closed form is not accurate within the time limit."""
+        ours, title = self.closed_form, f"Error against run time: {self.problem.title}"
+        doubts: tuple[Notice, ...] = ()
+        if ours.failure and not ours.is_broken_off:
+            doubts = (Notice(NoticeKind.ACCURACY, f"the closed form has no answer: {ours.failure}", doubtful=True),)
+        elif not ours.failure and ours.error > TRUST_LIMIT:
+            doubts = (Notice(NoticeKind.ACCURACY, f"the closed form has an error of {ours.error:.1e}", doubtful=True),)
+        failed = [run.method.name if run.method.refusal(self.problem) else run.label for run in self.failures]
+        diagram = work_precision(title, self.answers, self.reference.error_bound, tuple(dict.fromkeys(failed)))
+        tables = (fastest_table(self), _time_table(self), *((failure_table(self),) if self.failures else ()), run_table(self))
+        data = {
+            "title": self.problem.title,
+            "size": self.problem.polynomial_matrix.size,
+            "times": len(self.problem.times),
+            "closed_form_method": self.closed_form_method,
+            "reference": self.reference.source,
+            "reference_error": self.reference.error_bound,
+            "machine": self.machine,
+            "clock": suitable_clock(states_of(self.problem)).name,
+            "reduction": self.reduction and self.reduction.as_json(),
+            "fastest": [{"error": error, "one_run": one, "further_evaluation": more} for error, one, more in self.fastest],
+            "runs": [self._run_as_json(run) for run in self.runs],
+        }
+        return Answer("accuracy", name, title, source, self.facts, tables, doubts, data, figures=lambda: (diagram,))
+
+    def _run_as_json(self, run: Measurement) -> dict:
+        head = {"method": run.method.name, "setting": run.setting.label, "is_ours": run.method.is_ours}
+        if run.failure:
+            return {**head, "failure": run.failure}
+        times = {"set_up": run.set_up, "evaluation": run.evaluation, "further_evaluation": run.further}
+        return {**head, "error": run.error, **{name: time.as_json() for name, time in times.items()}, **self.ratios(run)}
+
+
+def accuracy_report(
+    problem: StudyProblem, methods: Sequence[ComparedMethod] = (), seconds: float = SECONDS, progress: Progress = no_progress
+) -> AccuracyReport:
+    """Measure every method on a problem."""
+    if not methods:
+        from .methods import METHODS as methods
+    progress("the reference solution")
+    reference = reference_solution(problem)
+    runs = measure(problem, reference, methods, seconds, progress)
+    return AccuracyReport(problem, reference, runs, machine(), reduction_time(problem))
+
+
+def fastest(runs: Sequence[Measurement], error: float, time: Callable[[Measurement], float]) -> Measurement | None:
+    """The fastest of the runs with at most this error."""
+    return min((run for run in runs if run.error <= error), key=time, default=None)
+
+
+def one_run(run: Measurement) -> float:
+    """Set-up and evaluation, in s."""
+    return run.one_run.median
+
+
+def further(run: Measurement) -> float:
+    """Run time of each further evaluation in s."""
+    return run.further.median
+
+
+def _comparison(ours, others, error: float, time) -> str:
+    mine, other = fastest(ours, error, time), fastest(others, error, time)
+    if mine is None and other is None:
+        return "no method reaches it"
+    if other is None:
+        return f"only {_named(mine, time)}"
+    if mine is None:
+        return f"{_named(other, time)}; no closed form reaches it"
+    slower = time(other) / time(mine)
+    if 1 / EQUAL < slower < EQUAL:
+        return f"{_named(mine, time)} and {_named(other, time)} are equally fast"
+    first, second, times = (mine, other, slower) if slower > 1 else (other, mine, 1 / slower)
+    return f"{_named(first, time)} is {ratio(times)} times as fast as {_named(second, time)}"
+
+
+def _named(run: Measurement, time) -> str:
+    return f"{run.label} ({duration(time(run))})"
+
+
+def fastest_table(report: AccuracyReport) -> TextTable:
+    """The fastest methods by error."""
+    rows = []
+    for methods, group in groupby(report.fastest, key=lambda row: row[1:]):
+        errors = [f"{error:.0e}" for error, *_ in group]
+        rows.append((" to ".join(dict.fromkeys((errors[0], errors[-1]))), *methods))
+    return TextTable("Fastest", ("error at most", "one run", "each further evaluation"), tuple(rows))
+
+
+def _time_table(report: AccuracyReport) -> TextTable:
+    """The run time of each method for each of ``ERRORS``."""
+    rows = []
+    for name, group in groupby(report.answers, key=lambda run: run.method.name):
+        runs = tuple(group)
+        best = [fastest(runs, error, one_run) for error in ERRORS]
+        times = ("–" if run is None else f"{duration(one_run(run))} ({duration(further(run))})" for run in best)
+        rows.append((name, f"{min(run.error for run in runs):.0e}", *times))
+    note = (
+        "Run time for an error of at most this size: set-up and one evaluation, in parentheses each further evaluation. "
+        f"Times are medians of repeats, {report.timing_note}"
+    )
+    return TextTable("Run times", ("method", "least error", *(f"{error:.0e}" for error in ERRORS)), tuple(rows), note)
+
+
+def run_table(report: AccuracyReport) -> TextTable:
+    """One row for each setting with a result."""
+    columns = "method, setting, error, set-up, evaluation, quartiles of one run, further evaluation".split(", ")
+    note = f"error: max |error| / max |x|. Times are medians of repeats that ran in turns, {report.timing_note}"
+    rows = tuple(
+        (
+            run.method.name,
+            run.setting.label,
+            f"{run.error:.1e}",
+            duration(run.set_up.median),
+            duration(run.evaluation.median),
+            " … ".join(map(duration, run.one_run.quartiles)),
+            duration(further(run)),
+            *(map(ratio, report.ratios(run).values()) if report.ratios(run) else ("", "")),
+        )
+        for run in report.answers
+    )
+    return TextTable("All settings", (*columns, "one run / closed form", "further / closed form"), rows, note, folded=True)
+
+
+def failure_table(report: AccuracyReport) -> TextTable:
+    """Methods without a result; settings with the same reason share a row."""
+    settings_of: dict[tuple[str, str], list[str]] = {}
+    for run in report.failures:
+        setting = "" if run.method.refusal(report.problem) else run.setting.label
+        settings_of.setdefault((run.method.name, run.failure), []).append(setting)
+    rows = tuple((name, ", ".join(filter(None, settings)), failure) for (name, failure), settings in settings_of.items())
+    return TextTable("No answer", ("method", "settings", "reason"), rows)
+
+
+def ratio(value: float) -> str:
+    """A ratio to two digits.
+
+    >>> ratio(0.01234), ratio(123.4)
+    ('0.012', '120')
+    """
+    return f"{float(f'{value:.2g}'):g}"
+
+
+# --- the work-precision diagram
+
+#: Height of the panels, and of one line of the legend, in inches; names in such a line, and letters of each.
+PANELS_HIGH, LINE_HIGH, COLUMNS, NAME = 4.1, 0.2, 3, 40
+
+#: Smaller errors, such as 0, are drawn here with an open marker.
+LOWEST = 1e-17
+
+#: Stars in these colours for our own methods.
+OURS = (INK, "#0b5cad", "#7a3b8f")
+
+#: One marker for each of the first 14 other methods; colours repeat after some of them, then with other dashes.
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p", "h", "d", "8", "H")
+DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 1.5, 1.5, 1.5)), (0, (1, 1)))
+
+#: Number of decades below which the axis of times has ticks between the powers of ten too.
+FEW_DECADES = 2.0
+
+#: The axis of times spans at least this factor, and leaves this one free at its ends.
+LEAST_SPAN, ROOM = 20.0, 1.7
+
+#: The axis of errors reaches so many times below the smallest and above the largest error, and at least so many rounding
+#: errors of a double up.
+BELOW, ABOVE, LEAST_ERRORS = 5.0, 12.0, 1e4
+
+#: Width of the bars that show the spread of the times, in points.
+BAR = 2.4
+
+PANELS = (("one run, set-up and evaluation", "one_run"), ("each further evaluation", "further"))
+
+
+def work_precision(title: str, runs: Sequence[Measurement], floor: float = 0.0, failed: Sequence[str] = ()) -> Picture:
+    """The diagram of some methods: relative error over run time, both logarithmic.
+
+    The left panel has the time of one run, the right one that of each further evaluation.
+    """
+    missing = f"Not in the picture: {'; '.join(map(shortened, failed))}." if failed else ""
+    if not runs:
+        return nothing_to_show(title, "Relative error against run time", missing)
+    curves = [tuple(mine) for _, mine in groupby(runs, key=lambda run: run.method)]
+    notes = ["Thin bars: the middle half of the repeated runs."]
+    if any(run.error < LOWEST for run in runs):
+        notes.append(f"Open markers at the bottom: the error is 0 or below {LOWEST:g}.")
+    text = " ".join(["Relative error against run time.", *map(_sentence, curves)])
+    height = PANELS_HIGH + LINE_HIGH * math.ceil(len(curves) / COLUMNS)
+    note = " ".join([*notes, missing]).strip()
+    return Picture(title, text, height, lambda figure: _draw(figure, curves, floor), note)
+
+
+def _sentence(runs: tuple[Measurement, ...]) -> str:
+    """Text alternative of a method: its coarsest and its finest setting."""
+    ends = dict.fromkeys((runs[0], runs[-1]))
+    results = [
+        f"{run.error:.1g} in {duration(run.one_run.median)}{f' ({run.setting.label})' * bool(run.setting.label)}" for run in ends
+    ]
+    return f"{shortened(runs[0].method.name)}: {', '.join(results)}."
+
+
+def _draw(figure: Figure, curves: list[tuple[Measurement, ...]], floor: float) -> None:
+    """Two panels with the same errors, and one legend below them."""
+    looks = _looks(curves)
+    panels = figure.subplots(1, 2, sharey=True)
+    for axes, (text, kind) in zip(panels, PANELS):
+        axes.set_title(text)
+        for runs, look in zip(curves, looks):
+            _curve(axes, runs, look, kind)
+        _axis_of_times(axes)
+        for value, name in ((EPS, "rounding error of a double"), (floor, "accuracy of the reference solution")):
+            if value > 0:
+                axes.axhline(value, color="#8795a1", linewidth=1.0, zorder=1.5)
+                place = {"xycoords": ("axes fraction", "data"), "xytext": (-2, 2), "textcoords": "offset points"}
+                axes.annotate(name, (1, value), **place, ha="right", va="bottom", color=MUTED, fontsize=7.5)
+    _axis_of_errors(panels[0], [_height(run) for runs in curves for run in runs], floor)
+    handles = [panels[0].plot([], [], label=_name(runs), **look)[0] for runs, look in zip(curves, looks)]
+    figure.legend(handles=handles, loc="outside lower center", ncols=COLUMNS, columnspacing=1.6, fontsize=8)
+
+
+def _name(runs: tuple[Measurement, ...]) -> str:
+    """The method with its coarsest and its finest setting."""
+    first, last = runs[0].setting.label, runs[-1].setting.label
+    settings = first if first == last else f"{first} … {last.rpartition(' ')[2]}" if first else f"to {last}"
+    return powers(shortened(", ".join(filter(None, (runs[0].method.name, settings))), NAME))
+
+
+def _looks(curves: list[tuple[Measurement, ...]]) -> list[dict]:
+    """Markers: stars for the methods of this package, on top; other markers and colours for the others."""
+    looks, ours, others = [], 0, 0
+    for runs in curves:
+        if runs[0].method.is_ours:
+            color, marker, dashes = OURS[ours % len(OURS)], "*", DASHES[ours // len(OURS) % len(DASHES)]
+            looks.append({"color": color, "marker": marker, "linestyle": dashes, "markersize": 13.0, "linewidth": 2.0, "zorder": 5})
+            ours += 1
+        else:
+            turn, place = divmod(others, len(PALETTE))
+            color, marker, dashes = PALETTE[place], MARKERS[others % len(MARKERS)], DASHES[turn % len(DASHES)]
+            looks.append({"color": color, "marker": marker, "linestyle": dashes, "markersize": 6.0, "linewidth": 1.3, "zorder": 3})
+            others += 1
+    return [{**look, "markeredgecolor": "white", "markeredgewidth": 0.6} for look in looks]
+
+
+def _height(run: Measurement) -> float:
+    return max(run.error, LOWEST)
+
+
+def _curve(axes: Axes, runs: tuple[Measurement, ...], look: dict, kind: str) -> None:
+    """A line through the markers, open ones for errors below the floor; thin bars for the spread of the times."""
+    times = [getattr(run, kind) for run in runs]
+    axes.plot([time.median for time in times], [_height(run) for run in runs], clip_on=False, **look)
+    for run, time in zip(runs, times):
+        line = {"color": look["color"], "zorder": look["zorder"]}
+        if kind == "one_run":
+            axes.plot(time.quartiles, [_height(run)] * 2, linewidth=BAR, alpha=0.4, solid_capstyle="butt", **line)
+        if run.error < LOWEST:
+            is_open = {"markerfacecolor": "white", "markeredgecolor": look["color"], "markeredgewidth": 1.3}
+            axes.plot([time.median], [LOWEST], clip_on=False, **{**look, **is_open})
+
+
+def _axis_of_times(axes: Axes) -> None:
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+    axes.set_xscale("log")
+    times = np.concatenate([np.asarray(line.get_xdata(), dtype=float) for line in axes.lines])
+    room = max(ROOM, (times.max() / times.min()) ** 0.07)
+    low, high = times.min() / room, times.max() * room
+    spare = max(1.0, math.sqrt(LEAST_SPAN / (high / low)))
+    axes.set_xlim(low / spare, high * spare)
+    axes.set_xlabel("run time")
+    between = (1, 2, 5) if math.log10(high / low) < FEW_DECADES else (1,)
+    axes.xaxis.set_major_locator(LogLocator(subs=between, numticks=8))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda seconds, _: duration(seconds)))
+    axes.xaxis.set_minor_locator(NullLocator())
+
+
+def _axis_of_errors(axes: Axes, errors: list[float], floor: float) -> None:
+    """Axis of errors of both panels."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+    axes.set_yscale("log")
+    axes.set_ylim(min(*errors, EPS) / BELOW, max(*errors, floor, LEAST_ERRORS * EPS) * ABOVE)
+    axes.set_ylabel("relative error (further down is better)")
+    axes.yaxis.set_major_locator(LogLocator(numticks=10))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda error, _: power_of_ten(error)))
+    axes.yaxis.set_minor_locator(NullLocator())

@@ -1,0 +1,243 @@
+"""Numerical stability: correct, expected and claimed digits for the systems of the gallery, or for a scene scaled over decades."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from pydantic import Field
+
+from ...ground.checks import counted
+from ...ground.display import TextTable
+from ...ground.notices import Notice, NoticeKind
+from ...scene.schema.entry_types import Table, Text
+from ..base import ALL_ROWS, Analysis, Answer
+from ..timing import Progress, machine, no_progress
+from .pictures import digit_curves, heat_map
+from .point import Point, points_of
+from .scaling_factors import ScalingSweep, scaling_factors
+
+if TYPE_CHECKING:
+    from ...scene.run.scene import Scene
+    from .gallery import System
+
+#: A scene is scaled by factors from 10^-DECADES to 10^DECADES, in steps of so many decades.
+DECADES, STEP = 8, 2
+
+#: An answer with so many digits fewer than the data determine is reported.
+SHORT = 0.5
+
+#: Below the table of digits.
+NOTE = (
+    "right: correct digits by exact arithmetic, 16 at most; expected: digits that the condition of the data allows; claimed: by the "
+    "error estimate. warned: the answer came with a warning; wrong: more than one digit fewer than claimed, without a warning. "
+    "Redundant constraint rows that were left out of the answer are left out of the exact solution too."
+)
+
+#: Verdicts but "right", as they stand in sentences.
+VERDICTS = {"warned": "came with a warning", "refused": "refused with a reason", "not judged": "not judged by exact arithmetic"}
+
+
+class StabilitySettings(Table):
+    """Systems of the gallery, or decades over which a scene is scaled."""
+
+    systems: Text | None = Field(None, description="Only these systems of the gallery, as A,B.")
+    decades: int = Field(DECADES, ge=1, le=16, description="Scale a scene by 10^-N to 10^N.")
+    step: int = Field(STEP, ge=1, le=16, description="Decades from point to point.")
+
+
+class Stability(Analysis):
+    """Count the digits that are right, that the condition of the data allows, and that the error estimate claims.
+
+    Without a scene this is done for the gallery of stiff and extreme systems; with one its masses, dampers, springs and its
+    horizon are scaled over decades. Writes NAME.stability.html, .png and .json. The exit code is 3 if any answer was wrong without
+    a warning."""
+
+    name = "stability"
+    help = "Correct, expected and claimed digits over decades."
+    settings = StabilitySettings
+    formats = ("page", "images", "json")
+    progress = "steps"
+    without_scene = ("systems",)
+
+    @classmethod
+    def solve(cls, scene: Scene, settings: StabilitySettings | None, progress: Progress = no_progress) -> Answer:  # type: ignore[override]
+        """The answer of a scene."""
+        table = settings or StabilitySettings()
+        return scene_report(scene, table.decades, table.step, progress).answer(scene.name)
+
+    @classmethod
+    def answer_without_scene(cls, progress: Progress | None = None, systems: str = "", **_) -> Answer:
+        """The answer of the gallery."""
+        from .gallery import GALLERY, system
+
+        names = [name.strip() for name in systems.split(",") if name.strip()]
+        return gallery_report([system(name) for name in names] or GALLERY, progress or no_progress).answer("gallery")
+
+
+@dataclass(frozen=True)
+class StabilityReport:
+    """Correct digits over sweeps.
+
+    Attributes:
+        title: title of the scene, or of the gallery.
+        sweeps: one for each system of the gallery, or for each scaling factor of a scene.
+        machine: processor, system and packages.
+        of_scene: whether a scene was scaled.
+    """
+
+    title: str
+    sweeps: tuple[ScalingSweep, ...]
+    machine: dict[str, str]
+    of_scene: bool
+
+    def count(self, verdict: str) -> int:
+        """Number of points with a verdict: right, warned, refused, not judged or wrong."""
+        return sum(sweep.count(verdict) for sweep in self.sweeps)
+
+    @property
+    def is_trusted(self) -> bool:
+        """Whether no answer was wrong without a warning."""
+        return not self.count("wrong")
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The result as sentences."""
+        return (self._trust(), self._counts(), *self._extremes(), *self._promises())
+
+    def _trust(self) -> str:
+        judged, wrong = sum(len(sweep.answers) for sweep in self.sweeps), self.count("wrong")
+        if not judged:
+            return "No answer was compared with exact arithmetic."
+        answers = f"{counted(judged, 'answer')} compared with exact arithmetic"
+        return f"{wrong or 'None'} of {answers} {'are' if wrong > 1 else 'is'} wrong without a warning."
+
+    def _counts(self) -> str:
+        counts = [f"{counted(self.count('right'), 'answer')} had the digits that the estimate claims"]
+        counts += [f"{self.count(verdict)} {text}" for verdict, text in VERDICTS.items() if self.count(verdict)]
+        return f"{', '.join(counts)}."
+
+    def _extremes(self) -> tuple[str, ...]:
+        """The smallest number of digits without a warning, and the answer furthest below what the data determine."""
+        silent = [(sweep, point) for sweep in self.sweeps for point in sweep.answers if point.verdict == "right"]
+        if not silent:
+            return ()
+        sweep, least = min(silent, key=lambda pair: pair[1].right)
+        sentences = [f"Fewest digits without a warning: {_digits(sweep, least)}."]
+        known = [(sweep, point) for sweep, point in silent if not math.isnan(point.expected)]
+        sweep, short = max(known, key=lambda pair: pair[1].expected - pair[1].right, default=(sweep, least))
+        if short.expected - short.right > SHORT:
+            sentences.append(f"Furthest below what the data determine: {_digits(sweep, short)}.")
+        return tuple(sentences)
+
+    def _promises(self) -> tuple[str, ...]:
+        """Whether the systems of the gallery have their declared properties."""
+        broken = [promise for sweep in self.sweeps for promise in sweep.broken]
+        if broken:
+            return (f"Not as declared: {'; '.join(broken)}.",)
+        return () if self.of_scene else ("The declared properties of the systems hold, by exact arithmetic.",)
+
+    def answer(self, name: str) -> Answer:
+        """Digits, the reasons of all verdicts but "right", and curves; of a scene a heat map too."""
+        counts = {verdict: self.count(verdict) for verdict in ("right", "warned", "refused", "not judged", "wrong")}
+        data = {
+            "title": self.title,
+            "verdict": self.sentences,
+            "counts": counts,
+            "machine": self.machine,
+            "sweeps": [sweep.as_json() for sweep in self.sweeps],
+        }
+        notice = Notice(NoticeKind.ACCURACY, " ".join(self.sentences), doubtful=not self.is_trusted)
+        tables = (digit_table(self), *reason_tables(self), *(() if self.of_scene else (gallery_table(self),)))
+        maps = (heat_map("Digits right", self.sweeps),) if self.of_scene else ()
+        return Answer(
+            "stability",
+            name,
+            f"Numerical stability: {self.title}",
+            "",
+            tuple(self.machine.items()),
+            tables,
+            (notice,),
+            data,
+            figures=lambda: (*maps, digit_curves("Digits right, claimed and expected", self.sweeps)),
+            most_rows=ALL_ROWS,
+        )
+
+
+def gallery_report(systems: Sequence[System], progress: Progress = no_progress) -> StabilityReport:
+    """Run systems of the gallery."""
+    sweeps = [_of_system(system, progress) for system in systems]
+    return StabilityReport("Gallery of stiff and extreme systems", tuple(sweeps), machine(), of_scene=False)
+
+
+def _of_system(system: System, progress: Progress) -> ScalingSweep:
+    from .gallery import broken_promises
+
+    title, difficulty, source = system.texts
+    points = points_of(system.build, system.values, lambda text: progress(f"{title}: {text}"))
+    broken = [sentence for value in system.values for sentence in broken_promises(system, value)]
+    return ScalingSweep(system.name, title, system.theme, difficulty, source, system.parameter, points, tuple(broken))
+
+
+def scene_report(scene: Scene, decades: int = DECADES, step: int = STEP, progress: Progress = no_progress) -> StabilityReport:
+    """Scale the parameters of a scene, and its horizon, over decades."""
+    up = [*range(step, decades, step), decades]
+    factors = [float(f"1e{exponent}") for exponent in (*(-power for power in reversed(up)), 0, *up)]
+    sweeps = []
+    for name, scaled in scaling_factors(scene).items():
+        points = points_of(scaled, factors, lambda text, name=name: progress(f"{name} times {text}"))
+        sweeps.append(ScalingSweep(name, name, "", "", "", f"factor on {name}", points))
+    return StabilityReport(scene.heading, tuple(sweeps), machine(), of_scene=True)
+
+
+def _digits(sweep: ScalingSweep, point: Point) -> str:
+    """The digits of a point and its parameter."""
+    expected = "" if math.isnan(point.expected) else f", {point.expected:.1f} determined by the data"
+    place = f"{sweep.title}, {sweep.parameter} = {point.parameter:.3g}"
+    return f"{point.right:.1f} right, {point.claimed:.1f} claimed{expected} ({place})"
+
+
+def digit_table(report: StabilityReport) -> TextTable:
+    """A row for each sweep, in the gallery by theme."""
+    columns = ("from … to", "points", "right", "warned", "refused", "wrong", "fewest digits", "expected", "claimed")
+    rows, theme = [], ""
+    for sweep in report.sweeps:
+        named = (sweep.title,) if report.of_scene else (sweep.theme if sweep.theme != theme else "", sweep.name)
+        theme = sweep.theme
+        counts = [str(sweep.count(verdict) or "–") for verdict in ("right", "warned", "refused", "wrong")]
+        least = min(sweep.answers, key=lambda point: point.right, default=None)
+        digits = (math.nan,) * 3 if least is None else (least.right, least.expected, least.claimed)
+        texts = ("–" if math.isnan(value) else f"{value:.1f}" for value in digits)
+        span = f"{sweep.points[0].parameter:.3g} … {sweep.points[-1].parameter:.3g}"
+        rows.append((*named, span, str(len(sweep.points)), *counts, *texts))
+    head = ("parameter",) if report.of_scene else ("theme", "system")
+    return TextTable("Digits", (*head, *columns), tuple(rows), NOTE)
+
+
+def reason_tables(report: StabilityReport) -> list[TextTable]:
+    """Wrong answers, warnings and refusals with their reasons; equal reasons share a row."""
+    titles = {"wrong": "Wrong without a warning", "warned": "Warnings", "refused": "Refused", "not judged": "Not judged"}
+    rows_of = [(title, _reason_rows(report, verdict)) for verdict, title in titles.items()]
+    return [TextTable(title, ("parameter", "at", "reason"), rows) for title, rows in rows_of if rows]
+
+
+def _reason_rows(report: StabilityReport, verdict: str) -> tuple[tuple[str, str, str], ...]:
+    rows: dict[tuple[str, str], list[str]] = {}
+    for sweep in report.sweeps:
+        for point in sweep.points:
+            if point.verdict == verdict:
+                rows.setdefault((sweep.name, _short(point)), []).append(f"{point.parameter:.3g}")
+    return tuple((name, ", ".join(parameters), reason) for (name, reason), parameters in rows.items())
+
+
+def _short(point: Point) -> str:
+    """Short reason; for several warnings the first, without its numbers, which are in the data."""
+    return point.warnings[0].partition(":")[0] if point.verdict == "warned" else point.reason
+
+
+def gallery_table(report: StabilityReport) -> TextTable:
+    """The systems of the gallery, their difficulties and sources."""
+    rows = tuple((sweep.name, sweep.title, sweep.parameter, sweep.difficulty, sweep.source) for sweep in report.sweeps)
+    return TextTable("The systems", ("system", "title", "parameter", "difficulty", "source"), rows, folded=True)

@@ -1,0 +1,141 @@
+"""The problem of a study: equations, initial values, force and times; and exact numbers of its answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..control.transfer.matrix_fraction import scalar_matrix
+from ..mechanics.system import MechanicalSystem
+from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..response.response import Response
+from ..response.solve import solve
+from ..signals.impulsive import ImpulsiveSmooth
+
+if TYPE_CHECKING:
+    from ..exact.enclosure.intervals import Enclosure
+    from ..scene.run.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)  # a problem is equal to itself only, so that values can be kept for it
+class StudyProblem:
+    """A(d/dt) x = f with values at 0-, and the times of the solution.
+
+    Attributes:
+        title: for reports.
+        polynomial_matrix: A(s), for a mechanical system that of its constrained form.
+        initial: x^(i)(0-) as row i, shape (q, r).
+        force: f, r rows: the whole right-hand side, constraint values included.
+        times: shape (T,), ascending, in s.
+        system: mass, damping, stiffness and constraint rows, where there are any.
+        applied: the forces on the coordinates of the system beyond its own; None for none.
+        respond: the closed form by a method of its own, as for a transfer function; else None.
+    """
+
+    title: str
+    polynomial_matrix: PolynomialMatrix
+    initial: np.ndarray
+    force: ImpulsiveSmooth
+    times: np.ndarray
+    system: MechanicalSystem | None = None
+    applied: ImpulsiveSmooth | None = None
+    respond: Callable[[], Response] | None = None
+
+    def solve(self) -> Response:
+        """Solve the problem in closed form, without earlier results."""
+        return self.respond() if self.respond else self.solve_equations()
+
+    def solve_equations(self) -> Response:
+        """Solve the equations in closed form, from reduced ones or the Jordan pairs of A(s)."""
+        if self.system is not None:
+            return again(self.system).solve(*self.initial, force=self.applied)
+        A = self.polynomial_matrix
+        return solve(PolynomialMatrix(given_of(A), A.coordinates, A.equations, A.uncertainty), self.initial, self.force)
+
+    def at(self, times) -> StudyProblem:
+        """The problem with other times."""
+        return replace(self, times=np.asarray(times, dtype=float))
+
+
+def mechanical_problem(title: str, system: MechanicalSystem, times, displacement=None, velocity=None, force=None) -> StudyProblem:
+    """The problem of a mechanical system."""
+    motion_start = [
+        np.zeros(system.size) if value is None else np.asarray(value, dtype=float) for value in (displacement, velocity)
+    ]
+    applied = system.force if force is None else system.force + force
+    right = system.constrained_form().force(applied)
+    return StudyProblem(title, system.polynomial_matrix(), np.array(motion_start), right, np.asarray(times, float), system, force)
+
+
+def problem_of(scene: Scene) -> StudyProblem:
+    """The problem of a scene, with its own times.
+
+    >>> from mbconstrained import read_scene
+    >>> problem = problem_of(read_scene("examples/two_masses.toml"))
+    >>> problem.title, problem.polynomial_matrix.size, len(problem.times)
+    ('Two masses with a redundant coordinate', 3, 1001)
+    """
+    equations = scene.equations
+    return StudyProblem(
+        title=scene.heading,
+        polynomial_matrix=equations.polynomial_matrix,
+        initial=equations.initial,
+        force=equations.right_hand_side,
+        times=scene.times,
+        system=equations.system,
+        applied=equations.force,
+        respond=_transfer_response(equations.control),
+    )
+
+
+def _transfer_response(control) -> Callable[[], Response] | None:
+    """The response of a transfer function from rest, with its poles recomputed; None for other models."""
+    if control is None or control.transfer_function is None or control.transfer_function.start is not None:
+        return None
+
+    def respond() -> Response:
+        scalar_matrix.cache_clear()
+        return control.transfer_function.response()
+
+    return respond
+
+
+def again(system: MechanicalSystem, given=None, uncertainty=None) -> MechanicalSystem:
+    """A system from the same data, without any results."""
+    stiffness, damping, mass = given or system.given
+    uncertainty = dict(zip(("stiffness", "damping", "mass"), uncertainty or system.uncertainty))
+    return MechanicalSystem(
+        mass,
+        damping,
+        stiffness,
+        system.constraints,
+        system.names,
+        force=system.excitation,
+        static_force=system.static_force,
+        units=system.units,
+        energy_parts=None if given else system.energy_parts,
+        uncertainty=uncertainty,
+    )
+
+
+def given_of(A: PolynomialMatrix) -> list:
+    """The given coefficients: by their factors, where they have any."""
+    return [matrix if factors is None else factors for matrix, factors in zip(A.coefficients, A.factors)]
+
+
+def chosen_places(count: int, most: int) -> np.ndarray:
+    """Some of the indices 0 ... count - 1, evenly spaced, including the first and the last."""
+    return np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(int))
+
+
+def values_of(box: Enclosure) -> np.ndarray:
+    """The middles of the intervals as Fractions, of the shape of x."""
+    return (fractions_of(box.lower) + fractions_of(box.upper)) / 2
+
+
+#: Floats, or decimal strings, as the exact numbers that they are.
+fractions_of = np.vectorize(Fraction, otypes=[object])

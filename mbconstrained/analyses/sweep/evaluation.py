@@ -1,0 +1,312 @@
+"""One chunk of samples: each becomes a scene; those of one structure are solved together as a family, the others one by one.
+
+Equal chunks give equal bits in every process: computed on one thread, from plain data, without state.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from ...frequency.shock.extrema import Extrema, RootMeanSquares
+from ...ground.errors import InputError, MbconstrainedError
+from ...ground.threads import SMALL, one_thread
+from ...ground.tolerances import PROVED_ACCURACY, noise_of
+from ...mechanics.element_matrix import ElementMatrix
+from ...mechanics.family.family import Family
+from ...mechanics.system import MechanicalSystem
+from ...scene.file.messages import SceneName
+from ...scene.run.curves import ORDERS, extrema_of, functions_of, rms_of
+from ...scene.run.frequency.scene_frequency import SceneFrequency
+from ...scene.run.plan import Plan
+from ...scene.run.result import Result
+from ...scene.run.scene import Scene, assembled
+from ..random import random_arguments, random_response
+from .kept_quantities import Variable, eigenvalues_of, response_lines
+
+#: Errors that are the answer of a sample: its equations have none, or its data are wrong.
+FAILURES = (MbconstrainedError, ArithmeticError, np.linalg.LinAlgError)
+
+#: Letters of a reason.
+LONGEST_REASON = 160
+
+#: Its array: whether a sample has an answer.
+ANSWERED, FAILED, TIMED_OUT = 1, 2, 3
+
+
+@dataclass(frozen=True)
+class Job:
+    """A scene and the kept quantities of its samples, as plain data for other processes.
+
+    Attributes:
+        path: path of the scene file.
+        data: its tables.
+        origins: of the entries that come from other files.
+        settings: values that all samples share.
+        variables: kept quantities.
+    """
+
+    path: str
+    data: dict
+    origins: Mapping
+    settings: Mapping[str, Any]
+    variables: tuple[Variable, ...]
+
+    def scene(self, row: Mapping[str, Any]) -> Scene:
+        """The scene of a sample.
+
+        Args:
+            row: its values by parameter or place.
+
+        Returns:
+            The scene; whether its equations determine a motion is not seen yet.
+
+        Raises:
+            SceneError: something in it is wrong.
+        """
+        path = Path(self.path)
+        name = SceneName(path.name, self.origins)
+        return assembled(path, copy.deepcopy(self.data), name, {**self.settings, **row})
+
+
+class SampleFamily(Family):
+    """A family whose members are the systems of scenes, with more than their matrices, such as their elements."""
+
+    members: tuple[MechanicalSystem, ...]
+
+    @classmethod
+    def of(cls, systems: Sequence[MechanicalSystem]) -> SampleFamily:
+        """The family of systems of one structure."""
+        arrays = (np.stack([getattr(one, key) for one in systems]) for key in ("mass", "damping", "stiffness", "static_force"))
+        result = cls(systems[0], *arrays)
+        object.__setattr__(result, "members", tuple(systems))
+        return result
+
+    def __getitem__(self, index: int) -> MechanicalSystem:
+        return self.members[index]
+
+    def is_free(self, shapes: np.ndarray, of: Literal["stiffness", "damping"]) -> np.ndarray:
+        """Which systems have no springs, or no dampers, that resist some motions: by elements, whose soft ones keep their digits."""
+        given = [one.given[("stiffness", "damping").index(of)] for one in self.members]
+        if not all(isinstance(one, ElementMatrix) for one in given):
+            return super().is_free(shapes, of)
+        acting = (one.directions[one.constants != 0] for one in given)
+        return np.array([(np.abs(B @ shapes) <= noise_of(np.abs(B) @ np.abs(shapes))).all() for B in acting])
+
+
+def evaluate(job: Job, rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
+    """Kept quantities of some samples."""
+    with one_thread(SMALL), np.errstate(all="ignore"):
+        return _Chunk(job, rows).arrays()
+
+
+def without_answer(job: Job, reason: str) -> dict[str, np.ndarray]:
+    """A sample that took too long, in the form of ``evaluate``."""
+    values = {one.name: np.full((1, *one.shape), np.nan) for one in job.variables}
+    return {**values, "status": np.array([TIMED_OUT], dtype=np.uint8), "reason": np.array([reason], dtype=f"<U{LONGEST_REASON}")}
+
+
+class _Chunk:
+    """Some samples with their scenes, and the reasons of those without an answer."""
+
+    def __init__(self, job: Job, rows: Sequence[Mapping[str, Any]]):
+        self.job, self.count = job, len(rows)
+        self.reasons = [""] * len(rows)
+        self.values = {one.name: np.full((len(rows), *one.shape), np.nan) for one in job.variables}
+        self.scenes: dict[int, Scene] = {}
+        for place, row in enumerate(rows):
+            self._try([place], lambda place=place, row=row: self.scenes.update({place: job.scene(row)}))
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Values, status and reasons."""
+        by_source: dict[str, list[Variable]] = {}
+        for variable in self.job.variables:
+            by_source.setdefault(variable.source, []).append(variable)
+        for source, variables in by_source.items():
+            compute = getattr(self, "_" + source.lower().replace(" ", "_"))
+            for group in self._groups(alike=source in ("modes", "random RMS", "motion")):
+                self._together(compute, variables, group)
+        failed = np.array([bool(reason) for reason in self.reasons])
+        for values in self.values.values():
+            values[failed] = np.nan
+        texts = np.array([reason[:LONGEST_REASON] for reason in self.reasons], dtype=f"<U{LONGEST_REASON}")
+        return {**self.values, "status": np.where(failed, FAILED, ANSWERED).astype(np.uint8), "reason": texts}
+
+    def _together(self, compute, variables: list[Variable], group: list[int]) -> None:
+        """Compute a group; if that fails, each of its samples separately."""
+        if len(group) > 1:
+            try:
+                compute(variables, group)
+                return
+            except FAILURES:
+                group = list(group)
+        for place in group:
+            self._try([place], lambda place=place: compute(variables, [place]))
+
+    def _try(self, places: list[int], work) -> None:
+        try:
+            work()
+        except FAILURES as problem:
+            for place in places:
+                self.reasons[place] = self.reasons[place] or (str(problem).strip() or type(problem).__name__).replace("\n", " ")
+
+    def _groups(self, alike: bool) -> list[list[int]]:
+        """The samples without a reason for failure, grouped by structure."""
+        groups: list[list[int]] = []
+        for place, scene in self.scenes.items():
+            if self.reasons[place]:
+                continue
+            group = next((one for one in groups if alike and _alike(self.scenes[one[0]], scene)), None)
+            if group is None:
+                groups.append([place])
+            else:
+                group.append(place)
+        return groups
+
+    def _modes(self, variables: list[Variable], group: list[int]) -> None:
+        if len(group) > 1:
+            values = list(SampleFamily.of(self._systems(group)).modes().eigenvalues)
+        else:
+            values = [eigenvalues_of(self.scenes[group[0]])]
+        for place, own in zip(group, values):
+            own = own[own.imag > 0]
+            own = own[np.argsort(np.abs(own), kind="stable")]
+            modulus = np.abs(own)
+            results = {"frequency": modulus / (2 * np.pi), "damping ratio": 0.0 - own.real / modulus}
+            for variable in variables:
+                count = min(len(own), variable.shape[0])
+                self.values[variable.name][place, :count] = results[variable.name][:count]
+
+    def _response_peaks(self, variables: list[Variable], group: list[int]) -> None:
+        for place in group:
+            largest = SceneFrequency(self.scenes[place]).largest
+            for variable, rows in zip(variables, largest):
+                self.values[variable.name][place] = rows.ravel()
+
+    def _response_curves(self, variables: list[Variable], group: list[int]) -> None:
+        for place in group:
+            frequency = SceneFrequency(self.scenes[place])
+            response = frequency.empty(response_lines(frequency))
+            for variable, row in zip(variables, np.abs(response.values).reshape(len(variables), -1)):
+                self.values[variable.name][place] = row
+
+    def _random_rms(self, variables: list[Variable], group: list[int]) -> None:
+        scene = self.scenes[group[0]]
+        response = random_response(scene)
+        if len(group) == 1:
+            self.values["random RMS"][group] = response.rms
+            return
+        family = SampleFamily.of(self._systems(group))
+        excitation, options = random_arguments(scene, scene.table.random)
+        self.values["random RMS"][group] = family.random_response(*excitation, **options).rms
+
+    def _motion(self, variables: list[Variable], group: list[int]) -> None:
+        own = [one for one in variables if one.curve[0] in (*ORDERS, "output")]
+        if len(group) == 1 or not own:
+            for place in group:
+                self._single_motion(variables, place)
+            return
+        scene = self.scenes[group[0]]
+        start = np.array([self.scenes[place].equations.initial for place in group])
+        motions = SampleFamily.of(self._systems(group)).solve(start[:, 0], start[:, 1], scene.equations.force)
+        for kind, chosen in _by_kind(one for one in own if one.statistic in ("at", "curve")):
+            times = _times_of(chosen)
+            values = motions.evaluate(times, ORDERS.get(kind, 0))[0]
+            if kind == "output":
+                values = np.array([scene.equations.output_values(times, each) for each in values])
+            self._store(chosen, group, values, times)
+        span = float(scene.times[0]), float(scene.times[-1])
+        kinds: tuple[tuple[Container, Callable, Callable], ...] = (
+            (EXTREMA, self._store_extrema, motions.extrema),
+            (("RMS",), self._store_rms, motions.root_mean_squares),
+        )
+        for statistics, store, compute in kinds:
+            for kind, chosen in _by_kind(one for one in own if one.statistic in statistics):
+                rows = sorted({one.curve[1] for one in chosen})
+                matrix = (
+                    np.eye(len(scene.equations.coordinates.names))
+                    if kind != "output"
+                    else scene.equations.robot_scene.system.output_matrix
+                )
+                for place, answer in zip(group, compute(span, ORDERS.get(kind, 0), matrix[rows])):
+                    store(chosen, place, rows, answer)
+        for place in group if len(own) < len(variables) else ():
+            self._single_motion([one for one in variables if one not in own], place)
+
+    def _single_motion(self, variables: list[Variable], place: int) -> None:
+        result = Result(self.scenes[place], Plan(()))
+        for kind, chosen in _by_kind(one for one in variables if one.statistic in ("at", "curve")):
+            times = _times_of(chosen)
+            self._store(chosen, [place], functions_of(result, kind)(times)[None], times)
+        for kind, chosen in _by_kind(one for one in variables if one.statistic == "RMS"):
+            rows = sorted({one.curve[1] for one in chosen})
+            self._store_rms(chosen, place, rows, rms_of(result, kind, rows))
+        for kind, chosen in _by_kind(one for one in variables if one.statistic in EXTREMA):
+            rows = sorted({one.curve[1] for one in chosen})
+            self._store_extrema(chosen, place, rows, extrema_of(result, kind, rows))
+
+    def _store_extrema(self, variables: list[Variable], place: int, rows: list[int], extremes: Extrema) -> None:
+        for one in variables:
+            row = rows.index(one.curve[1])
+            if extremes.margin[row] > KEPT_MARGIN * extremes.largest[row]:
+                raise InputError(
+                    f'"{one.name}": the motion has too many periods to search them all; choose an earlier end in [time]'
+                )
+            self.values[one.name][place] = getattr(extremes, EXTREMA[one.statistic])[row]
+
+    def _store_rms(self, variables: list[Variable], place: int, rows: list[int], rms: RootMeanSquares) -> None:
+        largest = rms.values.max(initial=0.0)
+        for one in variables:
+            value, error = (getattr(rms, name)[rows.index(one.curve[1])] for name in ("values", "error_estimate"))
+            if error > KEPT_MARGIN * value and error > PROVED_ACCURACY * largest:  # next to others it may be a rounding error
+                raise InputError(f'"{one.name}": the motion has too many periods for its RMS; choose an earlier end in [time]')
+            self.values[one.name][place] = value
+
+    def _store(self, variables: list[Variable], group: list[int], values: np.ndarray, times: np.ndarray) -> None:
+        """Store values at times, shape (S, rows, T), which include those of each variable."""
+        for one in variables:
+            own = values[:, one.curve[1]][:, np.searchsorted(times, one.labels if one.statistic == "curve" else one.time)]
+            self.values[one.name][group] = own
+
+    def _systems(self, group: list[int]) -> list[MechanicalSystem]:
+        return [self.scenes[place].equations.system for place in group]
+
+
+#: Extrema are those of the closed form, none between the times is missed; "peak" is an older word for largest.
+EXTREMA = {"largest": "largest", "maximum": "maximum", "minimum": "minimum", "peak": "largest"}
+
+#: A sample of a motion of so many periods that its extremum may be wrong by this part has no answer.
+KEPT_MARGIN = 1e-6
+
+
+def _times_of(variables: Iterable[Variable]) -> np.ndarray:
+    """All times of values and curves, ascending."""
+    return np.unique([time for one in variables for time in (one.labels if one.statistic == "curve" else (one.time,))])
+
+
+def _by_kind(variables: Iterable[Variable]) -> Iterator[tuple[str, list[Variable]]]:
+    """The variables of each kind of curve."""
+    chosen = list(variables)
+    for kind in dict.fromkeys(one.curve[0] for one in chosen):
+        yield kind, [one for one in chosen if one.curve[0] == kind]
+
+
+def _alike(one: Scene, other: Scene) -> bool:
+    """Whether two scenes have systems of arrays that differ only in matrices, values at 0- and static forces."""
+    first, second = one.equations.system, other.equations.system
+    if type(first) is not MechanicalSystem or type(second) is not MechanicalSystem or first.is_sparse or second.is_sparse:
+        return False
+    if any(scene.equations.rotor is not None or scene.equations.control for scene in (one, other)):
+        return False
+    tables = (one.table.force, one.table.motion, one.table.random, one.table.time)
+    if first.names != second.names or tables != (other.table.force, other.table.motion, other.table.random, other.table.time):
+        return False
+    rows = list(zip(first.rows, second.rows))
+    return len(first.rows) == len(second.rows) and all(
+        a.level == b.level and a.value == b.value and np.array_equal(a.coefficients, b.coefficients) for a, b in rows
+    )

@@ -1,0 +1,270 @@
+"""Kept quantities of each sample: frequencies, response peaks, RMS values, values and extremes of motions, curves.
+
+A text selects one, such as "frequencies", "largest velocity of cart" or "cart at 2 s"; the middle sample determines names, units
+and sizes.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...ground.checks import nearest
+from ...ground.errors import InputError
+from ...scene.quantities.quantities import quantity
+from ...scene.run.curves import ORDERS
+from ...scene.run.frequency.scene_frequency import SceneFrequency
+from ...scene.run.plan import Plan
+from ...scene.run.result import Result
+from ..random import random_response
+
+if TYPE_CHECKING:
+    from ...scene.run.scene import Scene
+
+#: Natural frequencies that are kept, lowest first.
+MOST_MODES = 20
+
+#: Coordinates whose largest values are kept where nothing else is said; of models with more the first ones.
+MOST_COORDINATES = 8
+
+#: Statistics of a motion over the times of the scene.
+STATISTICS = ("largest", "maximum", "minimum", "RMS", "curve", "peak")
+
+#: Possible kept quantities, for messages.
+FORMS = (
+    '"frequencies", "response peaks", "response curves", "random RMS", or of a motion "largest x", "maximum x", "minimum x", "RMS x", '
+    '"curve x", "x at 2 s", with x a coordinate, "velocity of x", "reaction of x", "quantity of x" …; largest, maximum and minimum '
+    "are those of the closed form, none between the times is missed, and RMS its integral"
+)
+
+
+@dataclass(frozen=True)
+class Variable:
+    """An array over the samples.
+
+    Attributes:
+        name: in the store.
+        unit: in SI; "1" for a plain number.
+        axis: the name of its second axis; an empty string for one number per sample.
+        labels: along that axis, texts or numbers.
+        source: analysis that computes it: "modes", "response peaks", "response curves", "random RMS" or "motion".
+        statistic: of a motion, or "at".
+        curve: kind of the curve and its row, of a motion.
+        time: of a value, in s.
+    """
+
+    name: str
+    unit: str
+    axis: str = ""
+    labels: tuple = ()
+    source: str = "motion"
+    statistic: str = ""
+    curve: tuple[str, int] = ("", 0)
+    time: float = 0.0
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the values of one sample."""
+        return (len(self.labels),) if self.axis else ()
+
+    @property
+    def is_curve(self) -> bool:
+        """Whether the values of one sample are a function of time or frequency."""
+        return self.statistic == "curve"
+
+    def figures(self) -> list[tuple[str, tuple[int, ...]]]:
+        """Names of the scalar quantities of a sample with their positions; none for curves."""
+        if self.is_curve:
+            return []
+        if not self.axis:
+            return [(self.name, ())]
+        numbered = len(self.labels) > 1 or self.axis == "mode"
+        return [(f"{self.name} {label}" if numbered else self.name, (i,)) for i, label in enumerate(self.labels)]
+
+
+@dataclass(frozen=True)
+class SampleFigure:
+    """A scalar quantity of each sample.
+
+    Attributes:
+        name: such as "frequency 1".
+        unit: in SI.
+        variable: the variable that contains it.
+        place: in the variable.
+    """
+
+    name: str
+    unit: str
+    variable: Variable
+    place: tuple[int, ...]
+
+    def of(self, arrays: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Values from arrays of variables over samples, shape (S,)."""
+        values = arrays[self.variable.name]
+        return values[:, self.place[0]] if self.place else values
+
+
+def figures_of(variables: Sequence[Variable]) -> dict[str, SampleFigure]:
+    """The scalar quantities of a sample, by name."""
+    pairs = ((name, one, place) for one in variables for name, place in one.figures())
+    return {name: SampleFigure(name, one.unit, one, place) for name, one, place in pairs}
+
+
+def limits_of(limits: Mapping[str, Any], figures: Mapping[str, SampleFigure]) -> dict[str, float]:
+    """Limits in SI."""
+    result = {}
+    for name, limit in limits.items():
+        if name not in figures:
+            raise InputError(
+                f'limits: there is no figure "{name}"{nearest(name, figures)}; there are {", ".join(list(figures)[:20])}'
+            )
+        unit = figures[name].unit
+        try:
+            result[name] = float(quantity(limit, "1" if " or " in unit else unit or "1"))
+        except InputError as problem:
+            raise InputError(f'limits: "{name}": {problem}') from None
+    return result
+
+
+def variables_of(keep: Sequence[str] | None, scene: Scene) -> tuple[Variable, ...]:
+    """The variables selected by texts."""
+    texts = _usual(scene) if keep is None else keep
+    if not texts:
+        raise InputError(f"keep: nothing is kept of the samples; expected some of {FORMS}")
+    result: dict[str, Variable] = {}
+    curves = _Curves(scene)
+    for text in texts:
+        for variable in _of_text(text.strip(), scene, curves):
+            result[variable.name] = variable
+    return tuple(result.values())
+
+
+def _usual(scene: Scene) -> list[str]:
+    table, output = scene.table, scene.table.output
+    texts = ["frequencies"] if _modes(scene) else []
+    texts += ["response peaks"] if table.frequency else []
+    texts += ["random RMS"] if table.random else []
+    kind = next((kind for kind in output.plots if kind in (*ORDERS, "output")), "displacement")
+    names = _Curves(scene).names[kind]
+    if kind in ORDERS and output.coordinates:
+        names = tuple(name for name in names if name in output.coordinates)
+    of = {"displacement": "", "output": ""}.get(kind, f"{kind} of ")
+    return [*texts, *(f"largest {of}{name}" for name in names[:MOST_COORDINATES])]
+
+
+def _of_text(text: str, scene: Scene, curves: _Curves) -> Iterator[Variable]:
+    if text in ("frequencies", "modes", "damping ratios"):
+        modes = _modes(scene)
+        if not modes:
+            raise InputError(f"keep: found {text}, but nothing oscillates; leave it out")
+        yield Variable("frequency", "Hz", "mode", modes, "modes")
+        yield Variable("damping ratio", "1", "mode", modes, "modes")
+    elif text in ("response peaks", "response curves"):
+        if scene.table.frequency is None:
+            raise InputError(f"keep: found {text}, but the scene has no table [frequency]; write one with from and to")
+        yield from _responses(text, SceneFrequency(scene))
+    elif text == "random RMS":
+        response = random_response(scene)
+        yield Variable("random RMS", _common(response.units), "output", response.outputs, "random RMS")
+    else:
+        yield _of_motion(text, scene, curves)
+
+
+def _responses(text: str, frequency: SceneFrequency) -> Iterator[Variable]:
+    empty = frequency.empty
+    pairs = tuple(f"{output} by {name}" for output in empty.outputs for name in empty.inputs)
+    unit = _common([unit for row in empty.units for unit in row])
+    if text == "response peaks":
+        yield Variable("response peak", unit, "response", pairs, text)
+        yield Variable("response peak frequency", "Hz", "response", pairs, text)
+        return
+    lines = response_lines(frequency)
+    for pair in pairs:
+        yield Variable(f"response of {pair}", unit, "frequency (Hz)", tuple(lines.tolist()), text, "curve")
+
+
+def response_lines(frequency: SceneFrequency) -> np.ndarray:
+    """The frequencies in Hz at which the responses of all samples are kept, shape (F,)."""
+    table = frequency.table
+    if not table.is_auto:
+        return table.lines
+    if table.lowest is None or table.highest is None:
+        raise InputError("keep: response curves of different samples need common frequencies; give from and to in [frequency]")
+    return np.geomspace(table.lowest, table.highest, 401) if table.lowest else np.linspace(0.0, table.highest, 401)
+
+
+def _of_motion(text: str, scene: Scene, curves: _Curves) -> Variable:
+    statistic, _, rest = text.partition(" ")
+    timed = re.fullmatch(r"(.*) at (.+)", text)
+    if statistic in STATISTICS and rest:
+        (kind, row), unit = curves.place(rest.strip(), text)
+        axis, labels = ("time (s)", tuple(curves.result.times.tolist())) if statistic == "curve" else ("", ())
+        return Variable(text, unit, axis, labels, statistic=statistic, curve=(kind, row))
+    if timed:
+        place, unit = curves.place(timed[1].strip(), text)
+        try:
+            time = float(quantity(float(timed[2]) if timed[2].replace(".", "", 1).isdigit() else timed[2], "s"))
+        except InputError as problem:
+            raise InputError(f'keep: "{text}": {problem}') from None
+        if not 0 <= time:
+            raise InputError(f'keep: found "{text}"; expected a time from 0 on')
+        return Variable(text, unit, statistic="at", curve=place, time=time)
+    raise InputError(f'keep: found "{text}"{nearest(text, curves.texts)}; expected some of {FORMS}')
+
+
+class _Curves:
+    """The curves of a scene by name."""
+
+    def __init__(self, scene: Scene):
+        self.result = Result(scene, Plan(()))
+        equations = scene.equations
+        self.names = dict.fromkeys(ORDERS, equations.coordinates.names)
+        if equations.system is not None and not equations.system.is_sparse and equations.system.rows:
+            self.names["reaction"] = tuple(row.name for row in equations.system.rows)
+        if scene.table.output.quantity:
+            self.names["quantity"] = self.result.curves("quantity").names
+        if equations.outputs is not None and not equations.has_outputs_among_coordinates:
+            self.names["output"] = equations.outputs.names
+
+    @property
+    def texts(self) -> list[str]:
+        """Valid continuations of "largest", for hints."""
+        return [f"largest {name}" for names in self.names.values() for name in names]
+
+    def place(self, name: str, text: str) -> tuple[tuple[str, int], str]:
+        """Kind, row and unit of a curve."""
+        kind, of, own = name.partition(" of ")
+        kinds = (
+            [kind] if of and kind in self.names else [kind for kind in self.names if kind in ("displacement", "quantity", "output")]
+        )
+        own = own if of and kind in self.names else name
+        for kind in kinds:
+            if own in self.names[kind]:
+                row = self.names[kind].index(own)
+                return (kind, row), self.result.curves(kind).units[row]
+        known = [each for kind in kinds for each in self.names[kind]]
+        raise InputError(f'keep: "{text}": there is no curve "{own}"{nearest(own, known)}; there are {", ".join(known[:12])}')
+
+
+def _modes(scene: Scene) -> tuple[int, ...]:
+    """Numbers of the kept modes."""
+    values = eigenvalues_of(scene)
+    return tuple(range(1, min(int((values.imag > 0).sum()), MOST_MODES) + 1))
+
+
+def eigenvalues_of(scene: Scene) -> np.ndarray:
+    """The finite eigenvalues in 1/s, one of each pair or all."""
+    system = scene.equations.system
+    if system is not None:
+        return np.atleast_1d(system.modes().eigenvalues)
+    zeros = scene.equations.polynomial_matrix.jordan_pairs().finite.zeros
+    return np.array([zero.value for zero in zeros for _ in range(zero.multiplicity)], dtype=complex)
+
+
+def _common(units: Sequence[str]) -> str:
+    """The common unit, or all units."""
+    return " or ".join(dict.fromkeys(units)) or "1"

@@ -1,0 +1,237 @@
+"""What is measured is measured; what fails is told as a failure, in words."""
+
+import time
+import warnings
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from mbconstrained.analyses.accuracy import measure
+from mbconstrained.analyses.accuracy.accuracy import (
+    AccuracyReport,
+    accuracy_report,
+    failure_table,
+    fastest,
+    fastest_table,
+    one_run,
+    ratio,
+    run_table,
+)
+from mbconstrained.analyses.accuracy.measure import measure as measured
+from mbconstrained.analyses.accuracy.measure import reference_solution
+from mbconstrained.analyses.accuracy.methods import OURS, ComparedMethod, Failure, MethodSetting, tolerances
+from mbconstrained.analyses.study_problem import mechanical_problem
+from mbconstrained.analyses.timing import Clock
+
+TIMES = np.linspace(0.0, 3.0, 11)
+PROBLEM = mechanical_problem("oscillator", mb.MechanicalSystem([[1.0]], stiffness=[[4.0]]), TIMES, [1.0])
+TRUTH = reference_solution(PROBLEM)
+EXACT = np.cos(2 * TIMES)[None]
+
+
+@pytest.fixture(autouse=True)
+def few_repeats(monkeypatch):
+    """What is measured, and not how often."""
+    monkeypatch.setattr(measure, "REPEATS", 2)
+
+
+def off_by(error: float):
+    return lambda problem, value: lambda: EXACT + error
+
+
+def raising(problem_found: Exception):
+    def prepare(problem, value):
+        raise problem_found
+
+    return prepare
+
+
+def one(*methods: ComparedMethod, seconds: float = 5.0):
+    return measured(PROBLEM, TRUTH, methods, seconds)
+
+
+def test_errors_are_those_of_the_values():
+    good, bad = one(ComparedMethod("good", off_by(0.0)), ComparedMethod("bad", off_by(1e-3)))
+    assert good.error < 1e-15 and bad.error == pytest.approx(1e-3, rel=1e-9)
+    assert good.one_run.median >= good.evaluation.median >= 0 and not good.failure
+
+
+@pytest.mark.parametrize(
+    "prepare, told",
+    [
+        (raising(Failure("refuses singular mass")), "refuses singular mass"),
+        (raising(mb.InputError("mass: found 0; expected more")), "mass: found 0; expected more"),
+        (raising(RuntimeError("first line\nsecond line")), "RuntimeError: first line"),
+        (raising(ZeroDivisionError()), "ZeroDivisionError"),
+        (lambda problem, value: lambda: EXACT * np.nan, "gives no numbers"),
+        (lambda problem, value: lambda: EXACT + 40.0, "has an error of 4e+01 times the motion"),
+    ],
+)
+def test_failures_are_told_as_failures(prepare, told):
+    (found,) = one(ComparedMethod("it", prepare))
+    assert found.failure == told and found.error is None and found.evaluation is None
+
+
+def test_what_takes_too_long_is_broken_off_and_finer_settings_are_not_tried():
+    ran = []
+
+    def prepare(problem, value):
+        ran.append(value)
+        time.sleep(30.0 if value > 1 else 0.0)
+        return lambda: EXACT
+
+    settings = tuple(MethodSetting(f"step {value:g}", value) for value in (1.0, 2.0, 3.0))
+    quick, slow, untried = one(ComparedMethod("stepper", prepare, settings), seconds=0.2)
+    assert not quick.failure and slow.failure == "takes more than 200 ms"
+    assert untried.failure == "not run: a coarser setting exceeds the time limit" and 3.0 not in ran
+
+
+def test_a_refusal_is_told_and_nothing_runs():
+    (found,) = one(ComparedMethod("theirs", raising(AssertionError("ran")), refusal=lambda problem: "needs even times"))
+    assert found.failure == "needs even times"
+
+
+def test_of_what_is_not_meant_for_such_a_problem_nothing_is_said():
+    assert one(ComparedMethod("other", raising(AssertionError("ran")), concerns=lambda problem: False)) == ()
+
+
+def test_repeats_go_in_turns_and_the_first_run_is_not_counted(monkeypatch):
+    monkeypatch.setattr(measure, "REPEATS", 4)
+    order = []
+
+    def named(name):
+        return ComparedMethod(name, lambda problem, value: lambda: (order.append(name), EXACT)[1])
+
+    first, second = one(named("a"), named("b"))
+    once = ["a", "b", "b", "a", "a", "b", "b", "a", "a", "b"]
+    assert order == [name for name in once for _ in range(2)]  # each time evaluated once, and once more
+    assert len(first.evaluation.seconds) == len(second.set_up.seconds) == 4
+
+
+def test_a_long_run_is_repeated_once(monkeypatch):
+    monkeypatch.setattr(measure, "REPEATED_SECONDS", 0.0)
+    (found,) = one(ComparedMethod("slow", off_by(0.0)))
+    assert len(found.evaluation.seconds) == 1
+
+
+def test_what_only_the_first_run_does_is_in_no_time(monkeypatch):
+    """Such as loading a library: however long it takes, the runs after it are counted and no fewer of them."""
+    ticks = iter(range(1000))
+    monkeypatch.setattr(measure, "suitable_clock", lambda states: Clock("ticks", lambda: float(next(ticks))))
+    monkeypatch.setattr(measure, "REPEATED_SECONDS", 100.0)
+    ran = []
+
+    def prepare(problem, value):
+        for _ in range(500 if not ran else 0):
+            next(ticks)
+        ran.append(value)
+        return lambda: EXACT
+
+    (found,) = one(ComparedMethod("theirs", prepare))
+    assert found.set_up.seconds == (1.0,) * measure.REPEATS
+
+
+def test_a_library_is_loaded_before_its_first_run():
+    missing, there = one(
+        ComparedMethod("missing", off_by(0.0), library="no_such_library"), ComparedMethod("there", off_by(0.0), library="json")
+    )
+    assert missing.failure == "ModuleNotFoundError: No module named 'no_such_library'" and not there.failure
+
+
+def test_warnings_and_prints_of_methods_do_not_reach_the_user(capfd):
+    def prepare(problem, value):
+        warnings.warn("step too large", RuntimeWarning, stacklevel=1)
+        print("lsoda--")
+        return lambda: EXACT + np.float64(0.0) / np.array([1.0])
+
+    (found,) = one(ComparedMethod("noisy", prepare))
+    assert not found.failure and capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("method", OURS, ids=lambda method: method.name)
+def test_each_method_of_the_closed_form_is_right_where_it_applies(method):
+    problem, truth = PROBLEM, TRUTH
+    if "assembled" in method.name:
+        elements = mb.ElementMatrix([[1.0, 0.0], [-1.0, 1.0]], [1e5, 1.0])
+        problem = mechanical_problem("two", mb.MechanicalSystem(np.eye(2), stiffness=elements), TIMES, [1.0, 1.0])
+        truth = reference_solution(problem)
+    if "A(s)" in method.name:
+        from mbconstrained.analyses.study_problem import problem_of
+        from mbconstrained.scene.run.scene import read_scene
+
+        problem = problem_of(read_scene("examples/transfer_function.toml"))
+        truth = reference_solution(problem)
+    assert method.concerns(problem)
+    (found,) = measured(problem, truth, [method])
+    assert not found.failure and found.error < 1e-9
+
+
+def test_methods_of_the_closed_form_are_left_out_where_they_do_not_apply():
+    damped = mechanical_problem("damped", mb.MechanicalSystem([[1.0]], [[0.5]], [[4.0]]), TIMES, [1.0])
+    pushed = mechanical_problem("pushed", mb.MechanicalSystem([[1.0]], force=[1.0]), TIMES)
+    general = ["closed form", "exact arithmetic, 15 digits"]
+    for problem in (damped, pushed):
+        assert [method.name for method in OURS if method.concerns(problem)] == general
+    free = [method.name for method in OURS if method.concerns(PROBLEM)]
+    assert free == ["closed form", "closed form, Eqs. (73)-(76)", "exact arithmetic, 15 digits"]
+
+
+def report(*methods: ComparedMethod) -> AccuracyReport:
+    return accuracy_report(PROBLEM, methods)
+
+
+def test_the_report_is_plain_data_and_reads_well():
+    import json
+
+    found = report(
+        ComparedMethod("closed form", off_by(0.0), is_ours=True),
+        ComparedMethod("stepper", lambda problem, value: lambda: EXACT + value, tolerances(6, 8)),
+        ComparedMethod("other", raising(Failure("refuses singular mass"))),
+    )
+    data = json.loads(json.dumps(found.answer("oscillator").to_dict(), allow_nan=False))
+    assert [run["method"] for run in data["runs"]] == ["closed form", "stepper", "stepper", "other"]
+    assert data["runs"][0]["one_run_over_closed_form"] == 1.0 and data["runs"][-1]["failure"] == "refuses singular mass"
+    assert data["runs"][1]["evaluation"]["repeats"] == len(found.runs[1].evaluation.seconds)
+    assert [row[0] for row in run_table(found).rows] == ["closed form", "stepper", "stepper"]
+    assert failure_table(found).rows == (("other", "", "refuses singular mass"),)
+    first, *_, last = fastest_table(found).rows  # errors at which the same is told share a line
+    assert first[0].startswith("1e-03") and last[0] == "1e-09 to 1e-12" and "only closed form" in last[1]
+    assert found.answer("oscillator").is_trusted and found.machine["cores"]
+    text = "\n".join(str(block) for block in found.answer("oscillator").blocks())
+    assert "exact rational and ball arithmetic" in text
+
+
+@pytest.mark.long
+def test_an_answer_that_is_wrong_or_missing_is_not_trusted():
+    assert not report(ComparedMethod("closed form", off_by(0.01), is_ours=True)).answer("a").is_trusted
+    assert not report(ComparedMethod("closed form", raising(Failure("no")), is_ours=True)).answer("a").is_trusted
+
+
+def test_settings_that_fail_alike_share_a_line():
+    settings = tuple(MethodSetting(f"rtol {value:g}") for value in (1e-8, 1e-10))
+    table = failure_table(
+        report(
+            ComparedMethod("closed form", off_by(0.0), is_ours=True),
+            ComparedMethod("IDA", raising(Failure("too small a step")), settings),
+        )
+    )
+    assert table.rows == (("IDA", "rtol 1e-08, rtol 1e-10", "too small a step"),)
+
+
+def test_the_fastest_is_told_honestly():
+    """Also where it is not ours, and not where the difference is that of a busy machine."""
+    runs = report(
+        ComparedMethod("closed form", lambda problem, value: (sum(range(10**6)), lambda: EXACT)[1], is_ours=True),
+        ComparedMethod("stepper", off_by(1e-7)),
+    )
+    assert fastest(runs.answers, 1e-6, one_run).method.name == "stepper"
+    assert fastest(runs.answers, 1e-20, one_run) is None
+    told = {error: one for error, one, _ in runs.fastest}
+    assert told[1e-6].startswith("stepper (") and "times as fast as closed form (" in told[1e-6]
+    assert told[1e-9].startswith("only closed form")
+
+
+@pytest.mark.parametrize("value, text", [(1.0, "1"), (0.0123, "0.012"), (1234.0, "1200"), (1e-5, "1e-05")])
+def test_ratios_have_two_digits(value, text):
+    assert ratio(value) == text

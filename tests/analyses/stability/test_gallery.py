@@ -1,0 +1,204 @@
+"""The gallery: every system is what it declares to be, and no answer is wrong without a warning but those that are known."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from mbconstrained.analyses.stability.gallery import GALLERY, PROPERTIES, THEMES, System, broken_promises, decades, system
+from mbconstrained.analyses.stability.point import point_of, points_of
+
+#: Wrong without a warning, and why. Empty is the goal.
+KNOWN_WRONG: dict[tuple[str, float], str] = {}
+
+#: Refused though there is an answer, and why; or because there is none.
+KNOWN_REFUSED = {
+    ("unstable_growth", 250.0): "e^780 is no float",
+}
+
+#: Values of the parameter at which systems are tried here, beside the first, the middle and the last.
+MORE = {
+    *KNOWN_WRONG,
+    *KNOWN_REFUSED,
+    *((name, ratio) for name in ("stiff_chain_assembled", "penalty_link", "penalty_joint") for ratio in (1e12, 1e15, 1e16, 1e17)),
+    ("weak_coupling", 1e-14),
+    ("near_critical", 1e-14),
+}
+
+LONG = 20  # bodies that take seconds
+
+names = [one.name for one in GALLERY]
+
+
+def chosen(one: System) -> list[float]:
+    values = [value for value in one.values if one.name != "chain_of_masses" or value <= LONG]
+    wanted = {values[0], values[len(values) // 2], values[-1], *(value for name, value in MORE if name == one.name)}
+    return [value for value in values if value in wanted]
+
+
+everywhere = pytest.mark.parametrize("name", names)
+
+
+@cache
+def points(name: str):
+    """By parameter, without the condition."""
+    values = chosen(system(name))
+    return dict(zip(values, points_of(system(name).build, values, variations=0)))
+
+
+# --- the catalogue
+
+
+def test_the_gallery_is_listed_by_themes():
+    assert len(set(names)) == len(names) == 49
+    assert [one.theme for one in GALLERY] == sorted((one.theme for one in GALLERY), key=THEMES.index)
+    assert {one.theme for one in GALLERY} == set(THEMES)
+
+
+@everywhere
+def test_a_system_tells_what_is_hard_and_where_it_is_from(name):
+    one = system(name)
+    title, difficulty, source = one.texts
+    assert difficulty.endswith(".") and title and source and one.parameter
+    assert name == name.lower() and " " not in name
+    assert 5 <= len(one.values) <= 17 and len(set(one.values)) == len(one.values)
+    limits = [value for value in one.values if value]
+    assert limits == sorted(limits) or limits == sorted(limits, reverse=True)
+    assert one.declared and set(one.declared) <= set(PROPERTIES)
+
+
+def test_every_property_is_declared_somewhere():
+    assert {name for one in GALLERY for name in one.declared} == set(PROPERTIES)
+
+
+def test_a_wrong_name_is_answered_with_the_nearest():
+    with pytest.raises(mb.InputError, match=r"no system 'penalty_lnk'.*penalty_link"):
+        system("penalty_lnk")
+
+
+def test_importing_the_gallery_loads_nothing_heavy():
+    script = "import mbconstrained.analyses.stability.gallery, sys; print(*{name.split('.')[0] for name in sys.modules})"
+    loaded = set(subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split())
+    assert not loaded & {"flint", "sympy", "pydantic", "pint", "typer", "rich", "matplotlib", "pinocchio", "meshcat"}
+
+
+def test_building_is_reproducible_and_solves_nothing():
+    one, other = (system("stiff_chain").build(1e4) for _ in range(2))
+    assert np.array_equal(one.polynomial_matrix.coefficients, other.polynomial_matrix.coefficients)
+    assert np.array_equal(one.times, other.times) and not one.polynomial_matrix._pairs
+
+
+def test_decades_are_the_nearest_numbers_to_powers_of_ten():
+    assert decades(-16, -16) == (1e-16,) and decades(0, -3) == (1.0, 0.1, 0.01, 0.001) and decades(3, 5, 2) == (1e3, 1e5)
+
+
+# --- promises
+
+
+@pytest.mark.long
+@everywhere
+def test_declared_properties_hold_in_exact_arithmetic(name):
+    one = system(name)
+    assert [broken for value in chosen(one) for broken in broken_promises(one, value)] == []
+
+
+def test_a_broken_promise_is_told():
+    liar = replace(system("damping_ratio"), declared={"finite_zeros": 3, "undamped": True, "decades": lambda ratio: 0})
+    assert broken_promises(liar, 1.0) == (
+        "damping_ratio at 1: finite_zeros is 2, declared 3",
+        "damping_ratio at 1: undamped is False, declared True",
+    )
+    ratios = replace(system("light_tip"), declared={"mass_ratio": 1.0 + 1e-9})
+    assert broken_promises(ratios, 1.0) and not broken_promises(replace(ratios, declared={"mass_ratio": 1.0}), 1.0)
+
+
+def test_a_problem_without_an_answer_keeps_no_promise_and_stops_nothing():
+    def damping_ratio(parameter):
+        raise mb.InputError("nothing to build")
+
+    assert broken_promises(replace(system("damping_ratio"), problem=damping_ratio), 1.0) == (
+        "damping_ratio at 1: there is no problem (nothing to build)",
+    )
+
+
+def test_an_unknown_property_is_an_error():
+    with pytest.raises(KeyError, match="colour"):
+        broken_promises(replace(system("damping_ratio"), declared={"colour": "red"}), 1.0)
+
+
+# --- answers
+
+
+@pytest.mark.long
+@everywhere
+def test_no_answer_is_wrong_without_a_warning_but_those_known(name):
+    wrong = {(name, value) for value, point in points(name).items() if point.verdict == "wrong"}
+    assert wrong == {known for known in KNOWN_WRONG if known[0] == name}
+
+
+@pytest.mark.long
+@everywhere
+def test_no_problem_is_refused_but_those_known(name):
+    refused = {(name, value) for value, point in points(name).items() if point.verdict == "refused"}
+    assert refused == {known for known in KNOWN_REFUSED if known[0] == name}
+    assert not [point.unknown for point in points(name).values() if point.unknown]
+
+
+def test_stiff_chains_are_right_for_the_data_as_given():
+    """Assembled or not: what a sum of stiffnesses has lost is shown by the condition, not by the error of the answer."""
+    for name in ("stiff_chain", "stiff_chain_assembled"):
+        assert all(point.right > 13 and point.estimate < 1e-12 for point in points(name).values())
+    assert all(point.verdict == "right" for point in points("stiff_chain").values())
+
+
+@pytest.mark.parametrize(("name", "digits"), [("stiff_chain", 14), ("stiff_chain_assembled", 1)])
+def test_the_condition_tells_elements_from_matrices(name, digits):
+    """At a ratio of 1e14 the elements determine all digits, the matrices none."""
+    expected = point_of(system(name).build(1e14)).expected
+    assert expected > digits if name == "stiff_chain" else expected < digits
+
+
+def test_a_problem_that_cannot_be_built_is_refused():
+    def build(parameter):
+        rows = [mb.Constraint([1.0, 0.0], value=0.0), mb.Constraint([1.0, 0.0], value=parameter)]
+        return mb.MechanicalSystem(np.eye(2), constraints=rows)
+
+    (point,) = points_of(build, [1.0])
+    assert point.verdict == "refused" and "has the value" in point.refused
+
+
+# --- units
+
+
+@pytest.mark.parametrize("name", ["small_to_huge", "unit_of_time"])
+def test_powers_of_two_change_no_digit(name):
+    """Values divided by the unit of length are the same floats, error and estimate too."""
+    one, found = system(name), []
+    for value in one.values:
+        problem = one.build(value)
+        values = problem.solve()(problem.times)
+        found.append(values / problem.initial[0, 0])
+    assert all(np.array_equal(values, found[0]) for values in found)
+    estimates = {point.estimate for point in points(name).values()}
+    assert len(estimates) == 1 and len({point.error for point in points(name).values()}) == 1
+
+
+def test_decimal_units_change_no_more_than_the_condition():
+    one, found = system("unit_of_force"), []
+    for value in one.values:
+        problem = one.build(value)
+        found.append(problem.solve()(problem.times))
+    for values in found:
+        assert np.abs(values - found[4]).max() <= 2 * 2e4 * 2**-52 * np.abs(found[4]).max()  # condition 2e4, both rounded
+
+
+def test_scattered_scales_change_no_digit_of_the_true_values():
+    one = system("scattered_scales")
+    claims = [point.claimed for point in points(one.name).values()]
+    assert max(claims) - min(claims) < 1

@@ -1,0 +1,142 @@
+"""What a report says is what its points are."""
+
+import json
+
+import pytest
+
+import mbconstrained as mb
+from mbconstrained.analyses.stability.gallery import GALLERY, system
+from mbconstrained.analyses.stability.point import Point, points_of
+from mbconstrained.analyses.stability.scaling_factors import ScalingSweep
+from mbconstrained.analyses.stability.stability import (
+    StabilityReport,
+    digit_table,
+    gallery_report,
+    gallery_table,
+    reason_tables,
+    scene_report,
+)
+from mbconstrained.analyses.study_problem import mechanical_problem
+from mbconstrained.ground.errors import InputError
+from mbconstrained.scene.run.scene import read_scene
+from tests.analyses.stability.points import point, sweep
+
+
+def spring(*points: Point, name="spring", theme="stiffness", broken=()) -> ScalingSweep:
+    return sweep(f"The {name}", *points, parameter="stiffness in N/m", name=name, theme=theme, broken=broken)
+
+
+def report(*sweeps: ScalingSweep, of_scene=False) -> StabilityReport:
+    return StabilityReport("Title", sweeps, {"cores": "2"}, of_scene)
+
+
+CALM = report(spring(point(1.0), point(10.0, right=12.0, expected=12.3, claimed=12.0)))
+WRONG = report(
+    spring(
+        point(1.0),
+        point(1e2, right=3.0, claimed=12.0),
+        point(1e4, claimed=1.0, warnings=("a rank decision has no clear gap: 3 times", "the estimate")),
+        Point(1e6, refused="beyond float64"),
+        Point(1e8, estimate=1e-3, unknown="took more than 30 s"),
+    )
+)
+
+
+def test_the_verdict_in_words():
+    assert CALM.sentences == (
+        "None of 2 answers compared with exact arithmetic is wrong without a warning.",
+        "2 answers had the digits that the estimate claims.",
+        "Fewest digits without a warning: 12.0 right, 12.0 claimed, 12.3 determined by the data (The spring, stiffness in N/m = 10).",
+        "The declared properties of the systems hold, by exact arithmetic.",
+    )
+    assert WRONG.sentences[:2] == (
+        "1 of 3 answers compared with exact arithmetic is wrong without a warning.",
+        "1 answer had the digits that the estimate claims, 1 came with a warning, 1 refused with a reason, "
+        "1 not judged by exact arithmetic.",
+    )
+
+
+def test_what_is_wrong_without_a_warning_is_not_trusted_and_nothing_else_is():
+    assert CALM.is_trusted and not WRONG.is_trusted
+    assert report(spring(WRONG.sweeps[0].points[2], WRONG.sweeps[0].points[3])).is_trusted
+
+
+def test_a_broken_promise_is_told():
+    found = report(spring(point(1.0), broken=("spring at 1: undamped is False, declared True",)))
+    assert found.sentences[-1] == "Not as declared: spring at 1: undamped is False, declared True."
+
+
+def test_fewer_digits_than_the_data_allow_are_told():
+    found = report(
+        spring(point(1.0, right=9.0, expected=15.0, claimed=8.0), point(2.0, right=8.0, expected=8.1, claimed=8.0)), of_scene=True
+    )
+    assert "Furthest below what the data determine: 9.0 right" in found.sentences[-1]
+
+
+def test_tables_count_and_name():
+    (row,) = digit_table(WRONG).rows
+    assert row == ("stiffness", "spring", "1 … 1e+08", "5", "1", "1", "1", "1", "3.0", "15.5", "12.0")
+    titles = {table.title: table.rows for table in reason_tables(WRONG)}
+    assert titles["Wrong without a warning"] == (
+        ("spring", "100", "only 3.0 digits are right, the estimate claims 12.0, without a warning"),
+    )
+    assert titles["Warnings"] == (("spring", "1e+04", "a rank decision has no clear gap"),)
+    assert titles["Refused"] == (("spring", "1e+06", "beyond float64"),)
+    assert titles["Not judged"] == (("spring", "1e+08", "took more than 30 s"),)
+    assert reason_tables(CALM) == []
+    assert gallery_table(CALM).rows == (("spring", "The spring", "stiffness in N/m", "it is stiff", "made for this gallery"),)
+
+
+def test_themes_stand_once():
+    rows = digit_table(report(spring(point(1.0)), spring(point(1.0), name="other"), spring(point(1.0), theme="mass"))).rows
+    assert [row[0] for row in rows] == ["stiffness", "", "mass"]
+
+
+def test_nothing_answered_at_all():
+    found = report(spring(Point(1.0, refused="no")))
+    assert digit_table(found).rows[0][-3:] == ("–", "–", "–") and len(found.sentences) == 3
+    assert found.sentences[0].startswith("No answer was compared with exact arithmetic")
+    assert next(iter(found.answer("title").figures())).svg.startswith("<svg")
+
+
+@pytest.mark.parametrize("found", [CALM, WRONG], ids=["calm", "wrong"])
+def test_the_report_is_plain_data_and_a_page(found):
+    answer = found.answer("title")
+    data = json.loads(json.dumps(answer.to_dict(), allow_nan=False))
+    assert data["counts"]["wrong"] == found.count("wrong") and len(data["sweeps"][0]["points"]) == len(found.sweeps[0].points)
+    content = answer.page()
+    assert content.notices[0].doubtful == (not found.is_trusted) and len(content.figures) == 1
+    assert any("stiff" in str(block) for block in answer.blocks())
+
+
+def test_where_there_are_no_equations_the_reason_stands():
+    """Rows that contradict each other at a factor are refused when the system is made, before anything is solved."""
+
+    def build(factor):
+        rows = [mb.Constraint([1.0], value=1.0), mb.Constraint([1.0], value=factor)]
+        return mechanical_problem("held twice", mb.MechanicalSystem([[1.0]], constraints=rows), [0.0, 1.0], [1.0])
+
+    fine, refused = points_of(build, (1.0, 2.0), lambda text: None)
+    assert fine.verdict == "right" and refused.verdict == "refused" and "constraint" in refused.refused
+
+
+def test_some_systems_of_the_gallery():
+    told = []
+    found = gallery_report([system("damping_ratio")], told.append)
+    assert [one.name for one in found.sweeps] == ["damping_ratio"] and found.is_trusted
+    assert len(told) == len(found.sweeps[0].points) > 5
+    with pytest.raises(InputError, match="damping_ratio"):
+        system("damping_rato")
+    assert len({one.name for one in GALLERY}) == len(GALLERY) >= 20
+
+
+@pytest.mark.long
+def test_a_scene_is_turned_by_all_that_it_has():
+    found = scene_report(read_scene("examples/critically_damped.toml"), decades=2, step=2)
+    assert [one.title for one in found.sweeps][-1] == "horizon"
+    assert [p.parameter for p in found.sweeps[0].points] == [0.01, 1.0, 100.0]
+    assert found.is_trusted and found.of_scene
+    uneven = scene_report(read_scene("examples/critically_damped.toml"), decades=2, step=3)
+    assert [p.parameter for p in uneven.sweeps[0].points] == [0.01, 1.0, 100.0]  # its ends and the scene itself, whatever the step
+    heat, curves = found.answer("title").figures()
+    assert "horizon" in heat.svg and "horizon" in curves.svg
