@@ -16,6 +16,8 @@ ANALYSES = {
     "campbell": "campbell",
     "locus": "locus",
     "path": "path",
+    "formula": "formula",
+    "compare": "compare",
     "accuracy": "accuracy.accuracy",
     "stability": "stability.stability",
     "sweep": "sweep.sweep",

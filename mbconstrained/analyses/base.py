@@ -52,6 +52,7 @@ class Answer(Displayed):
         presented: turns the page into one with an animation.
         most_rows: of a table in a terminal.
         last_keys: of the plain data, after the data themselves.
+        text: the whole answer as a text of its own, such as source code, in the place of files.
     """
 
     kind: str
@@ -70,6 +71,7 @@ class Answer(Displayed):
     presented: Callable[[PageContent], Content] = lambda content: content
     most_rows: int = MOST_ROWS
     last_keys: tuple[str, ...] = ("notices", "trusted", "files")
+    text: str = ""
 
     @cached_property
     def _figures(self) -> tuple[Picture, ...]:
@@ -124,7 +126,7 @@ class Answer(Displayed):
         from ..page.html import write_page
         from ..page.plots.images import plot_image, plot_images
 
-        stem, chosen = f"{self.name}.{self.kind}", set(formats)
+        stem, chosen = ".".join(filter(None, (self.name, self.kind))), set(formats)
         folder.mkdir(parents=True, exist_ok=True)
         with Replacements() as files:
             for part, columns in self.columns().items() if "csv" in chosen else ():
@@ -162,7 +164,7 @@ class Analysis:
         settings: a table of the scene, whose entries are the options of the command.
         options: names of options that differ from their entries, by entry; None for entries without an option. Lists and tables are
             options, which may be repeated, where they are named here.
-        formats: written formats; none for those of [output] in the scene.
+        formats: written formats; none for those of [output] in the scene; "text" alone for a text that is printed as it is.
         progress: what a bar counts, such as "generations"; "steps" for a line with the name of each step; empty for short work.
         without_scene: options of the answer without a scene, given by ``answer_without_scene``.
     """

@@ -163,7 +163,9 @@ class _Rotor:
             TextTable("Critical speeds", ("order", "rev/min", "Hz", "whirl", "damping ratio"), critical),
             TextTable("Modes over the speed in rev/min", ("no.", "whirl", low, high, "least ratio", "least decay 1/s"), modes),
             TextTable("Largest peaks of the unbalance response", heads, self._rows(largest)),
-            TextTable("All peaks of the unbalance response", heads, self._rows(peaks if len(peaks) > MOST_PEAKS else []), folded=True),
+            TextTable(
+                "All peaks of the unbalance response", heads, self._rows(peaks if len(peaks) > MOST_PEAKS else []), folded=True
+            ),
         )
         return (table for table in every if table.rows)
 

@@ -35,9 +35,7 @@ COUNT = 101
 class ParameterOfLocus(Table):
     """The parameter of a root locus."""
 
-    vary: dict[str, Any] = Field(
-        min_length=1, max_length=1, description='A parameter or an element, such as "c=1..50 N*s/m:101".'
-    )
+    vary: dict[str, Any] = Field(min_length=1, max_length=1, description='A parameter or an element, such as "c=1..50 N*s/m:101".')
 
 
 class Locus(Analysis):
@@ -132,7 +130,9 @@ def _plot(locus: RootLocus, low: str, high: str) -> Plot:
     s = np.array([np.interp(values, locus.values, column) for column in locus.eigenvalues.T])
     for point in locus.break_points:  # both branches meet there
         place = int(np.searchsorted(values, point.parameter))
-        around = np.abs(s[:, [max(place - 1, 0), min(place + 1, len(values) - 1)]][..., None] - [point.eigenvalue, np.conj(point.eigenvalue)])
+        around = np.abs(
+            s[:, [max(place - 1, 0), min(place + 1, len(values) - 1)]][..., None] - [point.eigenvalue, np.conj(point.eigenvalue)]
+        )
         for pair, end in zip(around.sum(axis=1).T, (point.eigenvalue, point.eigenvalue.conjugate())):
             s[np.argsort(pair)[:2], place] = end
     curves = tuple(Curve(f"branch {number}", row.imag, along=row.real) for number, row in enumerate(s, 1))

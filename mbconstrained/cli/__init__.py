@@ -27,9 +27,9 @@ def main() -> None:
 @cache
 def application() -> typer.Typer:
     """The application with all commands, in the order of the help."""
-    from . import compare, frequency, new, sensitivity
+    from . import frequency, new, sensitivity
     from .commands import app
 
-    for module in (compare, frequency, sensitivity, new):
+    for module in (frequency, sensitivity, new):
         module.add_to(app)
     return app

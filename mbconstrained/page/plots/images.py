@@ -184,7 +184,14 @@ def _draw(figure: Figure, plot: Plot, curves: tuple[Curve, ...], columns: int) -
             color = INK if marks.curve is None else PALETTE[(curves[marks.curve].color or 0) % len(PALETTE)]
             label = marks.name if marks.name not in named else ""
             named.add(marks.name)
-            style = {"marker": _MARKERS[marks.shape], "linestyle": "none", "markersize": 4, "label": label or "_", "clip_on": False, "zorder": 3}
+            style = {
+                "marker": _MARKERS[marks.shape],
+                "linestyle": "none",
+                "markersize": 4,
+                "label": label or "_",
+                "clip_on": False,
+                "zorder": 3,
+            }
             axes.plot(*marks.points.T, color=color, markerfacecolor="white", **style)
     if 0.0 in up.ticks:
         axes.axhline(0.0, color=LINE, linewidth=0.8, zorder=0.9)
