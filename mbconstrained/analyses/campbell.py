@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -215,7 +215,7 @@ class _Rotor:
         yield self._campbell()
         if self.diagram.damping_ratios.any():
             limit = Guide("", (self.turns[0], 0.0), (self.turns[-1], 0.0), "limit")
-            more = {"guides": (limit,), "note": "Below 0 a motion grows.", "includes": (0.0,)}
+            more: dict[str, Any] = {"guides": (limit,), "note": "Below 0 a motion grows.", "includes": (0.0,)}
             yield self._modes("Damping over the speed", "", self.diagram.damping_ratios, "damping ratio", **more)
         if self.responses:
             for unit in dict.fromkeys(self.diagram.system.units.values()):
@@ -229,7 +229,7 @@ class _Rotor:
             Curve(f"{i + 1} {whirl}", column, i % colors + colors * rounds[i])
             for i, (whirl, column) in enumerate(zip(self.diagram.directions, values.T))
         )
-        axes = {"across_unit": "rev/min", "quantity": quantity, "variable": "speed", "shown": len(curves)}
+        axes: dict[str, Any] = {"across_unit": "rev/min", "quantity": quantity, "variable": "speed", "shown": len(curves)}
         return Plot(title, unit, self.turns, curves, **axes, **more)
 
     def _campbell(self) -> Plot:
@@ -241,7 +241,7 @@ class _Rotor:
         texts = (f"{one.speed / RPM:.6g} rev/min, {_hz(one):.5g} Hz, {direction(one.whirl)}" for one in self.critical)
         marks = (Marks("critical speed", points, tuple(texts)),) if self.critical else ()
         note = "Solid lines whirl forward, dashed ones backward, dotted ones are planar; a mode keeps its colour through crossings."
-        more = {"guides": (*orders, *limits), "marks": marks, "note": note, "includes": (0.0,), "is_large": True}
+        more: dict[str, Any] = {"guides": (*orders, *limits), "marks": marks, "note": note, "includes": (0.0,), "is_large": True}
         return self._modes("Campbell diagram", "Hz", frequencies, "damped frequency", **more)
 
     def _amplitudes(self, unit: str) -> Iterator[Plot]:
@@ -261,10 +261,10 @@ class _Rotor:
             marks += [Marks("", points, tuple(texts), curve=number)] if len(points) else []
         note = f"The steady state at each constant speed, order {self.orders[0]:g}; circles are peaks."
         title = f"{'Displacements' if unit == 'm' else 'Angles'} under unbalance"
-        axes = {"across_unit": "rev/min", "quantity": "amplitude", "variable": "speed", "scales": ("linear", "log")}
+        axes: dict[str, Any] = {"across_unit": "rev/min", "quantity": "amplitude", "variable": "speed", "scales": ("linear", "log")}
         if curves:
             turns = response.speeds / RPM
-            yield Plot(title, text, turns, curves, marks=tuple(marks), note=note, shown=len(curves), **axes)  # type: ignore[arg-type]
+            yield Plot(title, text, turns, curves, marks=tuple(marks), note=note, shown=len(curves), **axes)
 
     def _waterfall(self) -> Plot:
         """Spectra of steady states at rising speeds, one behind the other."""
@@ -285,7 +285,7 @@ class _Rotor:
         note += " that every speed has its steady state. The motion while the speed rises at a finite rate is another one."
         if set(self.orders) != {1.0}:
             note += " Orders other than 1 have a force of the size of the unbalance's, at their multiple of the speed."
-        guides = (Guide("", *((order * end / 60, end) for end in (turns[0], turns[-1]))) for order in self.orders)
+        guides = (Guide("", (order * turns[0] / 60, turns[0]), (order * turns[-1] / 60, turns[-1])) for order in self.orders)
         return Plot(
             f"Waterfall of a run-up: {name}",
             "rev/min",
@@ -325,7 +325,7 @@ def _spectra(bases: np.ndarray, lines: np.ndarray, heights: np.ndarray, half: fl
         kept = np.concatenate([[True], bends | ends, [True]])
         points.append(np.array([x, np.where(visible, y, np.nan)])[:, kept])
         points.append(np.full((2, 1), np.nan))
-    return tuple(np.hstack(points[:-1]))  # type: ignore[return-value]
+    return tuple(np.hstack(points[:-1]))
 
 
 def _hz(point: CriticalSpeed) -> float:

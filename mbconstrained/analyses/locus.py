@@ -12,7 +12,7 @@ from ..ground.checks import counted
 from ..ground.display import TextTable, number_text, with_unit
 from ..ground.errors import InputError
 from ..mechanics.vibration.root_locus import RootLocus
-from ..page.content import Curve, Guide, Marks, Plot
+from ..page.content import Curve, Guide, Marks, Plot, Shape
 from ..scene.file.messages import named
 from ..scene.quantities.quantities import quantity, unit_name
 from ..scene.quantities.variations import Distribution, variation_of
@@ -136,15 +136,16 @@ def _plot(locus: RootLocus, low: str, high: str) -> Plot:
         for pair, end in zip(around.sum(axis=1).T, (point.eigenvalue, point.eigenvalue.conjugate())):
             s[np.argsort(pair)[:2], place] = end
     curves = tuple(Curve(f"branch {number}", row.imag, along=row.real) for number, row in enumerate(s, 1))
+    ends: tuple[tuple[int, str, Shape], ...] = ((0, low, "cross"), (-1, high, "circle"))
     marks = [
         Marks(name, np.array([[row[place].real, row[place].imag]]), (f"{name}: {_complex(row[place])} 1/s",), shape, number)
-        for place, name, shape in ((0, low, "cross"), (-1, high, "circle"))
+        for place, name, shape in ends
         for number, row in enumerate(s)
     ]
     if locus.break_points:
-        ends = [(one.parameter, s) for one in locus.break_points for s in {one.eigenvalue, one.eigenvalue.conjugate()}]
-        texts = (f"break point: {with_unit(value, locus.unit)}, {_complex(end)} 1/s" for value, end in ends)
-        marks.append(Marks("break point", np.array([[end.real, end.imag] for _, end in ends]), tuple(texts), "diamond"))
+        points = [(one.parameter, end) for one in locus.break_points for end in {one.eigenvalue, one.eigenvalue.conjugate()}]
+        texts = (f"break point: {with_unit(value, locus.unit)}, {_complex(end)} 1/s" for value, end in points)
+        marks.append(Marks("break point", np.array([[end.real, end.imag] for _, end in points]), tuple(texts), "diamond"))
     across, note = Curve("real part", s[0].real), f"Lines of the grid: damping ratios {', '.join(map(str, DAMPING_LINES))}."
     plot = Plot(
         f"Root locus over {locus.name}",

@@ -153,7 +153,12 @@ def command(analysis: type[Analysis]):
 
 
 def _entries(analysis: type[Analysis]):
-    """Option, kind, help and bounds of each setting; tables and lists where the analysis names an option for them."""
+    """Option, kind, help and bounds of each setting; tables and lists where the analysis names an option for them.
+
+    Entries of a table of the scene have no bounds here: what is wrong with them is wrong in the scene.
+    """
+    from ..scene.schema.scene_schema import SceneFile
+
     for name, field in analysis.settings.model_fields.items() if analysis.settings else ():
         key, kinds = field.alias or name, set(typing.get_args(field.annotation)) - {type(None)} or {field.annotation}
         several = next((one for one in (dict, list) if one in map(typing.get_origin, (*kinds, field.annotation))), None)
@@ -163,7 +168,8 @@ def _entries(analysis: type[Analysis]):
             is_number = len(bounds) == len(field.metadata)  # others are texts with units
             simple = next((one for one in (bool, int, float) if kinds == {one} and is_number), str)
             kind = several or (field.annotation if typing.get_origin(field.annotation) is Literal else simple)
-            yield key, (flag, kind, field.description or "", bounds if kind in (int, float) else {})
+            checked = bounds if kind in (int, float) and analysis.name not in SceneFile.model_fields else {}
+            yield key, (flag, kind, field.description or "", checked)
 
 
 #: Bounds of numbers, as pydantic and typer name them.

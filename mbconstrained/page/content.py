@@ -133,6 +133,10 @@ class Guide:
         return (a, b), (c, d)
 
 
+#: Shapes of marks.
+Shape = Literal["circle", "cross", "diamond"]
+
+
 @dataclass(frozen=True, eq=False)
 class Marks:
     """Marks at points of a plot.
@@ -148,7 +152,7 @@ class Marks:
     name: str
     points: np.ndarray
     texts: tuple[str, ...] = ()
-    shape: Literal["circle", "cross", "diamond"] = "circle"
+    shape: Shape = "circle"
     curve: int | None = None
 
 

@@ -10,7 +10,7 @@ import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -184,7 +184,7 @@ def _draw(figure: Figure, plot: Plot, curves: tuple[Curve, ...], columns: int) -
             color = INK if marks.curve is None else PALETTE[(curves[marks.curve].color or 0) % len(PALETTE)]
             label = marks.name if marks.name not in named else ""
             named.add(marks.name)
-            style = {
+            style: dict[str, Any] = {
                 "marker": _MARKERS[marks.shape],
                 "linestyle": "none",
                 "markersize": 4,
