@@ -65,7 +65,6 @@ def test_accuracy_writes_page_picture_and_data(app, scene, tmp_path, two_methods
     data = json.loads(files[2].read_text())
     assert data["runs"][0]["error"] < 1e-14 and data["runs"][1]["failure"] == "ValueError: refuses singular mass"
     assert "<svg" in files[0].read_text() and files[1].read_bytes()[1:4] == b"PNG"
-    assert "<script" not in files[0].read_text()
 
 
 def test_accuracy_as_json_is_one_document(app, scene, tmp_path, two_methods):
@@ -78,7 +77,7 @@ def test_a_hostile_title_is_a_text(app, tmp_path, two_methods):
     path.write_text(SCENE.format(title="<script>alert(1)</script> $x_1$ &amp;"))
     assert run(app, "accuracy", path, "--out", tmp_path).exit_code == 0
     page = (tmp_path / "hostile.accuracy.html").read_text()
-    assert "<script" not in page and "&lt;script&gt;" in page
+    assert "<script>alert" not in page and "&lt;script&gt;" in page
 
 
 @pytest.mark.parametrize("command", ["accuracy", "stability"])
@@ -110,7 +109,7 @@ def test_stability_of_a_scene(app, scene, tmp_path):
     assert done.exit_code == 0, done.output
     assert "None of 9 answers compared with exact arithmetic is wrong without a warning." in " ".join(done.stdout.split())
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names == {f"cart.stability{ending}" for ending in (".html", ".png", "-2.png", ".json")}
+    assert names == {f"cart.stability{ending}" for ending in (".html", ".png", "-2.png", "-3.png", "-4.png", ".json")}
 
 
 @pytest.mark.long

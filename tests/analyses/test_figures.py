@@ -109,11 +109,10 @@ def test_matplotlib_comes_when_a_picture_is_drawn_and_its_global_figures_never()
     code = (
         "import sys\n"
         "import mbconstrained.analyses.figures, mbconstrained.analyses.figures\n"
-        "import mbconstrained.analyses.accuracy.accuracy, mbconstrained.analyses.stability.pictures\n"
-        "import mbconstrained.analyses.stability.pictures\n"
+        "import mbconstrained.analyses.accuracy.accuracy, mbconstrained.analyses.stability.stability\n"
         "print('matplotlib' in sys.modules)\n"
-        "from tests.analyses.accuracy.test_work_precision import example\n"
-        "example().svg, example().png()\n"
+        "from tests.analyses.test_figures import labelled\n"
+        "labelled('x').svg, labelled('x').png()\n"
         "print('matplotlib' in sys.modules, 'matplotlib.pyplot' in sys.modules)\n"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -44,7 +44,7 @@ def test_of_an_answer_that_is_zero_the_error_itself_is_told():
 
 @pytest.mark.parametrize("count", [1, 2, 100, 101, 102, 1001])
 def test_chosen_places_have_both_ends_and_ascend(count):
-    places = chosen_places(count)
+    places = chosen_places(count, 101)
     assert places[0] == 0 and places[-1] == count - 1 and len(places) == min(count, 101)
     assert (np.diff(places) > 0).all()
 

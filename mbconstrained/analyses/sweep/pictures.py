@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from textwrap import fill
 
 import numpy as np
 
 from ...page.animation.figure import PALETTE
-from ...page.content import LEAST_SHARE
+from ...page.content import LEAST_SHARE, Plot, curve_with_gaps
+from ...page.plots.axis import Scale
 from ...page.plots.images import GREY, LINE, MUTED, RED
 from ...page.typeset import raised, shortened
-from ..figures import Picture, power_of_ten
+from ..figures import Picture
 from .samples import QUANTILES, Estimate, rank_correlations
 
 #: Panels next to each other, and their height in inches.
@@ -29,8 +30,8 @@ MOST_TICKS = 4
 #: Cells of a map in each direction.
 MOST_CELLS = 60
 
-#: Values between which bands are drawn, of all samples.
-BANDS = ((0.05, 0.95), (0.25, 0.75))
+#: Shares of all samples below the curves of a band.
+SHARES = (0.5, 0.05, 0.95, 0.25, 0.75)
 
 Axis = tuple[str, np.ndarray]
 
@@ -61,7 +62,6 @@ class SweepPictures:
             numbers = [name for name in samples.variations if self.result.samples.column(name, slice(0, 1)).dtype.kind == "f"]
             pictures += [self._distributions(row) for row in rows if samples.random]
             pictures += [self._scatter(self._leading(numbers, figure), figure) for figure in self.figures if numbers]
-        pictures += [self._band(variable) for variable in self.result.variables if variable.is_curve]
         return pictures
 
     def values(self, name: str) -> Axis:
@@ -159,36 +159,30 @@ class SweepPictures:
             f"Tornado plot of {_listed(figures)}", f"How far each parameter moves {', '.join(figures)}", height, draw, note
         )
 
-    def _band(self, variable) -> Picture:
-        unit, factor = (
-            self.result.scene.equations.coordinates.shown.of(variable.unit) if " or " not in variable.unit else (variable.unit, 1.0)
-        )
-        across = np.array(variable.labels, dtype=float)
-        parts = []
-        for begin in range(0, len(across), MOST_PLACES):  # all places, as fewer may show a slower motion, but not all at once
-            values = factor * self.result.chunks.read(variable.name, (slice(begin, begin + MOST_PLACES),))[self.kept]
-            shares = [0.5, *(end for band in BANDS for end in band)]
-            parts.append(np.quantile(values, shares, axis=0) if len(values) else np.full((5, values.shape[1]), np.nan))
-        levels = np.hstack(parts)
-        is_response = variable.source == "response curves"
-
-        def draw(figure) -> None:
-            axes = figure.add_subplot()
-            for number, (low, high) in enumerate(BANDS):
-                label = f"{100 * low:g} to {100 * high:g} %"
-                pair = levels[1 + 2 * number], levels[2 + 2 * number]
-                axes.fill_between(across, *pair, color=PALETTE[0], alpha=0.2 + 0.15 * number, linewidth=0, label=label)
-            axes.plot(across, levels[0], color=PALETTE[0], linewidth=1.4, label="median")
-            if is_response and len(values) and (levels[1] > 0).all():
-                axes.set(yscale="log", xscale="log" if across[0] > 0 else "linear")
-                axes.yaxis.set_major_formatter(lambda value, place: power_of_ten(value))
-                for formatter in (axes.xaxis.set_major_formatter, axes.xaxis.set_minor_formatter):
-                    formatter(lambda value, place: f"{value:g}")
-            axes.set(xlabel=variable.axis, ylabel=titled("", unit) or "value")
-            figure.legend(loc="outside lower left", ncols=3)
-
-        name = variable.name.removeprefix("curve ")
-        return Picture(f"Band of {name}", f"Percentiles of {name} over {variable.axis}", 3.0, draw, "Of all samples at each place.")
+    def bands(self) -> Iterator[Plot]:
+        """Of each kept curve the percentiles of all samples at each place."""
+        for variable in self.result.variables if len(self.kept) else ():
+            if not variable.is_curve:
+                continue
+            unit, factor = variable.unit, 1.0
+            if " or " not in unit:
+                unit, factor = self.result.scene.equations.coordinates.shown.of(unit)
+            across = np.array(variable.labels, dtype=float)
+            parts = []
+            for begin in range(0, len(across), MOST_PLACES):  # all places, as fewer may show a slower motion, but not all at once
+                values = factor * self.result.chunks.read(variable.name, (slice(begin, begin + MOST_PLACES),))[self.kept]
+                parts.append(np.quantile(values, SHARES, axis=0))
+            levels = np.hstack(parts)
+            is_response = variable.source == "response curves" and bool((levels > 0).all())
+            scales: tuple[Scale, Scale] = ("log" if is_response and across[0] > 0 else "linear", "log" if is_response else "linear")
+            names = ("median" if share == 0.5 else f"{100 * share:g} %" for share in SHARES)
+            curves = tuple(curve_with_gaps(name, row) for name, row in zip(names, levels))
+            axis, _, end = variable.axis.partition(" (")
+            name = variable.name.removeprefix("curve ")
+            yield Plot(
+                f"band of {name}", unit, across, curves, across_unit=end[:-1], quantity=name, variable=axis, scales=scales,
+                note="Percentiles of all samples at each place.",
+            )  # fmt: skip
 
 
 def bars(title: str, names: Sequence[str], groups: dict[str, Sequence[Estimate]], what: str) -> Picture:

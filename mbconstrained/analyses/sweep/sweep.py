@@ -625,6 +625,7 @@ class SweepReport:
             self.tables,
             self.notices,
             data,
+            SweepPictures(result, self.figures, self.units).bands,
             columns=lambda: {"": result.columns()},
             figures=self.pictures,
             presented=self.with_variants,
