@@ -30,13 +30,9 @@ FINE_STEP = 1e-5
 
 @dataclass(frozen=True)
 class Timing:
-    """Repeats of one run.
+    """Repeats of one run."""
 
-    Attributes:
-        seconds: duration of each repeat, in order.
-    """
-
-    seconds: tuple[float, ...]
+    seconds: tuple[float, ...]  # duration of each repeat, in order
 
     @property
     def median(self) -> float:

@@ -15,12 +15,13 @@ import pytest
 from tests.audits.source import FILES, MODULES, ROOT, expect_none, room, text, tree
 
 #: Lines of each room, blank ones and docstrings included. Frequency took the enclosures of variances from exact, mechanics the normal form and
-#: the descriptor form from control; response, robot and scene the protocols and base classes with which no circle of imports is left.
+#: the descriptor form from control; response, robot and scene the protocols and base classes with which no circle of imports is left; analyses the
+#: studies of accuracy, stability and sweeps.
 LINES = {
     "__init__": 229,
     "__main__": 8,
-    "analyses": 837,
-    "cli": 1528,
+    "analyses": 7538,
+    "cli": 1326,
     "control": 1670,
     "docs": 259,
     "exact": 7174,
@@ -30,14 +31,14 @@ LINES = {
     "linalg": 4878,
     "mechanics": 11632,
     "models": 1220,
-    "page": 5436,
+    "page": 5585,
     "papers": 317,
     "polynomial": 2981,
     "response": 5349,
     "robot": 9283,
     "scene": 12805,
     "signals": 1792,
-    "studies": 8109,
+    "studies": 868,
 }
 
 #: So far may a room be below its ceiling before that must be lowered.

@@ -28,7 +28,7 @@ HEAVY = {
     "meshcat": {"page"},
     "sympy": {"exact"},
     "flint": {"exact", "frequency", "linalg"},
-    "matplotlib": {"frequency", "page", "studies"},
+    "matplotlib": {"frequency", "page", "analyses", "studies"},
     "pydantic": {"scene", "analyses"},
     "pint": {"scene"},
     "typer": {"cli", "docs"},

@@ -58,20 +58,13 @@ MOST_STATES, EXACT_SECONDS = 240, 60.0
 
 @dataclass(frozen=True, eq=False)
 class ReferenceSolution:
-    """The solution at some of the times of a problem.
+    """The solution at some of the times of a problem."""
 
-    Attributes:
-        places: indices of the compared times, shape (K,).
-        values, rest: the solution as the sum of two float64 numbers, shape (r, K).
-        error_bound: smaller errors are not resolved; 0 for an exact solution.
-        source: method of computation, as a phrase.
-    """
-
-    places: np.ndarray
-    values: np.ndarray
+    places: np.ndarray  # indices of the compared times, shape (K,)
+    values: np.ndarray  # values, rest: the solution as the sum of two float64 numbers, shape (r, K)
     rest: np.ndarray
-    error_bound: float
-    source: str
+    error_bound: float  # smaller errors are not resolved; 0 for an exact solution
+    source: str  # method of computation, as a phrase
 
     @property
     def scale(self) -> float:
@@ -128,23 +121,15 @@ def _cross_checked(problem: StudyProblem, places: np.ndarray, why: str) -> Refer
 
 @dataclass(frozen=True)
 class Measurement:
-    """The result of one method with one setting.
+    """The result of one method with one setting."""
 
-    Attributes:
-        method, setting: the run.
-        error: max |error| / max |x|; None where it failed.
-        set_up, evaluation: run times; None where it failed.
-        further: run time of each further evaluation.
-        failure: the reason where there is no answer; else empty.
-    """
-
-    method: ComparedMethod
+    method: ComparedMethod  # method, setting: the run
     setting: MethodSetting
-    error: float | None = None
-    set_up: Timing | None = None
+    error: float | None = None  # max |error| / max |x|; None where it failed
+    set_up: Timing | None = None  # set_up, evaluation: run times; None where it failed
     evaluation: Timing | None = None
-    further: Timing | None = None
-    failure: str = ""
+    further: Timing | None = None  # run time of each further evaluation
+    failure: str = ""  # the reason where there is no answer; else empty
 
     @property
     def one_run(self) -> Timing:

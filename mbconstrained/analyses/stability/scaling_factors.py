@@ -142,27 +142,16 @@ def _with_coefficient(problem: StudyProblem, power: int, factor: float) -> Study
 
 @dataclass(frozen=True)
 class ScalingSweep:
-    """Points over one parameter.
+    """Points over one parameter."""
 
-    Attributes:
-        name: name of the scaling factor, or of the system of the gallery.
-        title: for headings.
-        theme: chapter of the gallery.
-        difficulty: of a system of the gallery, in a sentence.
-        source: source of a system of the gallery.
-        parameter: with its unit if it has one.
-        points: in the order of the parameter.
-        broken: declared properties of a system of the gallery that exact arithmetic does not confirm.
-    """
-
-    name: str
-    title: str
-    theme: str
-    difficulty: str
-    source: str
-    parameter: str
-    points: tuple[Point, ...]
-    broken: tuple[str, ...] = ()
+    name: str  # name of the scaling factor, or of the system of the gallery
+    title: str  # for headings
+    theme: str  # chapter of the gallery
+    difficulty: str  # of a system of the gallery, in a sentence
+    source: str  # source of a system of the gallery
+    parameter: str  # with its unit if it has one
+    points: tuple[Point, ...]  # in the order of the parameter
+    broken: tuple[str, ...] = ()  # declared properties of a system of the gallery that exact arithmetic does not confirm
 
     def count(self, verdict: str) -> int:
         """Number of points with a verdict: right, warned, refused, not judged or wrong."""

@@ -87,19 +87,12 @@ class Stability(Analysis):
 
 @dataclass(frozen=True)
 class StabilityReport:
-    """Correct digits over sweeps.
+    """Correct digits over sweeps."""
 
-    Attributes:
-        title: title of the scene, or of the gallery.
-        sweeps: one for each system of the gallery, or for each scaling factor of a scene.
-        machine: processor, system and packages.
-        of_scene: whether a scene was scaled.
-    """
-
-    title: str
-    sweeps: tuple[ScalingSweep, ...]
-    machine: dict[str, str]
-    of_scene: bool
+    title: str  # title of the scene, or of the gallery
+    sweeps: tuple[ScalingSweep, ...]  # one for each system of the gallery, or for each scaling factor of a scene
+    machine: dict[str, str]  # processor, system and packages
+    of_scene: bool  # whether a scene was scaled
 
     def count(self, verdict: str) -> int:
         """Number of points with a verdict: right, warned, refused, not judged or wrong."""

@@ -41,34 +41,16 @@ ANSWERED, FAILED, TIMED_OUT = 1, 2, 3
 
 @dataclass(frozen=True)
 class Job:
-    """A scene and the kept quantities of its samples, as plain data for other processes.
+    """A scene and the kept quantities of its samples, as plain data for other processes."""
 
-    Attributes:
-        path: path of the scene file.
-        data: its tables.
-        origins: of the entries that come from other files.
-        settings: values that all samples share.
-        variables: kept quantities.
-    """
-
-    path: str
-    data: dict
-    origins: Mapping
-    settings: Mapping[str, Any]
-    variables: tuple[Variable, ...]
+    path: str  # path of the scene file
+    data: dict  # its tables
+    origins: Mapping  # of the entries that come from other files
+    settings: Mapping[str, Any]  # values that all samples share
+    variables: tuple[Variable, ...]  # kept quantities
 
     def scene(self, row: Mapping[str, Any]) -> Scene:
-        """The scene of a sample.
-
-        Args:
-            row: its values by parameter or place.
-
-        Returns:
-            The scene; whether its equations determine a motion is not seen yet.
-
-        Raises:
-            SceneError: something in it is wrong.
-        """
+        """The scene of a sample."""
         path = Path(self.path)
         name = SceneName(path.name, self.origins)
         return assembled(path, copy.deepcopy(self.data), name, {**self.settings, **row})

@@ -44,27 +44,16 @@ FORMS = (
 
 @dataclass(frozen=True)
 class Variable:
-    """An array over the samples.
+    """An array over the samples."""
 
-    Attributes:
-        name: in the store.
-        unit: in SI; "1" for a plain number.
-        axis: the name of its second axis; an empty string for one number per sample.
-        labels: along that axis, texts or numbers.
-        source: analysis that computes it: "modes", "response peaks", "response curves", "random RMS" or "motion".
-        statistic: of a motion, or "at".
-        curve: kind of the curve and its row, of a motion.
-        time: of a value, in s.
-    """
-
-    name: str
-    unit: str
-    axis: str = ""
-    labels: tuple = ()
-    source: str = "motion"
-    statistic: str = ""
-    curve: tuple[str, int] = ("", 0)
-    time: float = 0.0
+    name: str  # in the store
+    unit: str  # in SI; "1" for a plain number
+    axis: str = ""  # the name of its second axis; an empty string for one number per sample
+    labels: tuple = ()  # along that axis, texts or numbers
+    source: str = "motion"  # analysis that computes it: "modes", "response peaks", "response curves", "random RMS" or "motion"
+    statistic: str = ""  # of a motion, or "at"
+    curve: tuple[str, int] = ("", 0)  # kind of the curve and its row, of a motion
+    time: float = 0.0  # of a value, in s
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -88,19 +77,12 @@ class Variable:
 
 @dataclass(frozen=True)
 class SampleFigure:
-    """A scalar quantity of each sample.
+    """A scalar quantity of each sample."""
 
-    Attributes:
-        name: such as "frequency 1".
-        unit: in SI.
-        variable: the variable that contains it.
-        place: in the variable.
-    """
-
-    name: str
-    unit: str
-    variable: Variable
-    place: tuple[int, ...]
+    name: str  # such as "frequency 1"
+    unit: str  # in SI
+    variable: Variable  # the variable that contains it
+    place: tuple[int, ...]  # in the variable
 
     def of(self, arrays: Mapping[str, np.ndarray]) -> np.ndarray:
         """Values from arrays of variables over samples, shape (S,)."""

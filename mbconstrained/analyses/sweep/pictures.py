@@ -160,7 +160,7 @@ class SweepPictures:
         )
 
     def bands(self) -> Iterator[Plot]:
-        """Of each kept curve the percentiles of all samples at each place."""
+        """Percentiles of all samples at each place of the kept curves."""
         for variable in self.result.variables if len(self.kept) else ():
             if not variable.is_curve:
                 continue

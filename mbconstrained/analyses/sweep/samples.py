@@ -22,15 +22,10 @@ from ...scene.schema.analyses.vary_table import VaryTable
 
 @dataclass(frozen=True)
 class ParameterSamples:
-    """S samples of the varied parameters: each combination of given values with each point of the distributions.
+    """S samples of the varied parameters: each combination of given values with each point of the distributions."""
 
-    Attributes:
-        variations: by the name of the parameter, in the order of the columns.
-        table: method, number, seed and correlation.
-    """
-
-    variations: Mapping[str, Variation]
-    table: VaryTable
+    variations: Mapping[str, Variation]  # by the name of the parameter, in the order of the columns
+    table: VaryTable  # method, number, seed and correlation
 
     def __post_init__(self):
         if not self.variations:
@@ -80,15 +75,7 @@ class ParameterSamples:
         return (*(len(values.values) for values in self.grid.values()), self._points)
 
     def column(self, name: str, at: slice = slice(None)) -> np.ndarray:
-        """The values of a parameter in some samples.
-
-        Args:
-            name: name of the parameter.
-            at: the samples.
-
-        Returns:
-            Numbers in SI or texts.
-        """
+        """The values of a parameter in some samples."""
         return self._block(np.arange(*at.indices(len(self))))[name]
 
     def rows(self, at: slice) -> list[dict[str, Any]]:
@@ -204,37 +191,24 @@ RESAMPLES, SEED = 200, 0
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number with a confidence interval.
+    """A number with a confidence interval."""
 
-    Attributes:
-        value: the estimate.
-        low, high: of the interval of 95 %; NaN where there are too few samples for one.
-    """
-
-    value: float
-    low: float
+    value: float  # the estimate
+    low: float  # low, high: of the interval of 95 %; NaN where there are too few samples for one
     high: float
 
 
 @dataclass(frozen=True)
 class Summary:
-    """Statistics of the samples of a quantity.
+    """Statistics of the samples of a quantity."""
 
-    Attributes:
-        count: number of finite values.
-        infinite: number of infinite values.
-        mean, deviation: mean and standard deviation of the finite values.
-        least, largest: extremes of the finite values.
-        quantiles: quantiles of all values, by probability.
-    """
-
-    count: int
-    infinite: int
-    mean: float
+    count: int  # number of finite values
+    infinite: int  # number of infinite values
+    mean: float  # mean, deviation: mean and standard deviation of the finite values
     deviation: float
-    least: float
+    least: float  # least, largest: extremes of the finite values
     largest: float
-    quantiles: dict[float, Estimate]
+    quantiles: dict[float, Estimate]  # quantiles of all values, by probability
 
 
 def summary(values: np.ndarray) -> Summary:
@@ -284,15 +258,10 @@ def exceedance(values: np.ndarray, limit: float) -> Estimate:
 
 @dataclass(frozen=True)
 class SobolIndices:
-    """Shares of the variance that parameters cause.
+    """Shares of the variance that parameters cause."""
 
-    Attributes:
-        first: first-order index of each parameter.
-        total: total-effect index of each parameter.
-    """
-
-    first: tuple[Estimate, ...]
-    total: tuple[Estimate, ...]
+    first: tuple[Estimate, ...]  # first-order index of each parameter
+    total: tuple[Estimate, ...]  # total-effect index of each parameter
 
 
 def sobol_indices(values: np.ndarray, count: int) -> SobolIndices:

@@ -80,24 +80,11 @@ class Chunks(ABC):
 
     @abstractmethod
     def write(self, chunk: int, arrays: Mapping[str, np.ndarray]) -> None:
-        """Store a chunk.
-
-        Args:
-            chunk: its number.
-            arrays: over its samples, by name.
-        """
+        """Store a chunk."""
 
     @abstractmethod
     def read(self, name: str, where: tuple = ()) -> np.ndarray:
-        """A variable, its status or reason, for all samples.
-
-        Args:
-            name: name of the array.
-            where: places along its second axis; none for all.
-
-        Returns:
-            Values, shape (S, ...).
-        """
+        """A variable, its status or reason, for all samples."""
 
 
 class Memory(Chunks):

@@ -337,9 +337,9 @@ class SweepResult(Displayed):
 
     def csv(self) -> str:
         """Return parameters and scalar quantities of each sample as CSV, numbers in SI."""
-        return csv_of(self.columns())
+        return csv_of(self._columns())
 
-    def columns(self) -> dict[str, np.ndarray]:
+    def _columns(self) -> dict[str, np.ndarray]:
         """Return parameters and scalar quantities of each sample by their heads, numbers in SI."""
         units = {name: one.unit for name, one in self.samples.variations.items()}
         columns = {f"{name} ({unit})" if unit else name: self.samples.column(name) for name, unit in units.items()}
@@ -626,7 +626,7 @@ class SweepReport:
             self.notices,
             data,
             SweepPictures(result, self.figures, self.units).bands,
-            columns=lambda: {"": result.columns()},
+            columns=lambda: {"": result._columns()},
             figures=self.pictures,
             presented=self.with_variants,
             most_rows=ALL_ROWS,
