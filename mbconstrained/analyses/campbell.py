@@ -62,13 +62,13 @@ class CampbellDiagram(Analysis):
     formats = ("page", "images", "json")
 
     @classmethod
-    def solve(cls, scene: Scene, settings: CampbellTable) -> Answer:  # type: ignore[override]
+    def solve(cls, scene: Scene, settings: CampbellTable | None) -> Answer:  # type: ignore[override]
         """The answer of a scene with a rotor.
 
         Raises:
             InputError: nothing turns, no critical speed from which a range follows, a range that does not ascend.
         """
-        own = _Rotor(scene, settings)
+        own = _Rotor(scene, settings or CampbellTable())
         notices = list(scene.notices)
         if not own.is_stable:
             notices.append(Notice(NoticeKind.UNSTABLE, f"{own.range_text}; {own.stability_text}."))
