@@ -117,8 +117,8 @@ class Guide:
         """End points of the line in the picture, as fractions of both axes from the left and from below; None where it is outside.
 
         >>> axis = axis_of(0.0, 10.0)
-        >>> Guide("twice", (0.0, 0.0), (10.0, 20.0)).ends(axis, axis)
-        ((0.0, 0.0), (0.5, 1.0))
+        >>> np.round(Guide("twice", (0.0, 0.0), (10.0, 20.0)).ends(axis, axis), 6).tolist()
+        [[0.0, 0.0], [0.5, 1.0]]
         """
         first, last = np.array([[axis.fractions(value) for axis, value in zip((across, up), at)] for at in (self.start, self.end)])
         step = last - first
