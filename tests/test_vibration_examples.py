@@ -10,19 +10,19 @@ from scipy.integrate import quad
 from scipy.linalg import expm
 from scipy.signal import lsim
 
+from mbconstrained.analyses.frequency import Frequency
 from mbconstrained.analyses.random import random_response
 from mbconstrained.analyses.shock import Shock
-from mbconstrained.scene.run.frequency.scene_frequency import SceneFrequency
 from mbconstrained.scene.run.scene import read_scene
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
 
-def frequency(name, settings=None) -> SceneFrequency:
-    return SceneFrequency(read_scene(EXAMPLES / f"{name}.toml", settings))
+def frequency(name, settings=None) -> Frequency:
+    return Frequency(read_scene(EXAMPLES / f"{name}.toml", settings))
 
 
-def amplitudes(own: SceneFrequency, output: str) -> list[float]:
+def amplitudes(own: Frequency, output: str) -> list[float]:
     return [peak.amplitude for peak in own.peaks if peak.output == output]
 
 
@@ -77,7 +77,7 @@ def test_three_storeys_drift_as_those_of_a_simulation_relative_to_the_ground():
     times = np.arange(0.0, 12.01, 0.02)
     _, drifts, _ = lsim((A, B, C, np.zeros((2, 1))), 9.80665 * record[:, 1], times)
     assert result.curves("quantity").values[:, :601] == pytest.approx(drifts.T, abs=1e-10)
-    T = SceneFrequency(result.scene).response  # at rest the building moves with the ground
+    T = Frequency(result.scene).response  # at rest the building moves with the ground
     assert T.inputs == ("earthquake",) and T([1e-3]).values.real.ravel() == pytest.approx(np.ones(3), abs=1e-5)
 
 

@@ -10,8 +10,11 @@ from importlib import import_module
 
 #: The analyses by name: the modules that declare them.
 ANALYSES = {
+    "modes": "modes",
+    "frequency": "frequency",
     "random": "random",
     "shock": "shock",
+    "sensitivity": "sensitivity",
     "mac": "mac",
     "campbell": "campbell",
     "locus": "locus",

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
@@ -21,12 +20,13 @@ from ..scene.schema.entry_types import Table
 from ..scene.schema.validation import validated
 
 if TYPE_CHECKING:
-    from ..page.html import Content, Delivery
-    from ..scene.run.scene import Scene
+    from ..page.html import Delivery
+    from ..scene.run.scene_data import SceneData
+    from ..scene.schema.scene_schema import OutputTable
     from .figures import Picture
 
-#: Rows of a table for a terminal, on the page, and no limit.
-MOST_ROWS, MOST_ROWS_OF_PAGE, ALL_ROWS = 16, 200, 10**9
+#: Rows of a table for a terminal, and on the page.
+MOST_ROWS, MOST_ROWS_OF_PAGE = 16, 200
 
 #: Formats of pictures of plots.
 PICTURES: tuple[Literal["svg", "png"], ...] = ("svg", "png")
@@ -49,9 +49,10 @@ class Answer(Displayed):
         arrays: arrays of the npz file, in SI.
         heading: for the terminal; by default the title.
         figures: static figures of the page, before its plots.
-        presented: turns the page into one with an animation.
-        most_rows: of a table in a terminal.
-        last_keys: of the plain data, after the data themselves.
+        texts: for the terminal, after the tables.
+        most_rows: rows of each table on the terminal; None for all.
+        on_page: parts of the page that differ or are not here, such as a motion or shapes to draw, a function as the plots.
+        keys: parts of the plain data besides title and data.
         text: the whole answer as a text of its own, such as source code, in the place of files.
     """
 
@@ -68,18 +69,11 @@ class Answer(Displayed):
     arrays: Callable[[], Mapping[str, np.ndarray]] = dict
     heading: str = ""
     figures: Callable[[], Iterable[Picture]] = tuple
-    presented: Callable[[PageContent], Content] = lambda content: content
-    most_rows: int = MOST_ROWS
-    last_keys: tuple[str, ...] = ("notices", "trusted", "files")
+    texts: tuple[str, ...] = ()
+    most_rows: int | None = MOST_ROWS
+    on_page: Callable[[], Mapping[str, Any]] = dict
+    keys: tuple[str, ...] = ("notices", "trusted", "files")
     text: str = ""
-
-    @cached_property
-    def _figures(self) -> tuple[Picture, ...]:
-        return tuple(self.figures())
-
-    @cached_property
-    def _plots(self) -> tuple[Plot, ...]:
-        return tuple(self.plots())
 
     @property
     def is_trusted(self) -> bool:
@@ -91,24 +85,36 @@ class Answer(Displayed):
         head = "\n".join(line for text in (self.heading or self.title, self.source) for line in wrap(text, WIDTH))
         about = "\n".join(_indented(f"{label}: {text}", "") for label, text in self.facts)
         lists = {"Notices": [_indented(str(notice), "  ") for notice in self.notices], "Written": [f"  {path}" for path in files]}
-        shown = [_limited(table, self.most_rows) for table in self.tables if not table.folded]
-        return [head, about, *shown, *("\n".join([title, *lines]) for title, lines in lists.items() if lines)]
+        shown = [limited(table, self.most_rows) for table in self.tables if not table.folded]
+        return [
+            head,
+            *filter(None, [about]),
+            *shown,
+            *self.texts,
+            *("\n".join([title, *lines]) for title, lines in lists.items() if lines),
+        ]
 
     def to_dict(self, files: Sequence[Path] = ()) -> dict:
         """The answer as plain data, numbers in SI: title, data, notices, whether it is to be trusted, files."""
         notices = [{"kind": one.kind, "text": one.text, "doubtful": one.doubtful} for one in self.notices]
         end = {"notices": notices, "trusted": self.is_trusted, "files": [str(path) for path in files]}
-        last = {key: end[key] for key in self.last_keys}
-        return {"title": self.title, **{key: json_value(value) for key, value in self.data.items()}, **last}
+        return {"title": self.title, **json_value(self.data), **{key: end[key] for key in self.keys}}
 
-    def page(self) -> Content:
+    def page(self) -> PageContent:
         """Figures, plots, tables, notices and facts as a page."""
-        tables = tuple(_limited(table, MOST_ROWS_OF_PAGE) for table in self.tables)
-        figures = tuple(picture.on_page() for picture in self._figures)
-        content = PageContent(self.title, self.source, None, self._plots, tables, self.notices, self.facts, figures=figures)
-        return self.presented(content)
+        own: dict[str, Any] = {"tables": self.tables, "plots": tuple(self.plots()), "notices": self.notices, "facts": self.facts}
+        own["figures"] = tuple(picture.on_page() for picture in self.figures())
+        own |= self.on_page()
+        own["tables"] = tuple(limited(table, MOST_ROWS_OF_PAGE) for table in own["tables"])
+        return PageContent(self.title, self.source, **own)
 
-    def write(self, folder: Path, formats: Iterable[str] = ("page", "csv", "npz"), viewer: Delivery = "inside") -> list[Path]:
+    def write(
+        self,
+        folder: Path,
+        formats: Iterable[str] = ("page", "csv", "npz"),
+        viewer: Delivery = "inside",
+        files: Replacements | None = None,
+    ) -> list[Path]:
         """Write NAME.KIND.html, .csv, .npz, .png and .json, all of them or none.
 
         Args:
@@ -116,6 +122,7 @@ class Answer(Displayed):
             formats: some of "page", "csv", "npz", "pictures" (each plot as SVG and PNG by its title), "images" (all figures and plots
                 as PNG by their numbers), "json".
             viewer: location of the script of the 3-D viewer, see ``mbconstrained.page.html``.
+            files: take their places together with others; None for these alone.
 
         Returns:
             The paths.
@@ -123,30 +130,33 @@ class Answer(Displayed):
         Raises:
             OSError: they cannot be written; files that were there are unchanged.
         """
+        if files is None:
+            with Replacements() as files:
+                return self.write(folder, formats, viewer, files)
         from ..page.html import write_page
         from ..page.plots.images import plot_image, plot_images
 
-        stem, chosen = ".".join(filter(None, (self.name, self.kind))), set(formats)
+        stem, chosen, before = ".".join(filter(None, (self.name, self.kind))), set(formats), len(files.paths)
+        content = self.page() if chosen & {"page", "pictures", "images"} else None
         folder.mkdir(parents=True, exist_ok=True)
-        with Replacements() as files:
-            for part, columns in self.columns().items() if "csv" in chosen else ():
-                files.temporary(folder / f"{stem}{part}.csv").write_text(csv_of(columns), encoding="utf-8")
-            if "npz" in chosen:
-                write_arrays(files.temporary(folder / f"{stem}.npz"), dict(self.arrays()), ".npz")
-            for name, plot in plot_images(self._plots).items() if "pictures" in chosen else ():
-                for kind in PICTURES:
-                    files.temporary(folder / f"{stem}.{name}.{kind}").write_bytes(plot_image(plot, kind))
-            if "page" in chosen:
-                write_page(folder / f"{stem}.html", self.page(), viewer, files)
-            if "images" in chosen:
-                images = [*(picture.png() for picture in self._figures), *(plot_image(plot, "png") for plot in self._plots)]
-                for number, image in enumerate(images, 1):
-                    files.temporary(folder / f"{stem}{f'-{number}' * (number > 1)}.png").write_bytes(image)
-            if "json" in chosen:
-                data = {key: value for key, value in self.to_dict().items() if key != "files"}
-                text = json.dumps(data, indent=2, allow_nan=False) + "\n"
-                files.temporary(folder / f"{stem}.json").write_text(text, encoding="utf-8")
-        return files.paths
+        for part, columns in self.columns().items() if "csv" in chosen else ():
+            files.temporary(folder / f"{stem}{part}.csv").write_text(csv_of(columns), encoding="utf-8")
+        if "npz" in chosen:
+            write_arrays(files.temporary(folder / f"{stem}.npz"), dict(self.arrays()), ".npz")
+        for name, plot in plot_images(content.plots).items() if content and "pictures" in chosen else ():
+            for kind in PICTURES:
+                files.temporary(folder / f"{stem}.{name}.{kind}").write_bytes(plot_image(plot, kind))
+        if content and "page" in chosen:
+            write_page(folder / f"{stem}.html", content, viewer, files)
+        if content and "images" in chosen:
+            images = [*(picture.png() for picture in self.figures()), *(plot_image(plot, "png") for plot in content.plots)]
+            for number, image in enumerate(images, 1):
+                files.temporary(folder / f"{stem}{f'-{number}' * (number > 1)}.png").write_bytes(image)
+        if "json" in chosen:
+            data = {key: value for key, value in self.to_dict().items() if key != "files"}
+            text = json.dumps(data, indent=2, allow_nan=False) + "\n"
+            files.temporary(folder / f"{stem}.json").write_text(text, encoding="utf-8")
+        return files.paths[before:]
 
     def _summary(self) -> str:
         return f"{self.kind} of {self.name}"
@@ -167,6 +177,8 @@ class Analysis:
         formats: written formats; none for those of [output] in the scene; "text" alone for a text that is printed as it is.
         progress: what a bar counts, such as "generations"; "steps" for a line with the name of each step; empty for short work.
         without_scene: options of the answer without a scene, given by ``answer_without_scene``.
+        replaced: entries of the table that a given one replaces, by its name.
+        writes: whether the command writes files without being asked.
     """
 
     name: ClassVar[str]
@@ -177,18 +189,24 @@ class Analysis:
     formats: ClassVar[tuple[str, ...]] = ()
     progress: ClassVar[str] = ""
     without_scene: ClassVar[tuple[str, ...]] = ()
+    writes: ClassVar[bool] = True
 
     @classmethod
-    def solve(cls, scene: Scene, settings: Table | None) -> Answer:
+    def solve(cls, scene: SceneData, settings: Table | None) -> Answer:
         """The answer; a pure function of the scene and of the settings."""
         raise NotImplementedError
 
     @classmethod
-    def answer(cls, scene: Scene, progress: Callable | None = None, **given) -> Answer:
+    def answer(cls, scene: SceneData, progress: Callable | None = None, **given) -> Answer:
         """The answer of a scene with some settings in the place of those in its table, by the names of its entries."""
         own = getattr(scene.table, cls.name, None)
         reported = {"progress": progress} if progress else {}
         return cls.solve(scene, cls.changed(own, given, scene.file_name) if given else own, **reported)
+
+    @classmethod
+    def answer_without_scene(cls, progress: Callable | None = None, **given) -> Answer:
+        """The answer without a scene, by the options of ``without_scene``."""
+        raise NotImplementedError
 
     @classmethod
     def changed(cls, own: Table | None, given: Mapping[str, Any], file_name: str) -> Table:
@@ -220,11 +238,18 @@ def json_value(value):
     return finite_or_none(value) if isinstance(value, (float, np.floating)) else value
 
 
-def _limited(table: TextTable, most: int) -> TextTable:
+def formats_of(output: OutputTable) -> list[str]:
+    """The formats that the table [output] requests."""
+    requested = {"page": output.page, "csv": output.csv, "npz": output.npz, "pictures": output.plot_images}
+    return [name for name, wanted in requested.items() if wanted]
+
+
+def limited(table: TextTable, most: int | None) -> TextTable:
     """The first rows, and how many more there are."""
-    if len(table.rows) <= most:
+    if most is None or len(table.rows) <= most:
         return table
-    return replace(table, rows=table.rows[:most], note=f"and {len(table.rows) - most} more")
+    note = "; ".join(filter(None, [f"and {len(table.rows) - most} more", table.note]))
+    return replace(table, rows=table.rows[:most], note=note)
 
 
 def _indented(text: str, indent: str) -> str:

@@ -20,7 +20,7 @@ from ..page.animation.figure import PALETTE
 from ..page.content import Curve, Guide, Marks, Plot, curve_with_gaps
 from ..page.plots.axis import axis_of
 from ..scene.schema.analyses.campbell_table import CampbellTable
-from .base import ALL_ROWS, Analysis, Answer
+from .base import Analysis, Answer
 
 if TYPE_CHECKING:
     from ..mechanics.system import MechanicalSystem
@@ -86,8 +86,8 @@ class CampbellDiagram(Analysis):
             tuple(notices),
             {"title": scene.heading, **own.data()},
             own.plots,
-            most_rows=ALL_ROWS,
-            last_keys=(),
+            most_rows=None,
+            keys=(),
         )
 
 

@@ -48,7 +48,7 @@ class Comparison(Analysis):
             tuple(notice for run in runs.values() for notice in run.notices if notice.doubtful),
             {"runs": {label: run.as_json() for label, run in runs.items()}},
             lambda: _plots(runs),
-            last_keys=("files", "trusted"),
+            keys=("files", "trusted"),
         )
         return answer, [path for run in runs.values() for path in run.files]
 

@@ -75,7 +75,7 @@ class FormulaOfMotion(Analysis):
             (),
             scene.notices,
             records(form, digits),
-            last_keys=(),
+            keys=(),
             text="\n\n".join(filter(None, parts)),
         )
 

@@ -17,7 +17,7 @@ from ..scene.file.messages import named
 from ..scene.quantities.quantities import quantity, unit_name
 from ..scene.quantities.variations import Distribution, variation_of
 from ..scene.schema.entry_types import Table
-from .base import ALL_ROWS, Analysis, Answer
+from .base import Analysis, Answer
 
 if TYPE_CHECKING:
     from ..scene.run.scene import Scene
@@ -87,8 +87,8 @@ class Locus(Analysis):
             scene.notices,
             data,
             lambda: (_plot(locus, low, high),),
-            most_rows=ALL_ROWS,
-            last_keys=(),
+            most_rows=None,
+            keys=(),
         )
 
 

@@ -12,7 +12,7 @@ from ..ground.errors import InputError
 from ..ground.notices import distinct
 from ..page.content import Plot, curve_with_gaps
 from ..scene.schema.analyses.path_table import PathTable
-from .base import ALL_ROWS, Analysis, Answer
+from .base import Analysis, Answer
 
 if TYPE_CHECKING:
     from ..robot.cartesian_path import PathModes
@@ -77,8 +77,8 @@ class RobotPath(Analysis):
             distinct(scene.notices, along.notices, doubts),
             data,
             lambda: (_plot(along),) if along.frequencies_hz.shape[1] else (),
-            most_rows=ALL_ROWS,
-            last_keys=("notices",),
+            most_rows=None,
+            keys=("notices",),
         )
 
 

@@ -27,9 +27,8 @@ def main() -> None:
 @cache
 def application() -> typer.Typer:
     """The application with all commands, in the order of the help."""
-    from . import frequency, new, sensitivity
+    from . import new
     from .commands import app
 
-    for module in (frequency, sensitivity, new):
-        module.add_to(app)
+    new.add_to(app)
     return app

@@ -14,12 +14,27 @@ import typer
 from typer.core import TyperGroup
 
 from ..analyses import ANALYSES, load
-from .answer import FINE, NOT_TRUSTED, Compress, Json, Out, ScenePath, Settings, SharedViewer, answer, leave, setting, viewer_of
+from .answer import (
+    FINE,
+    NOT_TRUSTED,
+    Compress,
+    Json,
+    Out,
+    ScenePath,
+    Settings,
+    SharedViewer,
+    answer,
+    leave,
+    setting,
+    several_values,
+    viewer_of,
+)
 
 if TYPE_CHECKING:
     from ..analyses.base import Analysis, Answer
     from ..scene.schema.scene_schema import OutputTable
 
+Page = Annotated[bool, typer.Option("--page", help="Write a page too.")]
 Plots = Annotated[bool, typer.Option("--plots", help="Write the plots as SVG and PNG too.")]
 File = Annotated[str, typer.Option("--out", metavar="FILE", help="Write into a file instead of printing.")]
 Source = Annotated[str, typer.Argument(metavar="SCENE|RECORD", help="A scene, a .toml; or a file with an acceleration over time.")]
@@ -40,9 +55,9 @@ class Commands(TyperGroup):
     """The commands of the application and those of the analyses, each made when it is called: a command loads its analysis only."""
 
     def list_commands(self, ctx) -> list[str]:
-        """Names of all commands, with the analyses after the frequency response."""
+        """Names of all commands, with the analyses after the run."""
         names = super().list_commands(ctx)
-        place = names.index("frequency") + 1
+        place = names.index("run") + 1
         return [*names[:place], *ANALYSES, *names[place:]]
 
     def get_command(self, ctx, cmd_name: str):
@@ -63,26 +78,21 @@ def command(analysis: type[Analysis]):
     reads_records, entries = hasattr(analysis, "of_record"), dict(_entries(analysis))
     options = {f"{name}_": _option(*entry) for name, entry in entries.items()}  # "from" is a word of Python's grammar
     options |= {name: _option(flag, kind, text) for name, (flag, kind, text) in RECORD.items()} if reads_records else {}
-    common: dict[str, tuple[Any, Any]] = {
-        "out": (Out, ""),
-        "plots": (Plots, False),
+    common: dict[str, tuple[Any, Any]] = {} if analysis.writes else {"page": (Page, False)}
+    common |= {"out": (Out, "")} | ({"plots": (Plots, False)} if analysis.writes else {})
+    common |= {
         "shared_viewer": (SharedViewer, False),
         "compress": (Compress, False),
+        "settings": (Settings, None),
+        "json": (Json, False),
     }
-    is_text = analysis.formats == ("text",)
-    common = {"out": (File, "")} if is_text else common
-    common |= {"settings": (Settings, None), "json": (Json, False)}
+    if is_text := analysis.formats == ("text",):
+        common = {"out": (File, ""), "settings": (Settings, None), "json": (Json, False)}
 
-    def run(
-        source: str,
-        out: str,
-        settings,
-        json: bool,
-        plots: bool = False,
-        shared_viewer: bool = False,
-        compress: bool = False,
-        **given,
-    ) -> None:
+    def run(source: str, out: str, settings, json: bool, shared_viewer: bool = False, compress: bool = False, **given) -> None:
+        page, plots = given.pop("page", None), given.pop("plots", False)
+        if out and page is False:
+            raise typer.BadParameter("only the page is written; give --page too", param_hint="--out")
         reading = {key: given.pop(key) or None for key in RECORD} if reads_records else {}
         chosen = {key: _value(given[f"{key}_"], *entry[:2]) for key, entry in entries.items() if _is_given(given[f"{key}_"])}
         viewer: Any = viewer_of(shared_viewer, compress)
@@ -114,10 +124,12 @@ def command(analysis: type[Analysis]):
             return FINE
 
         def write(one: Answer, output: OutputTable | None) -> int:
-            formats = list(analysis.formats) or [name for name in ("page", "csv", "npz") if getattr(output, name)]
-            formats += ["pictures"] if plots or (output and output.plot_images) else []
+            from ..analyses.base import formats_of
+
+            usual = {*(analysis.formats or formats_of(output)), *(["pictures"] if plots else [])}
+            formats = usual if page is None else {"page"} if page else set()
             own: Any = output.viewer if output else "inside"
-            files = one.write(Path(out or Path("results") / one.name), formats, viewer or own)
+            files = one.write(Path(out or Path("results") / one.name), formats, viewer or own) if formats else []
             show(json, lambda: one.to_dict(files), lambda: one.blocks(files))
             return FINE if one.is_trusted else NOT_TRUSTED
 
@@ -161,13 +173,16 @@ def _entries(analysis: type[Analysis]):
 
     for name, field in analysis.settings.model_fields.items() if analysis.settings else ():
         key, kinds = field.alias or name, set(typing.get_args(field.annotation)) - {type(None)} or {field.annotation}
-        several = next((one for one in (dict, list) if one in map(typing.get_origin, (*kinds, field.annotation))), None)
+        origins = {typing.get_origin(kind) for kind in (*kinds, field.annotation)}
+        several = next((one for one in (dict, list) if one in origins), None)
         flag = analysis.options.get(key, None if several or Any in kinds else f"--{key.replace('_', '-')}")
         if flag is not None:
             bounds = {end: getattr(one, name) for one in field.metadata for name, end in _BOUNDS.items() if hasattr(one, name)}
             is_number = len(bounds) == len(field.metadata)  # others are texts with units
-            simple = next((one for one in (bool, int, float) if kinds == {one} and is_number), str)
-            kind = several or (field.annotation if typing.get_origin(field.annotation) is Literal else simple)
+            items = (typing.get_args(one)[0] for one in (*kinds, field.annotation) if typing.get_origin(one) is list)
+            names = tuple if any(str in (item, *typing.get_args(item)) for item in items) else None
+            choice = field.annotation if typing.get_origin(field.annotation) is Literal else None
+            kind = names or several or choice or next((one for one in (bool, int, float) if kinds == {one} and is_number), str)
             checked = bounds if kind in (int, float) and analysis.name not in SceneFile.model_fields else {}
             yield key, (flag, kind, field.description or "", checked)
 
@@ -179,13 +194,17 @@ _BOUNDS = {"ge": "min", "le": "max"}
 def _option(flag: str, kind, text: str, bounds=None):
     if kind is bool:
         return Annotated[bool, typer.Option(flag, help=text)], False
-    if kind in (dict, list):
-        return Annotated[list[str] | None, typer.Option(flag, metavar="NAME=VALUE" if kind is dict else "VALUE", help=text)], None
+    if kind in _SEVERAL:
+        return Annotated[list[str] | None, typer.Option(flag, metavar=_SEVERAL[kind], help=f"{text} May be repeated.")], None
     if typing.get_origin(kind) is Literal:
         return Annotated[kind | None, typer.Option(flag, help=text)], None
     if kind in (int, float):
         return Annotated[kind | None, typer.Option(flag, metavar="N", help=text, **bounds)], None
     return Annotated[str, typer.Option(flag, metavar=kind if isinstance(kind, str) else "VALUE", help=text)], ""
+
+
+#: Metavariables of options that may be repeated: tables, lists, and lists of names, several of which may stand in one text.
+_SEVERAL = {dict: "NAME=VALUE", list: "VALUE", tuple: "NAME,…"}
 
 
 def _is_given(value) -> bool:
@@ -196,6 +215,8 @@ def _value(given, flag: str, kind):
     """The value of an option as it could stand in the scene; NAME=VALUE of each option of a table, each name once."""
     from ..scene.quantities.settings import value_of
 
+    if kind is tuple:
+        return [name for text in given for name in several_values(f"={text}")]
     if kind is list:
         return [value_of(text) for text in given]
     if kind is not dict:

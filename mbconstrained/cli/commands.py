@@ -1,4 +1,4 @@
-"""The commands run, modes, plan and check; each imports what it needs when it is called."""
+"""The commands run, plan and check; each imports what it needs when it is called."""
 
 from __future__ import annotations
 
@@ -114,38 +114,6 @@ def _run(
             result = loaded.run(Path(out or Path("results") / loaded.name), progress)
         show(json, result.as_json, lambda: blocks(result) if verbose else overview(result, line_width()))
         return FINE if result.is_trusted else NOT_TRUSTED
-
-    answer(scene, json, work, settings)
-
-
-@app.command("modes", short_help="List the modes of a scene, with shapes and energies.")
-def _modes(
-    scene: ScenePath,
-    page: Annotated[bool, typer.Option("--page", help="Write NAME.modes.html too, in which each mode moves.")] = False,
-    out: Out = "",
-    shared_viewer: SharedViewer = False,
-    compress: Compress = False,
-    settings: Settings = None,
-    json: Json = False,
-) -> None:
-    """List the modes: frequencies, damping, meaning, shares of kinetic and strain energy, shape.
-
-    No motion is solved for, so that neither a start nor forces matter; a page is written only with --page."""
-    from .printing import show
-
-    if out and not page:
-        raise typer.BadParameter("only the page is written; give --page too", param_hint="--out")
-    viewer = viewer_of(shared_viewer, compress)
-
-    def work(loaded: Scene) -> int:
-        from ..scene.run.modes.mode_summary import as_json, blocks
-        from ..scene.run.modes.scene_modes import SceneModes
-
-        answer = SceneModes(loaded.with_viewer(viewer) if viewer else loaded)
-        if page:
-            answer.write_page(Path(out or Path("results") / loaded.name))
-        show(json, lambda: as_json(answer), lambda: blocks(answer))
-        return FINE if answer.is_trusted else NOT_TRUSTED
 
     answer(scene, json, work, settings)
 

@@ -12,6 +12,7 @@ from ..ground.display import TextTable
 from ..ground.errors import InputError
 from ..ground.notices import Notice
 from .animation.animation import Animation, ascending_times, drawable
+from .animation.shapes import Deflections, Shapes
 from .plots.axis import Axis, Scale, axis_of
 
 #: Shares of an axis below this are rounding errors.
@@ -289,6 +290,7 @@ class PageContent:
 
     Attributes:
         title, source: heading of the page and the line under it.
+        animation: a motion over time, shapes in a list, or shapes over the frequency of the plots.
         frequencies: a narrow table next to the animation, in a narrow window below it.
         facts: pairs of a label and a text for the end of the page, such as ("Coordinates", "3").
         figures: after the notices.
@@ -296,7 +298,7 @@ class PageContent:
 
     title: str
     source: str = ""
-    animation: Animation | None = None
+    animation: Animation | Shapes | Deflections | None = None
     plots: tuple[Plot, ...] = ()
     tables: tuple[TextTable, ...] = ()
     notices: tuple[Notice, ...] = ()

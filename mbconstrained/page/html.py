@@ -1,4 +1,4 @@
-"""A page as one static HTML file: of a run, of mode shapes or of a frequency response.
+"""A page as one static HTML file.
 
 The page fetches nothing, and only the scripts written here can run: its content security policy forbids everything else and
 names the scripts by their hashes. The same content always gives the same bytes.
@@ -23,17 +23,15 @@ from .animation.animation import Animation
 from .animation.figure import figure_data, invisible_errors
 from .animation.keyframes import KeyFrames, key_frames
 from .animation.overlay import force_scale
+from .animation.shapes import Deflections, Shapes
 from .content import PageContent
-from .frequency_page import FrequencyContent, frequency_sections
-from .mode_page import ModesContent, mode_sections
 from .plots.svg_plot import PlotFunctions, plot_figures
 from .sections import figure_section, formula_section, notice_section, stage_section, table_section
+from .shape_sections import deflection_sections, mode_sections
 from .typeset import typeset
 
 #: Location of the 3-D viewer: in the page, in a file shared by many pages, or in the page and compressed with all scripts.
 Delivery = Literal["inside", "separate", "compressed"]
-
-Content = PageContent | ModesContent | FrequencyContent
 
 #: The viewer in a file of its own, next to the pages that share it.
 VIEWER_FILE = "mbconstrained-viewer.js"
@@ -57,7 +55,7 @@ _ANIMATION = (
 _PLOTS = ("readings.js", "axes.js", "plots.js")
 
 
-def write_page(path, content: Content, viewer: Delivery = "inside", files: Replacements | None = None) -> Path:
+def write_page(path, content: PageContent, viewer: Delivery = "inside", files: Replacements | None = None) -> Path:
     """Write a page; an existing file is replaced only when the new one is complete."""
     path = Path(path)
     if files is None:
@@ -73,7 +71,7 @@ def write_page(path, content: Content, viewer: Delivery = "inside", files: Repla
     return path
 
 
-def page_html(content: Content, viewer: Delivery = "inside") -> str:
+def page_html(content: PageContent, viewer: Delivery = "inside") -> str:
     """The whole page as text.
 
     An animation brings the viewer, its controls and one script, plots bring a script; without both there is no script in
@@ -126,32 +124,30 @@ def _footer(facts: tuple[tuple[str, str], ...], licences: str) -> str:
     return f"<footer>\n{f'<dl>{rows}</dl>{chr(10)}' if facts else ''}{details if licences else ''}</footer>"
 
 
-def _parts(content: Content) -> tuple[list[str], dict, list[str], dict[str, list | dict]]:
+def _parts(content: PageContent) -> tuple[list[str], dict, list[str], dict[str, list | dict]]:
     """The sections, the data of the animation, the names of the scripts, and the data that they read."""
     names: list[str] = []
     blocks: dict[str, list | dict] = {}
-    if isinstance(content, ModesContent):
-        sections, data = mode_sections(content)
+    functions, shown = PlotFunctions(content.plots), content.animation
+    if isinstance(shown, Shapes):
+        script, (sections, data) = "modes.js", mode_sections(content, shown, functions)
+    elif isinstance(shown, Deflections):
+        script, (sections, data) = "frequency.js", deflection_sections(content, shown, functions)
     else:
-        functions = PlotFunctions(content.plots)
-        if isinstance(content, FrequencyContent):
-            sections, data = frequency_sections(content, functions)
-        else:
-            sections, data = _run_sections(content, functions)
-        if functions.sets:
-            blocks["plot-data"], names = functions.as_data(), list(_PLOTS)
+        script, (sections, data) = "run.js", _run_sections(content, shown, functions)
+    if functions.sets:
+        blocks["plot-data"], names = functions.as_data(), list(_PLOTS)
     if data:
-        kind = {ModesContent: "modes.js", FrequencyContent: "frequency.js"}.get(type(content), "run.js")
-        names += [*_ANIMATION, *[f"{name}.js" for name in ("overlay", "posing") if name in data["figure"]], kind]
+        names += [*_ANIMATION, *[f"{name}.js" for name in ("overlay", "posing") if name in data["figure"]], script]
         blocks["motion-data"] = data
     if names:
         names = ["theme.js", "numbers.js", *names]
     return sections, data, names, blocks
 
 
-def _run_sections(content: PageContent, functions: PlotFunctions) -> tuple[list[str], dict]:
+def _run_sections(content: PageContent, animation: Animation | None, functions: PlotFunctions) -> tuple[list[str], dict]:
     """The sections of the page of a run, and the data of its animation; none without."""
-    animation, stage, data = content.animation, "", {}
+    stage, data = "", {}
     if animation is not None:
         frames = key_frames(animation)
         figure = figure_data(animation.drawing, [frames], animation.overlay)

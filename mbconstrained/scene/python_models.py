@@ -22,7 +22,6 @@ from ..signals.impulsive import ImpulsiveSmooth
 from .build.equations import Equations
 from .file.messages import SceneName
 from .quantities.coordinates import Coordinates
-from .run.modes.scene_modes import SceneModes
 from .run.result import Result
 from .run.scene import Scene, check_output
 from .run.stages import plan_of
@@ -156,21 +155,20 @@ def write_page(answer: Response | Modes, path, **options) -> Path:
     path = Path(path)
     if isinstance(answer, Response):
         return result_of(answer, **options).write_page(path)
+    from ..analyses.modes import ModalAnalysis
     from ..page.html import write_page as write
-    from .run.modes.mode_pages import modes_content
 
     path.parent.mkdir(parents=True, exist_ok=True)
-    write(path, modes_content(_scene_modes(answer, **options)), "inside")
+    write(path, ModalAnalysis.solve(_scene_of_modes(answer, **options)).page(), "inside")
     return path
 
 
-def _scene_modes(modes: Modes, title: str = "", drawing: Mapping[str, Any] | None = None) -> SceneModes:
+def _scene_of_modes(modes: Modes, title: str = "", drawing: Mapping[str, Any] | None = None) -> Scene:
     if modes.system is None:
         raise InputError(
             "write_page: these modes belong to no system of arrays; call system.modes() of a MechanicalSystem of arrays"
         )
-    times, output = TimeTable.model_construct(end=1.0, points=2), OutputTable()
-    return SceneModes(_scene(modes.system, None, title, drawing, times, output))
+    return _scene(modes.system, None, title, drawing, TimeTable.model_construct(end=1.0, points=2), OutputTable())
 
 
 def plot(motion: Response, axes=None, quantity: str = "displacement", **options) -> Any:

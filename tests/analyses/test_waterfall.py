@@ -13,5 +13,7 @@ def test_a_peak_hides_the_lines_behind_it():
     first, left, right = (line for line in lines if len(line))
     assert np.interp([0, 4, 4.5, 5, 6, 10], x[first], y[first]).tolist() == [0, 0, 1.5, 3, 0, 0]
     assert (y[left] == 1).all() and (y[right] == 1).all()
-    assert x[left][0] == 0 and abs(x[left][-1] - (4 + 1 / 3)) < 0.01 and abs(x[right][0] - (6 - 1 / 3)) < 0.01 and x[right][-1] == 10
+    assert (
+        x[left][0] == 0 and abs(x[left][-1] - (4 + 1 / 3)) < 0.01 and abs(x[right][0] - (6 - 1 / 3)) < 0.01 and x[right][-1] == 10
+    )
     assert len(x) < 20  # corners alone

@@ -16,12 +16,12 @@ from tests.audits.source import FILES, MODULES, ROOT, expect_none, room, text, t
 
 #: Lines of each room, blank ones and docstrings included. Frequency took the enclosures of variances from exact, mechanics the normal form and
 #: the descriptor form from control; response, robot and scene the protocols and base classes with which no circle of imports is left; analyses the
-#: studies of accuracy, stability, sweeps, rotors, loci and paths.
+#: studies of accuracy, stability and sweeps (7,241 lines in studies, 6,700 here), modes, frequency responses and sensitivities from scene and cli.
 LINES = {
     "__init__": 229,
     "__main__": 8,
-    "analyses": 8379,
-    "cli": 1147,
+    "analyses": 8473,
+    "cli": 1216,
     "control": 1670,
     "docs": 259,
     "exact": 7174,
@@ -31,12 +31,12 @@ LINES = {
     "linalg": 4878,
     "mechanics": 11632,
     "models": 1220,
-    "page": 5596,
+    "page": 5526,
     "papers": 317,
     "polynomial": 2981,
     "response": 5349,
     "robot": 9283,
-    "scene": 12805,
+    "scene": 11527,
     "signals": 1792,
 }
 

@@ -129,7 +129,7 @@ def test_modes_of_coefficients_have_no_page(command, tmp_path):
 
 def test_modes_that_cannot_be_trusted_are_printed_and_are_three(command, monkeypatch):
     doubt = Notice("rank", "a rank decision has no clear gap", doubtful=True)
-    monkeypatch.setattr("mbconstrained.scene.run.modes.scene_modes.pair_notices", lambda pairs: (doubt,))
+    monkeypatch.setattr("mbconstrained.analyses.modes.pair_notices", lambda pairs: (doubt,))
     code, out, _ = command("modes", TWO_MASSES)
     assert code == 3 and "Mode 2: " in out and "warning (rank): a rank decision has no clear gap" in out
 

@@ -1,11 +1,13 @@
 """The page of a frequency response: its plots, its peaks, and the shape at the frequency of the cursor."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from mbconstrained.ground.display import TextTable
-from mbconstrained.page.content import Curve, Plot
-from mbconstrained.page.frequency_page import Deflections, FrequencyContent
+from mbconstrained.page.animation.shapes import Deflections
+from mbconstrained.page.content import Curve, PageContent, Plot
 from mbconstrained.page.html import page_html
 from tests.page.browser import needs_chromium
 from tests.page.mode_pages import NAMES, two_bodies
@@ -14,12 +16,13 @@ LINES = np.geomspace(0.1, 10.0, 41)
 SHAPES = np.array([np.column_stack([1.0 / (1 + 1j * LINES), -1j / LINES]), np.column_stack([0 * LINES, 0.5 + 0 * LINES])])
 
 
-def content(axis="Hz") -> FrequencyContent:
+def content(axis="Hz") -> PageContent:
     """Two bodies, two inputs, a plot and one peak."""
-    shapes = Deflections(two_bodies(), NAMES, ("1 N on x", "1 m of <base>"), LINES, 1 / LINES, SHAPES, np.full((2, 41), 3.0))
+    inputs, factors = ("1 N on x", "1 m of <base>"), np.full((2, 41), 3.0)
+    shapes = Deflections(two_bodies(), NAMES, inputs, axis, LINES, 1 / LINES, SHAPES, factors, ((1.0, 0),))
     plot = Plot("H", "m/N", LINES, (Curve("x", np.abs(SHAPES[0, :, 0])),), None, axis, variable="frequency", scales=("log", "log"))
     peaks = TextTable("Peaks", ("output", f"frequency ({axis})"), (("x", "1.0"),), "a note")
-    return FrequencyContent("Two", "made up", shapes, (plot,), peaks, (1.0,), (0,), axis)
+    return PageContent("Two", "made up", shapes, (plot,), (peaks,))
 
 
 def test_it_has_the_frequency_its_inputs_and_peaks():
@@ -29,8 +32,7 @@ def test_it_has_the_frequency_its_inputs_and_peaks():
 
 
 def test_without_a_drawing_plots_and_tables_are_there_and_no_viewer():
-    plain = content()
-    page = page_html(FrequencyContent(plain.title, plain.source, None, plain.plots, plain.peaks, (1.0,), (0,)))
+    page = page_html(replace(content(), animation=None))
     assert "meshcat" not in page and "<h2>Peaks</h2>" in page and 'data-over="frequency"' in page
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from mbconstrained.ground.errors import InputError
+from mbconstrained.page.animation.shapes import PHASES, ModePicture, cycle
 from mbconstrained.page.drawing.paths import Path
-from mbconstrained.page.mode_page import PHASES, ModePicture, cycle
 from tests.page.mode_pages import NAMES, robot_modes, two_bodies, two_modes
 
 
@@ -21,7 +21,7 @@ def test_a_cycle_ends_where_it_begins():
 
 
 def test_frames_have_the_factor_of_the_mode_in_their_values():
-    content = two_modes()
+    content = two_modes().animation
     frames = content.modes[0].frames(content.drawing, content.names)
     assert (frames.times[0], frames.times[-1], len(frames.times)) == (0, 1, PHASES)
     assert np.allclose(frames.values, 1.2 * content.modes[0].values)
@@ -43,7 +43,7 @@ def test_a_mode_in_which_nothing_moves_is_one_key_frame(mode):
 
 
 def test_paths_of_a_mode_replace_those_of_the_drawing():
-    content = robot_modes()
+    content = robot_modes().animation
     swing, rest = (mode.frames(content.drawing, content.names) for mode in content.modes)
     assert (len(swing.times), len(rest.times)) == (33, 1)
     assert [path and path.count for path in swing.paths] == [33, 33, 33, None, None, None]

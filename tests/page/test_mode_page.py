@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mbconstrained.page.animation.shapes import Shapes
+from mbconstrained.page.content import PageContent
 from mbconstrained.page.drawing.bodies import Drawing
 from mbconstrained.page.html import page_html, viewer_script
-from mbconstrained.page.mode_page import ModesContent
 from tests.page.contents import HOSTILE
 from tests.page.mode_pages import hostile_modes, many_modes, robot_modes, two_modes, variants
 from tests.page.test_html import Texts, data_of
@@ -20,7 +21,7 @@ def test_the_same_content_gives_the_same_bytes():
 
 
 def test_without_modes_there_is_a_page_without_a_script():
-    page = page_html(ModesContent("None", "", Drawing(()), ()))
+    page = page_html(PageContent("None", animation=Shapes(Drawing(()), ())))
     assert '<p class="note">no modes</p>' in page and "<h1>None</h1>" in page
     for word in ("<script", "<button", "<table", 'id="stage"'):
         assert word not in page
@@ -47,8 +48,8 @@ def test_every_mode_has_a_row_with_its_facts_and_the_first_that_moves_is_selecte
 
 
 def test_the_first_mode_that_moves_is_selected_not_one_that_rests():
-    content = two_modes()
-    turned = ModesContent("t", "", content.drawing, content.names, content.modes[::-1])
+    shapes = two_modes().animation
+    turned = PageContent("t", animation=replace(shapes, modes=shapes.modes[::-1]))
     assert data_of(page_html(turned))["first"] == 1
 
 
@@ -64,7 +65,7 @@ def test_shares_are_bars_with_their_numbers():
 
 
 def test_a_negative_share_is_told_apart_and_no_bar_is_wider_than_its_cell():
-    from mbconstrained.page.mode_page import _bar
+    from mbconstrained.page.shape_sections import _bar
 
     assert _bar(-0.25) == '<td><span class="bar negative" style="width: 25.0%"></span><span class="percent">−25 %</span></td>'
     assert "width: 100.0%" in _bar(1.25) and "125 %" in _bar(1.25)
@@ -106,7 +107,9 @@ def test_shapes_are_listed_with_their_phases_and_of_many_entries_the_first():
     entries = (("cart", "1 m"), ("a < b", "0.5 m at 90 deg"), *((f"x{i}", f"{0.1 / i:.3g} m") for i in range(1, 40)))
     values = np.zeros((2, 49))
     content = two_modes()
-    page = page_html(replace(content, modes=(replace(content.modes[0], shape=entries, values=values),)))
+    shapes = content.animation
+    modes = (replace(shapes.modes[0], shape=entries, values=values),)
+    page = page_html(replace(content, animation=replace(shapes, modes=modes)))
     assert '<th scope="row">a &lt; b</th><td>0.5 m at 90 deg</td>' in page
     assert "x28</th>" in page and "x29</th>" not in page and "and 11 more with smaller amplitudes" in page
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mbconstrained.analyses.modes import ModalAnalysis
 from mbconstrained.page.html import page_html
-from mbconstrained.scene.run.modes.scene_modes import SceneModes
 from mbconstrained.scene.run.picture.robot_drawing import RobotPicture
 from mbconstrained.scene.run.scene import read_scene
 from tests.page.browser import needs_chromium
@@ -26,7 +26,7 @@ def moved(browser, share: float) -> None:
 def opened(browser, tmp_path, name):
     """The page of the modes of an example, with the picture of its robot and how its sliders pose it."""
     scene = read_scene(EXAMPLES / f"{name}.toml")
-    browser.open(SceneModes(scene).write_page(tmp_path))
+    browser.open(ModalAnalysis.solve(scene).write(tmp_path, ["page"])[0])
     picture = RobotPicture(scene.equations.robot_scene)
     return picture, picture.posing()
 

@@ -18,7 +18,7 @@ from ...page.plots.axis import Scale
 from ...page.plots.images import INK, MUTED, RED
 from ...page.typeset import shortened
 from ...scene.schema.entry_types import Table, Text
-from ..base import ALL_ROWS, Analysis, Answer
+from ..base import Analysis, Answer
 from ..figures import Picture, nothing_to_show, power_of_ten, powers
 from ..timing import Progress, machine, no_progress
 from .point import Point, points_of
@@ -164,7 +164,7 @@ class StabilityReport:
             data,
             lambda: digit_plots(self.sweeps),
             figures=lambda: maps,
-            most_rows=ALL_ROWS,
+            most_rows=None,
         )
 
 

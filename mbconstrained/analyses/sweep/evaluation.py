@@ -22,10 +22,10 @@ from ...mechanics.family.family import Family
 from ...mechanics.system import MechanicalSystem
 from ...scene.file.messages import SceneName
 from ...scene.run.curves import ORDERS, extrema_of, functions_of, rms_of
-from ...scene.run.frequency.scene_frequency import SceneFrequency
 from ...scene.run.plan import Plan
 from ...scene.run.result import Result
 from ...scene.run.scene import Scene, assembled
+from ..frequency import Frequency
 from ..random import random_arguments, random_response
 from .kept_quantities import Variable, eigenvalues_of, response_lines
 
@@ -166,13 +166,13 @@ class _Chunk:
 
     def _response_peaks(self, variables: list[Variable], group: list[int]) -> None:
         for place in group:
-            largest = SceneFrequency(self.scenes[place]).largest
+            largest = Frequency(self.scenes[place]).largest
             for variable, rows in zip(variables, largest):
                 self.values[variable.name][place] = rows.ravel()
 
     def _response_curves(self, variables: list[Variable], group: list[int]) -> None:
         for place in group:
-            frequency = SceneFrequency(self.scenes[place])
+            frequency = Frequency(self.scenes[place])
             response = frequency.empty(response_lines(frequency))
             for variable, row in zip(variables, np.abs(response.values).reshape(len(variables), -1)):
                 self.values[variable.name][place] = row

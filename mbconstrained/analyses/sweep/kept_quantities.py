@@ -17,9 +17,9 @@ from ...ground.checks import nearest
 from ...ground.errors import InputError
 from ...scene.quantities.quantities import quantity
 from ...scene.run.curves import ORDERS
-from ...scene.run.frequency.scene_frequency import SceneFrequency
 from ...scene.run.plan import Plan
 from ...scene.run.result import Result
+from ..frequency import Frequency
 from ..random import random_response
 
 if TYPE_CHECKING:
@@ -148,7 +148,7 @@ def _of_text(text: str, scene: Scene, curves: _Curves) -> Iterator[Variable]:
     elif text in ("response peaks", "response curves"):
         if scene.table.frequency is None:
             raise InputError(f"keep: found {text}, but the scene has no table [frequency]; write one with from and to")
-        yield from _responses(text, SceneFrequency(scene))
+        yield from _responses(text, Frequency(scene))
     elif text == "random RMS":
         response = random_response(scene)
         yield Variable("random RMS", _common(response.units), "output", response.outputs, "random RMS")
@@ -156,7 +156,7 @@ def _of_text(text: str, scene: Scene, curves: _Curves) -> Iterator[Variable]:
         yield _of_motion(text, scene, curves)
 
 
-def _responses(text: str, frequency: SceneFrequency) -> Iterator[Variable]:
+def _responses(text: str, frequency: Frequency) -> Iterator[Variable]:
     empty = frequency.empty
     pairs = tuple(f"{output} by {name}" for output in empty.outputs for name in empty.inputs)
     unit = _common([unit for row in empty.units for unit in row])
@@ -169,7 +169,7 @@ def _responses(text: str, frequency: SceneFrequency) -> Iterator[Variable]:
         yield Variable(f"response of {pair}", unit, "frequency (Hz)", tuple(lines.tolist()), text, "curve")
 
 
-def response_lines(frequency: SceneFrequency) -> np.ndarray:
+def response_lines(frequency: Frequency) -> np.ndarray:
     """The frequencies in Hz at which the responses of all samples are kept, shape (F,)."""
     table = frequency.table
     if not table.is_auto:

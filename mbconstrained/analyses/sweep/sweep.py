@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -26,11 +26,11 @@ from ...page.content import PageContent
 from ...scene.file.includes import read_tables
 from ...scene.file.messages import shown
 from ...scene.quantities.variations import Distribution, Values, Variation
-from ...scene.run.modes.variant_page import variants_content
 from ...scene.schema.analyses.vary_table import VaryTable
 from ...scene.schema.entry_types import Text
 from ...scene.schema.validation import validated
-from ..base import ALL_ROWS, Analysis, Answer
+from ..base import Analysis, Answer
+from ..modes import variants_content
 from ..timing import machine, version_of
 from .evaluation import ANSWERED, Job
 from .execution import by_dask, by_processes, hashes, in_process
@@ -50,7 +50,6 @@ from .samples import (
 from .store import REASON, STATUS, Chunks, Memory, Store, column_name, variable_data
 
 if TYPE_CHECKING:
-    from ...page.html import Content
     from ...scene.run.scene import Scene
 
 #: Samples of a chunk: as many as chunks, within these limits, so that a worker has some, and an interruption costs little.
@@ -492,6 +491,11 @@ class SweepReport:
         }
         return [name for name, own in values.items() if not np.isnan(own).all() and name not in undamped]
 
+    @cached_property
+    def facts(self) -> tuple[tuple[str, str], ...]:
+        """The sampling, the scene and the machine."""
+        return ("samples", self._sampling()), ("scene", self.result.scene.path.name), *machine().items()
+
     def _sampling(self) -> str:
         """The number of samples, their sampling, and the number without an answer."""
         samples, table = self.result.samples, self.result.table
@@ -531,12 +535,12 @@ class SweepReport:
             pictures.append(bars(title, [names[i] for i in order], {"": values}, "rank correlation"))
         return pictures
 
-    def with_variants(self, content: PageContent) -> Content:
-        """The page with an animation of variants at quantiles of the first quantity, in their lowest mode."""
+    def animated(self) -> dict[str, Any]:
+        """Parts of the page: an animation of variants at quantiles of the first quantity, in their lowest mode."""
         result = self.result
         system = result.scene.equations.system
         if not self.figures or system is None or system.size > MOST_COORDINATES:
-            return content
+            return {}
         name, variants = self.figures[0], []
         unit, factor = self.units[name]
         values = result.values(name)
@@ -547,7 +551,8 @@ class SweepReport:
             with suppress(MbconstrainedError):
                 variants.append((f"sample {place + 1}", (*self._values(place), (name, text)), result.sample_scene(place)))
         shown = ("animation", f"{len(variants)} samples at quantiles of {name}, each in the shape of its lowest mode")
-        return variants_content(variants, replace(content, facts=(shown, *content.facts))) or content
+        content = variants_content(variants, PageContent("", facts=(shown, *self.facts)))
+        return {} if content is None else {"animation": content.animation, "facts": content.facts}
 
     @cached_property
     def sobol(self) -> dict[str, SobolIndices]:
@@ -615,21 +620,20 @@ class SweepReport:
             ],
         }
         title = f"{scene.title}: {counted(len(result), 'sample')}"
-        facts = (("samples", self._sampling()), ("scene", scene.path.name), *machine().items())
         return Answer(
             "sweep",
             scene.name,
             title,
             scene.table.source,
-            facts,
+            self.facts,
             self.tables,
             self.notices,
             data,
             SweepPictures(result, self.figures, self.units).bands,
             columns=lambda: {"": result._columns()},
-            figures=self.pictures,
-            presented=self.with_variants,
-            most_rows=ALL_ROWS,
+            figures=cache(self.pictures),
+            on_page=self.animated,
+            most_rows=None,
         )
 
     def _parameters(self) -> TextTable:

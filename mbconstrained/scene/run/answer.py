@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from ...response.events import Event
     from ...robot.linearization.linear_range import LinearRange
     from ...signals.impulsive import ImpulsiveLoad
-    from .frequency.frequency_data import FrequencyData
 
 
 class SceneAnswer(Protocol):
@@ -79,7 +78,7 @@ class SceneAnswer(Protocol):
     def linear_range(self) -> LinearRange | None: ...
 
     @property
-    def frequency(self) -> FrequencyData | None: ...
+    def peak_tables(self) -> tuple[TextTable, ...]: ...
 
     @property
     def certificate(self) -> Any: ...

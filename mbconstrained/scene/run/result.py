@@ -30,6 +30,7 @@ from .report.tables import notices_of, tables_of
 from .scene_data import SceneData
 
 if TYPE_CHECKING:
+    from ...analyses.frequency import Frequency
     from ...exact.formulas.closed_form import ClosedForm
     from ...exchange.universal import Geometry
     from ...frequency.shock.extrema import Extrema
@@ -43,7 +44,6 @@ if TYPE_CHECKING:
     from ...robot.linearization.linear_range import LinearRange
     from ...signals.impulsive import ImpulsiveLoad
     from .certificate import Certificate
-    from .frequency.scene_frequency import SceneFrequency
 
 NOTHING_MOVES = "nothing moves: zero initial conditions and no excitation"
 
@@ -281,18 +281,26 @@ class Result(Displayed):
             return None
 
     @cached_property
-    def frequency(self) -> SceneFrequency | None:
+    def frequency(self) -> Frequency | None:
         """The frequency response; None where the scene has no [frequency]."""
         if self.scene.table.frequency is None:
             return None
-        from .frequency.scene_frequency import SceneFrequency
+        from ...analyses.frequency import Frequency
 
-        return SceneFrequency(self.scene)
+        return Frequency(self.scene)
+
+    @property
+    def peak_tables(self) -> tuple[TextTable, ...]:
+        """The peaks of the frequency response; none without it."""
+        return (self.frequency.peak_table(),) if self.frequency else ()
 
     def write_frequency(self) -> list[Path]:
         """Write the page, CSV and npz of the frequency response into the folder of the run, as far as [output] requests them."""
+        from ...analyses.base import formats_of
+
+        output = self.scene.table.output
         with self.writing_together() as files:
-            written = self.frequency.write(self.folder or Path(), images=self.scene.table.output.plot_images, files=files)
+            written = self.frequency.to_answer().write(self.folder or Path(), formats_of(output), output.viewer, files)
         self.files += written
         return written
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.scene.run.modes.scene_modes import SceneModes
+from mbconstrained.analyses.modes import ModalAnalysis
 from mbconstrained.scene.run.report.page_report import page_content
 from tests.scene.scenes import scene_of
 
@@ -226,10 +226,10 @@ def test_zeros_of_many_states_are_not_looked_for(tmp_path):
 
 
 def test_modes_of_a_state_space_are_its_poles(tmp_path):
-    lines = SceneModes(scene_of(tmp_path, STATES)).lines
+    lines = ModalAnalysis(scene_of(tmp_path, STATES)).lines
     assert [line.value.real for line in lines] == pytest.approx([-1, -4])
     with pytest.raises(mb.SceneError, match="model: a page of modes needs mass"):
-        SceneModes(scene_of(tmp_path, STATES)).write_page(tmp_path)
+        ModalAnalysis.solve(scene_of(tmp_path, STATES)).write(tmp_path, ["page"])
 
 
 CASES = [  # base, what is replaced, by what, message

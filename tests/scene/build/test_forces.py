@@ -261,10 +261,10 @@ COSINE = 'kind = "harmonic"\nfrequency = "0.1 Hz"\nvalue = {}'
 
 
 def test_a_load_on_several_coordinates_is_one_input(tmp_path):
-    from mbconstrained.scene.run.frequency.scene_frequency import SceneFrequency
+    from mbconstrained.analyses.frequency import Frequency
 
-    own = SceneFrequency(scene_of(tmp_path, PATTERN.format(ONE.format(COSINE.format(2)))))
-    parts = SceneFrequency(scene_of(tmp_path, PATTERN.format(TWO.format(COSINE.format(2), COSINE.format(-1)))))
+    own = Frequency(scene_of(tmp_path, PATTERN.format(ONE.format(COSINE.format(2)))))
+    parts = Frequency(scene_of(tmp_path, PATTERN.format(TWO.format(COSINE.format(2), COSINE.format(-1)))))
     assert own.response.inputs == ("both",) and parts.response.inputs == ("a", "b") and not own.notices
     assert "factors" in parts.notices[0].text
     lines = own.response.frequencies_hz

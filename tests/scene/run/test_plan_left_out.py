@@ -110,7 +110,7 @@ WORK = {
     "certificate (python-flint)": Work("all", "lumped", "scene/run/certificate.py:certificate_of", ("mbconstrained.exact",)),
     "symbols (sympy)": Work("formula", "lumped", "scene/run/formula.py:formula_of", ("sympy", "mbconstrained.exact")),
     "frequency response": Work("frequency", "lumped", "frequency/frequency_response.py:evaluated"),
-    "frequency page and files": Work("frequency page", "frequency", "scene/run/frequency/scene_frequency.py:frequency_content"),
+    "frequency page and files": Work("frequency page", "frequency", "analyses/frequency.py:Frequency.to_answer"),
     "animation": Work(
         "lumped", "still page", "page/animation/keyframes.py:key_frames", ("mbconstrained.scene.run.picture.result_animation",)
     ),

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from ....ground.checks import counted
@@ -38,22 +37,6 @@ def blocks(result: SceneAnswer) -> list[str | TextTable]:
     parts = [("Notices", result.table_notices), ("Written", result.files)]
     lists = ["\n".join([title, *(f"  {line}" for line in lines)]) for title, lines in parts if lines]
     return [heading(result), *result.tables, *lists, f"Plan: {result.plan.totals()}"]
-
-
-def response_blocks(
-    heads: Iterable[str],
-    facts: Iterable[tuple[str, str]],
-    tables: Iterable[TextTable | None],
-    notices: Iterable[Notice],
-    files: Sequence[Path],
-) -> list[str | TextTable]:
-    """The parts of the summary of a response in addition to a run, on lines of a terminal."""
-    head = "\n".join(line for text in heads for line in wrap(text, WIDTH))
-    about = "\n".join(line for label, text in facts for line in wrap(f"{label}: {text}", WIDTH, subsequent_indent="  "))
-    reported = [line for notice in notices for line in wrap(f"  {notice}", WIDTH, subsequent_indent="    ")]
-    lists = [("Notices", reported), ("Written", [f"  {path}" for path in files])]
-    listed = ["\n".join([title, *lines]) for title, lines in lists if lines]
-    return [head, about, *(table for table in tables if table is not None), *listed]
 
 
 def heading(result: SceneAnswer) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -19,8 +20,6 @@ from ....signals.impulsive import ImpulsiveLoad
 from ...quantities.coordinates import Coordinates
 from ...quantities.output_units import OutputUnits
 from ..curves import largest_values
-from ..frequency.frequency_summary import peak_table
-from ..modes.mode_summary import share_entries
 from .control_report import control_tables
 from .force_report import forces_table
 from .jumps import ReportedImpulse, folded, forces_of_rows, impulses_of, jumps_of
@@ -46,7 +45,7 @@ def tables_of(result: SceneAnswer) -> tuple[TextTable, ...]:
     frequencies = frequency_table(result)
     answers = [
         *(control_tables(control) if control else ()),
-        *([peak_table(result.frequency)] if result.frequency else []),
+        *result.peak_tables,
         *([_output_table(control)] if control and control.form else []),
         *_at_start(result),
         *([_later_table(result)] if result.later else []),
@@ -149,8 +148,11 @@ def _numbers(counts: list[int]) -> list[str]:
     return [str(end) if count == 1 else f"{end - count + 1}–{end}" for count, end in zip(counts, ends)]
 
 
-#: Parts of a mode with the largest shares of energy that the table of eigenvalues names.
-MOST_PARTS = 3
+#: Parts of a mode with the largest shares of energy that the table of eigenvalues names, and the list of modes; JSON has all.
+MOST_PARTS, MOST_SHARES = 3, 6
+
+#: What is less is printed as 0.0 %.
+LEAST_SHARE = 0.0005
 
 
 def eigenvalue_table(result: SceneAnswer) -> TextTable:
@@ -179,6 +181,26 @@ def _largest_shares(mode: Mode) -> tuple[str, str]:
         return "", ""
     first = mode.shares[0]
     return ", ".join(share_entries(first.kinetic, MOST_PARTS)), ", ".join(share_entries(first.strain, MOST_PARTS))
+
+
+def share_entries(shares: Mapping[str, float] | None, most: int = MOST_SHARES) -> list[str]:
+    """The largest shares in per cent, and the sum of the others.
+
+    >>> share_entries({"cart": 0.25, "load": 0.75}), share_entries(None)
+    (['load 75.0 %', 'cart 25.0 %'], ['none'])
+    """
+    if shares is None:
+        return ["none"]
+    largest = sorted(shares.items(), key=lambda entry: descending(entry[1]))
+    listed = [(name, share) for name, share in largest[:most] if abs(share) >= LEAST_SHARE]
+    rest = [share for _, share in largest[len(listed) :]]
+    others = [(f"{len(rest)} more", sum(rest))] if np.abs(rest).sum() >= LEAST_SHARE else []
+    return [f"{name} {round(100 * share, 1) + 0.0:.1f} %" for name, share in listed + others]
+
+
+def descending(value: complex) -> float:
+    """A sort key that keeps the order of values that differ by rounding errors only."""
+    return -float(f"{abs(value):.9g}")
 
 
 def eigenvalue_rows(result: SceneAnswer) -> list[dict[str, str]]:

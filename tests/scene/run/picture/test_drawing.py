@@ -7,7 +7,7 @@ import pytest
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.page.drawing.bodies import View
 from mbconstrained.page.drawing.paths import matrix_of
-from mbconstrained.scene.run.modes.mode_pages import mode_drawing
+from mbconstrained.scene.run.picture.shape_drawing import ShapeDrawing
 from tests.scene.robots import SCENE, press
 from tests.scene.scenes import COEFFICIENTS, MATRICES, OSCILLATOR, scene_of
 
@@ -77,14 +77,14 @@ def test_displacements_go_along_what_is_asked_for_and_up_where_there_is_gravity(
     assert drawing_of(tmp_path, "[drawing]\nalong = [0, 0, 2]\n").turn == pytest.approx(up)
     assert drawing_of(tmp_path, "", FALLING).turn == pytest.approx(up)
     assert drawing_of(tmp_path, "[drawing]\nalong = [1, 0, 0]\n", FALLING).turn == (0.0, 0.0, 0.0)
-    assert mode_drawing(scene_of(tmp_path, FALLING), []).turn == pytest.approx(up)
+    assert ShapeDrawing(scene_of(tmp_path, FALLING), []).drawing.turn == pytest.approx(up)
 
 
 def test_one_body_goes_along_what_it_says_itself_in_space(tmp_path):
     own = f"{CART}along = [0, 2, 0]\n"
     for text, model in (("", OSCILLATOR), ("[drawing]\nalong = [0, 0, 1]\n", OSCILLATOR), ("", FALLING)):
         scene = scene_of(tmp_path, f"{model}\n{text}{own}")
-        for drawing in (scene.run().animation.drawing, mode_drawing(scene, [])):
+        for drawing in (scene.run().animation.drawing, ShapeDrawing(scene, []).drawing):
             assert matrix_of(drawing.turn) @ body(drawing, "cart").moves["cart"] == pytest.approx((0, 1, 0), abs=1e-12)
 
 

@@ -5,12 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from mbconstrained.analyses.modes import ModalAnalysis
 from mbconstrained.ground.errors import SceneError
+from mbconstrained.page.animation.shapes import cycle
 from mbconstrained.page.drawing.robot_layout import BASE_PLATE, MOST_TRIANGLES
-from mbconstrained.page.mode_page import cycle
-from mbconstrained.scene.run.modes.mode_pages import RobotModes, modes_content
-from mbconstrained.scene.run.modes.scene_modes import SceneModes
 from mbconstrained.scene.run.picture.robot_drawing import TURN, VISIBLE, RobotPicture, drawing_of_robot
+from mbconstrained.scene.run.picture.shape_drawing import ShapeDrawing
 from mbconstrained.scene.run.scene import read_scene
 from mbconstrained.scene.schema.drawing_tables import DrawingTable
 from tests.page.drawing.test_robot_layout import sphere
@@ -29,7 +29,7 @@ def names_of(drawing):
 
 def both_drawings(scene):
     """Of a run and of a page of modes."""
-    return scene.run().animation.drawing, modes_content(SceneModes(scene)).drawing
+    return scene.run().animation.drawing, ModalAnalysis(scene).shapes().drawing
 
 
 def test_links_may_have_the_names_of_what_is_drawn_besides_them(tmp_path):
@@ -41,7 +41,7 @@ def test_links_may_have_the_names_of_what_is_drawn_besides_them(tmp_path):
     scene = scene_of(tmp_path, SCENE.replace('{ pivot = "1 deg" }', "{}"))
     for drawing in both_drawings(scene):
         assert {"base plate", "plate 1", " base plate", " plate 1"} <= set(names_of(drawing))
-    assert scene.run(tmp_path / "out").is_trusted and SceneModes(scene).write_page(tmp_path / "out").exists()
+    assert scene.run(tmp_path / "out").is_trusted and ModalAnalysis.solve(scene).write(tmp_path / "out", ["page"])[0].exists()
 
 
 @pytest.mark.parametrize("base", ["fixed", "free"])
@@ -69,7 +69,7 @@ def test_no_point_of_a_robot_moves_further_than_a_share_of_its_size(example):
         points[name] += [part.corners[:, [corner]] for part in parts for corner in range(part.corners.shape[1])]
     places = np.hstack([path_point(picture.at_rest[name], point) for name in points for point in points[name]])
     assert picture.size == pytest.approx(np.linalg.norm(np.ptp(places, axis=1)), rel=1e-12)
-    for mode in modes_content(SceneModes(scene)).modes:
+    for mode in ModalAnalysis(scene).shapes().modes:
         moved = max(furthest(path, picture.at_rest[name], points[name]) for name, path in mode.paths.items())
         assert moved <= 1.1 * VISIBLE * picture.size  # of a mode with phases 8 % more between the times looked at
 
@@ -78,10 +78,10 @@ def test_a_robot_of_one_link_without_a_shape_moves_by_a_share_of_its_ball(tmp_pa
     inertia = '<mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
     urdf = f'<robot name="p"><link name="lone"><inertial>{inertia}</inertial></link></robot>'
     press(tmp_path, 'source = "s"\nlicence = "MIT"\nurdf = "press.urdf"\nbase = "free"\ngravity = 0\n', urdf)
-    modes = SceneModes(scene_of(tmp_path, SCENE.replace('{ pivot = "1 deg" }', "{}")))
-    drawing = modes_content(modes).drawing
+    modes = ModalAnalysis(scene_of(tmp_path, SCENE.replace('{ pivot = "1 deg" }', "{}")))
+    drawing = modes.shapes().drawing
     assert RobotPicture(modes.scene.equations.robot_scene).size == 1.0 and names_of(drawing) == ["lone", "ground"]
-    assert [mode.scale for mode in modes_content(modes).modes] == pytest.approx([VISIBLE] * 3 + [TURN] * 3)
+    assert [mode.scale for mode in modes.shapes().modes] == pytest.approx([VISIBLE] * 3 + [TURN] * 3)
 
 
 def with_motor(ratio):
@@ -94,11 +94,11 @@ def with_motor(ratio):
 def test_motors_do_not_limit_what_is_drawn(tmp_path, ratio):
     press(tmp_path, with_motor(ratio))
     scene = scene_of(tmp_path, SCENE)
-    drawn = RobotModes(scene.equations.robot_scene)
+    drawn = ShapeDrawing(scene, [])
     links = np.array([1e-3, 0.0])
     alone, besides = drawn.amplitude(np.append(links, 0.0)), drawn.amplitude(np.append(links, 1.0))
     assert alone == besides == TURN / 1e-3
-    found = SceneModes(scene)
+    found = ModalAnalysis(scene)
     motor = max(found.lines, key=lambda line: abs(line.shape[2]) / np.abs(line.shape[:2]).max())
     assert abs(motor.shape[2]) == 1.0 and np.abs(motor.shape[:2]).max() < 0.1
     assert drawn.amplitude(motor.shape) > 10 * TURN
@@ -106,7 +106,7 @@ def test_motors_do_not_limit_what_is_drawn(tmp_path, ratio):
 
 def test_a_motor_that_moves_alone_leaves_the_links_at_rest(tmp_path):
     press(tmp_path, with_motor(1e2))
-    drawn = RobotModes(scene_of(tmp_path, SCENE).equations.robot_scene)
+    drawn = ShapeDrawing(scene_of(tmp_path, SCENE), [])
     shape = np.array([1e-17, -1e-17, 1.0])
     assert drawn.amplitude(shape) == 1.0 and not any(path.moves for path in drawn.paths(shape, 1.0).values())
 
@@ -135,7 +135,7 @@ def test_parts_are_made_once_for_each_visual(tmp_path, monkeypatch):
 def test_the_scale_of_the_drawing_is_that_of_a_run_not_of_modes(tmp_path):
     press(tmp_path)
     plain, scaled = (
-        [mode.scale for mode in modes_content(SceneModes(scene_of(tmp_path, SCENE + more))).modes]
+        [mode.scale for mode in ModalAnalysis(scene_of(tmp_path, SCENE + more)).shapes().modes]
         for more in ("", "[drawing]\nscale = 40\n")
     )
     assert plain == scaled
@@ -148,7 +148,7 @@ def test_a_shape_that_cannot_be_drawn_names_the_urdf(tmp_path):
     with pytest.raises(SceneError, match=r'^press/press\.urdf: .*link "crank"'):
         scene.run(tmp_path / "out")
     with pytest.raises(SceneError, match=r'^press/press\.urdf: .*link "crank"'):
-        SceneModes(scene).write_page(tmp_path / "out")
+        ModalAnalysis.solve(scene).write(tmp_path / "out", ["page"])
 
 
 @pytest.mark.parametrize("full", [False, True])

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.ground.display import TextTable, table_text
+from mbconstrained.analyses.modes import ModalAnalysis, shape_entries
+from mbconstrained.ground.display import WIDTH, TextTable, table_text
 from mbconstrained.ground.errors import SceneError
+from mbconstrained.page.animation.shapes import cycle
 from mbconstrained.page.drawing.orientation import WIDEST_ANGLE
-from mbconstrained.page.mode_page import cycle
 from mbconstrained.scene.quantities.coordinates import Coordinates
-from mbconstrained.scene.run.modes.mode_pages import amplitude, mode_drawing, modes_content
-from mbconstrained.scene.run.modes.mode_summary import WIDTH, as_json, blocks, shape_entries, share_entries
-from mbconstrained.scene.run.modes.scene_modes import SceneModes
+from mbconstrained.scene.run.picture.shape_drawing import ShapeDrawing
+from mbconstrained.scene.run.report.tables import share_entries
 from mbconstrained.scene.run.scene import read_scene
 from tests.page.contents import positions
 from tests.scene.scenes import COEFFICIENTS, EXAMPLES, MATRICES, OSCILLATOR, scene_of
@@ -41,11 +41,22 @@ end = 1
 
 
 def modes_of(folder, text):
-    return SceneModes(scene_of(folder, text))
+    return ModalAnalysis(scene_of(folder, text))
+
+
+def as_json(modes):
+    return ModalAnalysis.solve(modes.scene).to_dict()
+
+
+def written(modes, folder):
+    (path,) = ModalAnalysis.solve(modes.scene).write(folder, ["page"])
+    return path
 
 
 def printed(modes):
-    return "\n\n".join(table_text(block) if isinstance(block, TextTable) else block for block in blocks(modes))
+    return "\n\n".join(
+        table_text(block) if isinstance(block, TextTable) else block for block in ModalAnalysis.solve(modes.scene).blocks()
+    )
 
 
 def test_an_oscillator_by_hand(tmp_path):
@@ -67,7 +78,7 @@ The largest entry of a shape is 1; its amplitude is free."""
 
 @pytest.mark.parametrize("example", ALL)
 def test_every_example_is_readable_in_80_columns_and_as_data(example):
-    modes = SceneModes(mb.read_scene(EXAMPLES / example))
+    modes = ModalAnalysis(mb.read_scene(EXAMPLES / example))
     text = printed(modes)
     assert max(map(len, text.splitlines())) <= WIDTH
     assert "nan" not in text and "inf" not in text
@@ -109,7 +120,7 @@ def test_of_coefficients_the_zeros_are_listed_and_no_more(tmp_path):
     (line,) = as_json(modes)["modes"]
     assert (line["imaginary"], line["kinetic_shares"], line["shape"]) == (2.0, None, None)
     with pytest.raises(SceneError, match="scene.toml: model.coefficients: a page of modes needs mass, damping and stiffness"):
-        modes.write_page(tmp_path / "out")
+        written(modes, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
@@ -149,11 +160,11 @@ def test_a_phase_is_told_where_it_is_neither_0_nor_180_degrees():
 
 
 def test_doubt_is_told_and_makes_the_modes_untrusted(tmp_path, monkeypatch):
-    assert modes_of(tmp_path, OSCILLATOR).is_trusted
+    assert ModalAnalysis.solve(scene_of(tmp_path, OSCILLATOR)).is_trusted
     doubt = mb.Notice("rank", "no clear gap between " + "very " * 40 + "small numbers", doubtful=True)
-    monkeypatch.setattr("mbconstrained.scene.run.modes.scene_modes.pair_notices", lambda pairs: (doubt,))
+    monkeypatch.setattr("mbconstrained.analyses.modes.pair_notices", lambda pairs: (doubt,))
     modes = modes_of(tmp_path, OSCILLATOR)
-    assert not modes.is_trusted and not as_json(modes)["trusted"]
+    assert not as_json(modes)["trusted"]
     assert "Notices\n  warning (rank): no clear gap" in printed(modes)
     assert max(map(len, printed(modes).splitlines())) <= WIDTH
 
@@ -161,17 +172,18 @@ def test_doubt_is_told_and_makes_the_modes_untrusted(tmp_path, monkeypatch):
 def test_growth_is_told(tmp_path):
     modes = modes_of(tmp_path, MATRICES.replace("[0, 4]]", "[0, -4]]"))
     assert "growth, time constant 0.5 s" in printed(modes)
-    assert any(notice.kind == "unstable" for notice in modes.notices) and modes.is_trusted
+    assert any(notice.kind == "unstable" for notice in modes.notices) and as_json(modes)["trusted"]
 
 
 def drawn(modes):
     """The drawing, and for each shape (largest move, largest change between linked bodies, largest turn) as they are drawn."""
     scene, names = modes.scene, modes.system.names
     shapes = [line.shape for line in modes.lines if line.shape is not None]
-    drawing = mode_drawing(scene, shapes)
+    swinging = ShapeDrawing(scene, shapes)
+    drawing = swinging.drawing
     found = []
     for shape in shapes:
-        values = cycle(amplitude(drawing, names, shape) * shape)
+        values = cycle(swinging.amplitude(shape) * shape)
         places = {body.name: positions(drawing, body, names, values) - np.array(body.rest)[:, None] for body in drawing.bodies}
         turns = [
             drawing.turn_scale * sum(np.outer(turn, values[names.index(name)]) for name, turn in body.turns.items())
@@ -186,7 +198,7 @@ def drawn(modes):
 
 @pytest.mark.parametrize("example", [name for name in ALL if name not in ROBOTS + OF_COEFFICIENTS])
 def test_every_mode_is_seen_and_nothing_collides(example):
-    for move, change, turn in drawn(SceneModes(mb.read_scene(EXAMPLES / example)))[1]:
+    for move, change, turn in drawn(ModalAnalysis(mb.read_scene(EXAMPLES / example)))[1]:
         assert move <= 2.4 + 1e-9 and change <= 0.8 + 1e-9 and turn <= WIDEST_ANGLE + 1e-9
         assert move > 0.3 or turn > 0.3
 
@@ -210,8 +222,8 @@ def test_rest_lengths_do_not_shift_the_drawing(tmp_path):
 
 
 def test_the_page_has_every_line_and_tells_drift_without_motion():
-    modes = SceneModes(mb.read_scene(EXAMPLES / "two_masses.toml"))
-    drift, slow, fast = modes_content(modes).modes
+    modes = ModalAnalysis(mb.read_scene(EXAMPLES / "two_masses.toml"))
+    drift, slow, fast = modes.shapes().modes
     assert (drift.name, drift.values, drift.shares) == ("drift", None, ()) and "no motion of the bodies" in drift.note
     assert slow.period == pytest.approx(2 * np.pi / modes.lines[1].value.imag)
     assert [row[0] for row in slow.shares] == ["x1", "q1", "q2"]  # 72 % of the strain, 45 % of the kinetic energy, 28 %
@@ -220,33 +232,33 @@ def test_the_page_has_every_line_and_tells_drift_without_motion():
 
 
 def test_the_page_says_what_it_leaves_out(tmp_path):
-    notes = [picture.note for picture in modes_content(modes_of(tmp_path, RACK)).modes]
+    notes = [picture.note for picture in modes_of(tmp_path, RACK).shapes().modes]
     assert any(note.endswith("; drawn without decay") for note in notes)
-    (decay,) = modes_content(SceneModes(mb.read_scene(EXAMPLES / "critically_damped.toml"))).modes
+    (decay,) = ModalAnalysis(mb.read_scene(EXAMPLES / "critically_damped.toml")).shapes().modes
     assert decay.note.endswith("; drawn as if its shape swung") and decay.period is None
 
 
 def test_texts_of_a_hostile_scene_are_escaped(tmp_path):
     modes = modes_of(tmp_path, 'title = "</title><script>alert(2)</script>"\n' + OSCILLATOR)
-    page = modes.write_page(tmp_path / "out").read_text("utf-8")
+    page = written(modes, tmp_path / "out").read_text("utf-8")
     assert "<script>alert" not in page and "&lt;script&gt;alert(2)" in page
 
 
 def test_the_page_replaces_an_earlier_one_or_leaves_it(tmp_path, monkeypatch):
     modes = modes_of(tmp_path, OSCILLATOR)
     path = tmp_path / "out" / "scene.modes.html"
-    assert modes.write_page(tmp_path / "out") == path and modes.files == [path]
+    assert ModalAnalysis.solve(modes.scene).write(tmp_path / "out", ["page"]) == [path]
     before = path.read_bytes()
     monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
     with pytest.raises(OSError, match="No space"):
-        modes.write_page(tmp_path / "out")
+        written(modes, tmp_path / "out")
     assert path.read_bytes() == before and [file.name for file in path.parent.iterdir()] == [path.name]
 
 
 @pytest.mark.parametrize("example", ["pendulum.toml", "four_bar.toml", "satellite.toml"])
 def test_robots_swing_visibly_along_their_modes(example):
-    modes = SceneModes(mb.read_scene(EXAMPLES / example))
-    content = modes_content(modes)
+    modes = ModalAnalysis(mb.read_scene(EXAMPLES / example))
+    content = modes.shapes()
     robot, posture = modes.scene.equations.robot, modes.scene.equations.posture
     units = np.array(modes.scene.equations.coordinates.units)
     for picture, line in zip(content.modes, modes.lines):
@@ -263,14 +275,14 @@ def test_robots_swing_visibly_along_their_modes(example):
 def test_the_drawing_of_a_robot_keeps_the_note_of_its_scene(tmp_path):
     text = (EXAMPLES / "pendulum.toml").read_text("utf-8").replace("../robots", "robots")
     (tmp_path / "robots").symlink_to(EXAMPLES.parent / "robots")
-    content = modes_content(modes_of(tmp_path, text + '\n[drawing]\nnote = "hangs in the hall"\n'))
+    content = modes_of(tmp_path, text + '\n[drawing]\nnote = "hangs in the hall"\n').shapes()
     assert content.drawing.note == "hangs in the hall" and "rod" in [body.name for body in content.drawing.bodies]
 
 
 @pytest.mark.long
 def test_the_page_of_a_robot_lists_its_effective_masses_as_they_are_printed():
-    modes = SceneModes(read_scene(EXAMPLES / "seven_joint_arm.toml"))
+    modes = ModalAnalysis(read_scene(EXAMPLES / "seven_joint_arm.toml"))
     printed = modes.effective_masses.table()
-    assert modes_content(modes).tables[0] == printed
-    assert printed in blocks(modes)
-    assert not any(table.title == printed.title for table in modes_content(SceneModes(read_scene(EXAMPLES / "rotor.toml"))).tables)
+    assert ModalAnalysis.solve(modes.scene).page().tables[0] == printed
+    assert printed in ModalAnalysis.solve(modes.scene).blocks()
+    assert not any(table.title == printed.title for table in ModalAnalysis.solve(read_scene(EXAMPLES / "rotor.toml")).page().tables)

@@ -6,12 +6,10 @@ from typing import get_args
 import numpy as np
 import pytest
 
+from mbconstrained.analyses.frequency import Frequency
 from mbconstrained.ground.display import TextTable, table_text
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.mechanics.vibration.harmonic_equations import QUANTITIES
-from mbconstrained.scene.run.frequency.frequency_summary import as_json, blocks
-from mbconstrained.scene.run.frequency.scene_frequency import SceneFrequency, frequency_content
-from mbconstrained.scene.run.frequency.scene_response import with_options
 from mbconstrained.scene.schema.analyses.frequency_table import ResponseQuantity
 from tests.scene.scenes import COEFFICIENTS, OSCILLATOR, scene_of
 
@@ -36,7 +34,7 @@ end = 1
 
 def frequency_of(folder, text, **options):
     scene = scene_of(folder, text)
-    return SceneFrequency(scene, with_options(scene.table.frequency, "frequency", options, scene.file_name))
+    return Frequency(scene, Frequency.changed(scene.table.frequency, options, scene.file_name))
 
 
 def transmissibility(f, zeta=0.05, natural=50.0):
@@ -71,10 +69,11 @@ def test_even_steps_and_given_frequencies(tmp_path, spacing):
 
 def test_units_of_output_hold_for_values_peaks_and_files(tmp_path):
     own = frequency_of(tmp_path, ISOLATED + '[output]\nunits = "mm, kN"', inputs=["machine"], axis="rpm")
-    own.write(tmp_path / "out")
-    assert own.shown.units.tolist() == [["mm/kN"]] and own.shown.factors.tolist() == [[1e6]]
+    answer = own.to_answer()
+    answer.write(tmp_path / "out")
+    assert [each.tolist() for each in own.shown] == [[["mm/kN"]], [[1e6]]]
     (peak,) = own.peaks
-    text = "\n".join(table_text(block) if isinstance(block, TextTable) else block for block in blocks(own))
+    text = "\n".join(table_text(block) if isinstance(block, TextTable) else block for block in answer.blocks())
     assert f"{1e6 * peak.amplitude:.4g} mm/kN" in text and f"{60 * peak.frequency_hz:.5g}" in text and "rpm" in text
     head, *lines = (tmp_path / "out" / "scene.frequency.csv").read_text("utf-8").splitlines()
     assert head.split(",") == ["frequency (Hz)", "real machine/machine (mm/kN)", "imag machine/machine (mm/kN)"]
@@ -96,7 +95,7 @@ def test_a_run_computes_and_writes_it_where_the_scene_has_the_table(tmp_path):
 @pytest.mark.parametrize("amplitude", ["log", "linear", "dB"])
 def test_the_curves_of_the_page_are_the_response_at_every_frequency(tmp_path, amplitude):
     own = frequency_of(tmp_path, ISOLATED, quantity="transmissibility", amplitude=amplitude, axis="rad/s", plots=["bode", "parts"])
-    size, phase, real, imaginary = frequency_content(own).plots
+    size, phase, real, imaginary = own.to_answer().page().plots
     functions, row = size.curves[0].function
     omega = np.geomspace(size.times[0], size.times[-1], 50)
     T = transmissibility(omega / (2 * np.pi))
@@ -110,12 +109,13 @@ def test_the_curves_of_the_page_are_the_response_at_every_frequency(tmp_path, am
 
 def test_the_picture_of_an_undamped_resonance_is_finite_and_its_phase_falls_by_half_a_turn(tmp_path):
     own = frequency_of(tmp_path, OSCILLATOR, plots=["bode", "nyquist"])
-    size, phase, nyquist = frequency_content(own).plots
+    size, phase, nyquist = own.to_answer().page().plots
     assert size.axes[1].high < 1e5 and np.isfinite(nyquist.curves[0].values).all()
     assert set(phase.curves[0].values.tolist()) == {0.0, -180.0}
-    (peak,) = as_json(own)["peaks"]
+    data = own.to_answer().to_dict()
+    (peak,) = data["peaks"]
     assert peak["amplitude"] is None and np.isclose(peak["frequency_hz"], 1 / np.pi)
-    json.dumps(as_json(own), allow_nan=False)
+    json.dumps(data, allow_nan=False)
 
 
 def test_models_of_coefficients_have_responses_without_units(tmp_path):

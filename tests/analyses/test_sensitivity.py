@@ -1,4 +1,4 @@
-"""Who matters, on the page of the modes."""
+"""Ranking of sensitivities on the page of the modes."""
 
 import re
 from itertools import pairwise
@@ -6,10 +6,9 @@ from itertools import pairwise
 import pytest
 
 import mbconstrained as mb
+from mbconstrained.analyses.modes import ModalAnalysis
+from mbconstrained.analyses.sensitivity import MOST_ROWS, influence_tables
 from mbconstrained.page.html import page_html
-from mbconstrained.scene.run.modes.mode_pages import modes_content
-from mbconstrained.scene.run.modes.scene_modes import SceneModes
-from mbconstrained.scene.run.modes.scene_sensitivities import MOST_ROWS, influence_tables
 from tests.scene.scenes import EXAMPLES, scene_of
 
 CHAIN = """
@@ -43,13 +42,13 @@ def test_parameters_and_elements_sorted():
 
 
 def test_the_tables_are_on_the_page_and_long_ones_are_folded(tmp_path):
-    page = page_html(modes_content(SceneModes(scene_of(tmp_path, chain(2)))))
+    page = page_html(ModalAnalysis.solve(scene_of(tmp_path, chain(2))).page())
     (section,) = re.findall(r"<section>\s*<h2>Sensitivities to elements</h2>.*?</section>", page, re.DOTALL)
     assert section.count("<tr>") == 5  # the heading and four elements
     assert page.index('<section class="modes">') < page.index("Sensitivities to elements")
     (table,) = influence_tables(scene_of(tmp_path, chain(MOST_ROWS)))
     assert table.folded
-    page = page_html(modes_content(SceneModes(scene_of(tmp_path, chain(MOST_ROWS)))))
+    page = page_html(ModalAnalysis.solve(scene_of(tmp_path, chain(MOST_ROWS))).page())
     assert "<details><summary><h2>Sensitivities to elements</h2></summary>" in page
 
 

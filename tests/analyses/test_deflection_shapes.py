@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from mbconstrained.scene.run.frequency.deflection_shapes import LinearRobot, deflections_of
-from mbconstrained.scene.run.frequency.scene_frequency import SceneFrequency
+from mbconstrained.analyses.frequency import Frequency
 from mbconstrained.scene.run.picture.robot_drawing import RobotPicture
+from mbconstrained.scene.run.picture.shape_drawing import LinearRobot
 from mbconstrained.scene.run.scene import read_scene
-from tests.scene.run.frequency.test_scene_frequency import ISOLATED, frequency_of, transmissibility
+from tests.analyses.test_frequency import ISOLATED, frequency_of, transmissibility
 from tests.scene.scenes import COEFFICIENTS, EXAMPLES
 
 
 def test_a_shape_is_the_response_of_all_coordinates_the_support_included(tmp_path):
-    shapes = deflections_of(frequency_of(tmp_path, ISOLATED, quantity="transmissibility", axis="rad/s"))
+    shapes = frequency_of(tmp_path, ISOLATED, quantity="transmissibility", axis="rad/s").deflections()
     assert shapes.inputs == ("1 m of motion of floor",) and shapes.names == ("machine", "floor")
     T = transmissibility(shapes.frequencies / (2 * np.pi))
     expected = np.column_stack([T, np.ones_like(T)])
@@ -22,7 +22,7 @@ def test_a_shape_is_the_response_of_all_coordinates_the_support_included(tmp_pat
 
 
 def test_a_force_by_its_unit_and_impedances_by_their_motions(tmp_path):
-    shapes = deflections_of(frequency_of(tmp_path, ISOLATED, quantity="impedance", inputs=["machine"], outputs=["machine"]))
+    shapes = frequency_of(tmp_path, ISOLATED, quantity="impedance", inputs=["machine"], outputs=["machine"]).deflections()
     assert shapes.inputs == ("1 N on machine",)
     H = shapes.shapes[0] / shapes.factors[0, :, None]
     K, zeta, w = 2 * (2 * np.pi * 50) ** 2, 0.05, 2 * np.pi * shapes.frequencies
@@ -30,14 +30,14 @@ def test_a_force_by_its_unit_and_impedances_by_their_motions(tmp_path):
 
 
 def test_models_without_places_have_no_shapes(tmp_path):
-    assert deflections_of(frequency_of(tmp_path, COEFFICIENTS)) is None
-    assert deflections_of(frequency_of(tmp_path, ISOLATED + "[output]\nanimation = false")) is None
+    assert frequency_of(tmp_path, COEFFICIENTS).deflections() is None
+    assert frequency_of(tmp_path, ISOLATED + "[output]\nanimation = false").deflections() is None
 
 
 @pytest.mark.parametrize("name", ["four_bar", "seven_joint_arm"])
 def test_links_of_a_robot_move_linearly_as_they_do_in_small_motion(name):
     scene = read_scene(EXAMPLES / f"{name}.toml")
-    frequency = SceneFrequency(scene)
+    frequency = Frequency(scene)
     u = np.real(frequency.coordinate_response()([2.0]).values[:, 0, 0])  # at rest of the loops: an admissible motion
     robot, picture = LinearRobot(scene.equations.robot_scene), RobotPicture(scene.equations.robot_scene)
     small = 2e-3 / np.abs(u).max()

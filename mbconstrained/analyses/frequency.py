@@ -1,0 +1,415 @@
+"""The frequency response of a scene: peaks and antiresonances, Bode plots, and the shape in which the model moves at each frequency."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ..control.transfer.transfer_function import transfer_function_response
+from ..frequency.features import Antiresonance, Peak, frequencies_by_poles
+from ..frequency.frequency_response import FrequencyResponse, arrays_of, frequency_response
+from ..frequency.plots import AXIS_FACTORS
+from ..ground.checks import counted
+from ..ground.coordinate_units import force_unit, rate_unit
+from ..ground.display import TextTable
+from ..ground.errors import InputError
+from ..ground.notices import Notice, NoticeKind, distinct
+from ..mechanics.channels import channels
+from ..page.animation.shapes import Deflections
+from ..page.plots.frequency_plots import ResponseLook, frequency_plots
+from ..scene.file.messages import at
+from ..scene.run.picture.shape_drawing import LinearRobot, ShapeDrawing
+from ..scene.schema.analyses.frequency_table import FrequencyTable
+from .base import MOST_ROWS_OF_PAGE, Analysis, Answer, limited
+
+if TYPE_CHECKING:
+    from ..mechanics.system import MechanicalSystem
+    from ..page.content import Plot
+    from ..scene.run.scene_data import SceneData
+
+#: Outputs times inputs; more are indistinct in plots and take long.
+MOST_RESPONSES = 100
+
+#: Lines for each decade between the limits of a range, besides those that the poles place.
+EACH_DECADE = 40
+
+#: Numbers of all deflection shapes; of larger models or more inputs fewer lines have one.
+MOST_NUMBERS = 150_000
+
+#: Lines with a deflection shape: neighbours look the same; peaks are among them in any case.
+MOST_SHAPES = 600
+
+#: A damping ratio below this is a rounding error.
+SMALLEST_RATIO = 1e-12
+
+INVERSES = ("dynamic stiffness", "impedance", "apparent mass")
+NOTHING = "–"
+HALF_POWER = "bandwidth: between the frequencies of half the power; damping ratio: bandwidth / (2 frequency)"
+NO_PEAKS = "There are none in this range."
+
+
+class Frequency(Analysis):
+    """Compute the frequency response: peaks, antiresonances, values, Bode plots.
+
+    The steady-state response to loads Re(f e^(i w t)). Omitted options are those of the table [frequency] of the scene, or chosen:
+    all prescribed motions or loaded coordinates, and frequencies placed by the poles, so that no peak is missed.
+    Writes NAME.frequency.html, .csv and .npz.
+    """
+
+    name = "frequency"
+    help = "Frequency response: peaks, antiresonances, Bode plots."
+    settings = FrequencyTable
+    options: ClassVar = {"inputs": "--input", "outputs": "--output"}
+    replaced: ClassVar = {"from": ("frequencies",), "to": ("frequencies",)}
+
+    def __init__(self, scene: SceneData, table: FrequencyTable | None = None):
+        self.scene, self.table = scene, table or scene.table.frequency or FrequencyTable()
+        self.axis_factor = AXIS_FACTORS[self.table.axis]  # the frequency of 1 Hz in the unit of the axis
+        self.is_inverse = self.table.quantity in INVERSES  # forces by motions
+        control = scene.equations.control
+        self.system: MechanicalSystem | None = None if control else scene.equations.system
+
+    @classmethod
+    def solve(cls, scene: SceneData, settings: FrequencyTable | None) -> Answer:  # type: ignore[override]
+        """The answer of any scene."""
+        return cls(scene, settings).to_answer()
+
+    @cached_property
+    def response(self) -> FrequencyResponse:
+        """H in SI at the frequencies.
+
+        Raises:
+            SceneError: unknown names, a quantity that does not fit, too many responses.
+        """
+        with at(self.scene.file_name, "frequency"):
+            return self.empty(self._lines())
+
+    @cached_property
+    def empty(self) -> FrequencyResponse:
+        """H without frequencies yet, but with its poles and peaks."""
+        table, equations = self.table, self.scene.equations
+        if self.system is not None:
+            inputs, outputs = self._inputs(), self._outputs()
+            if len(inputs) * len(outputs) > MOST_RESPONSES:
+                raise InputError(
+                    f"found {len(inputs)} inputs and {len(outputs)} outputs; expected at most {MOST_RESPONSES} pairs of them: "
+                    "name those of interest in inputs and outputs"
+                )
+            return self._of_system(inputs, outputs, table.quantity, relative_to=table.relative_to)
+        mechanical = [key for key in ("quantity", "modal_damping", "loss_factor", "relative_to") if key in table.model_fields_set]
+        if mechanical:
+            raise InputError(f"{mechanical[0]} belongs to models with mass, damping and stiffness; leave it out")
+        if equations.control is None:
+            return frequency_response(equations.polynomial_matrix, [], table.inputs, table.outputs)
+        if equations.control.system is not None:
+            return equations.control.system.frequency_response([], table.inputs, table.outputs)
+        control = equations.control
+        if given := [key for key in ("inputs", "outputs") if key in table.model_fields_set]:
+            raise InputError(f"{given[0]}: a transfer function has one input and one output; leave it out")
+        fraction = transfer_function_response(control.transfer_function.numerator, control.transfer_function.denominator, 1)
+        response = fraction.frequency_response([])
+        of_input, of_output = control.inputs.names, control.outputs.names
+        return replace(response, harmonic=replace(response.harmonic, input_names=of_input, output_names=of_output))
+
+    @cached_property
+    def largest(self) -> tuple[np.ndarray, np.ndarray]:
+        """The largest |H| of each entry in the range, at a peak or at an end, and its frequency in Hz, shape (outputs, inputs) each.
+
+        Of a range that the poles place, and of an entry without peak, the values are NaN.
+        """
+        empty, table = self.empty, self.table
+        ends = table.lines[[0, -1]] if not table.is_auto else [end for end in (table.lowest, table.highest) if end is not None]
+        limits = (min(ends), max(ends)) if len(ends) == 2 else (table.lowest or 0.0, table.highest or np.inf)
+        amplitudes, places = (np.full((len(empty.outputs), len(empty.inputs)), np.nan) for _ in range(2))
+        maxima = [(peak.output, peak.input, peak.frequency_hz, peak.amplitude) for peak in empty.peaks]
+        at_ends = empty(ends) if len(ends) else None
+        if at_ends is not None:
+            pairs = np.ndindex(at_ends.values.shape)
+            maxima += [(empty.outputs[i], empty.inputs[j], ends[k], float(np.abs(at_ends.values[i, j, k]))) for i, j, k in pairs]
+        for output, name, frequency, amplitude in maxima:
+            place = empty.outputs.index(output), empty.inputs.index(name)
+            if limits[0] <= frequency <= limits[1] and not amplitude <= amplitudes[place]:
+                amplitudes[place], places[place] = amplitude, frequency
+        return amplitudes, places
+
+    def coordinate_response(self) -> FrequencyResponse:
+        """The displacements of all coordinates of a mechanical system by the inputs, without frequencies yet."""
+        quantity = self.table.quantity if self.table.quantity == "transmissibility" else "receptance"
+        inputs = self.response.outputs if self.is_inverse else self.response.inputs
+        return self._of_system(list(inputs), list(self.system.names), quantity)
+
+    def _of_system(self, inputs: list[str], outputs: list[str], quantity: str, **options) -> FrequencyResponse:
+        damping = {"modal_damping": self.table.modal_damping, "loss_factor": self.table.loss_factor}
+        return self.system.frequency_response([], inputs, outputs, quantity, **damping, **options)
+
+    def _inputs(self) -> list[str]:
+        """Inputs of the table, or the prescribed motions, or the loaded coordinates, or all."""
+        table, scene = self.table, self.scene.table
+        if table.inputs is not None:
+            return table.inputs
+        names = [name for motion in scene.motion for name in motion.rows]
+        motions = [row.name for row in self.system.rows if row.name in names]
+        if table.quantity == "transmissibility":
+            if not (motions or self.system.rows):
+                raise InputError(
+                    "quantity: transmissibility is by a prescribed motion, and there is none: add a [[motion]] of the support"
+                )
+            return motions or [row.name for row in self.system.rows]
+        if motions and not self.is_inverse:
+            return motions
+        known = channels(self.system, "outputs" if self.is_inverse else "inputs")
+        loaded = [load.title for load in scene.force if load.title in known]
+        return list(dict.fromkeys(loaded)) or [name for name in self.system.names if name not in self._prescribed]
+
+    @property
+    def _prescribed(self) -> set[str]:
+        return {coordinate for motion in self.scene.table.motion for coordinate, _ in motion.rows.values()}
+
+    def _outputs(self) -> list[str]:
+        if self.table.outputs is not None:
+            return self.table.outputs
+        if self.table.quantity == "reaction":
+            if not self.system.rows:
+                raise InputError("quantity: reaction is the force of a constraint row, and there are none")
+            return [row.name for row in self.system.rows]
+        elements = self.system.elements
+        if self.table.quantity == "force":
+            return list(elements)
+        if self.is_inverse:
+            return self._inputs()
+        if self.system.named_directions("outputs"):  # of a robot
+            return list(self.system.named_directions("outputs"))
+        moving = [name for name in self.system.names if name not in self._prescribed] or list(self.system.names)
+        if self.table.quantity not in ("receptance", "transmissibility"):
+            return moving
+        shown = [one.of for one in self.scene.table.output.quantity if one.of in elements and one.quantity in (None, "force")]
+        return [*moving, *(name for name in dict.fromkeys(shown) if name not in self.system.names)]
+
+    def _lines(self) -> np.ndarray:
+        table = self.table
+        if not table.is_auto:
+            return table.lines
+        lines = frequencies_by_poles(self.empty.harmonic)
+        low = lines[0] if table.lowest is None else table.lowest
+        high = lines[-1] if table.highest is None else table.highest
+        if not low < high:
+            raise InputError(f"the poles place the frequencies from {lines[0]:g} to {lines[-1]:g} Hz; give both from and to")
+        start = low or min(lines[0], high / 1e3)
+        further = np.geomspace(start, high, int(EACH_DECADE * np.log10(high / start)) + 2)[1:-1]
+        further = further[(further < lines[0]) | (further > lines[-1])]
+        return np.unique([low, high, *further, *lines[(lines > low) & (lines < high)]])
+
+    @cached_property
+    def shown(self) -> tuple[np.ndarray, np.ndarray]:
+        """The units of the responses on the page, in tables and in CSV, and their factors, shape (outputs, inputs) each."""
+        units, response = self.scene.equations.coordinates.shown, self.response
+        pairs = [[units.of_ratio(unit) for unit in row] for row in response.units]
+        names, factors = (np.array([[pair[i] for pair in row] for row in pairs]) for i in (0, 1))
+        return names, factors.astype(float)
+
+    def _inside(self, features: Sequence[Any]) -> tuple[Any, ...]:
+        low, high = self.response.frequencies_hz[[0, -1]]
+        return tuple(one for one in features if low <= one.frequency_hz <= high)
+
+    @cached_property
+    def peaks(self) -> tuple[Peak, ...]:
+        """The peaks within the range, in SI, entry by entry."""
+        return self._inside(self.response.peaks)
+
+    @cached_property
+    def antiresonances(self) -> tuple[Antiresonance, ...]:
+        """The antiresonances within the range."""
+        return self._inside(self.response.antiresonances)
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """Notices on the response, and doubts about it."""
+        own = self.system.damping_notices() if self.system is not None else ()
+        loaded = {load.title for load in self.scene.table.force}
+        if len(loaded) > 1 and self.table.inputs is None and self.system is not None:
+            text = (
+                f"{', '.join(self.response.inputs)} are inputs one by one; loads at once of one signal are one input as a [[force]] with "
+                "factors, e.g. factors = { left = 1, right = -0.5 }"
+            )
+            own = (Notice(NoticeKind.OMITTED, text), *own)
+        return distinct(self.scene.notices, self.scene.equations.form_notices, own, self.response.notices)
+
+    def to_answer(self) -> Answer:
+        """The response in words, tables, plots and data."""
+        scene, response = self.scene, self.response
+        zeros = self._antiresonance_table()
+        return Answer(
+            "frequency",
+            scene.name,
+            scene.title,
+            scene.table.source,
+            tuple(self._facts()),
+            (self.peak_table(wide=False), *zeros),
+            self.notices,
+            self._data(),
+            self._plots,
+            lambda: {"": dict(self._columns())},
+            lambda: arrays_of(response),
+            scene.heading,
+            on_page=lambda: {"tables": (self.peak_table(), *zeros), "animation": self.deflections()},
+        )
+
+    def _facts(self) -> Iterator[tuple[str, str]]:
+        """Quantity, inputs and outputs, and frequencies."""
+        response, table = self.response, self.table
+        low, high = (f"{self.axis_factor * f:.4g}" for f in response.frequencies_hz[[0, -1]])
+        how = "placed by the poles" if table.is_auto else f"{table.spacing} steps" if table.frequencies is None else "as given"
+        count = counted(len(response.frequencies_hz), "frequency", "frequencies")
+        yield "quantity", response.quantity
+        yield "inputs", ", ".join(response.inputs)
+        yield "outputs", ", ".join(response.outputs)
+        yield "frequencies", f"{low} to {high} {table.axis}, {count}, {how}"
+        yield "error estimate", f"{self._error:.2g} of each value"
+        if response.rigid_body.any():
+            yield "rigid body", "the responses contain 1/s², motion that nothing restores"
+
+    @property
+    def _error(self) -> float:
+        errors = self.response.error_estimate
+        return float(errors[np.isfinite(errors)].max(initial=0.0))
+
+    def _entry(self, output: str, input: str) -> tuple[str, ...]:
+        return (output, input) if len(self.response.inputs) > 1 else (output,)
+
+    def peak_table(self, wide: bool = True) -> TextTable:
+        """Frequency, amplitude, bandwidth, damping ratio and phase of the peaks, entry by entry; narrow for a terminal."""
+        unit, rows = self.table.axis, tuple(map(self._peak_row, self.peaks))
+        columns = (f"frequency ({unit})", "amplitude", f"bandwidth ({unit})", "damping ratio", "phase (°)")
+        columns = columns if wide else (unit, "amplitude", "bandwidth", "damping", "phase (°)")
+        title = f"Peaks of the {self.response.quantity}"
+        table = TextTable(title, (*self._entry("output", "input"), *columns), rows, HALF_POWER if rows else NO_PEAKS)
+        return limited(table, MOST_ROWS_OF_PAGE)
+
+    def _peak_row(self, peak: Peak) -> tuple[str, ...]:
+        units, factors = self.shown
+        place = self.response.outputs.index(peak.output), self.response.inputs.index(peak.input)
+        amplitude, unit = float(factors[place]) * peak.amplitude, str(units[place])
+        size = f"{amplitude:.4g}" if np.isfinite(amplitude) else "infinite"
+        width, ratio = peak.bandwidth_hz, _half_power_ratio(peak)
+        return (
+            *self._entry(peak.output, peak.input),
+            f"{self.axis_factor * peak.frequency_hz:.5g}",
+            size if unit == "1" or size == "infinite" else f"{size} {unit}",
+            NOTHING if width is None else f"{self.axis_factor * width:.4g}",
+            NOTHING if ratio is None else f"{ratio:.4g}",
+            f"{float(np.degrees(peak.phase)) + 0.0:.1f}",
+        )
+
+    def _antiresonance_table(self) -> tuple[TextTable, ...]:
+        """Frequency and damping ratio of the antiresonances; no table where there are none."""
+        rows = []
+        for zero in self.antiresonances:
+            ratio = zero.damping_ratio if abs(zero.damping_ratio) > SMALLEST_RATIO else 0.0
+            rows.append((*self._entry(zero.output, zero.input), f"{self.axis_factor * zero.frequency_hz:.5g}", f"{ratio:.4g}"))
+        columns = (*self._entry("output", "input"), f"frequency ({self.table.axis})", "damping ratio")
+        return (TextTable("Antiresonances", columns, tuple(rows)),) if rows else ()
+
+    def _data(self) -> dict:
+        response, f = self.response, self.response.frequencies_hz
+        return {
+            "source": self.scene.table.source,
+            "quantity": response.quantity,
+            "inputs": response.inputs,
+            "outputs": response.outputs,
+            "units": response.units,
+            "frequencies": {"from": f[0], "to": f[-1], "count": len(f)},
+            "peaks": [
+                {**_entries(peak, "amplitude", "bandwidth_hz", "phase"), "damping_ratio": _half_power_ratio(peak)}
+                for peak in self.peaks
+            ],
+            "antiresonances": [_entries(zero, "damping_ratio") for zero in self.antiresonances],
+            "poles": [{"real": pole.real, "imaginary": pole.imag} for pole in response.poles],
+            "poles_on_lines": [{"frequency_hz": one.frequency_hz, "order": one.pole.order} for one in response.poles_on_lines],
+            "error_estimate": self._error,
+        }
+
+    def _columns(self) -> Iterator[tuple[str, np.ndarray]]:
+        """The values in the units shown."""
+        response, (units, factors) = self.response, self.shown
+        yield "frequency (Hz)", response.frequencies_hz
+        values = response.values * factors[:, :, None]
+        for i, j in np.ndindex(values.shape[:2]):
+            name = f"{response.outputs[i]}/{response.inputs[j]} ({units[i, j]})"
+            yield f"real {name}", values[i, j].real
+            yield f"imag {name}", values[i, j].imag
+
+    def _plots(self) -> tuple[Plot, ...]:
+        table, names = self.table, self.scene.equations.coordinates.names
+        colors = tuple(names.index(name) if name in names else i for i, name in enumerate(self.response.outputs))
+        unwrapped = table.phase == "unwrapped"
+        look = ResponseLook(tuple(table.plots), table.amplitude, unwrapped, table.axis, self.axis_factor, colors)
+        return frequency_plots(self.response, look, *self.shown)
+
+    def deflections(self) -> Deflections | None:
+        """Shapes of all coordinates at each frequency under a unit of an input; None where the model has no places, or nothing to draw."""
+        system, scene = self.system, self.scene
+        if system is None or not scene.table.output.animation:
+            return None
+        response = self.coordinate_response()
+        lines = self._lines_with_shapes(response)
+        if len(lines) < 2:
+            return None
+        H = np.moveaxis(response(lines).values, 0, 2)  # inputs, lines, coordinates
+        if not H.any():
+            return None
+        if scene.equations.robot_scene:
+            robot = LinearRobot(scene.equations.robot_scene, scene.table.drawing)
+            drawing, factors = robot.drawing, robot.factors(H)
+        else:
+            sizes = np.abs(H).max(axis=2)
+            normed = H / np.where(sizes > 0, sizes, 1.0)[:, :, None]  # as of a mode, whose largest entry is 1
+            swinging = ShapeDrawing(scene, list(normed.reshape(-1, H.shape[2])))
+            drawing, rows = swinging.drawing, zip(normed, sizes)
+            factors = np.array([[swinging.amplitude(shape) / size if size else 1.0 for shape, size in zip(*row)] for row in rows])
+        sources = [0 if self.is_inverse else self.response.inputs.index(peak.input) for peak in self.peaks]
+        return Deflections(
+            drawing,
+            scene.equations.coordinates.names,
+            tuple(_unit_text(system, name, self.table.quantity) for name in response.inputs),
+            self.table.axis,
+            self.axis_factor * lines,
+            1 / lines,
+            H * factors[:, :, None],
+            factors,
+            tuple((self.axis_factor * peak.frequency_hz, source) for peak, source in zip(self.peaks, sources)),
+        )
+
+    def _lines_with_shapes(self, response: FrequencyResponse) -> np.ndarray:
+        """Frequencies in Hz, those of the response and all peaks, no more than can be stored, none at a pole."""
+        given = self.response.frequencies_hz
+        given = given[given > 0]
+        low, high = given[[0, -1]] if len(given) else (1.0, 1.0)
+        placed = frequencies_by_poles(response.harmonic, with_peaks=False)
+        lines = np.union1d(given, placed[(placed > low) & (placed < high)])
+        most = max(2, min(MOST_SHAPES, MOST_NUMBERS // (len(response.inputs) * len(response.outputs))))
+        lines = lines[np.unique(np.linspace(0, len(lines) - 1, min(most, len(lines))).astype(int))] if len(lines) else lines
+        peaks = [peak.frequency_hz for peak in self.peaks if np.isfinite(peak.amplitude) and peak.frequency_hz > 0]
+        lines = np.union1d(lines, peaks)
+        return np.setdiff1d(lines, [one.frequency_hz for one in response(lines).poles_on_lines])
+
+
+def _entries(feature: Peak | Antiresonance, *keys: str) -> dict[str, Any]:
+    return {key: getattr(feature, key) for key in ("output", "input", "frequency_hz", *keys)}
+
+
+def _half_power_ratio(peak: Peak) -> float | None:
+    """The damping ratio by the half-power bandwidth; None where there is no bandwidth."""
+    return None if peak.bandwidth_hz is None else peak.bandwidth_hz / (2 * peak.frequency_hz)
+
+
+def _unit_text(system: MechanicalSystem, name: str, quantity: str) -> str:
+    """Text of a unit input, such as "1 N on cart" or "1 m of motion of road"."""
+    channel = channels(system, "inputs")[name]
+    if channel is None or channel.row is None:
+        return f"1 {force_unit(channel.unit) if channel else ''} on {name}"
+    order = 0 if quantity == "transmissibility" else system.rows[channel.row].order
+    return f"1 {rate_unit(channel.unit, order)} of {name}"
