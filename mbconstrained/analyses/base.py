@@ -53,6 +53,7 @@ class Answer(Displayed):
         most_rows: rows of each table on the terminal; None for all.
         on_page: parts of the page that differ or are not here, such as a motion or shapes to draw, a function as the plots.
         keys: parts of the plain data besides title and data.
+        text: the whole answer as a text of its own, such as source code, in the place of files.
     """
 
     kind: str
@@ -72,6 +73,7 @@ class Answer(Displayed):
     most_rows: int | None = MOST_ROWS
     on_page: Callable[[], Mapping[str, Any]] = dict
     keys: tuple[str, ...] = ("notices", "trusted", "files")
+    text: str = ""
 
     @property
     def is_trusted(self) -> bool:
@@ -134,7 +136,7 @@ class Answer(Displayed):
         from ..page.html import write_page
         from ..page.plots.images import plot_image, plot_images
 
-        stem, chosen, before = f"{self.name}.{self.kind}", set(formats), len(files.paths)
+        stem, chosen, before = ".".join(filter(None, (self.name, self.kind))), set(formats), len(files.paths)
         content = self.page() if chosen & {"page", "pictures", "images"} else None
         folder.mkdir(parents=True, exist_ok=True)
         for part, columns in self.columns().items() if "csv" in chosen else ():
@@ -172,7 +174,7 @@ class Analysis:
         settings: a table of the scene, whose entries are the options of the command.
         options: names of options that differ from their entries, by entry; None for entries without an option. Lists and tables are
             options, which may be repeated, where they are named here.
-        formats: written formats; none for those of [output] in the scene.
+        formats: written formats; none for those of [output] in the scene; "text" alone for a text that is printed as it is.
         progress: what a bar counts, such as "generations"; "steps" for a line with the name of each step; empty for short work.
         without_scene: options of the answer without a scene, given by ``answer_without_scene``.
         replaced: entries of the table that a given one replaces, by its name.

@@ -27,9 +27,8 @@ def main() -> None:
 @cache
 def application() -> typer.Typer:
     """The application with all commands, in the order of the help."""
-    from . import campbell, compare, new
+    from . import new
     from .commands import app
 
-    for module in (compare, campbell, new):
-        module.add_to(app)
+    new.add_to(app)
     return app

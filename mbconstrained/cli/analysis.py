@@ -5,9 +5,10 @@ from __future__ import annotations
 import inspect
 import typing
 from contextlib import nullcontext
+from json import dumps
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 from typer.core import TyperGroup
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from ..scene.schema.scene_schema import OutputTable
 
 Plots = Annotated[bool, typer.Option("--plots", help="Write the plots as SVG and PNG too.")]
+File = Annotated[str, typer.Option("--out", metavar="FILE", help="Write into a file instead of printing.")]
 Source = Annotated[str, typer.Argument(metavar="SCENE|RECORD", help="A scene, a .toml; or a file with an acceleration over time.")]
 OptionalScene = Annotated[str, typer.Argument(metavar="SCENE", help="The scene file, a .toml; left out: the gallery.")]
 
@@ -61,11 +63,12 @@ class Commands(TyperGroup):
         """The command of this name, or None."""
         if cmd_name not in ANALYSES:
             return super().get_command(ctx, cmd_name)
-        analysis, alone = (
-            load(cmd_name),
-            typer.Typer(add_completion=False, rich_markup_mode=None, context_settings=dict(self.context_settings)),
-        )
-        alone.command(analysis.name, short_help=analysis.help)(command(analysis))
+        from . import compare
+
+        analysis = load(cmd_name)
+        alone = typer.Typer(add_completion=False, rich_markup_mode=None, context_settings=dict(self.context_settings))
+        function_of = compare.command if hasattr(analysis, "of_runs") else command
+        alone.command(analysis.name, short_help=analysis.help)(function_of(analysis))
         return typer.main.get_command(alone)
 
 
@@ -83,20 +86,24 @@ def command(analysis: type[Analysis]):
         "settings": (Settings, None),
         "json": (Json, False),
     }
+    if is_text := analysis.formats == ("text",):
+        common = {"out": (File, ""), "settings": (Settings, None), "json": (Json, False)}
 
-    def run(source: str, out: str, shared_viewer: bool, compress: bool, settings, json: bool, **given) -> None:
+    def run(source: str, out: str, settings, json: bool, shared_viewer: bool = False, compress: bool = False, **given) -> None:
         page, plots = given.pop("page", None), given.pop("plots", False)
         if out and page is False:
             raise typer.BadParameter("only the page is written; give --page too", param_hint="--out")
         reading = {key: given.pop(key) or None for key in RECORD} if reads_records else {}
         chosen = {key: _value(given[f"{key}_"], *entry[:2]) for key, entry in entries.items() if _is_given(given[f"{key}_"])}
         viewer: Any = viewer_of(shared_viewer, compress)
+        json = json or (is_text and "json" in chosen.values())
 
         def work(scene) -> int:
             folder = Path(out or Path("results") / (scene.name if scene else "gallery"))
             if not analysis.progress:
                 return write(analysis.answer(scene, **chosen), scene.table.output)
-            _check_writable(folder)  # before hours of computation
+            if not is_text:
+                _check_writable(folder)  # before hours of computation
             try:
                 with _progress(analysis.progress) as progress:
                     one = analysis.answer(scene, progress, **chosen) if scene else analysis.answer_without_scene(progress, **chosen)
@@ -104,7 +111,17 @@ def command(analysis: type[Analysis]):
                 if not problem.args:
                     raise
                 return show_error(str(problem), json, INTERRUPTED)
+            if is_text:
+                return write_text(one, scene)
             return write(one, scene.table.output if scene else None)
+
+        def write_text(one: Answer, scene) -> int:
+            text = dumps(one.to_dict(), indent=2, allow_nan=False, ensure_ascii=False) if json else one.text
+            if out:
+                _write(Path(out), text + "\n", scene.path)
+            else:
+                show_text(text)
+            return FINE
 
         def write(one: Answer, output: OutputTable | None) -> int:
             from ..analyses.base import formats_of
@@ -116,7 +133,7 @@ def command(analysis: type[Analysis]):
             show(json, lambda: one.to_dict(files), lambda: one.blocks(files))
             return FINE if one.is_trusted else NOT_TRUSTED
 
-        from .printing import show, show_error
+        from .printing import show, show_error, show_text
 
         if not source:
             if settings:
@@ -148,7 +165,12 @@ def command(analysis: type[Analysis]):
 
 
 def _entries(analysis: type[Analysis]):
-    """Option, kind, help and bounds of each setting; tables and lists where the analysis names an option for them."""
+    """Option, kind, help and bounds of each setting; tables and lists where the analysis names an option for them.
+
+    Entries of a table of the scene have no bounds here: what is wrong with them is wrong in the scene.
+    """
+    from ..scene.schema.scene_schema import SceneFile
+
     for name, field in analysis.settings.model_fields.items() if analysis.settings else ():
         key, kinds = field.alias or name, set(typing.get_args(field.annotation)) - {type(None)} or {field.annotation}
         origins = {typing.get_origin(kind) for kind in (*kinds, field.annotation)}
@@ -157,9 +179,12 @@ def _entries(analysis: type[Analysis]):
         if flag is not None:
             bounds = {end: getattr(one, name) for one in field.metadata for name, end in _BOUNDS.items() if hasattr(one, name)}
             is_number = len(bounds) == len(field.metadata)  # others are texts with units
-            names = tuple if several is list and list[Any] not in (*kinds, field.annotation) else None
-            kind = names or several or next((one for one in (bool, int, float) if kinds == {one} and is_number), str)
-            yield key, (flag, kind, field.description or "", bounds if kind in (int, float) else {})
+            items = (typing.get_args(one)[0] for one in (*kinds, field.annotation) if typing.get_origin(one) is list)
+            names = tuple if any(str in (item, *typing.get_args(item)) for item in items) else None
+            choice = field.annotation if typing.get_origin(field.annotation) is Literal else None
+            kind = names or several or choice or next((one for one in (bool, int, float) if kinds == {one} and is_number), str)
+            checked = bounds if kind in (int, float) and analysis.name not in SceneFile.model_fields else {}
+            yield key, (flag, kind, field.description or "", checked)
 
 
 #: Bounds of numbers, as pydantic and typer name them.
@@ -171,6 +196,8 @@ def _option(flag: str, kind, text: str, bounds=None):
         return Annotated[bool, typer.Option(flag, help=text)], False
     if kind in _SEVERAL:
         return Annotated[list[str] | None, typer.Option(flag, metavar=_SEVERAL[kind], help=f"{text} May be repeated.")], None
+    if typing.get_origin(kind) is Literal:
+        return Annotated[kind | None, typer.Option(flag, help=text)], None
     if kind in (int, float):
         return Annotated[kind | None, typer.Option(flag, metavar="N", help=text, **bounds)], None
     return Annotated[str, typer.Option(flag, metavar=kind if isinstance(kind, str) else "VALUE", help=text)], ""
@@ -190,6 +217,8 @@ def _value(given, flag: str, kind):
 
     if kind is tuple:
         return [name for text in given for name in several_values(f"={text}")]
+    if kind is list:
+        return [value_of(text) for text in given]
     if kind is not dict:
         return value_of(given) if isinstance(given, str) else given
     pairs: dict[str, Any] = {}
@@ -219,3 +248,18 @@ def _of_record(analysis, path: Path, chosen: dict, reading: dict):
     column, step = reading["column"], reading["step"]
     own = {**reading, "step": quantity(step, "s") if step else None, "column": int(column) if (column or "").isdigit() else column}
     return analysis.of_record(path, analysis.changed(None, chosen, path.name), **own), OutputTable()
+
+
+def _write(path: Path, text: str, scene: Path) -> None:
+    from ..ground.errors import InputError
+    from ..ground.files import replacing
+
+    path = path.resolve()  # a link stays, the file that it leads to is replaced
+    if path.exists() and path.samefile(scene):
+        raise InputError(f"--out: {path.name} is the scene itself; give another file")
+    if path.exists() and not path.is_file():  # a terminal or another device is written to
+        path.write_text(text, encoding="utf-8")
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")

@@ -1,9 +1,7 @@
-"""The commands run, plan, check and formula; each imports what it needs when it is called."""
+"""The commands run, plan and check; each imports what it needs when it is called."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,10 +11,7 @@ from .analysis import Commands
 from .answer import FINE, NOT_TRUSTED, Compress, Json, Out, ScenePath, Settings, SharedViewer, answer, viewer_of
 
 if TYPE_CHECKING:
-    from ..exact.closed_form import ClosedForm
     from ..scene.run.scene import Scene
-
-LONGEST_WORK = 86400.0  # s, that anybody waits for a formula
 
 HELP = """Closed-form motion of constrained mechanical systems, from a scene file to an animated page.
 
@@ -198,80 +193,3 @@ def _moment(still: str) -> float | None:
     if browser() is None:
         raise typer.BadParameter(f"{NONE_INSTALLED}; install one, or leave it out", param_hint="--still")
     return time
-
-
-class As(StrEnum):
-    """Format of a formula."""
-
-    TEXT, LATEX, PYTHON, C, JSON = "text", "latex", "python", "c", "json"
-
-
-@app.command("formula", short_help="The formula of each coordinate, with parameters as symbols.")
-def _formula(
-    scene: ScenePath,
-    kind: Annotated[As, typer.Option("--as", help="Output format.")] = As.TEXT,
-    numbers: Annotated[
-        bool, typer.Option("--numbers", help="Insert the default values of the parameters, write decimals.")
-    ] = False,
-    digits: Annotated[int | None, typer.Option("--digits", min=2, max=30, help="Digits of decimals with --numbers; 6.")] = None,
-    coordinates: Annotated[str, typer.Option("--coordinates", metavar="A,B", help="Only these coordinates.")] = "",
-    out: Annotated[str, typer.Option("--out", metavar="FILE", help="Write into a file instead of printing.")] = "",
-    seconds: Annotated[float, typer.Option("--seconds", min=1.0, max=LONGEST_WORK, help="Time limit in s.")] = 120.0,
-    settings: Settings = None,
-    json: Json = False,
-) -> None:
-    """Print the formula of each coordinate: text, LaTeX, a function of Python (NumPy) or C, or plain data (JSON).
-
-    The [parameters] of the scene are symbols in it; all other numbers are the decimals that they are written as."""
-    names = [name.strip() for name in coordinates.split(",") if name.strip()]
-    kind = As.JSON if json else kind
-    written = (kind.value, numbers, digits, names, out, seconds)
-    answer(scene, kind is As.JSON, lambda loaded: _show_formula(loaded, *written), settings)
-
-
-def _show_formula(
-    scene: Scene, kind: str, numbers: bool, digits: int | None, coordinates: Sequence[str], out: str, seconds: float
-) -> None:
-    """The formula of a scene, printed or written into a file.
-
-    Raises:
-        InputError: there is no such formula, digits without numbers.
-        OSError: the file cannot be written.
-    """
-    from ..ground.errors import InputError
-    from ..scene.run.formula import DIGITS, formula_of, written
-    from .printing import show_text, step_progress
-
-    if digits is not None and not numbers:
-        raise InputError("--digits is of the decimals with --numbers; add --numbers")
-    with step_progress() as progress:
-        form = formula_of(scene, numbers=numbers, coordinates=coordinates or None, seconds=seconds, progress=progress)
-    text = written(form, kind, (digits or DIGITS) if numbers else None)
-    if kind == "text":
-        text = "\n\n".join(filter(None, [form.title, text, _notes(form, scene)]))
-    if out:
-        _write(Path(out), text + "\n", scene.path)
-    else:
-        show_text(text)
-
-
-def _notes(form: ClosedForm, scene: Scene) -> str:
-    from ..scene.run.formula import parameters_text
-
-    notices = [str(notice) for notice in scene.notices]
-    return "\n".join(filter(None, [parameters_text(form), form.step_note, *notices]))
-
-
-def _write(path: Path, text: str, scene: Path) -> None:
-    from ..ground.errors import InputError
-    from ..ground.files import replacing
-
-    path = path.resolve()  # a link stays, the file that it leads to is replaced
-    if path.exists() and path.samefile(scene):
-        raise InputError(f"--out: {path.name} is the scene itself; give another file")
-    if path.exists() and not path.is_file():  # a terminal or another device is written to
-        path.write_text(text, encoding="utf-8")
-        return
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 from collections.abc import Iterator, Sequence
 from itertools import product
@@ -26,45 +27,23 @@ Values = Annotated[
 Folder = Annotated[str, typer.Option("--out", metavar="DIR", help="Folder to write into; results/compare by default.")]
 
 
-def add_to(app: typer.Typer) -> None:
-    """Give the command line the command."""
-    app.command("compare", short_help="Run scenes, or one with several values, and overlay their curves.")(_compare)
+def command(analysis):
+    """The function that typer makes a command of."""
 
+    def run(scenes: Scenes, out: Folder = "", settings: Values = None, json: Json = False) -> None:
+        def work() -> int:
+            from .printing import show
 
-def _compare(scenes: Scenes, out: Folder = "", settings: Values = None, json: Json = False) -> None:
-    """Run several scenes, or one with several values of parameters, and draw each quantity of all runs in one plot.
+            folder = Path(out or Path("results") / analysis.name)
+            one, files = analysis.of_runs(dict(_runs(scenes, settings or ())), folder)
+            files += one.write(folder, analysis.formats)
+            show(json, lambda: one.to_dict(files), lambda: one.blocks(files))
+            return FINE if one.is_trusted else NOT_TRUSTED
 
-    With --set zeta=0.02,0.13 each scene is run with both values. Every run writes its files into a folder of its own name inside
-    the output folder, and compare.html has the common plots, at the times of the first run."""
-    folder = Path(out or Path("results") / "compare")
-    leave(", ".join(Path(path).name for path in scenes), json, lambda: _compared(scenes, settings or (), folder, json))
+        leave(", ".join(Path(path).name for path in scenes), json, work)
 
-
-def _compared(paths: Sequence[str], settings: Sequence[str], folder: Path, json: bool) -> int:
-    from ..page.html import write_page
-    from ..scene.run.report.comparison import comparison, comparison_table
-    from .printing import show
-
-    scenes = dict(_runs(paths, settings))
-    first = next(iter(scenes.values())).table.time
-    results = []
-    for label, scene in scenes.items():
-        table = scene.table.model_copy(update={"time": first})
-        results.append(_replaced(scene, table).run(folder / label))
-    page = write_page(folder / "compare.html", comparison(list(scenes), results))
-    files = [*(path for result in results for path in result.files), page]
-    table = comparison_table(list(scenes), results)
-    trusted = all(result.is_trusted for result in results)
-    data = {"runs": {label: result.as_json() for label, result in zip(scenes, results)}, "files": [str(path) for path in files]}
-    written = "\n".join(["Written", *(f"  {path}" for path in files)])
-    show(json, lambda: {**data, "trusted": trusted}, lambda: [table, written])
-    return FINE if trusted else NOT_TRUSTED
-
-
-def _replaced(scene: Scene, table) -> Scene:
-    from dataclasses import replace
-
-    return replace(scene, table=table)
+    run.__doc__, run.__name__ = inspect.getdoc(analysis), analysis.name
+    return run
 
 
 def _runs(paths: Sequence[str], settings: Sequence[str]) -> Iterator[tuple[str, Scene]]:

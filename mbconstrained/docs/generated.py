@@ -116,7 +116,7 @@ def _references(field, repeats: bool = False) -> Iterator[tuple[str, bool]]:
 
 #: The rooms in the order in which they import each other.
 ROOMS = (
-    "ground exchange linalg signals polynomial exact response frequency papers control mechanics models robot page scene analyses studies cli"
+    "ground exchange linalg signals polynomial exact response frequency papers control mechanics models robot page scene analyses cli"
 ).split()
 
 

@@ -106,20 +106,20 @@ class Guide:
     Attributes:
         name: next to the end; an empty string for none.
         start, end: two of its points.
-        is_limit: whether it is drawn as a limit, not as a line of the grid.
+        kind: how it is drawn: as a line of the grid, as a line with a meaning of its own, or as a limit.
     """
 
     name: str
     start: tuple[float, float]
     end: tuple[float, float]
-    is_limit: bool = False
+    kind: Literal["grid", "line", "limit"] = "grid"
 
     def ends(self, across: Axis, up: Axis) -> tuple[tuple[float, float], tuple[float, float]] | None:
         """End points of the line in the picture, as fractions of both axes from the left and from below; None where it is outside.
 
         >>> axis = axis_of(0.0, 10.0)
-        >>> Guide("twice", (0.0, 0.0), (10.0, 20.0)).ends(axis, axis)
-        ((0.0, 0.0), (0.5, 1.0))
+        >>> np.round(Guide("twice", (0.0, 0.0), (10.0, 20.0)).ends(axis, axis), 6).tolist()
+        [[0.0, 0.0], [0.5, 1.0]]
         """
         first, last = np.array([[axis.fractions(value) for axis, value in zip((across, up), at)] for at in (self.start, self.end)])
         step = last - first
@@ -132,6 +132,10 @@ class Guide:
             return None
         (a, b), (c, d) = (np.clip(first + share * step, 0.0, 1.0).tolist() for share in (low, high))
         return (a, b), (c, d)
+
+
+#: Shapes of marks.
+Shape = Literal["circle", "cross", "diamond"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +153,7 @@ class Marks:
     name: str
     points: np.ndarray
     texts: tuple[str, ...] = ()
-    shape: Literal["circle", "cross", "diamond"] = "circle"
+    shape: Shape = "circle"
     curve: int | None = None
 
 

@@ -14,7 +14,7 @@ from tests.audits.source import FILES, MODULES, expect_none, imports, room, tree
 LAYERS = (
     *("ground", "exchange", "linalg", "signals", "polynomial", "exact", "response", "frequency", "papers"),  # arrays in, arrays out
     *("control", "mechanics", "models", "robot"),
-    *("page", "scene", "analyses", "studies", "cli", "docs", "__main__"),
+    *("page", "scene", "analyses", "cli", "docs", "__main__"),
 )
 LAYER = {name: number for number, name in enumerate(LAYERS)}
 
@@ -31,7 +31,7 @@ HEAVY = {
     "meshcat": {"page"},
     "sympy": {"exact"},
     "flint": {"exact", "frequency", "linalg"},
-    "matplotlib": {"frequency", "page", "analyses", "studies"},
+    "matplotlib": {"frequency", "page", "analyses"},
     "pydantic": {"scene", "analyses"},
     "pint": {"ground"},
     "typer": {"cli", "docs"},

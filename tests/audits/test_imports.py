@@ -93,7 +93,7 @@ def test_check_and_plan_load_what_reading_the_scene_needs(tmp_path, command, sce
 
 
 def test_importing_leaves_out_robots_pages_exact_answers_and_reports():
-    parts = ("robot", "page", "exact", "studies", "scene.schema")
+    parts = ("robot", "page", "exact", "analyses", "scene.schema")
     script = f"import mbconstrained, sys; print(*[part for part in {parts} if 'mbconstrained.' + part in sys.modules])"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == ""

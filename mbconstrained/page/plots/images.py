@@ -10,7 +10,7 @@ import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -169,10 +169,10 @@ def _draw(figure: Figure, plot: Plot, curves: tuple[Curve, ...], columns: int) -
     for guide in plot.guides:
         if ends := guide.ends(across, up):
             (line,) = axes.plot(*zip(*ends), transform=axes.transAxes, scalex=False, scaley=False)
-            if guide.is_limit:
-                line.set(color=RED, linewidth=0.9, zorder=1.5)
-            else:
+            if guide.kind == "grid":
                 line.set(color=LINE, linewidth=0.5, linestyle="--", zorder=0.8)
+            else:
+                line.set(color=RED if guide.kind == "limit" else MUTED, linewidth=0.9, zorder=1.5, clip_on=False)
             x, y = ends[1]
             text = axes.text(x, y, guide.name, color=MUTED, fontsize=6.5, transform=axes.transAxes)
             text.set(ha="left" if x < LEAST_SHARE else "right", va="bottom" if y < LEAST_SHARE else "top")
@@ -184,7 +184,14 @@ def _draw(figure: Figure, plot: Plot, curves: tuple[Curve, ...], columns: int) -
             color = INK if marks.curve is None else PALETTE[(curves[marks.curve].color or 0) % len(PALETTE)]
             label = marks.name if marks.name not in named else ""
             named.add(marks.name)
-            style = {"marker": _MARKERS[marks.shape], "linestyle": "none", "markersize": 4, "label": label or "_"}
+            style: dict[str, Any] = {
+                "marker": _MARKERS[marks.shape],
+                "linestyle": "none",
+                "markersize": 4,
+                "label": label or "_",
+                "clip_on": False,
+                "zorder": 3,
+            }
             axes.plot(*marks.points.T, color=color, markerfacecolor="white", **style)
     if 0.0 in up.ticks:
         axes.axhline(0.0, color=LINE, linewidth=0.8, zorder=0.9)

@@ -166,8 +166,8 @@ def _svg(plot: Plot) -> str:
     )
     right, upwards = map(html.escape, axis_titles(plot, across.exponent, up.exponent))
     elements = [
-        *_guides(plot, across, up),
         f'<g class="ticks">\n{_grid(across, up, height)}\n{_guide_names(plot, across, up, height)}</g>',
+        *_guides(plot, across, up),
         f'<text x="50%" y="{height + 38}" text-anchor="middle">{right}</text>',
         f'<text transform="translate(-58 {height // 2}) rotate(-90)" text-anchor="middle">{upwards}</text>',
     ]
@@ -242,7 +242,7 @@ def _guides(plot: Plot, across: Axis, up: Axis) -> list[str]:
         if ends := guide.ends(across, up):
             (a, b), (c, d) = ends
             data = f"M{CELLS * a:.0f} {CELLS * (1 - b):.0f}L{CELLS * c:.0f} {CELLS * (1 - d):.0f}"
-            lines.append(f'<path class="guide{" limit" * guide.is_limit}" d="{data}"/>')
+            lines.append(f'<path class="guide {guide.kind}" d="{data}"/>')
     if not lines:
         return []
     return [f'<svg class="guides" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">{"".join(lines)}</svg>']
@@ -254,9 +254,9 @@ def _guide_names(plot: Plot, across: Axis, up: Axis, height: int) -> str:
     for guide in plot.guides:
         if guide.name and (ends := guide.ends(across, up)):
             x, y = ends[1]
-            down, anchor = min(height * (1 - y) + 11, height - 3), "start" if x < LEAST_SHARE else "end"
-            name = html.escape(guide.name)
-            texts.append(f'<text class="guide-name" x="{100 * x:.2f}%" y="{down:.1f}" text-anchor="{anchor}">{name}</text>\n')
+            down, (anchor, away) = min(height * (1 - y) + 11, height - 3), ("start", 4) if x < LEAST_SHARE else ("end", -4)
+            place = f'x="{100 * x:.2f}%" y="{down:.1f}" dx="{away}" text-anchor="{anchor}"'
+            texts.append(f'<text class="guide-name" {place}>{html.escape(guide.name)}</text>\n')
     return "".join(texts)
 
 
@@ -333,7 +333,7 @@ def _legend(plot: Plot, functions: PlotFunctions) -> str:
                 data += f' data-parts="{ends}"'
         rows.append(f"<li{data}>{entry}</li>")
     rows += [
-        f'<li class="of-marks"><svg width="26" height="12" viewBox="-13 -6 26 12" aria-hidden="true">{_mark(plot, marks)}</svg>'
+        f'<li class="of-marks"><svg width="26" height="12" viewBox="-13 -6 26 12" aria-hidden="true">{_mark(plot, replace(marks, curve=None))}</svg>'
         f"<span>{html.escape(marks.name)}</span></li>"
         for marks in {marks.name: marks for marks in plot.marks if marks.name}.values()
     ]

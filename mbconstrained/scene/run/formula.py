@@ -135,19 +135,3 @@ def formulas_on_page(form: ClosedForm) -> Formulas:
     digits = None if form.parameters or all(value.count_ops() <= SHORT for value in form.values) else DIGITS
     notes = [parameters_text(form), "" if digits is None else f"Numbers to {digits} digits.", form.step_note]
     return Formulas("Formula", mathml(form, digits=digits), " ".join(filter(None, notes)))
-
-
-def written(form: ClosedForm, kind: str, digits: int | None = None) -> str:
-    """The formula in a language."""
-    from ...exact.formula_printers import formula_text, latex
-    from ...exact.source_code import c_source, python_source
-
-    if kind == "json":
-        import json
-
-        from ...exact.formula_printers import records
-
-        return json.dumps(records(form, digits), indent=2, allow_nan=False, ensure_ascii=False)
-    if kind in ("python", "c"):
-        return {"python": python_source, "c": c_source}[kind](form).rstrip("\n")
-    return {"text": formula_text, "latex": latex}[kind](form, digits=digits)

@@ -183,7 +183,11 @@ def test_curves_of_a_complex_plane_have_their_own_values_along_both_axes():
 
 
 def test_guides_bands_and_marks_are_where_they_belong():
-    guides = (Guide("1×", (0.0, 0.0), (10.0, 20.0)), Guide("outside", (0.0, 30.0), (10.0, 30.0)), Guide("", (5, 0), (5, 10), True))
+    guides = (
+        Guide("1×", (0.0, 0.0), (10.0, 20.0)),
+        Guide("outside", (0.0, 30.0), (10.0, 30.0)),
+        Guide("", (5, 0), (5, 10), "limit"),
+    )
     marks = (Marks("critical speed", np.array([[5.0, 7.5]]), ("at 5",)), Marks("", np.array([[10.0, 0.0]]), shape="cross", curve=0))
     plot = Plot(
         "p", "m", TIMES, (Curve("c", TIMES),), guides=guides, marks=marks, bands=((2.0, 4.0),), includes=(-10.0,), is_large=True

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mbconstrained.page.content import Curve, PageContent, Plot, TimeFunctions
+from mbconstrained.page.content import Curve, Marks, PageContent, Plot, TimeFunctions, curve_with_gaps
 from mbconstrained.page.html import write_page
 from mbconstrained.page.plots.axis import axis_of
 from tests.page.browser import needs_chromium
@@ -149,3 +149,61 @@ def test_all_of_many_curves_can_be_found_and_shown(opened):
     opened.evaluate(f"{NAMES}[14].dispatchEvent(new MouseEvent('dblclick'))")
     assert opened.evaluate(f"{NAMES}.filter(b => b.getAttribute('aria-pressed') === 'true').length") == 1
     assert opened.messages == []
+
+
+@pytest.fixture(scope="module")
+def diagrams(browser, tmp_path_factory):
+    """A curve with a gap and marks; two branches in a complex plane."""
+    values = np.where((TIMES < 4) | (TIMES > 6), TIMES, np.nan)
+    marks = (Marks("critical speed", np.array([[2.0, 2.0], [9.0, 9.0]])), Marks("", np.array([[1.0, 1.0]]), shape="cross", curve=0))
+    gap = Plot(
+        "gap", "Hz", TIMES, (curve_with_gaps("c", values),), marks=marks, bands=((4.0, 6.0),), variable="speed", across_unit="rpm"
+    )
+    s = np.array([-TIMES + 1j * TIMES, -TIMES - 1j * TIMES])
+    branches = tuple(Curve(f"branch {i}", row.imag, along=row.real) for i, row in enumerate(s))
+    plane = Plot("locus", "rad/s", TIMES, branches, Curve("real part", s[0].real), "1/s", variable="c", variable_unit="N s/m")
+    browser.size(1100, 900)
+    return browser.open(write_page(tmp_path_factory.mktemp("diagrams") / "page.html", PageContent("t", plots=(gap, plane))))
+
+
+def test_marks_follow_the_part_that_is_shown_and_their_curve(diagrams):
+    looks = "[...document.querySelectorAll('svg.mark')].map(m => [m.getAttribute('visibility') || 'visible', parseFloat(m.getAttribute('x'))])"
+    assert diagrams.evaluate(looks) == [["visible", 20], ["visible", 90], ["visible", 10]]
+    wheel(diagrams, 0, 0.2, 0.2, -300)
+    (first, x), (second, _), (third, _) = diagrams.evaluate(looks)
+    assert (first, second, third) == ("visible", "hidden", "visible") and abs(x - 20) < 2
+    diagrams.evaluate("document.querySelector('.legend button').click()")
+    assert [look for look, _ in diagrams.evaluate(looks)] == ["visible", "hidden", "hidden"]
+    diagrams.evaluate("document.querySelector('.legend button').click(); document.querySelector('.whole').click()")
+    diagrams.wait(0.1)
+    assert [look for look, _ in diagrams.evaluate(looks)] == ["visible"] * 3 and diagrams.messages == []
+
+
+def test_a_curve_has_no_value_in_its_gap(diagrams):
+    value = "document.querySelector('.legend .value').textContent"
+    for place, expected in ((0.2, 2), (0.5, None), (0.8, 8)):
+        diagrams.point("svg.plot", place)
+        text = diagrams.evaluate(value)
+        assert text == "" if expected is None else abs(float(text.removesuffix(" Hz")) - expected) < 0.05
+    assert diagrams.evaluate("document.querySelector('.curves path').getAttribute('d').split('m').length") == 2
+    wheel(diagrams, 0, 0.5, 0.5, -300)
+    assert diagrams.evaluate("document.querySelector('.curves path').getAttribute('d').split('M').length") == 3
+    diagrams.evaluate("document.querySelector('.whole').click()")
+
+
+def test_a_point_of_a_complex_plane_has_the_value_of_the_parameter(diagrams):
+    for up, branch in ((0.75, 0), (0.25, 1)):  # s = -5 +- 5i on axes from -10 to 0 and to 10
+        box = diagrams.evaluate("""(() => {
+            const svg = document.querySelectorAll("svg.plot")[1];
+            svg.scrollIntoView({block: "center"});
+            const box = svg.getBoundingClientRect();
+            return [box.x, box.y, box.width, box.height];
+        })()""")
+        diagrams.call("Input.dispatchMouseEvent", type="mouseMoved", x=box[0] + 0.5 * box[2], y=box[1] + (1 - up) * box[3])
+        diagrams.wait(0.1)
+        text = diagrams.evaluate("document.querySelectorAll('svg.plot')[1].querySelector('.pointer-time').textContent")
+        name, number, unit = text.replace(":", "").split(" ", 2)
+        assert (name, unit) == ("c", "N s/m") and abs(float(number) - 5) < 0.1
+        lit = "[...document.querySelectorAll('figure')][1].querySelector('.legend .lit')?.textContent"
+        assert f"branch {branch}" in diagrams.evaluate(lit)
+    assert diagrams.messages == []

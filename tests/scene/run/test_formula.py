@@ -6,8 +6,9 @@ import shutil
 import numpy as np
 import pytest
 
+from mbconstrained.analyses.formula import written
 from mbconstrained.ground.errors import ContradictoryConstraints, InputError
-from mbconstrained.scene.run.formula import formula_of, parameters_text, written
+from mbconstrained.scene.run.formula import formula_of, parameters_text
 from mbconstrained.scene.run.scene import read_scene
 from mbconstrained.scene.run.stage_costs import OutOfTime, time_limit
 from mbconstrained.scene.run.stages import plan_of

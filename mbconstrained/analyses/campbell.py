@@ -1,0 +1,367 @@
+"""A rotor over its speed: Campbell diagram, critical speeds, stability, unbalance response, and a waterfall of a run-up."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ..ground.checks import counted
+from ..ground.display import TextTable, number_text, with_unit
+from ..ground.errors import InputError
+from ..ground.notices import Notice, NoticeKind
+from ..ground.tolerances import EPS
+from ..mechanics.rotating import (
+    CriticalSpeed,
+    UnbalancePeak,
+    UnbalanceResponse,
+    campbell,
+    critical_points,
+    direction,
+    speed_ranges,
+    unbalance_response,
+    with_resonances,
+)
+from ..page.animation.figure import PALETTE
+from ..page.content import Curve, Guide, Marks, Plot, curve_with_gaps
+from ..page.plots.axis import axis_of
+from ..scene.schema.analyses.campbell_table import CampbellTable
+from .base import Analysis, Answer
+
+if TYPE_CHECKING:
+    from ..mechanics.system import MechanicalSystem
+    from ..scene.run.scene import Scene
+
+#: The highest speed by default: this many times the highest critical speed of order 1.
+BEYOND = 1.25
+
+#: Coordinates whose largest peak is printed.
+MOST_PEAKS = 12
+
+#: rev/min in rad/s.
+RPM = np.pi / 30
+
+#: Patterns of dashes of modes, by their whirl.
+DASHES = {"forward": 0, "backward": 1, "planar": 2, "mixed": 3}
+
+#: Amplitudes below this part of the largest are not shown on logarithmic axes.
+SMALLEST = 1e-6
+
+#: Lines of a waterfall, the height of the highest peak in distances between them, half the width of a peak as a part of the axis.
+LINES, HIGHEST, HALF_WIDTH = 36, 7.0, 0.012
+
+#: Frequencies at which it is decided which parts of a line are hidden by those before it.
+HIDING = 2001
+
+
+class CampbellDiagram(Analysis):
+    """Eigenvalues of a rotor over its speed, each mode followed through crossings; critical speeds, limits of stability, unbalance response.
+
+    Critical speeds come from one eigenproblem for each order, not from a search. The waterfall is a sequence of steady states. Writes
+    NAME.campbell.html, .png and .json.
+    """
+
+    name = "campbell"
+    help = "Critical speeds, whirl, stability and unbalance response of a rotor."
+    settings = CampbellTable
+    options: ClassVar = {"orders": "--order"}
+    formats = ("page", "images", "json")
+
+    @classmethod
+    def solve(cls, scene: Scene, settings: CampbellTable | None) -> Answer:  # type: ignore[override]
+        """The answer of a scene with a rotor.
+
+        Raises:
+            InputError: nothing turns, no critical speed from which a range follows, a range that does not ascend.
+        """
+        own = _Rotor(scene, settings or CampbellTable())
+        notices = list(scene.notices)
+        if not own.is_stable:
+            notices.append(Notice(NoticeKind.UNSTABLE, f"{own.range_text}; {own.stability_text}."))
+        if any(not np.isfinite(peak.amplitude) for response in own.responses.values() for peak in response.peaks):
+            text = "without damping there is no steady state at a critical speed: the amplitude has no bound"
+            notices.append(Notice(NoticeKind.UNSTABLE, text))
+        facts = (("speeds", own.range_text), ("stability", own.stability_text), ("spectra", str(own.diagram.evaluations)))
+        return Answer(
+            "campbell",
+            scene.name,
+            f"{scene.heading}: over the speed",
+            scene.table.source,
+            facts,
+            tuple(own.tables()),
+            tuple(notices),
+            {"title": scene.heading, **own.data()},
+            own.plots,
+            most_rows=None,
+            keys=(),
+        )
+
+
+class _Rotor:
+    """A rotor at speeds of a range: its eigenvalues, and its steady states under the unbalance by order, none without unbalance."""
+
+    def __init__(self, scene: Scene, table: CampbellTable):
+        system = scene.equations.rotor
+        if system is None:
+            raise InputError(
+                "nothing of this model turns; give it a rotor, or a gyroscopic or circulatory matrix, below [model], to compute a "
+                "Campbell diagram"
+            )
+        self.shown, self.orders = scene.equations.coordinates.shown, table.orders
+        speeds = np.linspace(*_speed_range(system, table), table.points)
+        self.turns, self.diagram = speeds / RPM, campbell(system, speeds)
+        self.responses: dict[float, UnbalanceResponse] = {}
+        if system.unbalance is not None and system.unbalance.any():
+            for order in self.orders:
+                near = with_resonances(speeds, critical_points(system, order))
+                self.responses[order] = unbalance_response(system, near, order=order)
+
+    @cached_property
+    def critical(self) -> list[CriticalSpeed]:
+        """The critical speeds of all orders within the range, by order."""
+        return [point for order in self.orders for point in self.diagram.critical_speeds(order)]
+
+    @property
+    def range_text(self) -> str:
+        """The number of modes, the range, and whether it has critical speeds."""
+        modes = counted(self.diagram.eigenvalues.shape[1], "mode")
+        none = "" if self.critical else f"; no critical speed of {'these orders' if len(self.orders) > 1 else 'this order'}"
+        return f"{modes} from {self.turns[0]:.6g} to {self.turns[-1]:.6g} rev/min{none}"
+
+    @property
+    def stability_text(self) -> str:
+        """Where motions grow, or how slowly they decay."""
+        margins, limits = self.diagram.stability_margins, self.diagram.stability_limits
+        if limits:
+            return f"a motion begins to grow, or ceases to, at {', '.join(f'{limit / RPM:.8g} rev/min' for limit in limits)}"
+        if not self.is_stable:
+            return f"a motion grows at {'all' if (margins < 0).all() else 'some'} speeds"
+        if not margins.any():
+            return "no motion grows, none decays"
+        least = int(margins.argmin())
+        decay = f"{number_text(float(margins[least]))} 1/s, at {self.diagram.speeds[least] / RPM:.6g} rev/min"
+        return f"no motion grows; the least decay rate is {decay}"
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether no eigenvalue has a positive real part at any of the speeds, except rounding errors."""
+        noise = EPS**0.5 * np.abs(self.diagram.eigenvalues).max(initial=0.0)
+        return bool((self.diagram.stability_margins >= -noise).all())
+
+    def tables(self) -> Iterator[TextTable]:
+        """Critical speeds, modes, peaks of the unbalance response."""
+        diagram = self.diagram
+        critical = tuple(
+            (f"{one.order:g}", *map(number_text, (one.speed / RPM, _hz(one))), direction(one.whirl), number_text(one.damping_ratio))
+            for one in self.critical
+        )
+        ends, rates = diagram.frequencies_hz[[0, -1]], -diagram.eigenvalues.real
+        columns = zip(*ends, diagram.damping_ratios.min(axis=0), rates.min(axis=0))
+        modes = tuple(
+            (str(number), whirl, *(number_text(float(value) + 0.0) for value in values))
+            for number, (whirl, values) in enumerate(zip(diagram.directions, columns), 1)
+        )
+        low, high = (f"Hz at {turns:.6g}" for turns in self.turns[[0, -1]])
+        peaks = [(order, peak) for order, response in self.responses.items() for peak in response.peaks]
+        largest = [(order, peak) for order, one in self.responses.items() for peak in _largest(one)]
+        heads = ("order", "coordinate", "rev/min", "amplitude")
+        every = (
+            TextTable("Critical speeds", ("order", "rev/min", "Hz", "whirl", "damping ratio"), critical),
+            TextTable("Modes over the speed in rev/min", ("no.", "whirl", low, high, "least ratio", "least decay 1/s"), modes),
+            TextTable("Largest peaks of the unbalance response", heads, self._rows(largest)),
+            TextTable(
+                "All peaks of the unbalance response", heads, self._rows(peaks if len(peaks) > MOST_PEAKS else []), folded=True
+            ),
+        )
+        return (table for table in every if table.rows)
+
+    def _rows(self, peaks: list[tuple[float, UnbalancePeak]]) -> tuple[tuple[str, ...], ...]:
+        rows = []
+        for order, peak in peaks:
+            unit, factor = self.shown.of(peak.unit)
+            size = with_unit(factor * peak.amplitude, unit) if np.isfinite(peak.amplitude) else "unbounded"
+            rows.append((f"{order:g}", peak.coordinate, number_text(peak.speed / RPM), size))
+        return tuple(rows)
+
+    def data(self) -> dict:
+        """The rotor in SI; eigenvalues as [real, imaginary], unbounded amplitudes as null."""
+        diagram = self.diagram
+        modes = zip(diagram.directions, diagram.eigenvalues.T, diagram.damping_ratios.T)
+        return {
+            "speeds": diagram.speeds,
+            "modes": [
+                {"direction": whirl, "eigenvalues": np.array([values.real, values.imag]).T, "damping_ratios": ratios}
+                for whirl, values, ratios in modes
+            ],
+            "critical_speeds": [
+                {
+                    "order": point.order,
+                    "speed": point.speed,
+                    "direction": direction(point.whirl),
+                    "damping_ratio": point.damping_ratio,
+                    "eigenvalue": [point.eigenvalue.real, point.eigenvalue.imag],
+                }
+                for point in self.critical
+            ],
+            "stability_margins": diagram.stability_margins,
+            "stability_limits": diagram.stability_limits,
+            "unbalance_response": [
+                {
+                    "order": order,
+                    "speeds": response.speeds,
+                    "amplitudes": dict(zip(response.system.names, response.amplitudes.T)),
+                    "peaks": [vars(peak) for peak in response.peaks],
+                }
+                for order, response in self.responses.items()
+            ],
+        }
+
+    def plots(self) -> Iterator[Plot]:
+        """Campbell diagram, damping, unbalance response by unit, waterfall."""
+        yield self._campbell()
+        if self.diagram.damping_ratios.any():
+            limit = Guide("", (self.turns[0], 0.0), (self.turns[-1], 0.0), "limit")
+            more: dict[str, Any] = {"guides": (limit,), "note": "Below 0 a motion grows.", "includes": (0.0,)}
+            yield self._modes("Damping over the speed", "", self.diagram.damping_ratios, "damping ratio", **more)
+        if self.responses:
+            for unit in dict.fromkeys(self.diagram.system.units.values()):
+                yield from self._amplitudes(unit)
+            yield self._waterfall()
+
+    def _modes(self, title: str, unit: str, values: np.ndarray, quantity: str, **more) -> Plot:
+        """A curve for each mode, with the dashes of its whirl."""
+        rounds, colors = [DASHES[whirl] for whirl in self.diagram.directions], len(PALETTE)
+        curves = tuple(
+            Curve(f"{i + 1} {whirl}", column, i % colors + colors * rounds[i])
+            for i, (whirl, column) in enumerate(zip(self.diagram.directions, values.T))
+        )
+        axes: dict[str, Any] = {"across_unit": "rev/min", "quantity": quantity, "variable": "speed", "shown": len(curves)}
+        return Plot(title, unit, self.turns, curves, **axes, **more)
+
+    def _campbell(self) -> Plot:
+        frequencies = self.diagram.damped_frequencies / (2 * np.pi)
+        low, high, top = self.turns[0], self.turns[-1], 10.0 * float(frequencies.max(initial=0.0)) or 1.0
+        orders = (Guide(f"{order:g}×", (low, order * low / 60), (high, order * high / 60), "line") for order in self.orders)
+        limits = (Guide("limit of stability", (one / RPM, 0.0), (one / RPM, top), "limit") for one in self.diagram.stability_limits)
+        points = np.reshape([(one.speed / RPM, _hz(one)) for one in self.critical], (-1, 2))
+        texts = (f"{one.speed / RPM:.6g} rev/min, {_hz(one):.5g} Hz, {direction(one.whirl)}" for one in self.critical)
+        marks = (Marks("critical speed", points, tuple(texts)),) if self.critical else ()
+        note = "Solid lines whirl forward, dashed ones backward, dotted ones are planar; a mode keeps its colour through crossings."
+        more: dict[str, Any] = {"guides": (*orders, *limits), "marks": marks, "note": note, "includes": (0.0,), "is_large": True}
+        return self._modes("Campbell diagram", "Hz", frequencies, "damped frequency", **more)
+
+    def _amplitudes(self, unit: str) -> Iterator[Plot]:
+        """Amplitudes of the coordinates in m, or of those in rad."""
+        response, (text, factor) = self.responses[self.orders[0]], self.shown.of(unit)
+        own = [j for j, name in enumerate(response.system.names) if response.system.units[name] == unit]
+        values = factor * np.where(np.isfinite(response.amplitudes), response.amplitudes, np.nan)
+        least = SMALLEST * float(np.nanmax(values[:, own], initial=0.0)) or SMALLEST
+        own = [j for j in own if np.nanmax(values[:, j], initial=0.0) > least]
+        names = [response.system.names[j] for j in own]
+        curves = tuple(curve_with_gaps(name, np.where(values[:, j] > least, values[:, j], np.nan)) for name, j in zip(names, own))
+        marks = []
+        for number, name in enumerate(names):
+            peaks = [one for one in response.peaks if one.coordinate == name and factor * one.amplitude > least]
+            points = np.array([(one.speed / RPM, factor * one.amplitude) for one in peaks if np.isfinite(one.amplitude)])
+            texts = (f"{name}: {y:.5g} {text} at {x:.6g} rev/min" for x, y in points)
+            marks += [Marks("", points, tuple(texts), curve=number)] if len(points) else []
+        note = f"The steady state at each constant speed, order {self.orders[0]:g}; circles are peaks."
+        title = f"{'Displacements' if unit == 'm' else 'Angles'} under unbalance"
+        axes: dict[str, Any] = {"across_unit": "rev/min", "quantity": "amplitude", "variable": "speed", "scales": ("linear", "log")}
+        if curves:
+            turns = response.speeds / RPM
+            yield Plot(title, text, turns, curves, marks=tuple(marks), note=note, shown=len(curves), **axes)
+
+    def _waterfall(self) -> Plot:
+        """Spectra of steady states at rising speeds, one behind the other."""
+        response = next(iter(self.responses.values()))
+        units = [response.system.units[name] for name in response.system.names]
+        largest = [np.nan_to_num(one.amplitudes, posinf=0.0) for one in self.responses.values()]
+        place = int(np.argmax(np.where(np.array(units) == units[0], np.max(largest, axis=(0, 1)), -1.0)))
+        name, (unit, factor) = response.system.names[place], self.shown.of(units[place])
+        even = np.linspace(response.speeds[0], response.speeds[-1], min(LINES, len(self.turns)))
+        steps = np.unique(np.searchsorted(response.speeds, even).clip(max=len(response.speeds) - 1))
+        turns = response.speeds[steps] / RPM
+        heights = np.array([one.amplitudes[steps, place] for one in self.responses.values()])
+        top = float(heights[np.isfinite(heights)].max(initial=0.0)) or 1.0
+        heights = np.minimum(heights, top) * (HIGHEST * (turns[-1] - turns[0]) / max(len(turns) - 1, 1) / top)
+        right = axis_of(0.0, 1.06 * max(self.orders) * turns[-1] / 60).high
+        x, y = _spectra(turns, np.multiply.outer(list(self.responses), turns / 60), heights, HALF_WIDTH * right, right)
+        note = f"Each line is the spectrum of the steady state at one constant speed, the highest peak {factor * top:.3g} {unit}: a run-up so slow"
+        note += " that every speed has its steady state. The motion while the speed rises at a finite rate is another one."
+        if set(self.orders) != {1.0}:
+            note += " Orders other than 1 have a force of the size of the unbalance's, at their multiple of the speed."
+        guides = (Guide("", (order * turns[0] / 60, turns[0]), (order * turns[-1] / 60, turns[-1])) for order in self.orders)
+        return Plot(
+            f"Waterfall of a run-up: {name}",
+            "rev/min",
+            np.arange(float(len(x))),
+            (curve_with_gaps(name, y, along=x),),
+            Curve("frequency", np.nan_to_num(x)),
+            "Hz",
+            "speed",
+            "place",
+            guides=tuple(guides),
+            note=note,
+            is_large=True,
+        )
+
+
+def _spectra(bases: np.ndarray, lines: np.ndarray, heights: np.ndarray, half: float, right: float) -> tuple[np.ndarray, np.ndarray]:
+    """Spectra above their bases, peaks as triangles at their lines: the points of what those before, which are lower, do not hide.
+
+    Args:
+        bases: shape (S,), ascending.
+        lines, heights: of the peaks, shape (orders, S).
+        half: half the width of a peak.
+        right: end of the axis.
+
+    Returns:
+        Points along both axes; NaN between parts.
+    """
+    corners = (lines[..., None] + [-half, 0.0, half]).clip(0.0, right)
+    x = np.unique([*np.linspace(0.0, right, HIDING), *corners.ravel()])
+    horizon, points = np.full(len(x), -np.inf), []
+    for base, places, sizes in zip(bases, lines.T, heights.T):
+        y = base + sum(size * np.maximum(1 - np.abs(x - place) / half, 0.0) for place, size in zip(places, sizes))
+        visible, slopes = y >= horizon, np.diff(y) / np.diff(x)
+        horizon = np.maximum(y, horizon)
+        bends = np.abs(np.diff(slopes)) > EPS**0.5 * np.abs(slopes).max(initial=1.0)
+        ends = (visible[1:-1] != visible[:-2]) | (visible[1:-1] != visible[2:])
+        kept = np.concatenate([[True], bends | ends, [True]])
+        points.append(np.array([x, np.where(visible, y, np.nan)])[:, kept])
+        points.append(np.full((2, 1), np.nan))
+    return tuple(np.hstack(points[:-1]))
+
+
+def _hz(point: CriticalSpeed) -> float:
+    """The frequency of the mode at a critical speed."""
+    return abs(point.eigenvalue.imag) / (2 * np.pi)
+
+
+def _largest(response: UnbalanceResponse) -> list[UnbalancePeak]:
+    """The largest peak of each of the first coordinates that have one."""
+    highest: dict[str, UnbalancePeak] = {}
+    for peak in response.peaks:
+        if peak.coordinate not in highest or peak.amplitude > highest[peak.coordinate].amplitude:
+            highest[peak.coordinate] = peak
+    return list(highest.values())[:MOST_PEAKS]
+
+
+def _speed_range(system: MechanicalSystem, table: CampbellTable) -> tuple[float, float]:
+    """The lowest and the highest speed in rad/s."""
+    ranges = speed_ranges(system)
+    if not ranges:
+        raise InputError("the speed tables of the bearings have no speed in common")
+    low = max(ranges[0][0], 0.0) if table.lowest is None else table.lowest
+    high = table.highest
+    if high is None:
+        critical = [point.speed for point in critical_points(system)]
+        if not critical and not np.isfinite(ranges[-1][1]):
+            raise InputError("there is no critical speed of order 1 from which a range follows; give --to or [campbell] to")
+        high = min(BEYOND * max(critical, default=np.inf), ranges[-1][1])
+    if not low < high:
+        raise InputError(f"campbell: found a range from {low:g} to {high:g} rad/s; expected one that ascends")
+    return low, high
