@@ -228,7 +228,7 @@ def _wrong_line(path: Path, number: int, line: str, separator: str | None, more:
     )
 
 
-# Matrices in files, read as data and never as code; sparse matrices in files stay sparse.
+# Matrices in files.
 # NumPy .npy and .npz, scipy.sparse .npz, Matrix Market .mtx, MATLAB .mat, Nastran OUTPUT4 .op4, and text with columns of numbers.
 
 LARGEST_SIDE = 5000  # rows or columns of an array: 200 MB as float64

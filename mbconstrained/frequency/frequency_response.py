@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 import scipy.linalg
 
+from ..exchange.trajectories import csv_of, write_arrays
 from ..exchange.universal import UNIVERSAL, Geometry, write_frequency_responses
 from ..ground.checks import counted, names_of, optional_package, places_of, real_array, real_number
 from ..ground.display import Displayed, TextTable, notice_table, number_text
@@ -530,14 +531,12 @@ def arrays_of(response: FrequencyResponse) -> dict[str, np.ndarray]:
 
 def csv_text(response: FrequencyResponse) -> str:
     """Real and imaginary parts with names and units, one line for each frequency."""
-    heads, columns = ["frequency (Hz)"], [response.frequencies_hz]
+    columns = {"frequency (Hz)": response.frequencies_hz}
     for i, output in enumerate(response.outputs):
         for j, input in enumerate(response.inputs):
             for part in ("real", "imag"):
-                heads.append(f"{part} {output}/{input} ({response.units[i, j]})".replace(",", ";").replace("\n", " "))
-                columns.append(getattr(response.values[i, j], part))
-    lines = [",".join(heads), *(",".join(map(repr, row)) for row in np.array(columns).T.tolist())]
-    return "\n".join(lines) + "\n"
+                columns[f"{part} {output}/{input} ({response.units[i, j]})"] = getattr(response.values[i, j], part)
+    return csv_of(columns)
 
 
 def write_response(response: FrequencyResponse, path: Path, geometry: Geometry | None = None) -> Path:
@@ -546,8 +545,7 @@ def write_response(response: FrequencyResponse, path: Path, geometry: Geometry |
         raise InputError(f'path: found the ending "{path.suffix}"; expected .csv, .npz or .uff')
     with replacing(path) as temporary:
         if path.suffix == ".npz":
-            with temporary.open("wb") as file:
-                np.savez(file, allow_pickle=False, **arrays_of(response))
+            write_arrays(temporary, arrays_of(response), ".npz")
         elif path.suffix == ".csv":
             temporary.write_text(csv_text(response), encoding="utf-8")
         else:

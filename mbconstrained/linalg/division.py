@@ -15,8 +15,6 @@ from ..ground.tolerances import CANCELLED, EPS, GOOD_CONDITION, noise_of
 from .arrays import Matrix, entries, entry_count, full, is_diagonal, of_like_kind
 from .scaling import equilibration
 
-# Solutions of linear equations, by division for diagonal matrices; symmetry, sign and condition to rounding errors.
-
 
 def solved(matrix: Matrix, right: Matrix) -> Matrix:
     """matrix^-1 @ right, of the kind of the right side; where the matrix is diagonal by division."""

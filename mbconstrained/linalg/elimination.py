@@ -402,10 +402,9 @@ def _without_zeros(parts: list[csr_array]) -> csr_array:
 #
 # Each coordinate is eliminated with the small dense matrix of its front alone, and hands what it changes there on to the first of
 # it (multifrontal method: Duff and Reid 1983). All operations are on vectors over s, of coordinates that do not touch together.
-# Nothing is
-# pivoted: where fronts are one coordinate, in a tree, small pivots do no harm, since every rounding is a relative one of an entry
-# of P(s) (Demmel and Gragg 1993, for acyclic matrices); in wider ones a small pivot costs digits, gained back from what is left of
-# the equations.
+# Nothing is pivoted: where fronts are one coordinate, in a tree, small pivots do no harm, since every rounding is a relative one of an
+# entry of P(s) (Demmel and Gragg 1993, for acyclic matrices); in wider ones a small pivot costs digits, gained back from what is left
+# of the equations.
 
 #: So many entries of P(s) and of fronts are computed at once: they stay near the processor; so many s at least.
 FRONTS, LEAST = 1 << 15, 32

@@ -428,8 +428,7 @@ def _taylor_exponential(rest, shift, times, doublings) -> np.ndarray:
 
 
 # e^{J t} v for a block diagonal J at many times, without stepping from one time to the next.
-# Blocks of size one and two have a formula; for larger ones, clusters of close or defective zeros, see
-# ``linalg.exponential``.
+# Blocks of size one and two have a formula; larger ones are the clusters above.
 
 #: Clusters are taken together in arrays of at most so many states.
 CLUSTERED_AT_ONCE = 1 << 17

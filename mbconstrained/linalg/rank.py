@@ -17,7 +17,7 @@ from .scaling import equilibration
 # Arrays with an estimate of the rounding errors of each entry, propagated through sums and products.
 # Noise adds in quadrature, as independent errors do: bounds by absolute values would grow with every step of a
 # staircase by more than the errors themselves, and call regular matrices singular.
-# Gaussian elimination with these errors serves rank decisions (``rank``) and rows in a given order. Exact zeros stay zero,
+# Gaussian elimination with these errors serves rank decisions and rows in a given order. Exact zeros stay zero,
 # and ratios of small whole numbers are exact, where orthogonal factors would fill them with rounding errors. A sparse kernel for
 # large models is ``mechanics.sparse.pencil``.
 

@@ -5,8 +5,8 @@ massless joint without damper). Of the rest, rows with s^2 make accelerations of
 velocities of the others, x_d; the states are w = (x_m, x_m', x_d). Which row is of which kind is read off entries that are
 exactly zero, and each part that is divided by must be well conditioned: where that does not hold, the staircase algorithm
 (``linalg.staircase``) decides. For large models this takes milliseconds where that takes minutes, for small ones a part of a
-millisecond. Zeros at s = 0 are those of rows without stiffness (``polynomial.reduced_equations``), or of sums of
-rows without (``polynomial.reduced_equations``), or there are none.
+millisecond. Zeros at s = 0 are those of rows without stiffness, or of sums of rows without
+(``polynomial.reduced_equations``), or there are none.
 """
 
 from __future__ import annotations

@@ -253,7 +253,7 @@ def _by_clusters(A, D, J, basis, inverse) -> BlockDiagonal:
 #
 # Rows v with v K = 0 make equations v A(s) = s (v C + s v M) without stiffness: v M x' + v C x is conserved, and where v C = 0 too,
 # v M x grows with it (the momentum and the centre of mass of a free body). They take the places of as many equations, after which
-# the zeros at s = 0 are those of rows without stiffness (``polynomial.reduced_equations``), exactly. How many there are is a decision on
+# the zeros at s = 0 are those of rows without stiffness, exactly. How many there are is a decision on
 # rank (Businger and Golub 1965, QR with pivots), taken only where it is clear: dropped pivots are rounding errors, kept ones are
 # far above.
 

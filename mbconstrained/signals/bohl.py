@@ -156,10 +156,6 @@ def later_times(times: np.ndarray, delay: float, gaps: np.ndarray | float = 0.0)
     return later
 
 
-# Bohl functions f(t) = C e^{J t} v: sums of t^k e^{a t} (cos w t, sin w t).
-# A function that starts, stops or changes later is piecewise: the state e^{J t} v restarts at given times.
-
-
 @dataclass(frozen=True, repr=False, eq=False)
 class BohlFunction:
     """f(t) = C e^{J t} v for t >= 0, evaluated at any times in any order, without time steps.

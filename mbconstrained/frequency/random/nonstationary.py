@@ -17,7 +17,7 @@ from ...ground.checks import evaluation_times, real_array
 from ...ground.errors import InputError
 from ...ground.tolerances import EPS, FORM_ROUNDING, PROVED_ACCURACY
 from .spectra import PowerLaw, Rational
-from .spectral_integral import TURN, SpectralTransfer, _Integration
+from .spectral_integral import NODES, TURN, WEIGHTS, SpectralTransfer, _Integration
 from .spectral_matrix import INDEFINITE, SpectralMatrix
 
 #: Harmonics that are added at once, times the number of times.
@@ -25,8 +25,6 @@ CHUNK = 1 << 22
 
 #: Steps between samples that differ by so many rounding errors of the last time are equal.
 EQUAL_STEPS = 8.0
-
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 
 #: Number of terms of the exponential series over a short step.
 TERMS = 18

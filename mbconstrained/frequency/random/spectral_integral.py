@@ -23,18 +23,14 @@ from .spectral_matrix import SpectralMatrix
 
 
 @dataclass(frozen=True, eq=False)
-class RefinedPole:
+class RefinedPole(Pole):
     """A pole p = sigma + i w of H(s), with sigma accurate relative to itself.
 
     Attributes:
-        value: p in 1/s.
-        residues: R_0, R_1, ... of 1 / (s - p), 1 / (s - p)^2, ..., shape (order, p, m).
         on_axis: whether sigma is zero.
         sizes: of the terms that residues are sums of, shape (order, p, m); some of their rounding errors are errors of the residues.
     """
 
-    value: complex
-    residues: np.ndarray
     on_axis: bool
     sizes: np.ndarray
 
@@ -42,11 +38,6 @@ class RefinedPole:
     def frequency(self) -> complex:
         """p / (2 pi i): a complex frequency in Hz, above the real axis where the pole is stable."""
         return complex(self.value.imag, -self.value.real) / (2 * np.pi)
-
-    @property
-    def order(self) -> int:
-        """The highest power of 1 / (s - p)."""
-        return len(self.residues)
 
 
 class SpectralTransfer:

@@ -24,12 +24,9 @@ from ..problem import Problem, driven_form, scaled_data
 from ..response_notices import modal_sums, pair_notices
 from .finite_motion import FinitePart, driven_motion
 
-# Responses at small times, by power series and Taylor polynomials.
-
-
 # Taylor series of a response just after t = 0+, and a function that uses it while it is more accurate than the modes.
 # From rest a coordinate far from the force begins like t^p, a tiny difference of modes that are not small:
-# their sum cancels, the series (``response.methods.pair_solution``) does not.
+# their sum cancels, the series does not.
 # The series loses up to e^(2 rate t) units in the last place, where the rate bounds the growth from one
 # derivative to the next. The modal sum's loss is measured: by how much more than the noise of the series it differs
 # from it for rate t <= 1. Each row is left to the modal sum where the noise of its series exceeds that.
