@@ -15,7 +15,7 @@ from ..ground.checks import places_of
 from ..ground.display import TextTable
 from ..ground.notices import Notice
 from ..response.estimate import error_estimate
-from ..response.events import Event
+from ..response.events import Event, without_zeros
 from ..response.response import Response
 from ..response.solve import solve
 from ..signals.bohl import BohlFunction
@@ -94,13 +94,16 @@ class StateSpaceResponse(Response):
     @property
     def output_impulses(self) -> tuple[np.ndarray, ...]:
         """Arrays (q,); the k-th multiplies the k-th derivative of Dirac's delta at t = 0 in y."""
-        return _rows(self.together.impulses, len(self.system.states))
+        return without_zeros([impulse[len(self.system.states) :] for impulse in self.together.impulses])
 
     @property
     def output_events(self) -> tuple[Event, ...]:
         """Jumps and impulses of y after t = 0, by ascending time."""
         n = len(self.system.states)
-        events = [Event(event.time, event.jump[:, n:], _rows(event.impulses, n)) for event in self.together.events]
+        events = [
+            Event(event.time, event.jump[:, n:], without_zeros([one[n:] for one in event.impulses]))
+            for event in self.together.events
+        ]
         return tuple(event for event in events if event.jump.any() or event.impulses)
 
     @cached_property
@@ -128,13 +131,6 @@ class StateSpaceResponse(Response):
     def output_error_estimate(self, times) -> float:
         """Return an estimate of max |error| / max |y| over the times."""
         return error_estimate(self.together, times, self.output_of)
-
-
-def _rows(impulses, first: int) -> tuple[np.ndarray, ...]:
-    parts = [impulse[first:] for impulse in impulses]
-    while parts and not parts[-1].any():
-        parts.pop()
-    return tuple(parts)
 
 
 class StateSpace(StateEquations):

@@ -345,7 +345,7 @@ def modes_of(system: EquationsOfMotion) -> Modes:
     modes = [replace(mode, system=system) for mode in resting]
     for value, multiplicity, shapes, precise in moving:
         value = cleaned(value, multiplicity, conservation, precise)
-        modes.append(Mode(_kind(value), value, multiplicity, shapes, system))
+        modes.append(Mode(kind_of(value), value, multiplicity, shapes, system))
     return Modes(tuple(modes), system.names, polynomial_matrix=A)
 
 
@@ -532,10 +532,11 @@ def _at_rest(A: PolynomialMatrix, count: int) -> Iterator[Mode]:
         yield Mode("offset", 0j, staying.shape[1], staying)
 
 
-def _kind(value: complex) -> Kind:
+def kind_of(value: complex, resting: bool = False, noise: float = 0.0) -> Kind:
+    """The kind of a mode with an eigenvalue, whose relative rounding error is noise; resting: that of a rigid body where it is 0."""
     if not value:
-        return "offset"
-    if value.real > 0:
+        return "rigid body" if resting else "offset"
+    if value.real > noise * abs(value):
         return "growth"
     return "oscillation" if value.imag else "decay"
 

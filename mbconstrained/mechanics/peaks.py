@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -176,24 +175,7 @@ class Peaks(Displayed):
         return self.extrema.largest
 
 
-class MotionFunctions(Protocol):
-    """A motion of a system as functions of time."""
-
-    @property
-    def system(self) -> EquationsOfMotion: ...
-
-    @property
-    def function(self) -> BohlFunction: ...
-
-    @property
-    def reaction_function(self) -> BohlFunction: ...
-
-    def derivative(self, order: int = 1) -> BohlFunction: ...
-
-
-def peaks(
-    motion: MotionFunctions, end: float, of: str = "displacement", combinations=None, names: Sequence[str] | None = None
-) -> Peaks:
+def peaks(motion, end: float, of: str = "displacement", combinations=None, names: Sequence[str] | None = None) -> Peaks:
     """Exact extrema of a motion on [0, end], none missed: branch and bound over the closed form (``frequency.shock.extrema``).
 
     >>> import mbconstrained as mb
@@ -213,7 +195,7 @@ def peaks(
     return Peaks(own, units, of, extrema(function, 0.0, end).shifted(constant))
 
 
-def _functions(motion: MotionFunctions, of: str) -> tuple[BohlFunction, tuple[str, ...], tuple[str, ...], np.ndarray]:
+def _functions(motion, of: str) -> tuple[BohlFunction, tuple[str, ...], tuple[str, ...], np.ndarray]:
     """The functions with names and units, and the constants added to them."""
     system = motion.system
     if of == "reaction":

@@ -468,13 +468,7 @@ def _unbalance(system: EquationsOfMotion, given) -> np.ndarray:
 
 
 class SteadyStates:
-    """The steady state at any speed.
-
-    Args:
-        system: the rotor at rest.
-        unbalance: u, shape (n,).
-        order: n.
-    """
+    """The steady state of a rotor under an unbalance u, shape (n,), of an order n at any speed."""
 
     def __init__(self, system: EquationsOfMotion, unbalance: np.ndarray, order: float):
         self.system, self.order = system, order

@@ -135,16 +135,8 @@ class Eigenspace:
     Newton's method in long double: [L(s), L'(s) X; E^T, 0] [dX; D] = [-L(s) X; 0], where E^T X = I, moves s by the mean of the
     diagonal of D (block Newton methods, Kressner 2009).
 
-    Args:
-        form: L(s).
-        mode: the mode, with as many shapes as its multiplicity g.
-        shapes: (u, lambda) as columns, shape (n + k, g).
-
-    Attributes:
-        value, vectors: s and X, in the basis of the given shapes; a single one has the largest entry 1.
-        left: Y with Y^T L'(s) X = I.
-        correction: the last step relative to s and to X, which estimates their errors from above.
-        left_error: estimates of the errors of Y.
+    From the shapes (u, lambda), shape (n + k, g), follow ``value`` and ``vectors``, s and X in their basis (of a single one the largest entry
+    is 1); ``left``, Y with Y^T L'(s) X = I, and ``left_error``; ``correction``, the last step relative to s and X, estimates their errors.
     """
 
     def __init__(self, form: MultiplierForm, mode: Mode, shapes: np.ndarray):

@@ -67,13 +67,7 @@ class StackedEquations:
 
         With q = E p + U a, E the columns of all coordinates but one for each shape, a = -(U^T M U)^-1 U^T M E p: what is left of the
         matrices is regular where K is regular but for U. The coordinates that are left out have the largest masses, so that no
-        difference of masses cancels.
-
-        Args:
-            shapes: x of the motions U, shape (n, z).
-
-        Returns:
-            The equations; those of no model where the shapes depend on each other, or not all coordinates have mass.
+        difference of masses cancels. They serve no model where the shapes depend on each other, or not all coordinates have mass.
         """
         free = self._free_coordinates(shapes)
         if free is None or not self.is_symmetric:
@@ -93,14 +87,8 @@ class StackedEquations:
     def with_resting_motion(self, shape: np.ndarray) -> tuple[StackedEquations, np.ndarray] | None:
         """The equations in coordinates (p, a), q = E p + u a, where a is the amplitude of a motion that springs do not resist.
 
-        K has exact zeros for it, so that a slow motion against dampers alone does not have the rounding errors of stiffness.
-
-        Args:
-            shape: x of the motion u, shape (n, 1).
-
-        Returns:
-            The equations, T of the coordinates x, L the unit matrix, and bounds of the rounding errors of the damping of u, relative,
-            shape (S,); None where not all coordinates have mass.
+        K has exact zeros for it, so that a slow motion against dampers alone does not have the rounding errors of stiffness. The second
+        array bounds the relative rounding errors of the damping of u, shape (S,); None where not all coordinates have mass.
         """
         free = self._free_coordinates(shape)
         if free is None or not (self.K == self.K.transpose(0, 2, 1)).all():

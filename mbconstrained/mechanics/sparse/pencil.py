@@ -412,14 +412,10 @@ def eliminate(rows: SparseRows, longest: int = LONGEST) -> Elimination:
     kept = np.flatnonzero(lengths > longest)
     single, pivots = _single(A, lengths, longest)
     others = np.setdiff1d(np.flatnonzero(lengths <= longest), single)
-    solved, dependent = _one_by_one(rows, others, _counts(A, size))
+    solved, dependent = _one_by_one(rows, others, np.bincount(A.indices, minlength=size))
     free = np.setdiff1d(np.arange(size), [*solved, *pivots.tolist()])
     basis, offset = _with_single(A, rows.values, single, pivots, *_null_space(solved, free, size))
     return Elimination(basis, offset, free, kept, dependent)
-
-
-def _counts(A, size) -> np.ndarray:
-    return np.bincount(A.indices, minlength=size)
 
 
 def _single(A, lengths, longest) -> tuple[np.ndarray, np.ndarray]:
@@ -429,7 +425,7 @@ def _single(A, lengths, longest) -> tuple[np.ndarray, np.ndarray]:
     row = np.repeat(np.arange(A.shape[0]), lengths)
     largest = np.zeros(A.shape[0])
     np.maximum.at(largest, row, np.abs(A.data))
-    alone = _counts(A, A.shape[1])[A.indices] == 1
+    alone = np.bincount(A.indices, minlength=A.shape[1])[A.indices] == 1
     good = np.flatnonzero(alone & (np.abs(A.data) >= PIVOT_RATIO * largest[row]) & (lengths[row] <= longest))
     best, first = np.unique(row[good], return_index=True)
     return best, A.indices[good[first]]

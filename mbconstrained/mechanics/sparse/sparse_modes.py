@@ -17,7 +17,7 @@ from ...ground.checks import counted
 from ...ground.errors import IllConditioned
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import DEPENDENT_DIRECTION, EPS, NEWTON_STEP, NOISE_SAFETY, RITZ_RESIDUAL, SAME_SHAPE, TRUST_LIMIT
-from ..modes import Kind, Mode, Modes
+from ..modes import Kind, Mode, Modes, kind_of
 from .pencil import ReducedPencil, Solver, bordered, combined, quadratic_form, times
 from .undamped_modes import SOFT, UndampedModes, balanced, undamped_modes
 
@@ -557,7 +557,7 @@ def sparse_modes(pencil: ReducedPencil, count: int, damped: bool) -> Modes:
         return _damped(pencil, undamped, damped_modes(pencil, undamped), count)
     X, w2 = undamped.vectors, undamped.values
     values = np.where(w2 < 0, np.abs(w2) ** 0.5, 1j * np.abs(w2) ** 0.5)
-    kinds = ["rigid body" if not value else "growth" if value < 0 else "oscillation" for value in w2]
+    kinds = [kind_of(value, resting=True) for value in values]
     orthogonality = float(np.abs(X.T @ times(pencil.mass, X) - np.eye(X.shape[1])).max(initial=0.0))
     notices = list(_count_notices(undamped, count))
     if (beyond := undamped.residuals > undamped.bounds).any():
@@ -577,7 +577,7 @@ def _damped(pencil: ReducedPencil, undamped: UndampedModes, modes: DampedModes, 
     unit = (target / np.where(own != 0, own, target)) ** 0.5
     X *= unit
     coupling = _coupling(values, (values[:, None] + values) * inertia + damping, unit)
-    kinds = [_kind(value, resting) for value, resting in zip(values, modes.resting[chosen])]
+    kinds = [kind_of(value, resting, NOISE_SAFETY * EPS) for value, resting in zip(values, modes.resting[chosen])]
     notices = [*_count_notices(undamped, count), *_rounding_notices(pencil, undamped)]
     if lost := int((~modes.converged).sum()):
         text = f"{counted(lost, 'eigenvalue')} of strongly damped motion did not converge from the undamped modes and are left out"
@@ -609,14 +609,6 @@ def _coupling(values, form, unit) -> float:
     relative = np.abs(form * unit * unit[:, None]) / np.where(sizes > 0, sizes, 1.0)
     np.fill_diagonal(relative, 0.0)
     return float(relative.max(initial=0.0))
-
-
-def _kind(value: complex, resting: bool) -> Kind:
-    if not value:
-        return "rigid body" if resting else "offset"
-    if value.real > NOISE_SAFETY * EPS * abs(value):
-        return "growth"
-    return "oscillation" if value.imag else "decay"
 
 
 def _count_notices(undamped: UndampedModes, count: int) -> Iterator[Notice]:

@@ -191,12 +191,7 @@ def _of_pairs(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
 
 
 class Amplitudes:
-    """The states y of the kept modes and z of the force.
-
-    Attributes:
-        function: w + s rows: the factors of the columns of W, and z.
-        start: the free part of y at 0+.
-    """
+    """The states y of the kept modes and z of the force: ``function`` has the factors of the columns of W, then z."""
 
     def __init__(self, space: ModeSpace, start: np.ndarray, coupling: np.ndarray, smooth: BohlFunction):
         self.space, restarts = space, smooth.restarts
@@ -230,7 +225,7 @@ class Amplitudes:
         of_force = np.eye(len(inputs), len(states), space.count)
         rows = np.vstack([self._rows(len(inputs), len(states)), of_force])
         at_knots = states[:, 0] if len(knots) == 1 else Restarts(knots, states, states - before, restarts.remainders)
-        self.function, self.start = BohlFunction(rows, tuple(blocks), at_knots), start
+        self.function, self.start = BohlFunction(rows, tuple(blocks), at_knots), start  # the free part of y at 0+
 
     def _finite(self, states) -> np.ndarray:
         """y from the states of all blocks."""

@@ -41,17 +41,6 @@ BETWEEN_LOOKS = 3
 MOST_RESTARTS = 60
 
 
-def first_values(apply: Callable, mass, steps: int) -> np.ndarray:
-    """Estimates of the largest values from below, descending, by a given number of blocks."""
-    lanczos = _Lanczos(apply, mass, BLOCK * steps, np.zeros((mass.shape[0], 0)), BLOCK)
-    fresh = lanczos._random()
-    for _ in range(steps):
-        if not fresh.shape[1]:
-            break
-        fresh = lanczos._expand(fresh)[1]
-    return lanczos._ritz(np.zeros((0, 0)))[0] if lanczos.count else np.zeros(0)
-
-
 def _product(mass) -> Callable:
     """M x for columns x, fast where M is diagonal."""
     entries = mass.tocoo()
@@ -64,7 +53,7 @@ def _product(mass) -> Callable:
 class _Lanczos:
     """The basis Q with its projected matrix H = Q^T M P^-1 M Q."""
 
-    def __init__(self, apply, mass, requested, locked, block):
+    def __init__(self, apply, mass, requested, locked, block=BLOCK):
         self.apply, self.requested, self.locked, self.block = apply, requested, locked, block
         self.weighed = _product(mass)
         self.size = mass.shape[0]
@@ -98,6 +87,15 @@ class _Lanczos:
         take = min(self.requested, self.count)
         self._rotate(turn[:, :take])
         return values[:take], self.basis[:, :take].copy(order="F"), exhausted
+
+    def first_values(self, steps: int) -> np.ndarray:
+        """Estimates of the largest values from below, descending, by a given number of blocks."""
+        fresh = self._random()
+        for _ in range(steps):
+            if not fresh.shape[1]:
+                break
+            fresh = self._expand(fresh)[1]
+        return self._ritz(np.zeros((0, 0)))[0] if self.count else np.zeros(0)
 
     def _expand(self, fresh) -> tuple[np.ndarray, np.ndarray]:
         """Add a block; return the coupling to the next one, and the next one."""
@@ -294,7 +292,7 @@ def _check_mass(pencil: ReducedPencil) -> None:
 def _settled(pencil: ReducedPencil, shift: float, factors: Factorization) -> tuple[float, Factorization]:
     """A better shift: farther below zero where rigid bodies would outweigh all else, nearer to growing modes if there are any."""
     for _ in range(MOST_SHIFTS):
-        values = first_values(factors.solve, pencil.mass, FIRST_LOOK)
+        values = _Lanczos(factors.solve, pencil.mass, BLOCK * FIRST_LOOK, np.zeros((pencil.size, 0))).first_values(FIRST_LOOK)
         values = values[values > 0]
         estimates = shift + 1 / values
         if not len(values):
