@@ -26,7 +26,7 @@ LINES = {
     "exact": 7174,
     "exchange": 1445,
     "frequency": 5538,
-    "ground": 2102,
+    "ground": 2105,
     "linalg": 4878,
     "mechanics": 11632,
     "models": 1360,
@@ -35,7 +35,7 @@ LINES = {
     "polynomial": 2981,
     "response": 5349,
     "robot": 9283,
-    "scene": 11944,
+    "scene": 11945,
     "signals": 1792,
     "studies": 8109,
 }
