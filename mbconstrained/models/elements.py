@@ -63,11 +63,6 @@ class Entry(NamedTuple):
     def is_required(self) -> bool:
         return self.field.default is MISSING and self.field.default_factory is MISSING
 
-    @property
-    def text(self) -> str:
-        """Description for users."""
-        return self.about if isinstance(self.about, str) else self.about.text
-
 
 _ENTRIES: dict[type, dict[str, Entry]] = {}
 
@@ -557,8 +552,8 @@ class Relation(Tie):
         if not any(isinstance(each, (str, Expressed)) for each in (*self.coefficients.values(), self.value)):
             return self
         with named(self.label):
-            row = row_in_si(self.coefficients, self.value, self.level, units)
-        return replace(self, coefficients=row.factors, value=row.value)
+            factors, value, _ = row_in_si(self.coefficients, self.value, self.level, units)
+        return replace(self, coefficients=factors, value=value)
 
     default_names = property(lambda self: (f"constraint {number}" for number in count(1)))
     ends = property(lambda self: dict.fromkeys(self.coefficients))
@@ -566,16 +561,9 @@ class Relation(Tie):
     row_value = property(lambda self: self.value)
 
 
-class RowInSI(NamedTuple):
-    """A constraint row in SI."""
-
-    factors: dict[str, float]  # by name of a coordinate, perhaps expressions of parameters
-    value: float  # the right-hand side, perhaps an expression
-    unit: str | None  # unit of the sum of factor times coordinate, "m", "rad" or "1"; None where its terms have several
-
-
-def row_in_si(coefficients: Mapping[str, Any], value, level: Level, units: Mapping[str, str]) -> RowInSI:
-    """The factors and the right-hand side of a constraint row in SI, between coordinates of these units.
+def row_in_si(coefficients: Mapping[str, Any], value, level: Level, units: Mapping[str, str]) -> tuple[dict, Any, str | None]:
+    """The factors and the right-hand side of a constraint row in SI, perhaps expressions, between coordinates of these units; and the unit
+    of the sum of factor times coordinate, "m", "rad" or "1", None where its terms have several.
 
     A factor with a unit must make the unit of the terms without one of its coordinate's, as in { heave = 1, pitch = "1.01 m" };
     where all factors have units, all terms must be of one kind. A unit of the value is understood where the terms have one.
@@ -593,7 +581,7 @@ def row_in_si(coefficients: Mapping[str, Any], value, level: Level, units: Mappi
         raise InputError(f"value: found {shown(value)}; this row mixes {mixed}: give a plain number")
     with named("value"):
         number = quantity(value, rate_unit(unit, power) if unit else "1")
-    return RowInSI({name: factor for name, (factor, _) in measured.items()}, number, unit)
+    return {name: factor for name, (factor, _) in measured.items()}, number, unit
 
 
 def _common_kinds(rows: Mapping[str, Any], kinds: Mapping[str, Dimension | None], own: Mapping[str, str]) -> list[Dimension]:

@@ -74,7 +74,7 @@ def _adds(kind: Callable[Fields, Added]) -> Callable[Concatenate[LumpedModel, Fi
     for parameter in inspect.signature(kind).parameters.values():
         about = entries[parameter.name].about
         unit = f", in {about.unit}" if isinstance(about, Numeric) and about.unit not in (None, "1") else ""
-        lines.append(f"    {parameter.name}: {entries[parameter.name].text.removesuffix('.')}{unit}.")
+        lines.append(f"    {parameter.name}: {getattr(about, 'text', about).removesuffix('.')}{unit}.")
         parameters.append(parameter.replace(annotation=float | str if entries[parameter.name].is_number else parameter.empty))
     text, example, further = inspect.cleandoc(kind.__doc__).partition("\n\nExample:")
     add.__doc__ = "\n".join([f"{text}\n\nArgs:", *lines]) + example + further

@@ -27,7 +27,7 @@ LINES = {
     "exact": 6370,
     "exchange": 1445,
     "frequency": 5538,
-    "ground": 2102,
+    "ground": 2105,
     "linalg": 4878,
     "mechanics": 10842,
     "models": 1220,

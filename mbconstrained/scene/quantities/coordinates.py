@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from ...ground.coordinate_units import DERIVATIVES
 from ...ground.errors import InputError, named, shown
 from ...ground.quantities import quantity
 from ...ground.tolerances import noise_of
-from ...models.elements import RowInSI, row_in_si
+from ...models.elements import row_in_si
 from ..file.messages import EntryError, at
 from .output_units import OutputUnits
 
@@ -108,7 +109,7 @@ def _row(row: dict | list, coordinates: Coordinates, order: int) -> np.ndarray:
     return values
 
 
-def constraint_row(table, coordinates: Coordinates) -> RowInSI:
+def constraint_row(table, coordinates: Coordinates) -> tuple[dict, Any, str | None]:
     """The factors and the right-hand side of a constraint row of a table in SI."""
     for name in table.coefficients:
         coordinates.number(name)

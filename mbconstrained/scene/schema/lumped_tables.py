@@ -102,7 +102,7 @@ def _table_of(key: str) -> Any:
     keys: dict[str, Any] = {}
     for name, entry in sorted(entries.items(), key=lambda item: item[0] != "name"):
         own, default = _type_of(name, entry), _default(entry, name in replaced)
-        keys[name] = (own | None if default is None else own, Field(default, description=entry.text))
+        keys[name] = (own | None if default is None else own, Field(default, description=getattr(entry.about, "text", entry.about)))
     for spelling, targets in spellings.items():
         own = Teeth if spelling == "teeth" else _type_of(targets[0], entries[targets[0]])
         several = len(targets) > 1
