@@ -20,7 +20,7 @@ from tests.audits.source import FILES, MODULES, ROOT, expect_none, room, text, t
 LINES = {
     "__init__": 229,
     "__main__": 8,
-    "analyses": 9311,
+    "analyses": 9312,
     "cli": 1026,
     "control": 1670,
     "docs": 259,
