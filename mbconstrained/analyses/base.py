@@ -38,7 +38,7 @@ class Answer(Displayed):
 
     Attributes:
         kind: name of the analysis, part of the names of files.
-        name: name of the model, the first part of the names of files.
+        name: name of the model, the first part of the names of files; empty for several models.
         title, source: title and source of the model.
         facts: pairs of a label and a text.
         tables: for terminal and page, in the units shown.
@@ -98,7 +98,8 @@ class Answer(Displayed):
         """The answer as plain data, numbers in SI: title, data, notices, whether it is to be trusted, files."""
         notices = [{"kind": one.kind, "text": one.text, "doubtful": one.doubtful} for one in self.notices]
         end = {"notices": notices, "trusted": self.is_trusted, "files": [str(path) for path in files]}
-        return {"title": self.title, **json_value(self.data), **{key: end[key] for key in self.keys}}
+        title = {"title": self.title} if self.name else {}  # runs of several models have titles of their own
+        return {**title, **json_value(self.data), **{key: end[key] for key in self.keys}}
 
     def page(self) -> PageContent:
         """Figures, plots, tables, notices and facts as a page."""
