@@ -285,7 +285,7 @@ def digit_plots(sweeps: Sequence[ScalingSweep]) -> Iterator[Plot]:
         for verdict, (text, shape) in SHAPES.items():
             if own := [point for point in points if point.verdict == verdict]:
                 places = np.array([[point.parameter, point.right or 0.0] for point in own])
-                marks.append(Marks(text, places, tuple(point.reason for point in own), shape))  # type: ignore[arg-type]
+                marks.append(Marks(text, places, tuple(point.reason for point in own), shape))
         is_wide = bool((x >= 0).all() and x.max() >= LOGARITHMIC * x[x > 0].min(initial=x.max()))
         curves = tuple(curve_with_gaps(f"digits {key}", values) for key, values in digits.items() if np.isfinite(values).any())
         if curves:

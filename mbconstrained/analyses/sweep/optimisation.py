@@ -262,7 +262,7 @@ class Optimisation(Analysis):
     progress = "generations"
 
     @classmethod
-    def answer(cls, scene: Scene, progress: Callable[[int, int], None] | None = None, **given) -> Answer:
+    def answer(cls, scene: Scene, progress: Callable | None = None, **given) -> Answer:  # type: ignore[override]
         """The answer of a scene with some settings in the place of those in [vary], and parameters in addition to them."""
         return optimise(scene, given.pop("parameters", None), **given, progress=progress).answer()
 

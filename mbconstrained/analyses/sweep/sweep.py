@@ -451,9 +451,9 @@ class ParameterSweep(Analysis):
         )
 
     @classmethod
-    def answer(cls, scene: Scene, progress: Progress | None = None, **given) -> Answer:
+    def answer(cls, scene: Scene, progress: Progress | None = None, **given) -> Answer:  # type: ignore[override]
         """The answer of a scene with some settings in the place of those in [vary], and parameters in addition to them."""
-        running = {key: str(given.pop(key)) for key in ("store", "dask") if key in given}
+        running: dict[str, Any] = {key: str(given.pop(key)) for key in ("store", "dask") if key in given}
         running |= {key: given.pop(key) for key in ("workers", "sample_timeout") if given.get(key)}
         strict = given.pop("strict", False)
         study = sweep(scene, given.pop("parameters", None), **given)
