@@ -105,7 +105,7 @@ def _run(
 
     With --certify the answer is compared with intervals that exact arithmetic proves to contain the true values, for the
     coordinates named in [output] certify or coordinates, or for all; how many digits are proved is printed and stands on the page."""
-    from ..scene.run.report.summary import blocks, overview
+    from ..analyses.run import overview
     from .printing import line_width, show, stage_progress
 
     viewer, moment = viewer_of(shared_viewer, compress), _moment(still)
@@ -117,7 +117,7 @@ def _run(
         loaded = loaded if moment is None else loaded.with_still(moment)
         with stage_progress() as progress:
             result = loaded.run(Path(out or Path("results") / loaded.name), progress)
-        show(json, result.as_json, lambda: blocks(result) if verbose else overview(result, line_width()))
+        show(json, result.as_json, lambda: result.blocks() if verbose else overview(result, line_width()))
         return FINE if result.is_trusted else NOT_TRUSTED
 
     answer(scene, json, work, settings)
@@ -203,7 +203,7 @@ def _check(scene: ScenePath, settings: Settings = None, json: Json = False) -> N
 
 def _checked(scene: Scene, json: bool) -> None:
     from ..ground.checks import counted
-    from ..scene.run.report.jumps import start_notices
+    from ..scene.run.jumps import start_notices
     from .printing import show
 
     names, count = scene.equations.coordinates.names, len(scene.plan().needed)

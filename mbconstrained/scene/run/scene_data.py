@@ -16,12 +16,11 @@ from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import noise_of
 from ...response.choose import Method, Request, choose
 from ...response.problem import Problem
-from ..build.equations import Equations
 from ..build.free_motions import free_motion_notices
+from ..build.model import Equations
 from ..file.messages import SceneName
 from ..quantities.parameters import Parameters
 from ..quantities.settings import Setting
-from .plan import Plan
 from .stage_costs import Cost
 
 if TYPE_CHECKING:
@@ -37,7 +36,7 @@ class SceneData(Displayed):
         plan, named_parameters: as of ``Scene``.
     """
 
-    plan: ClassVar[Callable[..., Plan]]
+    plan: ClassVar[Callable[..., Any]]
     named_parameters: ClassVar[Callable[..., Iterator[Parameter]]]
 
     path: Path
@@ -84,8 +83,7 @@ class SceneData(Displayed):
             *_assumed_lengths(self.table.model),
             *_matrix_notices(self.table, self.equations.system),
         )
-        drawn = self.equations.robot_scene is not None and self.table.output.page and self.table.output.animation
-        missing = self.equations.robot.mesh_notices() if drawn else ()
+        missing = self.equations.mesh_notices() if self.table.output.page and self.table.output.animation else ()
         return (*(setting.notice for setting in self.settings), *given, *free, *missing)
 
     @cached_property

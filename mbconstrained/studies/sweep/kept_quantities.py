@@ -17,10 +17,8 @@ from ...analyses.random import random_response
 from ...ground.checks import nearest
 from ...ground.errors import InputError
 from ...scene.quantities.quantities import quantity
-from ...scene.run.curves import ORDERS
 from ...scene.run.frequency.scene_frequency import SceneFrequency
-from ...scene.run.plan import Plan
-from ...scene.run.result import Result
+from ...scene.run.result import ORDERS, Result
 
 if TYPE_CHECKING:
     from ...scene.run.scene import Scene
@@ -220,7 +218,7 @@ class _Curves:
     """The curves of a scene by name."""
 
     def __init__(self, scene: Scene):
-        self.result = Result(scene, Plan(()))
+        self.result = Result(scene)
         equations = scene.equations
         self.names = dict.fromkeys(ORDERS, equations.coordinates.names)
         if equations.system is not None and not equations.system.is_sparse and equations.system.rows:

@@ -104,7 +104,7 @@ def test_the_report_is_plain_data_and_a_page(found):
     data = json.loads(json.dumps(found.as_json(), allow_nan=False))
     assert data["counts"]["wrong"] == found.count("wrong") and len(data["sweeps"][0]["points"]) == len(found.sweeps[0].points)
     pictures = found.pictures()
-    content = found.page_content(pictures)
+    content = found.pictures.page()
     assert content.notices[0].doubtful == (not found.is_trusted) and len(content.figures) == len(pictures) == 1
     assert any("stiff" in str(block) for block in found.blocks)
 

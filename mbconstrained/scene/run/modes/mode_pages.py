@@ -13,9 +13,9 @@ from ....page.drawing.bodies import Drawing
 from ....page.drawing.orientation import ABSOLUTE, NEIGHBOURS, WIDEST_ANGLE, two_digits
 from ....page.drawing.paths import Path
 from ....page.mode_page import ModePicture, ModesContent, Share, cycle
+from ...build.robot_model import robot_fact
 from ..picture.robot_drawing import RobotPicture
 from ..picture.scene_drawing import automatic_drawing, own_drawing, view_of
-from ..report.robot_report import robot_fact
 from ..scene_data import SceneData
 from .mode_summary import BY_COORDINATE, ListedModes, ModeLine, descending, mass_tables, shape_cells
 from .scene_sensitivities import influence_tables

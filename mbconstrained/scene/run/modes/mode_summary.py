@@ -13,8 +13,8 @@ import numpy as np
 from ....ground.display import WIDTH, TextTable, with_unit
 from ....ground.notices import Notice
 from ....ground.tolerances import noise_of
+from ...build.robot_model import posture_json, posture_tables
 from ...quantities.coordinates import Coordinates
-from ..report.robot_report import posture_json, posture_tables
 from ..report.summary import notices_json
 from ..scene_data import SceneData
 

@@ -10,8 +10,6 @@ from ....ground.errors import SceneError
 from ....ground.files import Replacements
 from ....ground.notices import Notice, NoticeKind, distinct
 from ....response.response_notices import pair_notices
-from ..plan import Plan
-from ..report.tables import eigenvalue_rows
 from ..result import Result
 from ..scene_data import SceneData
 from .mode_summary import ModeLine
@@ -42,8 +40,8 @@ class SceneModes:
     @cached_property
     def lines(self) -> tuple[ModeLine, ...]:
         """One line for each shape, and one for each eigenvalue without shapes, in the order of the eigenvalues."""
-        result = Result(self.scene, Plan(()))
-        cells = eigenvalue_rows(result)
+        result = Result(self.scene)
+        cells = result.eigenvalue_rows
         if self.system is None:
             zeros = enumerate(zip(cells, result.finite_pair.zeros), 1)
             return tuple(ModeLine(number, row, complex(zero.value), zero.multiplicity) for number, (row, zero) in zeros)

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ....ground.display import TextTable
 from ....page.content import Curve, PageContent, Plot
-from ..curves import ORDERS
-
-if TYPE_CHECKING:
-    from ..answer import SceneAnswer
+from ..result import ORDERS
 
 #: The lowest natural frequencies that the table lists.
 MOST_FREQUENCIES = 6
 
 
-def comparison(labels: Sequence[str], results: Sequence[SceneAnswer]) -> PageContent:
+def comparison(labels: Sequence[str], results: Sequence[Any]) -> PageContent:
     """The content of the page."""
     return PageContent(
         title=" and ".join([", ".join(labels[:-1]), labels[-1]]),
@@ -28,7 +25,7 @@ def comparison(labels: Sequence[str], results: Sequence[SceneAnswer]) -> PageCon
     )
 
 
-def comparison_table(labels: Sequence[str], results: Sequence[SceneAnswer]) -> TextTable:
+def comparison_table(labels: Sequence[str], results: Sequence[Any]) -> TextTable:
     """The lowest natural frequencies with their damping ratios, and the error estimate of each run."""
     rows = []
     for label, result in zip(labels, results):
@@ -40,7 +37,7 @@ def comparison_table(labels: Sequence[str], results: Sequence[SceneAnswer]) -> T
     return TextTable("Runs", ("run", "natural frequencies (damping ratios)", "error estimate"), tuple(rows))
 
 
-def _plots(labels: Sequence[str], results: Sequence[SceneAnswer]) -> list[Plot]:
+def _plots(labels: Sequence[str], results: Sequence[Any]) -> list[Plot]:
     shared = [kind for kind in results[0].kinds if all(kind in result.kinds for result in results)]
     wanted = results[0].scene.table.output
     plots = []
