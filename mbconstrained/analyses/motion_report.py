@@ -50,7 +50,7 @@ def tables_of(result: Result, certificate: Certificate | None, frequency: Freque
     answers = [
         *equations.tables(result),
         *([peak_table(frequency)] if frequency else []),
-        *([_output_table(equations.control)] if equations.control and equations.control.form else []),
+        *([_output_table(equations.original)] if equations.original else []),
         *_at_start(result),
         *([_later_table(result)] if result.later else []),
         largest_table(result),

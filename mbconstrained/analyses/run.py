@@ -181,8 +181,7 @@ class RunAnswer(Result, Answer):
         """The formula of each coordinate; None, with a notice, where there is none."""
         from ..scene.run.formula import PAGE_SECONDS, formula_of
 
-        control = self.scene.equations.control
-        wanted = None if control and control.form else self.scene.table.output.coordinates  # of a normal form: its states
+        wanted = None if self.scene.equations.original else self.scene.table.output.coordinates  # of a normal form: its states
         try:
             return formula_of(self.scene, coordinates=wanted, seconds=PAGE_SECONDS)
         except InputError as problem:

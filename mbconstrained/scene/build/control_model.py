@@ -30,7 +30,7 @@ from ..file.messages import at, shown
 from ..quantities.coordinates import Coordinates, initial_values, state_values
 from .data_files import entries_of
 from .forces import input_of
-from .model import Decision, Equations, SolvedScene
+from .model import Decision, Equations
 
 if TYPE_CHECKING:
     from ...control.state_space_response import StateSpaceResponse
@@ -143,52 +143,47 @@ class ControlEquations(Equations):
     control: ControlScene = None
 
     def solve(self) -> Response:
-        """The answer, of a transfer function from rest by its own expansion."""
         function = self.control.transfer_function
         from_rest = function.response() if function else None
         return from_rest or super().solve()
 
     @property
     def has_outputs_among_coordinates(self) -> bool:  # type: ignore[override]
-        """Whether the outputs are solved for like coordinates."""
         return self.control.form is None
 
     @property
+    def original(self) -> ControlScene | None:  # type: ignore[override]
+        return self.control if self.control.form is not None else None
+
+    @property
     def coordinates_called(self) -> str:  # type: ignore[override]
-        """Name of the coordinates in reports: coordinates, output, or states and outputs."""
         if self.control.form is not None:
             return "coordinates"
         return "output" if self.control.transfer_function else "states and outputs"
 
     @property
     def root_name(self) -> str:
-        """Name of a root of det A(s)."""
         return "eigenvalue" if self.system else "pole"
 
     @property
     def outputs(self) -> Coordinates | None:
-        """Names and units of the outputs, or None."""
         return self.control.outputs if self.control.outputs.names else None
 
     def output_values(self, times: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
-        """The outputs: the last coordinates, or computed from the states where the normal form is solved."""
         if self.control.form is not None:
             return self.control.response.output(times)
         return coordinates[len(coordinates) - len(self.control.outputs.names) :]
 
     def output_closed_form(self, motion: Any) -> BohlFunction:
-        """The outputs in closed form."""
         control = self.control
         function = control.response.output_function if control.form is not None else motion.function
         return function.rows(range(function.size - len(control.outputs.names), function.size))
 
     def output_error_estimate(self, times: np.ndarray) -> float | None:
-        """Estimate of the relative error of the outputs."""
         return self.control.response.output_error_estimate(times)
 
     @property
     def facts(self) -> tuple[tuple[str, str], ...]:
-        """The transfer function as given; nothing for a state space."""
         if self.control.transfer_function is None:
             return ()
         fraction = self.control.transfer_function.fraction
@@ -196,15 +191,12 @@ class ControlEquations(Equations):
 
     @property
     def form_notices(self) -> tuple[Notice, ...]:
-        """Notices on a doubtful mechanical normal form, where there is one."""
         return self.control.form.notices if self.control.form else ()
 
-    def tables(self, result: SolvedScene) -> list[TextTable]:
-        """Transfer functions and the normal form."""
+    def tables(self, result: Any) -> list[TextTable]:
         return [_transfer_table(self.control), *([_form_table(self.control)] if self.control.form is not None else [])]
 
-    def as_json(self, result: SolvedScene) -> dict:
-        """Inputs, outputs, transfer functions and normal form as plain data."""
+    def as_json(self, result: Any) -> dict:
         control = self.control
         data: dict[str, Any] = {key: getattr(control, key).as_json() for key in ("inputs", "outputs")}
         data["transfer_functions"] = [
@@ -213,7 +205,6 @@ class ControlEquations(Equations):
         return data | ({"normal_form": _form_json(control.form)} if control.form is not None else {})
 
     def size_decision(self) -> Decision:
-        """The equations of every scene."""
         control = self.control
         if control.transfer_function is not None:
             b, a = control.transfer_function.fraction.numerator, control.transfer_function.fraction.denominator
@@ -222,11 +213,9 @@ class ControlEquations(Equations):
         return True, ", ".join(counted(len(names), what) for names, what in counts)
 
     def rows_decision(self) -> Decision:
-        """There are no constraint rows."""
         return False, f"a {'transfer function' if self.control.transfer_function else 'state space'} has no constraint rows"
 
     def outputs_decision(self, plots: Sequence[str]) -> Decision:
-        """Outputs of a state space."""
         if self.outputs is None:
             return False, "there is no C"
         if self.control.form is None:
@@ -235,12 +224,10 @@ class ControlEquations(Equations):
         return requested, "C x + D u, of the states that were given" if requested else "output is not among the plots"
 
     def unproved(self, reason: str, plots: Sequence[str]) -> str:
-        """The reason why an output is not proved: those of a normal form are of the state space itself."""
         return unproved(self.control.response.together.problem) if reason and self.control.form and "output" in plots else reason
 
     @property
     def without_energy(self) -> str:
-        """The reason why there is no energy."""
         if self.control.form:
             return "found energy: the unit masses of a normal form are not those of the machine, whose energy is not known"
         return super().without_energy

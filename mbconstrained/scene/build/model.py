@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,7 +23,6 @@ from ..quantities.coordinates import Coordinates, beyond_noise
 from .forces import SceneForce
 
 if TYPE_CHECKING:
-    from ...frequency.shock.extrema import Extrema
     from ...mechanics.system import MechanicalSystem
     from ...models.lumped import LumpedModel
     from ...robot.linearization.linear_range import LinearRange
@@ -31,38 +30,6 @@ if TYPE_CHECKING:
     from ...robot.robot import Robot
 
 Decision = tuple[bool, str]  # whether a stage runs, and the reason
-
-
-class SolvedScene(Protocol):
-    """What the reports of a model need of the answer to its scene; the members are those of ``Result``."""
-
-    scene: Any
-    system: MechanicalSystem | None
-
-    @property
-    def motion(self) -> Any: ...
-
-    @property
-    def times(self) -> np.ndarray: ...
-
-    @property
-    def error_estimates(self) -> dict[str, float]: ...
-
-    @property
-    def watches_connections(self) -> bool: ...
-
-    @property
-    def linear_range(self) -> LinearRange | None: ...
-
-    def extrema(self, kind: str) -> Extrema: ...
-
-    def functions(self, kind: str) -> Callable[[np.ndarray], np.ndarray]: ...
-
-    def drawn_functions(self, kind: str) -> Callable[[np.ndarray], np.ndarray]: ...
-
-    def sampled_extrema(self, at: Callable[[np.ndarray], np.ndarray]) -> Extrema: ...
-
-    def positive_times(self, at: Callable[[np.ndarray], np.ndarray]) -> tuple[np.ndarray, np.ndarray]: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,6 +107,9 @@ class Equations:
     # Names, outputs and forces besides those of the coordinates.
 
     coordinates_called = "coordinates"  # in reports
+    has_outputs_among_coordinates = False  # outputs are solved for like coordinates
+    has_connections = False  # a robot has loops, springs or bushings
+    original: Any = None  # the state space whose mechanical normal form is solved, a ControlScene
 
     @property
     def root_name(self) -> str:
@@ -150,12 +120,6 @@ class Equations:
     def outputs(self) -> Coordinates | None:
         """Names and units of the outputs, or None."""
         return None
-
-    #: Whether the outputs are solved for like coordinates.
-    has_outputs_among_coordinates = False
-
-    #: Whether a robot has loops, springs or bushings.
-    has_connections = False
 
     def output_values(self, times: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
         """The outputs, shape (q, T), at times (T,) at which the coordinates have these values (r, T)."""
@@ -173,7 +137,7 @@ class Equations:
         """The range in which the equations of a robot hold; None for other models."""
         return None
 
-    # What reports say about the model.
+    # What reports say about the model; a result is a ``Result``.
 
     @property
     def facts(self) -> tuple[tuple[str, str], ...]:
@@ -189,15 +153,15 @@ class Equations:
         """Notices on meshes of a robot that cannot be drawn."""
         return ()
 
-    def notices(self, result: SolvedScene) -> tuple[Notice, ...]:
+    def notices(self, result: Any) -> tuple[Notice, ...]:
         """Notices on the motion that only a model of this kind has."""
         return ()
 
-    def tables(self, result: SolvedScene) -> list[TextTable]:
+    def tables(self, result: Any) -> list[TextTable]:
         """Tables on the model, before those of the motion."""
         return []
 
-    def force_tables(self, result: SolvedScene) -> list[TextTable]:
+    def force_tables(self, result: Any) -> list[TextTable]:
         """Tables on forces that only a model of this kind has."""
         return []
 
@@ -205,11 +169,11 @@ class Equations:
         """Tables for a closer look at the model."""
         return []
 
-    def evidence(self, result: SolvedScene) -> list[tuple[str, str, str]]:
+    def evidence(self, result: Any) -> list[tuple[str, str, str]]:
         """Rows of the table of evidence: name, value, meaning."""
         return []
 
-    def as_json(self, result: SolvedScene) -> dict:
+    def as_json(self, result: Any) -> dict:
         return {}
 
     # Decisions on stages and requests.

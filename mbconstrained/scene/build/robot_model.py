@@ -19,7 +19,7 @@ from ...signals.bohl import BohlFunction
 from ..file.includes import robot_name, robot_path
 from ..file.messages import SceneName, at, shown
 from ..quantities.coordinates import Coordinates
-from .model import Decision, Equations, SolvedScene, rows_decision
+from .model import Decision, Equations, rows_decision
 from .robot_file import RobotData, robot_data, robot_of
 from .robot_values import PLACE, joint_values, point_motion, posing
 
@@ -69,52 +69,41 @@ class RobotEquations(Equations):
 
     @property
     def outputs(self) -> Coordinates | None:
-        """Names and units of the outputs, or None."""
         outputs = self.robot_scene.outputs
         return outputs if outputs.names else None
 
     @property
     def has_connections(self) -> bool:  # type: ignore[override]
-        """Whether the robot has loops, springs or bushings."""
         return bool(self.robot.loops or self.robot.springs)
 
     def output_values(self, times: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
-        """Motions of links, from the deviations of the joints."""
         return self.robot_scene.system.output_matrix @ coordinates
 
     def output_closed_form(self, motion: Any) -> BohlFunction:
-        """The outputs in closed form."""
         return motion.function.mapped(self.robot_scene.system.output_matrix)
 
     def linear_range(self, motion: Any, times: np.ndarray) -> LinearRange | None:
-        """The range in which the equations hold."""
         return self.robot_scene.system.linear_range(motion, times)
 
     @property
     def facts(self) -> tuple[tuple[str, str], ...]:
-        """Title, source and licence of the robot."""
         return (robot_fact(self.robot_scene),)
 
     def mesh_notices(self) -> tuple[Notice, ...]:
-        """Notices on meshes that cannot be drawn."""
         return self.robot.mesh_notices()
 
-    def notices(self, result: SolvedScene) -> tuple[Notice, ...]:
-        """Notices on large motions, on joints beyond their limits, and on feet that lift off, slip or tip over."""
+    def notices(self, result: Any) -> tuple[Notice, ...]:
         ends = result.extrema("displacement")
         limits = limit_notices(self.robot_scene, np.column_stack([ends.minimum, ends.maximum]))
         return (*(result.linear_range.notices if result.linear_range else ()), *limits, *_forces_notices(result))
 
-    def force_tables(self, result: SolvedScene) -> list[TextTable]:
-        """Extremes of forces of loops and springs."""
+    def force_tables(self, result: Any) -> list[TextTable]:
         return [_extremes_table(result)]
 
     def details(self) -> list[TextTable]:
-        """Joints, and forces of loops and springs at rest."""
         return posture_tables(self.robot_scene)
 
-    def evidence(self, result: SolvedScene) -> list[tuple[str, str, str]]:
-        """The residual of the equilibrium, the gap of its loops, and how well the nonlinear equations follow the motion."""
+    def evidence(self, result: Any) -> list[tuple[str, str, str]]:
         posture, motion = self.posture, result.linear_range
         if not motion:
             return []
@@ -125,29 +114,24 @@ class RobotEquations(Equations):
         reached = f"; {motion.limit_text}" if motion.limit_text else ""
         return [*rows, ("linear motion: residual", f"{motion.deviation:.2g}", f"{meaning}{reached}")]
 
-    def as_json(self, result: SolvedScene) -> dict:
-        """The robot, its posture and the extremes of its forces as plain data."""
+    def as_json(self, result: Any) -> dict:
         return posture_json(self.robot_scene) | {"forces": _extremes(result)}
 
     @property
     def unit_texts(self) -> int:  # type: ignore[override]
-        """The number of quantities with units in the file of the robot."""
         return self.robot_scene.data.unit_texts
 
     def rows_decision(self) -> Decision:
-        """Rows of loops and mimic joints."""
         removed = len(self.posture.balance.load.row_names) - len(self.system.rows)
         return rows_decision(len(self.system.rows), removed, "the robot has no loops: no rows are built")
 
     def outputs_decision(self, plots: Sequence[str]) -> Decision:
-        """Outputs of a robot."""
         if self.outputs is None:
             return super().outputs_decision(plots)
         requested = "output" in plots
         return requested, "of the links, from the deviations of the joints" if requested else "output is not among the plots"
 
     def connections_decision(self, requested: bool) -> Decision:
-        """Forces of loops, springs and bushings in the directions of the ground."""
         if not self.has_connections:
             return super().connections_decision(requested)
         if requested:
@@ -156,7 +140,6 @@ class RobotEquations(Equations):
         return feet, "friction and lift-off of feet are checked" if feet else "not requested in [output]"
 
     def without_formula(self, modal_damping: bool) -> str:
-        """The reason why there are no formulas with symbols."""
         return "a robot"
 
 
@@ -333,7 +316,7 @@ def limit_notices(robot_scene: RobotScene, ends: np.ndarray) -> list[Notice]:
 # Reports: forces of loops, springs and bushings during the motion, and feet that leave the ground.
 
 
-def _extremes(result: SolvedScene) -> dict:
+def _extremes(result: Any) -> dict:
     """Extremes of the forces of loops, springs and bushings during the run (N, s); empty where they are not computed.
 
     For a foot with friction also those of the normal force and the largest tangential force.
@@ -366,7 +349,7 @@ def _extremes(result: SolvedScene) -> dict:
     return extremes
 
 
-def _extremes_table(result: SolvedScene) -> TextTable:
+def _extremes_table(result: Any) -> TextTable:
     """Table of extremes of forces for the summary and the page."""
     extremes = _extremes(result)
     rounding, rows = ROUNDING * max((one["largest"] for one in extremes.values()), default=0.0), []
@@ -383,7 +366,7 @@ def _extremes_table(result: SolvedScene) -> TextTable:
     return TextTable("Forces during the motion", columns[:count], tuple(row[:count] for row in rows), note + _open_shares(result))
 
 
-def _open_shares(result: SolvedScene) -> str:
+def _open_shares(result: Any) -> str:
     """A sentence on redundant rows of loops; empty without them."""
     from ...robot.statics.regularity import implied_rows
 
@@ -395,7 +378,7 @@ def _open_shares(result: SolvedScene) -> str:
     return f" It is open how connections share the changes of forces: here {named} {'has' if len(names) == 1 else 'have'} no part in them."
 
 
-def _forces_notices(result: SolvedScene) -> tuple[Notice, ...]:
+def _forces_notices(result: Any) -> tuple[Notice, ...]:
     """Notices on feet that lift off, slip or tip over during the motion, at the times of the closed form."""
     from ...robot.connections import Support
     from ...robot.linearization.connection_forces import foot_limits, foot_notices
