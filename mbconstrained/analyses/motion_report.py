@@ -189,7 +189,7 @@ def _output_table(control: ControlScene) -> TextTable:
     together, names = control.response.together, control.outputs.names
     coordinates = together.polynomial_matrix.coordinates
     jumps = jumps_of(together, Coordinates(coordinates, tuple(control.system.units[name] for name in coordinates)))
-    rows = [(jump.name, "jumps", jump.before, jump.after, jump.size) for jump in jumps if jump.name in names]
+    rows: list[tuple[str, ...]] = [(jump.name, "jumps", jump.before, jump.after, jump.size) for jump in jumps if jump.name in names]
     rows += _impulse_rows(impulses_of(control.response.output_impulses, control.outputs))
     return TextTable("Outputs at t = 0", ("of", "what", "before", "after", "size"), tuple(rows))
 
@@ -205,8 +205,8 @@ def _later_table(result: Result) -> TextTable:
 
 def _event_rows(result: Result, event: Event | ImpulsiveLoad) -> list[tuple[str, ...]]:
     coordinates, is_load = result.scene.equations.coordinates, isinstance(event, ImpulsiveLoad)
-    jumps = [] if is_load else jumps_of(result.motion, coordinates, event)
-    rows = [(jump.name, f"{jump.what} jumps", jump.before, jump.after, jump.size) for jump in jumps]
+    jumps = [] if isinstance(event, ImpulsiveLoad) else jumps_of(result.motion, coordinates, event)
+    rows: list[tuple[str, ...]] = [(jump.name, f"{jump.what} jumps", jump.before, jump.after, jump.size) for jump in jumps]
     rows += _impulse_rows(
         impulses_of(event.impulses, forces_of_rows(result.system, shown=coordinates.shown) if is_load else coordinates)
     )
@@ -223,7 +223,7 @@ def _primes(order: int) -> str:
 
 def _evidence_table(result: Result) -> TextTable:
     """Error estimates, residuals and rank gaps: the accuracy of the answer."""
-    proved = ("displacement", "velocity", "acceleration") if getattr(result.motion, "is_proved", False) else ()
+    proved: tuple[str, ...] = ("displacement", "velocity", "acceleration") if getattr(result.motion, "is_proved", False) else ()
     proved += ("reaction",) if proved and result.motion.is_decided_exactly else ()
     estimates = [
         (

@@ -152,7 +152,7 @@ class ControlEquations(Equations):
         return self.control.form is None
 
     @property
-    def original(self) -> ControlScene | None:  # type: ignore[override]
+    def original(self) -> ControlScene | None:
         return self.control if self.control.form is not None else None
 
     @property
@@ -183,14 +183,14 @@ class ControlEquations(Equations):
         return self.control.response.output_error_estimate(times)
 
     @property
-    def facts(self) -> tuple[tuple[str, str], ...]:
+    def facts(self) -> tuple[tuple[str, str], ...]:  # type: ignore[override]
         if self.control.transfer_function is None:
             return ()
         fraction = self.control.transfer_function.fraction
         return (("transfer function", f"({polynomial_text(fraction.numerator)}) / ({polynomial_text(fraction.denominator)})"),)
 
     @property
-    def form_notices(self) -> tuple[Notice, ...]:
+    def form_notices(self) -> tuple[Notice, ...]:  # type: ignore[override]
         return self.control.form.notices if self.control.form else ()
 
     def tables(self, result: Any) -> list[TextTable]:

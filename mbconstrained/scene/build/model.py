@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -109,7 +109,9 @@ class Equations:
     coordinates_called = "coordinates"  # in reports
     has_outputs_among_coordinates = False  # outputs are solved for like coordinates
     has_connections = False  # a robot has loops, springs or bushings
-    original: Any = None  # the state space whose mechanical normal form is solved, a ControlScene
+    form_notices: ClassVar[tuple[Notice, ...]] = ()  # on a doubtful mechanical normal form
+    facts: ClassVar[tuple[tuple[str, str], ...]] = ()  # pairs of a label and a text, for the page
+    original: ClassVar[Any] = None  # the state space whose mechanical normal form is solved, a ControlScene
 
     @property
     def root_name(self) -> str:
@@ -138,16 +140,6 @@ class Equations:
         return None
 
     # What reports say about the model; a result is a ``Result``.
-
-    @property
-    def facts(self) -> tuple[tuple[str, str], ...]:
-        """Pairs of a label and a text for the page."""
-        return ()
-
-    @property
-    def form_notices(self) -> tuple[Notice, ...]:
-        """Notices on a doubtful mechanical normal form, where there is one."""
-        return ()
 
     def mesh_notices(self) -> tuple[Notice, ...]:
         """Notices on meshes of a robot that cannot be drawn."""

@@ -86,7 +86,7 @@ class RobotEquations(Equations):
         return self.robot_scene.system.linear_range(motion, times)
 
     @property
-    def facts(self) -> tuple[tuple[str, str], ...]:
+    def facts(self) -> tuple[tuple[str, str], ...]:  # type: ignore[override]
         return (robot_fact(self.robot_scene),)
 
     def mesh_notices(self) -> tuple[Notice, ...]:

@@ -34,7 +34,6 @@ from .scene_data import SceneData
 from .stages import connection_forces
 
 if TYPE_CHECKING:
-    from ...mechanics.motion import Motion
     from ...mechanics.system import MechanicalSystem
     from ...page.content import RecordResponse, TimeFunctions
     from ...polynomial.jordan_pairs import FinitePair, InfinitePair
@@ -113,7 +112,7 @@ class Result:
         return following_times(self.scene, self.motion) if self.scene.table.time.is_automatic else self.scene.times
 
     @cached_property
-    def motion(self) -> Motion | Any:
+    def motion(self) -> Any:
         """x as a function of time, with jumps and impulses; a Motion where there is a mechanical system."""
         return self.scene.equations.solve()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import zip_longest
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -261,7 +261,8 @@ class _RobotPicture(_Picture):
         robot_scene = self.equations.robot_scene
         motion = robot_scene.inputs.get(name, name)
         if isinstance(motion, PointMotion):
-            arrow = Arrow(motion.body, motion.along, impulse_unit(force_unit(unit)), motion.turn, motion.point)
+            at: Any = motion  # whose point and direction are given as any sequence
+            arrow = Arrow(at.body, at.along, impulse_unit(force_unit(unit)), at.turn, at.point)
             return iter([(arrow, 1.0)])
         joints = robot_scene.robot.coordinates
         place = joints.index(motion.removesuffix(" motor") if motion not in joints else motion)
