@@ -29,7 +29,6 @@ from ..scene.run.result import ORDERS, Result
 from ..signals.impulsive import ImpulsiveLoad
 
 if TYPE_CHECKING:
-    from ..mechanics.constraints import ConstraintRow
     from ..mechanics.system import MechanicalSystem
     from ..page.content import TimeFunctions
     from ..scene.build.control_model import ControlScene
@@ -47,24 +46,28 @@ def tables_of(result: Result, certificate: Certificate | None, frequency: Freque
 
     Empty tables are left out but for the natural frequencies."""
     equations, system = result.scene.equations, result.system
+    of_model, shown = equations.tables(result), equations.coordinates.shown
+    jumps = tuple((jump.name, jump.what, jump.before, jump.after, jump.size) for jump in result.jumps)
+    impulses = tuple((impulse.name, f"δ{_primes(impulse.order)}", impulse.size) for impulse in result.impulses)
     answers = [
-        *equations.tables(result),
+        *of_model.first,
         *([peak_table(frequency)] if frequency else []),
         *([_output_table(equations.original)] if equations.original else []),
-        *_at_start(result),
+        TextTable("Jumps at t = 0", ("coordinate", "of its", "before", "after", "jump"), jumps),
+        TextTable("Impulses at t = 0", ("of", "multiplies", "size"), impulses),
         *([_later_table(result)] if result.later else []),
         largest_table(result),
-        *equations.force_tables(result),
+        *of_model.forces,
         *([certificate.table] if certificate else []),
     ]
     details = [
-        *equations.details(),
-        *([_constraint_table(system, equations.coordinates.shown)] if system else []),
+        *of_model.details,
+        *([_constraint_table(system, shown)] if system else []),
         eigenvalue_table(result),
-        _evidence_table(result),
+        _evidence_table(result, of_model.evidence),
     ]
-    shown = [*(table for table in answers if table.rows), *(replace(each, folded=True) for each in details if each.rows)]
-    return (frequency_table(result), *shown)
+    tables = [*(table for table in answers if table.rows), *(replace(each, folded=True) for each in details if each.rows)]
+    return (frequency_table(result), *tables)
 
 
 def largest_table(result: Result) -> TextTable:
@@ -79,13 +82,12 @@ def largest_table(result: Result) -> TextTable:
     return TextTable("Largest values", ("of", "quantity", "largest", "at"), tuple(rows), note)
 
 
-def _right_side(row: ConstraintRow, shown: OutputUnits) -> str:
-    return shown.text(row.value, rate_unit(row.unit, row.order)) if row.signal is None else row.right_side_text
-
-
 def _constraint_table(system: MechanicalSystem, shown: OutputUnits) -> TextTable:
     """The rows in force with their levels."""
-    cells = tuple((row.name, row.level, _right_side(row, shown)) for row in system.rows)
+    cells = tuple(
+        (row.name, row.level, shown.text(row.value, rate_unit(row.unit, row.order)) if row.signal is None else row.right_side_text)
+        for row in system.rows
+    )
     note = "Errors at the start persist in rows at velocity or acceleration level: their eigenvalues at 0 are drift."
     drifting = any(row.order for row in system.rows)
     return TextTable("Constraints", ("row", "level", "value"), cells, note if drifting else "")
@@ -174,16 +176,6 @@ def _largest_shares(mode: Mode) -> tuple[str, str]:
     return ", ".join(share_entries(first.kinetic, MOST_PARTS)), ", ".join(share_entries(first.strain, MOST_PARTS))
 
 
-def _at_start(result: Result) -> list[TextTable]:
-    """Jumps and impulses at t = 0 in coordinates and in constraint forces."""
-    jumps = tuple((jump.name, jump.what, jump.before, jump.after, jump.size) for jump in result.jumps)
-    impulses = tuple((impulse.name, f"δ{_primes(impulse.order)}", impulse.size) for impulse in result.impulses)
-    return [
-        TextTable("Jumps at t = 0", ("coordinate", "of its", "before", "after", "jump"), jumps),
-        TextTable("Impulses at t = 0", ("of", "multiplies", "size"), impulses),
-    ]
-
-
 def _output_table(control: ControlScene) -> TextTable:
     """Jumps and impulses of the outputs at t = 0; those of the displacements have separate tables."""
     together, names = control.response.together, control.outputs.names
@@ -221,29 +213,22 @@ def _primes(order: int) -> str:
     return "′" * order if order < 4 else f"^({order})"
 
 
-def _evidence_table(result: Result) -> TextTable:
+def _evidence_table(result: Result, of_model: Sequence[tuple[str, str, str]]) -> TextTable:
     """Error estimates, residuals and rank gaps: the accuracy of the answer."""
-    proved: tuple[str, ...] = ("displacement", "velocity", "acceleration") if getattr(result.motion, "is_proved", False) else ()
-    proved += ("reaction",) if proved and result.motion.is_decided_exactly else ()
+    equations, motion = result.scene.equations, result.motion
+    proved: tuple[str, ...] = ("displacement", "velocity", "acceleration") if getattr(motion, "is_proved", False) else ()
+    proved += ("reaction",) if proved and motion.is_decided_exactly else ()
+    bound, estimate = (
+        "proved bound of the error over the largest value, at each time",
+        "largest error over largest value, over all times",
+    )
+    names = {"displacement": equations.coordinates_called} if equations.has_outputs_among_coordinates else {}  # no displacements
     estimates = [
-        (
-            f"error estimate: {_estimated(result, kind)}",
-            f"{value:.2g}",
-            "proved bound of the error over the largest value, at each time"
-            if kind in proved
-            else "largest error over largest value, over all times",
-        )
+        (f"error estimate: {names.get(kind, kind)}", f"{value:.2g}", bound if kind in proved else estimate)
         for kind, value in result.error_estimates.items()
     ]
-    evidence = [(item.name, f"{item.value:.2g}", item.text) for item in result.motion.evidence]
-    of_model = result.scene.equations.evidence(result)
+    evidence = [(item.name, f"{item.value:.2g}", item.text) for item in motion.evidence]
     return TextTable("Evidence", ("what", "value", "meaning"), (*estimates, *evidence, *of_model))
-
-
-def _estimated(result: Result, kind: str) -> str:
-    """Name of the quantity of an error estimate; states and outputs are no displacements."""
-    equations = result.scene.equations
-    return equations.coordinates_called if kind == "displacement" and equations.has_outputs_among_coordinates else kind
 
 
 # Plots.

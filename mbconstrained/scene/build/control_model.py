@@ -30,7 +30,7 @@ from ..file.messages import at, shown
 from ..quantities.coordinates import Coordinates, initial_values, state_values
 from .data_files import entries_of
 from .forces import input_of
-from .model import Decision, Equations
+from .model import Decision, Equations, ModelTables
 
 if TYPE_CHECKING:
     from ...control.state_space_response import StateSpaceResponse
@@ -193,8 +193,9 @@ class ControlEquations(Equations):
     def form_notices(self) -> tuple[Notice, ...]:  # type: ignore[override]
         return self.control.form.notices if self.control.form else ()
 
-    def tables(self, result: Any) -> list[TextTable]:
-        return [_transfer_table(self.control), *([_form_table(self.control)] if self.control.form is not None else [])]
+    def tables(self, result: Any) -> ModelTables:
+        form = [_form_table(self.control)] if self.control.form is not None else []
+        return ModelTables(first=[_transfer_table(self.control), *form])
 
     def as_json(self, result: Any) -> dict:
         control = self.control

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -30,6 +30,15 @@ if TYPE_CHECKING:
     from ...robot.robot import Robot
 
 Decision = tuple[bool, str]  # whether a stage runs, and the reason
+
+
+class ModelTables(NamedTuple):
+    """Tables before those of the motion, on forces, for a closer look, and rows of the table of evidence: name, value, meaning."""
+
+    first: Sequence[TextTable] = ()
+    forces: Sequence[TextTable] = ()
+    details: Sequence[TextTable] = ()
+    evidence: Sequence[tuple[str, str, str]] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,21 +158,9 @@ class Equations:
         """Notices on the motion that only a model of this kind has."""
         return ()
 
-    def tables(self, result: Any) -> list[TextTable]:
-        """Tables on the model, before those of the motion."""
-        return []
-
-    def force_tables(self, result: Any) -> list[TextTable]:
-        """Tables on forces that only a model of this kind has."""
-        return []
-
-    def details(self) -> list[TextTable]:
-        """Tables for a closer look at the model."""
-        return []
-
-    def evidence(self, result: Any) -> list[tuple[str, str, str]]:
-        """Rows of the table of evidence: name, value, meaning."""
-        return []
+    def tables(self, result: Any) -> ModelTables:
+        """Tables on the model, next to those of the motion."""
+        return ModelTables()
 
     def as_json(self, result: Any) -> dict:
         return {}

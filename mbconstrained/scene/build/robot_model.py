@@ -19,7 +19,7 @@ from ...signals.bohl import BohlFunction
 from ..file.includes import robot_name, robot_path
 from ..file.messages import SceneName, at, shown
 from ..quantities.coordinates import Coordinates
-from .model import Decision, Equations, rows_decision
+from .model import Decision, Equations, ModelTables, rows_decision
 from .robot_file import RobotData, robot_data, robot_of
 from .robot_values import PLACE, joint_values, point_motion, posing
 
@@ -97,22 +97,18 @@ class RobotEquations(Equations):
         limits = limit_notices(self.robot_scene, np.column_stack([ends.minimum, ends.maximum]))
         return (*(result.linear_range.notices if result.linear_range else ()), *limits, *_forces_notices(result))
 
-    def force_tables(self, result: Any) -> list[TextTable]:
-        return [_extremes_table(result)]
-
-    def details(self) -> list[TextTable]:
-        return posture_tables(self.robot_scene)
-
-    def evidence(self, result: Any) -> list[tuple[str, str, str]]:
-        posture, motion = self.posture, result.linear_range
-        if not motion:
-            return []
-        rows = [("equilibrium: residual", f"{posture.residual:.2g}", "largest unbalanced force relative to the largest force")]
-        if posture.balance.load.has_rows:
-            rows.append(("equilibrium: loops", f"{posture.loop_error:.2g}", "largest gap of a loop, in m or rad"))
-        meaning = "force that the linear motion leaves in the nonlinear equations, relative to its own forces"
-        reached = f"; {motion.limit_text}" if motion.limit_text else ""
-        return [*rows, ("linear motion: residual", f"{motion.deviation:.2g}", f"{meaning}{reached}")]
+    def tables(self, result: Any) -> ModelTables:
+        posture, motion, evidence = self.posture, result.linear_range, []
+        if motion:
+            evidence.append(
+                ("equilibrium: residual", f"{posture.residual:.2g}", "largest unbalanced force relative to the largest force")
+            )
+            if posture.balance.load.has_rows:
+                evidence.append(("equilibrium: loops", f"{posture.loop_error:.2g}", "largest gap of a loop, in m or rad"))
+            meaning = "force that the linear motion leaves in the nonlinear equations, relative to its own forces"
+            reached = f"; {motion.limit_text}" if motion.limit_text else ""
+            evidence.append(("linear motion: residual", f"{motion.deviation:.2g}", f"{meaning}{reached}"))
+        return ModelTables((), [_extremes_table(result)], posture_tables(self.robot_scene), evidence)
 
     def as_json(self, result: Any) -> dict:
         return posture_json(self.robot_scene) | {"forces": _extremes(result)}

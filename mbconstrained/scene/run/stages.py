@@ -36,11 +36,6 @@ def units(scene: SceneData) -> Decision:
     return False, "all quantities are numbers in SI without units"
 
 
-def assembly(scene: SceneData) -> Decision:
-    """The equations of every scene."""
-    return scene.equations.size_decision()
-
-
 def normal_form(scene: SceneData) -> Decision:
     """Whether a state space is transformed to a mechanical system."""
     form = scene.equations.control.form
@@ -67,11 +62,6 @@ def equilibrium(scene: SceneData) -> Decision:
         if rows
     ]
     return True, f"the motion is about a state of rest, with {' and '.join(rows_by_kind) or 'no loops to close'}"
-
-
-def constraint_rows(scene: SceneData) -> Decision:
-    """Redundant constraint rows are searched for where there are rows."""
-    return scene.equations.rows_decision()
 
 
 def constrained_form(scene: SceneData) -> Decision:
@@ -160,11 +150,6 @@ def connection_forces(scene: SceneData) -> Decision:
     """Forces of loops, springs and bushings of a robot in the directions of the ground."""
     output = scene.table.output
     return scene.equations.connections_decision(output.reactions or "ground_reaction" in output.plots)
-
-
-def outputs(scene: SceneData) -> Decision:
-    """Outputs of a robot or a state space."""
-    return scene.equations.outputs_decision(scene.table.output.plots)
 
 
 def element_quantities(scene: SceneData) -> Decision:
@@ -333,7 +318,9 @@ ROBOT_STEPS = (
     PossibleStage("collision geometry", collision_geometry, writes=True, part_of="animation"),
 )
 NO_ROBOT_STEPS = (PossibleStage("robot model (pinocchio)", (False, "no robot in the scene")),)
-OUTPUTS = PossibleStage("outputs", outputs, methodcaller("curves", "output"))
+OUTPUTS = PossibleStage(
+    "outputs", lambda scene: scene.equations.outputs_decision(scene.table.output.plots), methodcaller("curves", "output")
+)
 ROBOT_NEXT = {
     "displacements": (OUTPUTS,),
     "reactions": (PossibleStage("forces of loops and springs", connection_forces, methodcaller("curves", "ground_reaction")),),
@@ -344,8 +331,8 @@ CONTROL_NEXT = {  # the same of a state space
     "modes": (PossibleStage("transfer functions", transfer_functions, attrgetter("scene.equations.control.transfers")),),
 }
 STEPS = (
-    PossibleStage("assemble the model", assembly),
-    PossibleStage("dependent constraint rows", constraint_rows, part_of="assemble the model"),
+    PossibleStage("assemble the model", lambda scene: scene.equations.size_decision()),
+    PossibleStage("dependent constraint rows", lambda scene: scene.equations.rows_decision(), part_of="assemble the model"),
     PossibleStage("constrained form", constrained_form, part_of="assemble the model"),
     PossibleStage("scaling and staircase", (True, "splits the finite from the infinite part by rank decisions")),
     PossibleStage("finite pair", finite_pair, attrgetter("finite_pair")),
