@@ -15,8 +15,7 @@ from PIL import Image
 import mbconstrained as mb
 from mbconstrained.page.photograph import photograph
 from mbconstrained.page.plots.images import plot_image
-from mbconstrained.scene.run.decisions import is_animated
-from mbconstrained.scene.run.report.page_report import page_content
+from mbconstrained.scene.run.stages import is_animated
 
 HERE = Path(__file__).parent
 FOLDER = HERE / "thumbnails"
@@ -41,7 +40,7 @@ def thumbnail(path: Path) -> Path:
     if is_animated(result.scene):
         image = photograph(result.animation, MOMENTS.get(path.stem, 0.1) * float(result.times[-1]), *WHOLE)
     else:
-        image = plot_image(page_content(result).plots[0], "png")
+        image = plot_image(result.page().plots[0], "png")
     picture = Image.open(io.BytesIO(image)).convert("RGB")
     whole = Image.new("RGB", SIZE, "white")
     picture.thumbnail(SIZE, Image.LANCZOS)

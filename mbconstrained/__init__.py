@@ -95,16 +95,16 @@ _LATE = {
     "read_record": "scene.build.record_file",
     "read_robot": "scene.build.robot_file",
     "read_scene": "scene.run.scene",
-    "show": "scene.python_models",
+    "show": "analyses.python_models",
 }
 
 
 def _presentation():
-    return import_module(".scene.python_models", __name__)
+    return import_module(".analyses.python_models", __name__)
 
 
 def _studies(name: str):
-    return import_module(f".analyses.sweep.{name}", __name__)
+    return import_module(".analyses.run" if name == "run" else f".analyses.sweep.{name}", __name__)
 
 
 Presented.presentation = staticmethod(_presentation)

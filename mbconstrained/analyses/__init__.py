@@ -1,7 +1,8 @@
 """Questions to a model, one file each: settings with units and a sentence of help, and a function from the model to an answer.
 
 Read ``base`` (what an analysis declares, what every answer can do), then any of the others. The command, its options, the table of the
-scene and all files follow from the declaration.
+scene and all files follow from the declaration. ``run`` is the motion over time, with its tables and plots in ``motion_report``;
+``python_models`` gives motions and modes that were computed in Python the same pages.
 """
 
 from __future__ import annotations

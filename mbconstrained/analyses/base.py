@@ -96,8 +96,11 @@ class Answer(Displayed):
 
     def to_dict(self, files: Sequence[Path] = ()) -> dict:
         """The answer as plain data, numbers in SI: title, data, notices, whether it is to be trusted, files."""
-        notices = [{"kind": one.kind, "text": one.text, "doubtful": one.doubtful} for one in self.notices]
-        end = {"notices": notices, "trusted": self.is_trusted, "files": [str(path) for path in files]}
+        end = {
+            "notices": [notice.to_dict() for notice in self.notices],
+            "trusted": self.is_trusted,
+            "files": [str(path) for path in files],
+        }
         title = {"title": self.title} if self.name else {}  # runs of several models have titles of their own
         return {**title, **json_value(self.data), **{key: end[key] for key in self.keys}}
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..ground.display import TextTable
 from ..page.content import Curve, Plot
-from ..scene.run.curves import ORDERS
+from ..scene.run.result import ORDERS
 from .base import Analysis, Answer
 
 if TYPE_CHECKING:

@@ -16,13 +16,12 @@ from ..ground.notices import Notice, NoticeKind, distinct
 from ..ground.tolerances import noise_of
 from ..page.animation.shapes import ModePicture, Shapes, Share, cycle
 from ..response.response_notices import pair_notices
+from ..scene.build.robot_model import posture_json, posture_tables, robot_fact
 from ..scene.quantities.coordinates import Coordinates
 from ..scene.run.picture.shape_drawing import ShapeDrawing
-from ..scene.run.plan import Plan
-from ..scene.run.report.robot_report import posture_json, posture_tables, robot_fact
-from ..scene.run.report.tables import descending, eigenvalue_rows, share_entries
 from ..scene.run.result import Result
 from .base import Analysis, Answer
+from .motion_report import descending, share_entries
 from .sensitivity import influence_tables
 
 if TYPE_CHECKING:
@@ -199,8 +198,8 @@ class ModalAnalysis(Analysis):
     @cached_property
     def lines(self) -> tuple[ModeLine, ...]:
         """One line for each shape, and one for each eigenvalue without shapes, in the order of the eigenvalues."""
-        result = Result(self.scene, Plan(()))
-        cells = eigenvalue_rows(result)
+        result = Result(self.scene)
+        cells = result.eigenvalue_rows
         if self.system is None:
             zeros = enumerate(zip(cells, result.finite_pair.zeros), 1)
             return tuple(ModeLine(number, row, complex(zero.value), zero.multiplicity) for number, (row, zero) in zeros)

@@ -100,7 +100,7 @@ def _run(
 
     With --certify the answer is compared with intervals that exact arithmetic proves to contain the true values, for the
     coordinates named in [output] certify or coordinates, or for all; how many digits are proved is printed and stands on the page."""
-    from ..scene.run.report.summary import blocks, overview
+    from ..analyses.run import overview
     from .printing import line_width, show, stage_progress
 
     viewer, moment = viewer_of(shared_viewer, compress), _moment(still)
@@ -112,7 +112,7 @@ def _run(
         loaded = loaded if moment is None else loaded.with_still(moment)
         with stage_progress() as progress:
             result = loaded.run(Path(out or Path("results") / loaded.name), progress)
-        show(json, result.as_json, lambda: blocks(result) if verbose else overview(result, line_width()))
+        show(json, result.as_json, lambda: result.blocks() if verbose else overview(result, line_width()))
         return FINE if result.is_trusted else NOT_TRUSTED
 
     answer(scene, json, work, settings)
@@ -144,14 +144,13 @@ def _planned(scene: Scene, json: bool) -> None:
 def _measured(scene: Scene, json: bool) -> int:
     from tempfile import TemporaryDirectory
 
-    from ..scene.run.report.summary import notices_json
     from .printing import show, stage_progress
 
     with TemporaryDirectory(prefix="mbconstrained-") as folder, stage_progress() as progress:
         result = scene.run(folder, progress)
     plan, doubts = result.plan, [notice for notice in result.notices if notice.doubtful]
     data: dict = {"title": scene.heading, "plan": plan.as_json(), "totals": plan.totals_as_json()}
-    data |= {"notices": notices_json(doubts), "trusted": result.is_trusted}
+    data |= {"notices": [notice.to_dict() for notice in doubts], "trusted": result.is_trusted}
     show(json, lambda: data, lambda: [scene.heading, *plan.cost_tables(), *map(str, doubts)])
     return FINE if result.is_trusted else NOT_TRUSTED
 
@@ -166,7 +165,7 @@ def _check(scene: ScenePath, settings: Settings = None, json: Json = False) -> N
 
 def _checked(scene: Scene, json: bool) -> None:
     from ..ground.checks import counted
-    from ..scene.run.report.jumps import start_notices
+    from ..scene.run.jumps import start_notices
     from .printing import show
 
     names, count = scene.equations.coordinates.names, len(scene.plan().needed)

@@ -69,6 +69,10 @@ class Notice:
     def __str__(self) -> str:
         return f"{'warning' if self.doubtful else 'note'} ({self.kind}): {self.text}"
 
+    def to_dict(self) -> dict:
+        """The notice as plain data."""
+        return {"kind": self.kind, "text": self.text, "doubtful": self.doubtful}
+
 
 def distinct(*sources: Iterable[Notice]) -> tuple[Notice, ...]:
     """Notices of several sources, which may know the same: each once, in their order.

@@ -19,10 +19,10 @@ from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
+from mbconstrained.analyses.run import RunAnswer as Result
 from mbconstrained.ground.errors import MbconstrainedError
 from mbconstrained.response.estimate import error_estimate
-from mbconstrained.scene.run.curves import PARTS
-from mbconstrained.scene.run.result import Result
+from mbconstrained.scene.run.result import PARTS
 from mbconstrained.scene.run.scene import read_scene
 from mbconstrained.scene.run.stage_costs import Costs
 
@@ -155,7 +155,7 @@ def certificate(result: Result) -> object:
 
 def formula(result: Result) -> object:
     """For as long as a page would wait; sympy alone where no formula is looked for."""
-    from mbconstrained.scene.run.decisions import too_large_for_formula
+    from mbconstrained.scene.run.stages import too_large_for_formula
 
     if result.scene.equations.robot or too_large_for_formula(result.scene):
         return imported("sympy")(result)

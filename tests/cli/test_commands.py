@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from mbconstrained.analyses.run import RunAnswer
 from mbconstrained.ground.notices import Notice
-from mbconstrained.scene.run.result import Result
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TWO_MASSES = str(EXAMPLES / "two_masses.toml")
@@ -162,7 +162,7 @@ def test_plan_with_run_tells_what_each_stage_took_and_leaves_nothing(command, tm
 @pytest.mark.long
 def test_plan_with_run_says_why_an_answer_is_not_trusted(command, monkeypatch):
     doubt = Notice("rank", "a rank decision has no clear gap", doubtful=True)
-    monkeypatch.setattr(Result, "notices", (doubt,))
+    monkeypatch.setattr(RunAnswer, "notices", (doubt,))
     code, out, _ = command("plan", TWO_MASSES, "--run")
     assert code == 3 and out.rstrip().endswith("warning (rank): a rank decision has no clear gap")
     code, out, _ = command("plan", TWO_MASSES, "--run", "--json")
@@ -301,7 +301,7 @@ def test_a_bad_scene_is_one_message_and_one_and_leaves_earlier_output(command, t
 @pytest.mark.long
 def test_an_answer_that_cannot_be_trusted_is_written_and_is_three(command, monkeypatch, tmp_path):
     doubt = Notice("accuracy", "the data do not determine the answer", doubtful=True)
-    monkeypatch.setattr(Result, "notices", (doubt,))
+    monkeypatch.setattr(RunAnswer, "notices", (doubt,))
     code, out, _ = command("run", TWO_MASSES)
     assert code == 3
     assert "warning (accuracy): the data do not determine the answer" in out

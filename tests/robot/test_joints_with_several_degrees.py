@@ -7,7 +7,7 @@ import pinocchio
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.scene.run.report.robot_report import _place
+from mbconstrained.scene.build.robot_model import _place
 
 
 def swinging(joint, name="j"):

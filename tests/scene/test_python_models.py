@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.scene.python_models import result_of
+from mbconstrained.analyses.python_models import result_of
 
 
 def machine() -> mb.MechanicalSystem:

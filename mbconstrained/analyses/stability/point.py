@@ -138,7 +138,7 @@ def point_of(problem: StudyProblem, parameter: float = 0.0, variations: int | No
     >>> point.verdict, point.right > 15, point.expected > 14, point.warnings
     ('right', True, True, ())
     """
-    from ...scene.run.decisions import too_large_to_certify
+    from ...scene.run.stages import too_large_to_certify
 
     try:
         response = problem.solve()

@@ -21,9 +21,7 @@ from ...mechanics.element_matrix import ElementMatrix
 from ...mechanics.family import Family
 from ...mechanics.system import MechanicalSystem
 from ...scene.file.messages import SceneName
-from ...scene.run.curves import ORDERS, extrema_of, functions_of, rms_of
-from ...scene.run.plan import Plan
-from ...scene.run.result import Result
+from ...scene.run.result import ORDERS, Result
 from ...scene.run.scene import Scene, assembled
 from ..frequency import Frequency
 from ..random import random_arguments, random_response
@@ -221,16 +219,16 @@ class _Chunk:
             self._single_motion([one for one in variables if one not in own], place)
 
     def _single_motion(self, variables: list[Variable], place: int) -> None:
-        result = Result(self.scenes[place], Plan(()))
+        result = Result(self.scenes[place])
         for kind, chosen in _by_kind(one for one in variables if one.statistic in ("at", "curve")):
             times = _times_of(chosen)
-            self._store(chosen, [place], functions_of(result, kind)(times)[None], times)
+            self._store(chosen, [place], result.functions(kind)(times)[None], times)
         for kind, chosen in _by_kind(one for one in variables if one.statistic == "RMS"):
             rows = sorted({one.curve[1] for one in chosen})
-            self._store_rms(chosen, place, rows, rms_of(result, kind, rows))
+            self._store_rms(chosen, place, rows, result.rms(kind, rows))
         for kind, chosen in _by_kind(one for one in variables if one.statistic in EXTREMA):
             rows = sorted({one.curve[1] for one in chosen})
-            self._store_extrema(chosen, place, rows, extrema_of(result, kind, rows))
+            self._store_extrema(chosen, place, rows, result.extrema(kind, rows))
 
     def _store_extrema(self, variables: list[Variable], place: int, rows: list[int], extremes: Extrema) -> None:
         for one in variables:

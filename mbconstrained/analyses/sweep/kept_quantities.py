@@ -16,9 +16,7 @@ import numpy as np
 from ...ground.checks import nearest
 from ...ground.errors import InputError
 from ...ground.quantities import quantity
-from ...scene.run.curves import ORDERS
-from ...scene.run.plan import Plan
-from ...scene.run.result import Result
+from ...scene.run.result import ORDERS, Result
 from ..frequency import Frequency
 from ..random import random_response
 
@@ -202,7 +200,7 @@ class _Curves:
     """The curves of a scene by name."""
 
     def __init__(self, scene: Scene):
-        self.result = Result(scene, Plan(()))
+        self.result = Result(scene)
         equations = scene.equations
         self.names = dict.fromkeys(ORDERS, equations.coordinates.names)
         if equations.system is not None and not equations.system.is_sparse and equations.system.rows:

@@ -1,30 +1,36 @@
-"""Scenes of kinds "transfer-function" and "state-space": the model with its input and its outputs."""
+"""Transfer functions and state spaces: the model with its input and outputs, its zeros, gains and mechanical normal form in reports."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...control.matrix_fraction import scalar_force, scalar_matrix
 from ...control.rational import RationalFunction, rational_function
-from ...control.state_equations import Transfer, rational_transfer
+from ...control.state_equations import Transfer, rational_transfer, roots_of
 from ...control.state_space import StateSpace
 from ...control.transfer_function import transfer_function_response
-from ...ground.checks import nearest
+from ...ground.checks import counted, nearest
+from ...ground.display import TextTable, number_text, with_unit
 from ...ground.errors import IllConditioned, InputError, NoNormalForm, SceneError, shown
+from ...ground.notices import Notice
 from ...polynomial.polynomial_matrix import PolynomialMatrix
+from ...polynomial.structure import polynomial_text
+from ...response.choose import unproved
 from ...response.response import Response
+from ...signals.bohl import BohlFunction
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import power, zero
 from ..file.messages import at
 from ..quantities.coordinates import Coordinates, initial_values, state_values
 from .data_files import entries_of
 from .forces import input_of
+from .model import Decision, Equations, ModelTables
 
 if TYPE_CHECKING:
     from ...control.state_space import StateSpaceResponse
@@ -103,20 +109,6 @@ class ControlScene:
         """x and y of the state space, with the outputs also where the normal form is solved."""
         return self.system.solve(self.start, self.input)
 
-    def output_values(self, times: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
-        """The outputs: the last coordinates, or computed from the states where the normal form is solved.
-
-        Args:
-            times: shape (T,), in s.
-            coordinates: their values there, shape (r, T).
-
-        Returns:
-            Values of shape (q, T).
-        """
-        if self.form is not None:
-            return self.response.output(times)
-        return coordinates[len(coordinates) - len(self.outputs.names) :]
-
     @cached_property
     def transfers(self) -> tuple[tuple[str, str, Transfer | None], ...]:
         """(input, output, G) of every pair; None where rounding errors hide the zeros of G, or they are not computed."""
@@ -142,6 +134,104 @@ class ControlScene:
             return self.system.transfer(output, input)
         except IllConditioned:
             return None
+
+
+@dataclass(frozen=True, eq=False)
+class ControlEquations(Equations):
+    """The equations of a transfer function or state space, or of its mechanical normal form."""
+
+    control: ControlScene = None
+
+    def solve(self) -> Response:
+        function = self.control.transfer_function
+        from_rest = function.response() if function else None
+        return from_rest or super().solve()
+
+    @property
+    def has_outputs_among_coordinates(self) -> bool:  # type: ignore[override]
+        return self.control.form is None
+
+    @property
+    def original(self) -> ControlScene | None:
+        return self.control if self.control.form is not None else None
+
+    @property
+    def coordinates_called(self) -> str:  # type: ignore[override]
+        if self.control.form is not None:
+            return "coordinates"
+        return "output" if self.control.transfer_function else "states and outputs"
+
+    @property
+    def root_name(self) -> str:
+        return "eigenvalue" if self.system else "pole"
+
+    @property
+    def outputs(self) -> Coordinates | None:
+        return self.control.outputs if self.control.outputs.names else None
+
+    def output_values(self, times: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
+        if self.control.form is not None:
+            return self.control.response.output(times)
+        return coordinates[len(coordinates) - len(self.control.outputs.names) :]
+
+    def output_closed_form(self, motion: Any) -> BohlFunction:
+        control = self.control
+        function = control.response.output_function if control.form is not None else motion.function
+        return function.rows(range(function.size - len(control.outputs.names), function.size))
+
+    def output_error_estimate(self, times: np.ndarray) -> float | None:
+        return self.control.response.output_error_estimate(times)
+
+    @property
+    def facts(self) -> tuple[tuple[str, str], ...]:  # type: ignore[override]
+        if self.control.transfer_function is None:
+            return ()
+        fraction = self.control.transfer_function.fraction
+        return (("transfer function", f"({polynomial_text(fraction.numerator)}) / ({polynomial_text(fraction.denominator)})"),)
+
+    @property
+    def form_notices(self) -> tuple[Notice, ...]:  # type: ignore[override]
+        return self.control.form.notices if self.control.form else ()
+
+    def tables(self, result: Any) -> ModelTables:
+        form = [_form_table(self.control)] if self.control.form is not None else []
+        return ModelTables(first=[_transfer_table(self.control), *form])
+
+    def as_json(self, result: Any) -> dict:
+        control = self.control
+        data: dict[str, Any] = {key: getattr(control, key).as_json() for key in ("inputs", "outputs")}
+        data["transfer_functions"] = [
+            {"input": u, "output": y, "dc_gain": _dc_gain(control, u, y, G), **_transfer_json(G)} for u, y, G in control.transfers
+        ]
+        return data | ({"normal_form": _form_json(control.form)} if control.form is not None else {})
+
+    def size_decision(self) -> Decision:
+        control = self.control
+        if control.transfer_function is not None:
+            b, a = control.transfer_function.fraction.numerator, control.transfer_function.fraction.denominator
+            return True, f"numerator of degree {max(len(b) - 1, 0)}, denominator of degree {len(a) - 1}"
+        counts = ((control.system.states, "state"), (control.inputs.names, "input"), (control.outputs.names, "output"))
+        return True, ", ".join(counted(len(names), what) for names, what in counts)
+
+    def rows_decision(self) -> Decision:
+        return False, f"a {'transfer function' if self.control.transfer_function else 'state space'} has no constraint rows"
+
+    def outputs_decision(self, plots: Sequence[str]) -> Decision:
+        if self.outputs is None:
+            return False, "there is no C"
+        if self.control.form is None:
+            return True, "C x + D u, solved for together with the states"
+        requested = "output" in plots
+        return requested, "C x + D u, of the states that were given" if requested else "output is not among the plots"
+
+    def unproved(self, reason: str, plots: Sequence[str]) -> str:
+        return unproved(self.control.response.together.problem) if reason and self.control.form and "output" in plots else reason
+
+    @property
+    def without_energy(self) -> str:
+        if self.control.form:
+            return "found energy: the unit masses of a normal form are not those of the machine, whose energy is not known"
+        return super().without_energy
 
 
 MATRICES = ("A", "B", "C", "D", "descriptor")
@@ -250,3 +340,103 @@ def _check_units(units, names) -> None:
 def _check_names(names) -> None:
     if repeated := next((name for name in names if names.count(name) > 1), None):
         raise InputError(f'the name "{repeated}" is used twice; states, inputs, outputs and coordinates must differ in name')
+
+
+def transfer_function(table, folder: Path, file_name: str) -> ControlEquations:
+    """The equations of a scene of kind "transfer-function"."""
+    control = transfer_function_scene(table, folder, file_name)
+    G, A = control.transfer_function, control.transfer_function.polynomial_matrix
+    initial = np.zeros((A.degree, 1)) if G.start is None else G.start
+    return ControlEquations(control.outputs, A, initial, G.force, control=control)
+
+
+def state_space(table, folder: Path, file_name: str, lap: Callable[[str], object]) -> ControlEquations:
+    """The equations of a scene of kind "state-space", of its normal form where that is requested."""
+    control = state_space_scene(table, folder, file_name)
+    if table.model.normal_form:
+        control, system, coordinates, initial = mechanical_scene(control, table, file_name, lap)
+        force = control.form.force(control.input)
+        return ControlEquations(coordinates, system.polynomial_matrix(), initial, force, system, control=control)
+    space = control.system
+    A, initial = space.polynomial_matrix_with_outputs(), space.start_with_outputs(control.start)
+    coordinates = Coordinates(A.coordinates, tuple(space.units[name] for name in A.coordinates))
+    return ControlEquations(coordinates, A, initial, space.force_with_outputs(control.input), control=control)
+
+
+# Reports: transfer functions and the normal form.
+
+MOST_CHANNELS = 16  # pairs of inputs and outputs that are listed; JSON has all
+MOST_ZEROS = 8  # of one channel that are listed
+
+HIDDEN, NOT_LOOKED_FOR, POLE_AT_ZERO, NOT_KNOWN = "hidden by rounding", "not looked for", "none: a pole at 0", "not known"
+
+
+def _transfer_json(G: Transfer | None) -> dict:
+    if G is None:
+        return {"zeros": None, "poles": None, "gain": None}
+    roots = {key: [[z.real, z.imag] for z in roots_of(of_key)] for key, of_key in (("zeros", G.zeros), ("poles", G.poles))}
+    return {**roots, "gain": G.gain}
+
+
+def _form_json(form) -> dict:
+    matrices = ("transformation", "stiffness", "damping", "input_matrix", "output_matrix", "feedthrough")
+    data = {key: None if getattr(form, key) is None else getattr(form, key).tolist() for key in matrices}
+    return {**data, "condition": form.condition, "unique": form.is_unique, "freedom": form.freedom}
+
+
+def _transfer_table(control: ControlScene) -> TextTable:
+    """Zeros and gains by input and output."""
+    units = {name: unit for names in (control.inputs, control.outputs) for name, unit in zip(names.names, names.units)}
+    rows = [(u, y, *_cells(control, u, y, G, _quotient(units[y], units[u]))) for u, y, G in control.transfers[:MOST_CHANNELS]]
+    note = "G(s) = gain times the product of s - zeros over that of s - poles; the DC gain is G(0)."
+    if len(control.transfers) > MOST_CHANNELS:
+        note += f" The first {MOST_CHANNELS} of {len(control.transfers)} are shown."
+    return TextTable("Transfer functions", ("from", "to", "zeros (1/s)", "gain", "DC gain"), tuple(rows), note)
+
+
+def _cells(control: ControlScene, input: str, output: str, G: Transfer | None, unit: str) -> tuple[str, str, str]:
+    dc = _dc_gain(control, input, output, G)
+    gain = with_unit(dc, unit) if dc is not None else POLE_AT_ZERO if G is not None else NOT_KNOWN
+    if G is None:
+        return HIDDEN if control.looks_for_zeros else NOT_LOOKED_FOR, "", gain
+    return (_roots(G.zeros), number_text(G.gain), gain) if G.gain else ("G(s) = 0", "0", "0")
+
+
+def _dc_gain(control: ControlScene, input: str, output: str, G: Transfer | None) -> float | None:
+    """G(0), also where the zeros of G are unknown."""
+    if G is not None:
+        return G.dc_gain
+    gains = control.dc_gains
+    return None if gains is None else float(gains[control.outputs.names.index(output), control.inputs.names.index(input)])
+
+
+def _roots(zeros: Sequence) -> str:
+    texts = [_root(complex(zero.value)) + (f" ({zero.multiplicity} times)" if zero.multiplicity > 1 else "") for zero in zeros]
+    more = [f"{len(texts) - MOST_ZEROS} more"] if len(texts) > MOST_ZEROS else []
+    return ", ".join(texts[:MOST_ZEROS] + more) or "none"
+
+
+def _root(value: complex) -> str:
+    if not value.imag:
+        return number_text(value.real)
+    return f"{number_text(value.real)} ± {number_text(value.imag)} i" if value.real else f"± {number_text(value.imag)} i"
+
+
+def _quotient(above: str, below: str) -> str:
+    """The unit of a ratio, as printed.
+
+    >>> _quotient("m", "V"), _quotient("m", "1"), _quotient("m", "m"), _quotient("rad", "N*m")
+    ('m/V', 'm', '1', 'rad/(N*m)')
+    """
+    if below in ("1", above):
+        return above if below == "1" else "1"
+    return f"{above}/({below})" if {"*", "/"} & set(below) else f"{above}/{below}"
+
+
+def _form_table(control: ControlScene) -> TextTable:
+    """Relation of the states to displacements and velocities."""
+    form = control.form
+    choice = "there is no other" if form.is_unique else f"one of a family of {form.freedom} dimensions, of small condition"
+    rows = [("transformation", f"{2 * form.size} states to {counted(form.size, 'displacement')} and as many velocities; {choice}")]
+    rows += [(item.name, f"{item.value:.2g}: {item.text}") for item in form.evidence]
+    return TextTable("Mechanical normal form", ("what", "value"), tuple(rows))

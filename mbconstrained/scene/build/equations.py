@@ -1,10 +1,9 @@
-"""Equations of a scene from its tables: matrices, initial values, force, with names and units."""
+"""The model of a scene from its tables: matrices, initial values, force, with names and units."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,28 +11,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...ground.errors import InputError, shown
-from ...ground.notices import Notice
 from ...ground.quantities import Expressed, quantity
 from ...ground.tolerances import CONSISTENT_ROWS
 from ...linalg.scaling import equilibration
 from ...mechanics.channels import channels
 from ...polynomial.polynomial_matrix import PolynomialMatrix
-from ...response.events import start_of
-from ...response.response import Response
-from ...response.solve import solve
-from ...signals.impulsive import ImpulsiveSmooth
-from ...signals.inputs import zero
 from ..file.messages import SceneName, at
-from ..quantities.coordinates import DERIVATIVES, FORCE_UNITS, Coordinates, beyond_noise, constraint_row, initial_values
+from ..quantities.coordinates import DERIVATIVES, FORCE_UNITS, Coordinates, constraint_row, initial_values
 from .data_files import entries_of
-from .forces import SceneForce, force_of, load_patterns, loads_of, prescribed_motions, unbalance_loads
+from .forces import force_of, load_patterns, loads_of, prescribed_motions, unbalance_loads
+from .model import Equations
 
 if TYPE_CHECKING:
     from ...mechanics.system import MechanicalSystem
     from ...models.lumped import LumpedModel
-    from ...robot.posture import Posture
-    from ...robot.robot import Robot
-    from .control_model import ControlScene
     from .robot_model import RobotScene
 
 #: Quantities of entries between coordinates in m, between one in m and one in rad, and between coordinates in rad.
@@ -46,125 +37,23 @@ ENTRY_UNITS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class Equations:
-    """The equations of a scene.
-
-    Attributes:
-        coordinates: names and units.
-        polynomial_matrix: A(s), for a mechanical system that of its constrained form.
-        initial: x^(i)(0-) as row i, shape (q, r).
-        force: on [0, inf), or None.
-        system: mass, damping, stiffness and constraint rows; None where A(s) was given itself.
-        model: the lumped model behind the system, or None.
-        robot_scene: the robot behind the system with its posture, inputs and outputs, or None.
-        control: the transfer function or state space behind the equations with its inputs and outputs, or None.
-        loads: the forces of the [[force]] tables and of unbalance, one by one, but for inputs of a transfer function or state space.
-        rotor: the rotor at rest whose speed the system has, or None.
-    """
-
-    coordinates: Coordinates
-    polynomial_matrix: PolynomialMatrix
-    initial: np.ndarray
-    force: ImpulsiveSmooth | None
-    system: MechanicalSystem | None = None
-    model: LumpedModel | None = None
-    robot_scene: RobotScene | None = None
-    control: ControlScene | None = None
-    loads: tuple[SceneForce, ...] = ()
-    rotor: MechanicalSystem | None = None
-
-    @property
-    def coordinates_called(self) -> str:
-        """Name of the coordinates in reports: coordinates, output, or states and outputs."""
-        if not self.has_outputs_among_coordinates:
-            return "coordinates"
-        return "output" if self.control.transfer_function else "states and outputs"
-
-    @property
-    def outputs(self) -> Coordinates | None:
-        """Names and units of the outputs, or None."""
-        source = self.control or self.robot_scene
-        return source.outputs if source and source.outputs.names else None
-
-    @property
-    def form_notices(self) -> tuple[Notice, ...]:
-        """Notices on a doubtful mechanical normal form, where there is one."""
-        return self.control.form.notices if self.control and self.control.form else ()
-
-    @property
-    def has_outputs_among_coordinates(self) -> bool:
-        """Whether the outputs are solved for like coordinates."""
-        return self.control is not None and self.control.form is None
-
-    def output_values(self, times: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
-        """The outputs over time.
-
-        Args:
-            times: shape (T,), in s.
-            coordinates: their values there, shape (r, T).
-
-        Returns:
-            Values of shape (q, T).
-        """
-        if self.control is not None:
-            return self.control.output_values(times, coordinates)
-        return self.robot_scene.system.output_matrix @ coordinates
-
-    @property
-    def robot(self) -> Robot | None:
-        """The robot behind the system, or None."""
-        return self.robot_scene and self.robot_scene.robot
-
-    @property
-    def has_connections(self) -> bool:
-        """Whether a robot has loops, springs or bushings."""
-        return self.robot is not None and bool(self.robot.loops or self.robot.springs)
-
-    @property
-    def posture(self) -> Posture | None:
-        """The equilibrium about which the robot moves, or None."""
-        return self.robot_scene and self.robot_scene.posture
-
-    @cached_property
-    def right_hand_side(self) -> ImpulsiveSmooth:
-        """The right-hand side of A(d/dt) x: forces, static offsets and constraint values."""
-        force = zero(len(self.coordinates.names)) if self.force is None else self.force
-        return force if self.system is None else self.system.constrained_form().force(self.system.force + force)
-
-    @property
-    def is_free(self) -> bool:
-        """Whether the right-hand side is zero."""
-        return self.right_hand_side.is_zero
-
-    @property
-    def start_fits(self) -> bool:
-        """Whether the values at 0- continue without a jump or an impulse."""
-        start = start_of(self.polynomial_matrix.jordan_pairs().form, self.initial, self.right_hand_side)
-        jumps = any(beyond_noise(jump, old, jump + old).size for jump, old in zip(start.jump, self.initial))
-        return not (jumps or any(impulse.any() for impulse in start.impulses))
-
-    def solve(self) -> Response:
-        """The answer: a Motion where there is a mechanical system, else a Response."""
-        if self.system is not None:
-            return self.system.solve(*self.initial, force=self.force)
-        from_rest = self.control.transfer_function.response() if self.control and self.control.transfer_function else None
-        return from_rest or solve(self.polynomial_matrix, initial=self.initial, force=self.force)
-
-
 def equations_of(table, folder: Path, file_name: SceneName, lap: Callable[[str], object] = lambda stage: None) -> Equations:
     """Assemble the equations of a scene."""
-    if table.model.kind == "lumped":
+    kind = table.model.kind
+    if kind in ("transfer-function", "state-space"):
+        from .control_model import state_space, transfer_function
+
+        if kind == "state-space":
+            return state_space(table, folder, file_name, lap)
+        return transfer_function(table, folder, file_name)
+    if kind == "robot":
+        from .robot_model import robot_scene
+
+        robot = robot_scene(table.model, table.robot, folder, file_name, lap)
+        return _mechanical(table, robot.system, robot.coordinates, folder, file_name, robot=robot)
+    if kind == "lumped":
         return _lumped(table, folder, file_name)
-    if table.model.kind == "robot":
-        return _robot(table, folder, file_name, lap)
-    if table.model.kind == "transfer-function":
-        return _transfer_function(table, folder, file_name)
-    if table.model.kind == "state-space":
-        return _state_space(table, folder, file_name, lap)
-    if table.model.coefficients is not None:
-        return _coefficients(table, folder, file_name)
-    return _matrices(table, folder, file_name)
+    return (_matrices if table.model.coefficients is None else _coefficients)(table, folder, file_name)
 
 
 def _lumped(table, folder: Path, file_name: str) -> Equations:
@@ -175,36 +64,6 @@ def _lumped(table, folder: Path, file_name: str) -> Equations:
         system = model.assemble()
     coordinates = Coordinates(tuple(model.coordinates), tuple(model.units[name] for name in model.coordinates))
     return _mechanical(table, system, coordinates, folder, file_name, model)
-
-
-def _robot(table, folder: Path, file_name: SceneName, lap) -> Equations:
-    from .robot_model import robot_scene
-
-    scene = robot_scene(table.model, table.robot, folder, file_name, lap)
-    return _mechanical(table, scene.system, scene.coordinates, folder, file_name, robot_scene=scene)
-
-
-def _transfer_function(table, folder: Path, file_name: str) -> Equations:
-    from .control_model import transfer_function_scene
-
-    control = transfer_function_scene(table, folder, file_name)
-    G, A = control.transfer_function, control.transfer_function.polynomial_matrix
-    initial = np.zeros((A.degree, 1)) if G.start is None else G.start
-    return Equations(control.outputs, A, initial, G.force, control=control)
-
-
-def _state_space(table, folder: Path, file_name: str, lap) -> Equations:
-    from .control_model import mechanical_scene, state_space_scene
-
-    control = state_space_scene(table, folder, file_name)
-    if table.model.normal_form:
-        control, system, coordinates, initial = mechanical_scene(control, table, file_name, lap)
-        force = control.form.force(control.input)
-        return Equations(coordinates, system.polynomial_matrix(), initial, force, system, control=control)
-    space = control.system
-    A, initial = space.polynomial_matrix_with_outputs(), space.start_with_outputs(control.start)
-    coordinates = Coordinates(A.coordinates, tuple(space.units[name] for name in A.coordinates))
-    return Equations(coordinates, A, initial, space.force_with_outputs(control.input), control=control)
 
 
 def _matrices(table, folder: Path, file_name: str) -> Equations:
@@ -249,31 +108,37 @@ def _check_kinds(model, coordinates: Coordinates, file_name: str) -> None:
                     quantity(entries[i, j], units[(coordinates.units[i] == "rad") + (coordinates.units[j] == "rad")])
 
 
-def _mechanical(table, system, coordinates, folder, file_name, model=None, robot_scene=None) -> Equations:
-    prescribed = prescribed_motions(table.motion, coordinates, folder, file_name, robot_scene and robot_scene.system)
-    if prescribed:
+def _mechanical(
+    table, system, coordinates, folder, file_name, model: LumpedModel | None = None, robot: RobotScene | None = None
+) -> Equations:
+    """The equations of a mechanical system with the motions, damping, speed, start and loads of the scene."""
+    linearized = robot and robot.system  # which knows inputs by name
+    if prescribed := prescribed_motions(table.motion, coordinates, folder, file_name, linearized):
         with at(file_name, "motion"):
-            if robot_scene:  # a moving base is at rest where nothing else is prescribed
+            if robot:  # a moving base is at rest where nothing else is prescribed
                 system = system.without_rows(f"motion of {name}" for motion in table.motion for name, _ in motion.rows.values())
             system = system.with_constraints(*prescribed)
     system = _damped(table, system, file_name)  # of the modes with the supports at rest
     system, rotor = _turning(getattr(table.model, "speed", None), system, file_name)
-    robot_scene = robot_scene and replace(robot_scene, system=system)
+    linearized = robot and system
     with at(file_name, "model"):
         polynomial_matrix = system.polynomial_matrix()
     initial = initial_values(table.initial, coordinates, 2, file_name).astype(float)
     if table.initial.follow:
         initial = consistent_values(initial, table.initial, system, coordinates, file_name)
-    loads = loads_of(table.force, coordinates, folder, file_name, robot_scene and robot_scene.system)
-    if patterns := load_patterns(
-        table.force, coordinates, channels(system, "inputs"), file_name, robot_scene and robot_scene.system
-    ):
+    loads = loads_of(table.force, coordinates, folder, file_name, linearized)
+    if patterns := load_patterns(table.force, coordinates, channels(system, "inputs"), file_name, linearized):
         for one in (system, rotor):
             if one is not None:
                 one.load_patterns = patterns
     if rotor is not None and rotor.unbalance is not None:
         loads += unbalance_loads(rotor.unbalance, table.model.speed or 0.0, coordinates)
-    return Equations(coordinates, polynomial_matrix, initial, force_of(loads), system, model, robot_scene, loads=loads, rotor=rotor)
+    problem = coordinates, polynomial_matrix, initial, force_of(loads), system
+    if robot is None:
+        return Equations(*problem, model, loads=loads, rotor=rotor)
+    from .robot_model import RobotEquations
+
+    return RobotEquations(*problem, robot_scene=replace(robot, system=system), loads=loads, rotor=rotor)
 
 
 def _turning(speed: float | None, system: MechanicalSystem, file_name: str) -> tuple[MechanicalSystem, MechanicalSystem | None]:

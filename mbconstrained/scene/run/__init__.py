@@ -1,2 +1,2 @@
-"""Planning and running a scene. Read ``scene``, ``stages`` with ``decisions``, then ``result``; ``report`` has its tables and texts,
-``picture`` its drawing, ``modes`` the modes without a motion."""
+"""Planning a scene and computing its motion. Read ``scene``, ``stages`` with ``plan``, then ``result``; ``picture`` has the drawing and the
+animation, ``modes`` the modes without a motion. The answer that users get is in ``analyses/run.py``."""

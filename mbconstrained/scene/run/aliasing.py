@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...ground.notices import Notice, NoticeKind
+from ...ground.tolerances import NOT_DRAWN
 from ...linalg.blocks import block_slices, zeros_of
-from .curves import visible
+from .scene_data import SceneData
 
 if TYPE_CHECKING:
-    from .answer import SceneAnswer
+    from ...mechanics.motion import Motion
 
 #: Fewer times in a period than the first cannot represent it; the second show it smoothly.
 FEWEST, SMOOTH = 3, 20
@@ -46,27 +47,27 @@ SLOWER, NEAR = 0.01, 1.1
 ALIKE = 1e-3
 
 
-def following_times(result: SceneAnswer) -> np.ndarray:
+def following_times(scene: SceneData, motion: Motion) -> np.ndarray:
     """Equidistant times that resolve the fastest visible motion, from the default number to ``MOST_TIMES``."""
-    time = result.scene.table.time
-    fastest = _fastest_visible(result, 2 * math.pi / (FOLLOWED * time.spacing))
+    time = scene.table.time
+    fastest = _fastest_visible(scene, motion, 2 * math.pi / (FOLLOWED * time.spacing))
     if fastest is None:
         return time.times
     points = math.ceil((1 - COUNT_NOISE) * (time.end - time.start) * FOLLOWED * fastest[0] / (2 * math.pi)) + 1
     return np.linspace(time.start, time.end, min(points, MOST_TIMES))
 
 
-def aliasing_notices(result: SceneAnswer) -> tuple[Notice, ...]:
-    """A notice where the times are too coarse for the fastest visible motion, with the entry to write instead."""
-    time = result.scene.table.time
-    spacing = (time.end - time.start) / (len(result.times) - 1)
-    fastest = _fastest_visible(result, 2 * math.pi / (FEWEST * spacing))
+def aliasing_notices(scene: SceneData, motion: Motion, count: int) -> tuple[Notice, ...]:
+    """A notice where this number of times is too coarse for the fastest visible motion, with the entry to write instead."""
+    time = scene.table.time
+    spacing = (time.end - time.start) / (count - 1)
+    fastest = _fastest_visible(scene, motion, 2 * math.pi / (FEWEST * spacing))
     if fastest is None:
         return ()
     angular, name, amplitude = fastest
     period = 2 * math.pi / angular
     points = math.ceil((time.end - time.start) * SMOOTH / period) + 1
-    end = f'end = "{time.start + period * (len(result.times) - 1) / SMOOTH:.2g} s"'  # which shows only the first of the motion
+    end = f'end = "{time.start + period * (count - 1) / SMOOTH:.2g} s"'  # which shows only the first of the motion
     few = f"points = {points}" if time.step is None else f'step = "{period / SMOOTH:.2g} s"'
     instead = few if points <= time.MOST_POINTS else end
     text = (
@@ -78,20 +79,20 @@ def aliasing_notices(result: SceneAnswer) -> tuple[Notice, ...]:
     return (Notice(NoticeKind.ALIASING, text),)
 
 
-def _fastest_visible(result: SceneAnswer, slowest: float) -> tuple[float, str, str] | None:
+def _fastest_visible(scene: SceneData, motion: Motion, slowest: float) -> tuple[float, str, str] | None:
     """The highest angular frequency above ``slowest`` of a visible component that does not decay at once, a coordinate, its amplitude."""
-    frequencies = _angular_frequencies(result)
+    frequencies = _angular_frequencies(scene, motion)
     for highest in _octaves([each for each in frequencies if each > slowest]):
-        frequency = _visible_frequency(result, [each for each in frequencies if SLOWER * highest <= each <= highest])
+        frequency = _visible_frequency(scene, motion, [each for each in frequencies if SLOWER * highest <= each <= highest])
         if frequency and frequency[0] > slowest:
             return frequency
     return None
 
 
-def _angular_frequencies(result: SceneAnswer) -> list[float]:
+def _angular_frequencies(scene: SceneData, motion: Motion) -> list[float]:
     """Angular frequencies of the eigenvalues and the forces, in descending order."""
-    zeros = {abs(zero.value.imag) for zero in result.finite_pair.zeros}
-    smooth = result.motion.force.smooth  # prescribed motions, too
+    zeros = {abs(zero.value.imag) for zero in scene.equations.polynomial_matrix.jordan_pairs().finite.zeros}
+    smooth = motion.force.smooth  # prescribed motions, too
     used = [np.abs(smooth.coefficients[:, at]).any() for at in block_slices(smooth.blocks)]
     forces = {abs(value.imag) for value in zeros_of([block for block, one in zip(smooth.blocks, used) if one])}
     return sorted(zeros | forces, reverse=True)
@@ -106,14 +107,14 @@ def _octaves(descending: Iterable[float]) -> Iterator[float]:
             yield each
 
 
-def _visible_frequency(result: SceneAnswer, descending: list[float]) -> tuple[float, str, str] | None:
+def _visible_frequency(scene: SceneData, motion: Motion, descending: list[float]) -> tuple[float, str, str] | None:
     """The highest of these angular frequencies, or of the octave below the first, that is visible in the motion."""
     kept = list(_distinct(descending))
-    coordinates = result.scene.equations.coordinates
-    some = result.motion(result.scene.times)
-    for begin, length in _stretches(result, 2 * math.pi / kept[0]):
+    coordinates = scene.equations.coordinates
+    some = motion(scene.times)
+    for begin, length in _stretches(scene, 2 * math.pi / kept[0]):
         local = np.linspace(0.0, length, LOOKS)
-        both = [result.motion(begin + local), result.motion(begin + length + local)]
+        both = [motion(begin + local), motion(begin + length + local)]
         scale = visible(np.hstack([some, *both]), coordinates.units)
         parts = _parts(np.array(kept), local / length, length)
         amplitudes = np.minimum(*(_amplitudes(parts, values) for values in both))  # a jump or a kink is in one of the two
@@ -132,9 +133,9 @@ def _amplitudes(parts: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.hypot(*factors.reshape(2, -1, len(values)))
 
 
-def _stretches(result: SceneAnswer, period: float) -> Iterator[tuple[float, float]]:
+def _stretches(scene: SceneData, period: float) -> Iterator[tuple[float, float]]:
     """Stretches of time to search for oscillations of this period: beginnings and lengths, in s, each followed by an equal one."""
-    time, force = result.scene.table.time, result.scene.equations.force
+    time, force = scene.table.time, scene.equations.force
     whole = time.end - time.start
     length = min(PERIODS * period, whole / 2)
     yield from ((time.start + min(place * whole, whole - 2 * length), length) for place in ALIASING_PLACES)
@@ -158,3 +159,10 @@ def _parts(angular: np.ndarray, share: np.ndarray, length: float) -> np.ndarray:
     """A parabola, cosines and sines, one column each, at fractions of a stretch of time."""
     phases = np.outer(length * share, angular)
     return np.hstack([np.vander(share, 3), np.cos(phases), np.sin(phases)])
+
+
+def visible(values: np.ndarray, units: tuple[str, ...]) -> np.ndarray:
+    """Range of the coordinates by unit, which decides what is visible."""
+    reach = np.ptp(values, axis=1)
+    furthest = {unit: max(own for own, other in zip(reach, units) if other == unit) for unit in units}
+    return np.array([max(furthest[unit] / 2, NOT_DRAWN * np.abs(values).max()) for unit in units])[:, None]

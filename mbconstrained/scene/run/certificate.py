@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,12 +12,9 @@ from ...ground.errors import Overflow
 from ...ground.notices import Notice, NoticeKind, distinct
 from ...ground.tolerances import TRUST_LIMIT
 from ...mechanics.motion import Motion
-from .curves import ORDERS
-from .decisions import too_large_to_certify
+from .result import ORDERS, Result
 from .stage_costs import OutOfTime, time_limit
-
-if TYPE_CHECKING:
-    from .answer import SceneAnswer
+from .stages import too_large_to_certify
 
 #: At most so many of the times are certified, evenly chosen, the first and the last among them.
 MOST_TIMES = 101
@@ -102,7 +98,7 @@ class Certificate:
         return {"times": self.count, "of": self.of, "curves": curves}
 
 
-def certificate_of(result: SceneAnswer) -> Certificate:
+def certificate_of(result: Result) -> Certificate:
     """Certify the available curves of a result: displacements, velocities, accelerations and reactions."""
     chosen = np.unique(np.linspace(0, len(result.times) - 1, MOST_TIMES).round().astype(int))
     if reason := too_large_to_certify(result.scene.equations):
@@ -119,11 +115,11 @@ def certificate_of(result: SceneAnswer) -> Certificate:
     return Certificate(curves, len(chosen), len(result.times), (*notices_of_proof, *_wrong(curves)))
 
 
-def _nothing(result: SceneAnswer, notice: Notice) -> Certificate:
+def _nothing(result: Result, notice: Notice) -> Certificate:
     return Certificate((), 0, len(result.times), (notice,))
 
 
-def _certified(result: SceneAnswer, kind: str, chosen: np.ndarray) -> tuple[list[Certified], tuple[Notice, ...]]:
+def _certified(result: Result, kind: str, chosen: np.ndarray) -> tuple[list[Certified], tuple[Notice, ...]]:
     curves, times = result.curves(kind), result.times[chosen]
     if isinstance(result.motion, Motion):
         box = result.motion.enclose(times, of=kind)

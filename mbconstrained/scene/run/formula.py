@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 from ...ground.checks import nearest
 from ...ground.errors import InputError
-from .decisions import too_large_for_formula
 from .scene_data import SceneData
 from .stage_costs import OutOfTime, time_limit
+from .stages import too_large_for_formula
 
 if TYPE_CHECKING:
     from ...exact.closed_form import ClosedForm

@@ -12,7 +12,9 @@ from ...ground.display import Studied
 from ...ground.errors import InputError
 from ...ground.quantities import count_texts
 from ...ground.units import registry
-from ..build.equations import Equations, equations_of
+from ..build.element_quantities import element_quantities
+from ..build.equations import equations_of
+from ..build.model import Equations
 from ..file.includes import read_tables, with_robot_file
 from ..file.messages import SceneName, at
 from ..quantities.output_units import OutputUnits
@@ -20,17 +22,14 @@ from ..quantities.parameters import with_parameters
 from ..quantities.settings import with_settings, with_values
 from ..schema.scene_schema import SceneFile
 from ..schema.validation import validated
-from .plan import Plan
-from .report.element_quantities import element_quantities
-from .result import Result
 from .scene_data import SceneData
 from .stage_costs import Costs
-from .stages import plan_of, run_stages
 
 if TYPE_CHECKING:
     from ...mechanics.parameter import Parameter
     from ...mechanics.root_locus import RootLocus
     from ...mechanics.sensitivities import Sensitivities
+    from .plan import Plan
 
 
 @dataclass(frozen=True, repr=False)
@@ -50,7 +49,7 @@ class Scene(SceneData, Studied):
 
     def plan(self) -> Plan:
         """The possible stages of this scene, needed or not, each with its reason."""
-        return plan_of(self)
+        return type(self).studies("run").plan_of(self)
 
     def named_parameters(self) -> Iterator[Parameter]:
         """The [parameters] with the derivatives of the equations, for ``MechanicalSystem.sensitivities``.
@@ -127,7 +126,7 @@ class Scene(SceneData, Studied):
         unit = self.parameters.units[name]
         return root_locus_of(name, unit, values, lambda value: with_value(value).equations.system, slope)
 
-    def run(self, folder: str | Path | None = None, progress=None) -> Result:
+    def run(self, folder: str | Path | None = None, progress=None) -> Any:
         """Solve the scene by the stages of its plan, each of which is measured.
 
         On Linux the highest resident memory of the process, as the system keeps it, is set back at the start of each stage.
@@ -137,12 +136,12 @@ class Scene(SceneData, Studied):
             progress: called with each stage as it begins.
 
         Returns:
-            The ``Result`` with curves, evidence, notices and the plan with its costs.
+            The ``RunAnswer`` with curves, evidence, notices and the plan with its costs.
 
         Raises:
             MbconstrainedError: the equations have no answer, or none within the range of float64.
         """
-        return run_stages(self, None if folder is None else Path(folder), progress)
+        return type(self).studies("run").run_scene(self, None if folder is None else Path(folder), progress)
 
 
 def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> Scene:
@@ -214,12 +213,8 @@ def check_output(output, equations: Equations, file_name: str, modal_damping: bo
         for name in output.coordinates or ():
             equations.coordinates.number(name)
     with at(file_name, "output.formula"):
-        if output.formula and equations.robot:
-            raise InputError("there is no formula with symbols for a robot; leave it out")
-        if output.formula and equations.rotor is not None:
-            raise InputError("there is no formula with symbols for a rotor; leave it out")
-        if output.formula and modal_damping:
-            raise InputError("there is no formula with symbols for modal damping; leave it out")
+        if output.formula and (model := equations.without_formula(modal_damping)):
+            raise InputError(f"there is no formula with symbols for {model}; leave it out")
     system = equations.system
     with at(file_name, "output.arrows"):
         if output.arrows and not (system and system.rows):
@@ -230,12 +225,8 @@ def check_output(output, equations: Equations, file_name: str, modal_damping: bo
                 "found output, but no outputs are named; name them as [[model.output]] of a robot, give C of a state space, "
                 "or leave it out"
             )
-        if "energy" in output.plots and equations.control and equations.control.form:
-            raise InputError(
-                "found energy: the unit masses of a normal form are not those of the machine, whose energy is not known"
-            )
-        if "energy" in output.plots and system is None:
-            raise InputError("energy is known only where mass, damping and stiffness are given, not for coefficients")
+        if "energy" in output.plots and equations.without_energy:
+            raise InputError(equations.without_energy)
         if "ground_reaction" in output.plots and not equations.has_connections:
             raise InputError("found ground_reaction, but there is no robot with loops, springs or bushings; leave it out")
         if "reaction" in output.plots and not (system and system.rows):

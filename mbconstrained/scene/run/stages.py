@@ -1,7 +1,7 @@
-"""The stages of a scene, in the order in which they run.
+"""The stages of a scene, in the order in which they run, and the decisions which of them it needs.
 
-One list serves the plan (``plan_of``) and the run (``run_stages``): stages listed as taken run, no others. The first
-stages, down to the staircase, run while a scene is read; ``decisions`` decides about the others.
+One list serves the plan (``plan_of``) and the run: stages listed as taken run, no others. The first stages, down to the staircase, run
+while a scene is read.
 """
 
 from __future__ import annotations
@@ -10,14 +10,282 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter, methodcaller
-from pathlib import Path
+from typing import Any
 
-from . import decisions
-from .decisions import Decision
+from ...ground.checks import counted
+from ...response.choose import PAIRS, unproved
+from ..build.model import Decision, Equations
 from .plan import PAGE, Plan, Stage
-from .result import Result
 from .scene_data import SceneData
-from .stage_costs import Costs
+
+#: Most states (coordinates and multipliers times the degree) of a certificate: exact arithmetic with more takes minutes.
+MOST_CERTIFIED_STATES = 240
+
+#: Largest product of the number of coordinates and the degree for which a formula is computed.
+MOST_FORMULA_STATES = 60
+
+
+# Decisions: those of the model first, then those requested by [output].
+
+
+def units(scene: SceneData) -> Decision:
+    """pint is loaded for texts with units such as "3 N/mm"."""
+    texts = scene.unit_texts + scene.equations.unit_texts
+    if texts:
+        return True, f"{counted(texts, 'quantity', 'quantities')} with a unit"
+    return False, "all quantities are numbers in SI without units"
+
+
+def normal_form(scene: SceneData) -> Decision:
+    """Whether a state space is transformed to a mechanical system."""
+    form = scene.equations.control.form
+    if form is None:
+        return False, "normal_form = false: the states as given"
+    return True, f"normal_form = true: {counted(form.size, 'displacement')} and as many velocities"
+
+
+def robot_model(scene: SceneData) -> Decision:
+    """The file of the robot."""
+    robot = scene.equations.robot_scene
+    return True, f"{robot.data.place}: {counted(len(robot.robot.bodies), 'link')}, {counted(len(robot.robot.joints), 'joint')}"
+
+
+def equilibrium(scene: SceneData) -> Decision:
+    """Equilibrium of the robot."""
+    load = scene.equations.posture.balance.load
+    rows_by_kind = [
+        counted(len(rows), one, many)
+        for rows, one, many in (
+            (load.loops, "closed loop", "closed loops"),
+            (load.mimic_rows, "joint that follows another", "joints that follow others"),
+        )
+        if rows
+    ]
+    return True, f"the motion is about a state of rest, with {' and '.join(rows_by_kind) or 'no loops to close'}"
+
+
+def constrained_form(scene: SceneData) -> Decision:
+    """The equations of motion without constraint forces."""
+    system = scene.equations.system
+    if system is None or not system.rows:
+        return False, "no constraint rows"
+    levels = sorted({row.level for row in system.rows})
+    return True, f"{counted(len(system.rows), 'independent row')} at {' and '.join(levels)} level"
+
+
+def finite_pair(scene: SceneData) -> Decision:
+    """Eigenvalues are always listed; the motion comes from the pair only where the chosen method uses pairs."""
+    if scene.method.name == PAIRS:
+        return True, "the motion for t > 0, and the eigenvalues"
+    return True, "the eigenvalues; the motion comes from the reduced equations"
+
+
+def infinite_pair(scene: SceneData) -> Decision:
+    """Jumps and impulses come from the infinite pair; free admissible motion needs none (Moysis et al., section 4.1)."""
+    equations = scene.equations
+    A = equations.polynomial_matrix
+    if not any(A.jordan_pairs().form.split.infinite_divisors):
+        return False, f"A_{A.degree} is nonsingular: there is no infinite part"
+    if equations.is_free and equations.start_fits:
+        return False, "no force and a start that fits: the infinite part stays zero"
+    return True, f"A_{A.degree} is singular and {'the start does not fit' if equations.is_free else 'a force acts'}"
+
+
+def response(scene: SceneData) -> Decision:
+    """The response, and the method that gives its values at the times of the scene."""
+    return True, f"from the values at 0-, with jumps and impulses; values {scene.method.reason}"
+
+
+def modes(scene: SceneData) -> Decision:
+    """The mechanical meaning of the eigenvalues, for mechanical systems."""
+    if scene.equations.system is None:
+        listed = {"zero": "zeros of A(s)"}.get(scene.equations.root_name, "poles")
+        return False, f"no mechanical system: the {listed} are listed without a meaning"
+    return True, "classifies oscillations, rigid-body modes and drift"
+
+
+def proof(scene: SceneData) -> Decision:
+    """Error bounds instead of estimates, for small models with exact data."""
+    reason = scene.equations.unproved(unproved(scene.problem), scene.table.output.plots)
+    return not reason, reason or "few states: the error is bounded, and values beyond the bound come from the exact engine"
+
+
+def transfer_functions(scene: SceneData) -> Decision:
+    """Transfer functions from each input to each output of a state space."""
+    control = scene.equations.control
+    if not (control.inputs.names and control.outputs.names):
+        return False, "there are no inputs or no outputs"
+    if not control.looks_for_zeros:
+        return False, "many states or outputs: zeros take long; DC gains are listed"
+    return True, "zeros, gain and DC gain from each input to each output"
+
+
+def plotted(scene: SceneData, kind: str) -> Decision:
+    """Curves for display only."""
+    requested = kind in scene.table.output.plots
+    return requested, f"{kind} is{'' if requested else ' not'} among the plots"
+
+
+def velocities(scene: SceneData) -> Decision:
+    """Velocities, which an animation needs as well as plots."""
+    requested, reason = plotted(scene, "velocity")
+    if "phase" in scene.table.output.plots and not requested:
+        requested, reason = True, "phase is among the plots"
+    moves = animation(scene)[0] and not requested
+    return (True, "the animation moves by displacements and velocities") if moves else (requested, reason)
+
+
+def reactions(scene: SceneData) -> Decision:
+    """The forces of the constraint rows over time."""
+    output, system = scene.table.output, scene.equations.system
+    if system is None or not system.rows:
+        return False, "no constraint rows"
+    requested = output.reactions or "reaction" in output.plots
+    if not requested and output.arrows and animation(scene)[0]:
+        return True, "arrows in the animation show them"
+    return requested, "requested in [output]" if requested else "not requested in [output]"
+
+
+def connection_forces(scene: SceneData) -> Decision:
+    """Forces of loops, springs and bushings of a robot in the directions of the ground."""
+    output = scene.table.output
+    return scene.equations.connections_decision(output.reactions or "ground_reaction" in output.plots)
+
+
+def element_quantities(scene: SceneData) -> Decision:
+    """Forces, elongations and relative motions."""
+    named = scene.table.output.quantity
+    return bool(named), counted(len(named), "entry", "entries") + " of [[output.quantity]]" if named else "no [[output.quantity]]"
+
+
+def certificate(scene: SceneData) -> Decision:
+    """Digits that exact arithmetic proves."""
+    certify = scene.table.output.certify
+    if not certify:
+        return False, "not requested (--certify, or certify = true in [output])"
+    if reason := too_large_to_certify(scene.equations):
+        return False, reason
+    return True, "digits of every coordinate" if certify is True else f"digits of {', '.join(certify)}"
+
+
+def symbols(scene: SceneData) -> Decision:
+    """A formula for the page."""
+    output, count = scene.table.output, len(scene.parameters.values)
+    if not output.formula:
+        return False, "no formula is requested"
+    if not output.page:
+        return False, "no page to show the formula on"
+    if reason := too_large_for_formula(scene):
+        return False, reason
+    return True, f"formula = true: {counted(count, 'parameter')} as symbols" if count else "formula = true: with exact numbers"
+
+
+def animation(scene: SceneData) -> Decision:
+    """Animated drawing."""
+    output, pictured = scene.table.output, still(scene)[0]
+    if not (output.page or pictured):
+        return False, "no page"
+    if not (output.animation or pictured):
+        return False, "animation = false"
+    if not _has_places(scene):
+        return False, "states and outputs have no geometry: add a [drawing]"
+    if not (output.page and output.animation):
+        return True, "the still picture shows the model where it is then"
+    return True, "the model moves on the page, by displacements and velocities"
+
+
+def is_animated(scene: SceneData) -> bool:
+    """Whether a page animates the model."""
+    output = scene.table.output
+    return output.page and output.animation and _has_places(scene)
+
+
+def _has_places(scene: SceneData) -> bool:
+    drawing = scene.table.drawing
+    return not scene.equations.has_outputs_among_coordinates or (drawing is not None and drawing.is_own)
+
+
+def still(scene: SceneData) -> Decision:
+    """Still picture of the model, for which a browser is needed."""
+    time = scene.table.output.still
+    if time is None:
+        return False, "not requested (--still TIME, or still = TIME in [output])"
+    if not _has_places(scene):
+        return False, "states and outputs have no geometry: add a [drawing]"
+    from ...page.photograph import NONE_INSTALLED, browser
+
+    return (True, f"{scene.name}.still.png, the model at {time:g} s") if browser() else (False, NONE_INSTALLED)
+
+
+def formats(scene: SceneData) -> Decision:
+    """Files for other programs."""
+    requested = scene.table.output.formats
+    return bool(requested), ", ".join(requested) if requested else 'not requested (formats in [output], e.g. ["mat", "uff"])'
+
+
+def plot_images(scene: SceneData) -> Decision:
+    """The plots as files."""
+    requested = scene.table.output.plot_images
+    return requested, f"{scene.name}.*.svg and .png" if requested else "not requested (--plots, or plot_images = true in [output])"
+
+
+def robot_meshes(scene: SceneData) -> Decision:
+    """Visual meshes of the robot."""
+    meshes = scene.equations.robot_scene.data.names.meshes
+    if not meshes:
+        return False, "the robot is drawn from boxes, cylinders and spheres"
+    drawn = animation(scene)[0]
+    return drawn, f"{counted(len(meshes), 'mesh', 'meshes')} to draw" if drawn else "meshes are read only where they are drawn"
+
+
+def collision_geometry(scene: SceneData) -> Decision:
+    """Collision geometry of the links, for the page."""
+    drawn = animation(scene)[0]
+    return drawn, "the page shows it on request" if drawn else "it is read only where the robot is drawn"
+
+
+def frequency(scene: SceneData) -> Decision:
+    """The frequency response."""
+    table = scene.table.frequency
+    if table is None:
+        return False, "not requested (a table [frequency], or the command frequency)"
+    return True, f"[frequency]: {table.quantity}"
+
+
+def frequency_files(scene: SceneData) -> Decision:
+    """Page, CSV and npz of the frequency response."""
+    output, requested = scene.table.output, scene.table.frequency is not None
+    kinds = [ending for ending, wanted in (("html", output.page), ("csv", output.csv), ("npz", output.npz)) if wanted]
+    if not (requested and kinds):
+        return False, "page, csv and npz = false" if requested else "no frequency response"
+    return True, f"{scene.name}.frequency.{', .'.join(kinds)}"
+
+
+def written(scene: SceneData, kind: str) -> Decision:
+    """A file."""
+    requested = getattr(scene.table.output, kind)
+    return requested, f"{scene.name}.{'html' if kind == 'page' else kind}" if requested else f"{kind} = false"
+
+
+def too_large_to_certify(equations: Equations) -> str:
+    """The reason why equations are not certified; empty where they are."""
+    rows, A = len(equations.system.rows) if equations.system else 0, equations.polynomial_matrix
+    states = (A.size + rows) * max(A.degree, 1)
+    if states <= MOST_CERTIFIED_STATES:
+        return ""
+    return f"exact arithmetic with {states} states takes too long, {MOST_CERTIFIED_STATES} is the most"
+
+
+def too_large_for_formula(scene: SceneData) -> str:
+    """The reason why no formula is computed; empty where one is."""
+    A = scene.equations.polynomial_matrix
+    if scene.equations.robot is not None or A.size * A.degree <= MOST_FORMULA_STATES:
+        return ""
+    most = f"at most {MOST_FORMULA_STATES} for both multiplied"
+    return f"{A.size} coordinates with equations of degree {A.degree} are too many for formulas ({most})"
+
+
+# The stages.
 
 
 @dataclass(frozen=True)
@@ -34,64 +302,62 @@ class PossibleStage:
 
     name: str
     decide: Callable[[SceneData], Decision] | Decision
-    work: Callable[[Result], object] | None = None
+    work: Callable[[Any], object] | None = None
     writes: bool = False
     part_of: str = ""
 
 
 FILE_STEPS = (
     PossibleStage("read the scene", (True, "checked against the schema")),
-    PossibleStage("units", decisions.units),
+    PossibleStage("units", units),
 )
 ROBOT_STEPS = (
-    PossibleStage("robot model (pinocchio)", decisions.robot_model),
-    PossibleStage("equilibrium", decisions.equilibrium),
-    PossibleStage("robot meshes", decisions.robot_meshes, writes=True, part_of="animation"),
-    PossibleStage("collision geometry", decisions.collision_geometry, writes=True, part_of="animation"),
+    PossibleStage("robot model (pinocchio)", robot_model),
+    PossibleStage("equilibrium", equilibrium),
+    PossibleStage("robot meshes", robot_meshes, writes=True, part_of="animation"),
+    PossibleStage("collision geometry", collision_geometry, writes=True, part_of="animation"),
 )
 NO_ROBOT_STEPS = (PossibleStage("robot model (pinocchio)", (False, "no robot in the scene")),)
-OUTPUTS = PossibleStage("outputs", decisions.outputs, methodcaller("curves", "output"))
+OUTPUTS = PossibleStage(
+    "outputs", lambda scene: scene.equations.outputs_decision(scene.table.output.plots), methodcaller("curves", "output")
+)
 ROBOT_NEXT = {
     "displacements": (OUTPUTS,),
-    "reactions": (
-        PossibleStage("forces of loops and springs", decisions.connection_forces, methodcaller("curves", "ground_reaction")),
-    ),
+    "reactions": (PossibleStage("forces of loops and springs", connection_forces, methodcaller("curves", "ground_reaction")),),
 }  # the stage before: those of a robot that come next
 CONTROL_NEXT = {  # the same of a state space
-    "assemble the model": (PossibleStage("mechanical normal form", decisions.normal_form),),
+    "assemble the model": (PossibleStage("mechanical normal form", normal_form),),
     "displacements": (OUTPUTS,),
-    "modes": (PossibleStage("transfer functions", decisions.transfer_functions, attrgetter("scene.equations.control.transfers")),),
+    "modes": (PossibleStage("transfer functions", transfer_functions, attrgetter("scene.equations.control.transfers")),),
 }
 STEPS = (
-    PossibleStage("assemble the model", decisions.assembly),
-    PossibleStage("dependent constraint rows", decisions.constraint_rows, part_of="assemble the model"),
-    PossibleStage("constrained form", decisions.constrained_form, part_of="assemble the model"),
+    PossibleStage("assemble the model", lambda scene: scene.equations.size_decision()),
+    PossibleStage("dependent constraint rows", lambda scene: scene.equations.rows_decision(), part_of="assemble the model"),
+    PossibleStage("constrained form", constrained_form, part_of="assemble the model"),
     PossibleStage("scaling and staircase", (True, "splits the finite from the infinite part by rank decisions")),
-    PossibleStage("finite pair", decisions.finite_pair, attrgetter("finite_pair")),
-    PossibleStage("infinite pair", decisions.infinite_pair, attrgetter("infinite_pair")),
-    PossibleStage("response", decisions.response, attrgetter("motion")),
+    PossibleStage("finite pair", finite_pair, attrgetter("finite_pair")),
+    PossibleStage("infinite pair", infinite_pair, attrgetter("infinite_pair")),
+    PossibleStage("response", response, attrgetter("motion")),
     PossibleStage("displacements", (True, "the answer itself"), methodcaller("curves", "displacement")),
-    PossibleStage("velocities", decisions.velocities, methodcaller("curves", "velocity")),
-    PossibleStage("accelerations", partial(decisions.plotted, kind="acceleration"), methodcaller("curves", "acceleration")),
-    PossibleStage("reactions", decisions.reactions, methodcaller("curves", "reaction")),
-    PossibleStage("energy", partial(decisions.plotted, kind="energy"), methodcaller("curves", "energy")),
-    PossibleStage("element quantities", decisions.element_quantities, methodcaller("curves", "quantity")),
-    PossibleStage("modes", decisions.modes, attrgetter("modes")),
+    PossibleStage("velocities", velocities, methodcaller("curves", "velocity")),
+    PossibleStage("accelerations", partial(plotted, kind="acceleration"), methodcaller("curves", "acceleration")),
+    PossibleStage("reactions", reactions, methodcaller("curves", "reaction")),
+    PossibleStage("energy", partial(plotted, kind="energy"), methodcaller("curves", "energy")),
+    PossibleStage("element quantities", element_quantities, methodcaller("curves", "quantity")),
+    PossibleStage("modes", modes, attrgetter("modes")),
     PossibleStage("error estimate", (True, "an answer carries its evidence"), attrgetter("error_estimate")),
-    PossibleStage("proof (python-flint)", decisions.proof, part_of="error estimate"),
-    PossibleStage("certificate (python-flint)", decisions.certificate, attrgetter("certificate")),
-    PossibleStage("symbols (sympy)", decisions.symbols, attrgetter("formula"), writes=True),
-    PossibleStage("frequency response", decisions.frequency, attrgetter("frequency.response")),
-    PossibleStage("frequency page and files", decisions.frequency_files, methodcaller("write_frequency"), writes=True),
-    PossibleStage("animation", decisions.animation, attrgetter("animation"), writes=True),
-    PossibleStage("CSV", partial(decisions.written, kind="csv"), methodcaller("write_csv"), writes=True),
-    PossibleStage("npz", partial(decisions.written, kind="npz"), methodcaller("write_npz"), writes=True),
-    PossibleStage("other formats", decisions.formats, methodcaller("write_formats"), writes=True),
-    PossibleStage("plots as images (matplotlib)", decisions.plot_images, methodcaller("write_plots"), writes=True),
-    PossibleStage("still picture (Chromium)", decisions.still, methodcaller("try_still"), writes=True),
-    PossibleStage(
-        PAGE, partial(decisions.written, kind="page"), methodcaller("write_page"), writes=True
-    ),  # after the stages that it lists
+    PossibleStage("proof (python-flint)", proof, part_of="error estimate"),
+    PossibleStage("certificate (python-flint)", certificate, attrgetter("certificate")),
+    PossibleStage("symbols (sympy)", symbols, attrgetter("formula"), writes=True),
+    PossibleStage("frequency response", frequency, attrgetter("frequency.response")),
+    PossibleStage("frequency page and files", frequency_files, methodcaller("write_frequency"), writes=True),
+    PossibleStage("animation", animation, attrgetter("animation"), writes=True),
+    PossibleStage("CSV", partial(written, kind="csv"), methodcaller("write_csv"), writes=True),
+    PossibleStage("npz", partial(written, kind="npz"), methodcaller("write_npz"), writes=True),
+    PossibleStage("other formats", formats, methodcaller("write_formats"), writes=True),
+    PossibleStage("plots as images (matplotlib)", plot_images, methodcaller("write_plots"), writes=True),
+    PossibleStage("still picture (Chromium)", still, methodcaller("try_still"), writes=True),
+    PossibleStage(PAGE, partial(written, kind="page"), methodcaller("write_page"), writes=True),  # after the stages that it lists
 )
 
 
@@ -114,17 +380,3 @@ def _stage(step: PossibleStage, scene: SceneData, writing: bool) -> Stage:
         return Stage(step.name, False, "no folder to write to was given")
     decision = step.decide if isinstance(step.decide, tuple) else step.decide(scene)
     return Stage(step.name, *decision, part_of=step.part_of)
-
-
-def run_stages(scene: SceneData, folder: Path | None, progress: Callable[[Stage], None] | None) -> Result:
-    """Run the needed stages one after another and measure each."""
-    result = Result(scene, plan_of(scene, writing=folder is not None), folder)
-    with result.writing_together():
-        for step, stage in zip(steps_of(scene), result.plan.stages):
-            if stage.needed and step.work:
-                if progress:
-                    progress(stage)
-                costs = Costs()
-                step.work(result)
-                result.plan = result.plan.with_costs({step.name: costs.lap(step.name)})
-    return result

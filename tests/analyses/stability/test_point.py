@@ -15,7 +15,7 @@ from mbconstrained.analyses.stability.gallery import bodies, equations, moving
 from mbconstrained.analyses.stability.point import MOST_EXPECTED, Point, point_of
 from mbconstrained.analyses.study_problem import StudyProblem, problem_of
 from mbconstrained.ground.tolerances import EPS, TRUST_LIMIT
-from mbconstrained.scene.run import decisions
+from mbconstrained.scene.run import stages
 from tests.oracles.referee import case
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -159,7 +159,7 @@ def test_an_answer_where_exact_arithmetic_finds_none_is_wrong():
 
 
 def test_too_many_states_are_said(monkeypatch):
-    monkeypatch.setattr(decisions, "MOST_CERTIFIED_STATES", 0)
+    monkeypatch.setattr(stages, "MOST_CERTIFIED_STATES", 0)
     point = point_of(DECAY)
     assert point.verdict == "not judged" and point.right is None and math.isnan(point.expected) and point.claimed > 14
     assert "1 states" in point.unknown

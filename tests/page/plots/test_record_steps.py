@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
+from mbconstrained.analyses.motion_report import plots_of
 from mbconstrained.page.content import RecordResponse, TimeFunctions
 from mbconstrained.page.plots.record_steps import record_steps
 from mbconstrained.page.plots.svg_plot import PlotFunctions
-from mbconstrained.scene.run.report.page_report import plots_of
 from mbconstrained.scene.run.scene import read_scene
 from tests.page.browser import needs_chromium
 from tests.page.plots.pages import certain, functions_of_data

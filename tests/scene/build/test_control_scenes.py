@@ -8,7 +8,6 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.analyses.modes import ModalAnalysis
-from mbconstrained.scene.run.report.page_report import page_content
 from tests.scene.scenes import scene_of
 
 FRACTION = """
@@ -131,7 +130,7 @@ def test_the_normal_form_moves_the_same_outputs(tmp_path):
     assert made.system.stiffness == pytest.approx(np.array([[4.0]]), rel=1e-13)
     assert made.scene.equations.coordinates.names == ("q1",)
     assert made.values == pytest.approx(made.curves("output").values, abs=1e-13)  # B = [0; 1]: q is x1
-    content = page_content(made)
+    content = made.page()
     assert content.animation is not None and [plot.title for plot in content.plots] == ["displacement", "output"]
 
 
@@ -162,7 +161,7 @@ def test_a_descriptor_in_files(tmp_path):
 
 def test_only_outputs_are_plotted_and_nothing_is_animated(tmp_path):
     result = scene_of(tmp_path, STATES).run(tmp_path / "out")
-    content = page_content(result)
+    content = result.page()
     assert content.animation is None and [(plot.title, plot.unit) for plot in content.plots] == [("output", "m")]
     assert (tmp_path / "out" / "scene.html").exists()
     with open(tmp_path / "out" / "scene.csv", encoding="utf-8", newline="") as file:
@@ -173,12 +172,12 @@ def test_only_outputs_are_plotted_and_nothing_is_animated(tmp_path):
 
 def test_a_drawing_makes_an_animation(tmp_path):
     drawing = '[[drawing.body]]\nname = "cart"\nshape = "box"\nmoves = { x1 = [1, 0, 0] }\n'
-    assert page_content(scene_of(tmp_path, STATES + drawing).run()).animation is not None
+    assert scene_of(tmp_path, STATES + drawing).run().page().animation is not None
 
 
 def test_without_outputs_the_states_are_plotted(tmp_path):
     text = STATES.replace("C = [[1, 0]]\n", "").replace('y1 = "m", ', "")
-    content = page_content(scene_of(tmp_path, text).run())
+    content = scene_of(tmp_path, text).run().page()
     assert [(plot.title, plot.unit) for plot in content.plots] == [("displacement", "m"), ("value", "")]
 
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.scene.run.report.page_report import page_content
 from tests.scene.scenes import MATRICES, OSCILLATOR, scene_of
 
 T = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 2.75, 4.0])
@@ -132,7 +131,7 @@ def test_what_happens_later_has_a_table_and_one_sentence(tmp_path):
 
 
 def test_the_page_shows_them(tmp_path):
-    content = page_content(events_scene(tmp_path))
+    content = events_scene(tmp_path).page()
     (table,) = [table for table in content.tables if table.title == "Jumps and impulses after t = 0"]
     assert table.rows[1] == ("0.5 s", "b", "velocity jumps", "0 m/s", "3 m/s", "3 m/s")
 

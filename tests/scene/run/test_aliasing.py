@@ -20,7 +20,7 @@ def told(folder, slow=1.0, fast=1.0, damping=0.0, amplitude=1.0, end=10.0, point
     path.write_text(text)
     result = read_scene(path).run()
     texts = [notice.text for notice in result.notices if notice.kind == "aliasing"]
-    assert texts == [notice.text for notice in aliasing_notices(result)] and len(texts) <= 1
+    assert texts == [notice.text for notice in aliasing_notices(result.scene, result.motion, len(result.times))] and len(texts) <= 1
     return "".join(texts)
 
 

@@ -100,7 +100,7 @@ def test_data_whose_rounding_decides_a_rank_are_told(tmp_path):
 
 
 def test_too_many_states_are_left_out_with_a_reason(tmp_path, monkeypatch):
-    monkeypatch.setattr("mbconstrained.scene.run.decisions.MOST_CERTIFIED_STATES", 3)
+    monkeypatch.setattr("mbconstrained.scene.run.stages.MOST_CERTIFIED_STATES", 3)
     result = scene(tmp_path, "certify = true\n").run()
     assert result.certificate.curves == () and "takes too long" in result.certificate.notices[0].text
     assert result.is_trusted

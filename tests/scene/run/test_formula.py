@@ -395,7 +395,7 @@ def test_the_page_shows_the_formula_if_it_is_asked_for(tmp_path):
 
 
 def test_a_formula_that_is_not_found_is_a_notice_on_the_page(tmp_path, monkeypatch):
-    monkeypatch.setattr("mbconstrained.scene.run.decisions.MOST_FORMULA_STATES", 0)
+    monkeypatch.setattr("mbconstrained.scene.run.stages.MOST_FORMULA_STATES", 0)
     scene = scene_of(tmp_path, OSCILLATOR + "[output]\nformula = true\n")
     result = scene.run(tmp_path / "results")
     assert any("the formula is left out: " in notice.text for notice in result.notices)

@@ -12,7 +12,6 @@ import pytest
 import mbconstrained as mb
 from mbconstrained.robot.linearization.connection_forces import connection_forces
 from mbconstrained.robot.statics.balance import Balance
-from mbconstrained.scene.run.curves import functions_of
 from mbconstrained.scene.run.scene import read_scene
 from tests.robot.test_wrenches import spatial_arm
 from tests.scene.robots import ROBOTS
@@ -156,7 +155,7 @@ def test_feet_that_lift_off_during_the_motion_are_counted_with_the_worst(tmp_pat
     assert len(pulling) == (4 if size == 400.0 else 0) and len(found) == bool(pulling)
     if pulling:
         times = np.linspace(0.0, 0.5, 200_001)
-        curves = functions_of(result, "ground_reaction")(times)
+        curves = result.functions("ground_reaction")(times)
         normal = np.array([curves[result.system.connection_forces.places[f"{leg} foot"]][2] for leg in LEGS])
         first, worst = times[(normal < 0).any(axis=0)][0], times[normal.min(axis=0).argmin()]
         assert found[0].startswith("4 feet lift off, first at ") and "; most of all bushing " in found[0]

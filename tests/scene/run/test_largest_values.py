@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.scene.run.plan import Plan
-from mbconstrained.scene.run.report.page_report import plots_of
+from mbconstrained.analyses.motion_report import plots_of
+from mbconstrained.scene.run.aliasing import aliasing_notices
 from mbconstrained.scene.run.result import Result
 from mbconstrained.scene.run.scene import read_scene
 from tests.page.browser import needs_chromium
@@ -66,12 +66,12 @@ def test_accelerations_and_energies(driveline):
 
 def test_a_table_without_a_number_of_points_follows_the_motion(driveline):
     """125 periods of 12 points; no alias is left to be reported, and the page has the number."""
-    result = Result(driveline(), Plan(()))
+    result = Result(driveline())
     assert len(result.times) == 1501
-    assert not [notice for notice in result.notices if notice.kind == "aliasing"]
-    given = Result(driveline(DRIVELINE.replace('end = "2 s"', 'end = "2 s"\npoints = 201')), Plan(()))
+    assert not aliasing_notices(result.scene, result.motion, 1501)
+    given = Result(driveline(DRIVELINE.replace('end = "2 s"', 'end = "2 s"\npoints = 201')))
     assert len(given.times) == 201
-    texts = [notice.text for notice in given.notices if notice.kind == "aliasing"]
+    texts = [notice.text for notice in aliasing_notices(given.scene, given.motion, 201)]
     assert len(texts) == 1 and "62.5 Hz" in texts[0] and re.search(r"with \S+ mrad in \w+", texts[0])
 
 

@@ -100,12 +100,11 @@ def test_texts_are_escaped_on_the_page(tmp_path):
 
 
 def test_only_the_coordinates_asked_for_are_plotted(tmp_path):
-    from mbconstrained.scene.run.report.page_report import page_content
 
     text = MATRICES.replace("[time]", '[model.units]\nb = "rad"\n[time]')
-    both = page_content(scene_of(tmp_path, text).run())
+    both = scene_of(tmp_path, text).run().page()
     assert [(plot.title, plot.unit) for plot in both.plots] == [("displacement", "m"), ("angle", "rad")]
-    one = page_content(scene_of(tmp_path, text + '[output]\ncoordinates = ["b"]\n').run())
+    one = scene_of(tmp_path, text + '[output]\ncoordinates = ["b"]\n').run().page()
     assert [curve.name for plot in one.plots for curve in plot.curves] == ["b"]
 
 

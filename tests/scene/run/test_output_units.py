@@ -5,9 +5,9 @@ import re
 import numpy as np
 import pytest
 
+from mbconstrained.analyses.motion_report import plots_of
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.scene.quantities.output_units import OutputUnits, output_units
-from mbconstrained.scene.run.report.page_report import plots_of
 from tests.scene.scenes import OSCILLATOR, scene_of
 
 OUTPUT = '\n[output]\nunits = "{}"\nplots = ["displacement", "velocity", "energy", "phase"]\nanimation = false\n'

@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from mbconstrained.analyses.run import RunAnswer
 from mbconstrained.mechanics.motion import Motion
 from mbconstrained.mechanics.system import MechanicalSystem
-from mbconstrained.scene.run.result import Result
 from mbconstrained.scene.run.scene import read_scene
 from tests.scene.robots import SCENE, press
 from tests.scene.scenes import COEFFICIENTS, EXAMPLES, MATRICES, OSCILLATOR, scene_of
@@ -142,10 +142,10 @@ def test_what_is_left_out_is_not_called(tmp_path, monkeypatch):
         raise AssertionError("called although left out")
 
     for owner, name in (
-        (Result, "infinite_pair"),
-        (Result, "animation"),
-        (Result, "write_page"),
-        (Result, "write_npz"),
+        (RunAnswer, "infinite_pair"),
+        (RunAnswer, "animation"),
+        (RunAnswer, "write_page"),
+        (RunAnswer, "write_npz"),
         (Motion, "reaction"),
         (Motion, "energy"),
         (Motion, "velocity"),

@@ -10,7 +10,6 @@ import sys
 import pytest
 
 from mbconstrained.scene.run.plan import Plan, Stage
-from mbconstrained.scene.run.report.page_report import page_content
 from mbconstrained.scene.run.scene import read_scene
 from mbconstrained.scene.run.stage_costs import Cost
 from tests.scene.scenes import EXAMPLES, MATRICES, OSCILLATOR, scene_of
@@ -67,7 +66,7 @@ def test_every_stage_that_ran_has_its_cost_or_that_of_another(tmp_path, name):
 
 def test_the_page_has_the_plan_folded_at_its_end(tmp_path):
     result = scene_of(tmp_path, OSCILLATOR).run(tmp_path)
-    (*_, table) = page_content(result).tables
+    (*_, table) = result.page().tables
     assert table.folded and table.title == f"Plan: {len(result.plan.needed)} stages taken, {len(result.plan.left_out)} left out"
     rows = {row[1]: row for row in table.rows}
     assert rows["page"] == ("taken", "page", "this page") and rows["symbols (sympy)"][0] == "left out"
@@ -76,10 +75,10 @@ def test_the_page_has_the_plan_folded_at_its_end(tmp_path):
 
 
 def test_a_page_that_is_asked_for_afterwards_has_the_plan_of_a_page(tmp_path):
-    (*_, table) = page_content(scene_of(tmp_path, MATRICES).run()).tables
+    (*_, table) = scene_of(tmp_path, MATRICES).run().page().tables
     rows = {row[1]: row for row in table.rows}
     assert rows["animation"][:2] == ("taken", "animation") and "no folder" not in str(rows)
-    (*_, table) = page_content(scene_of(tmp_path, MATRICES + "[output]\npage = false\n").run(tmp_path)).tables
+    (*_, table) = scene_of(tmp_path, MATRICES + "[output]\npage = false\n").run(tmp_path).page().tables
     assert [row[:2] for row in table.rows].count(("taken", "page")) == 1 and "page = false" not in str(table.rows)
 
 

@@ -18,7 +18,7 @@ pytestmark = pytest.mark.long  # a process for each scene, every call in it note
 #: Packages, and large parts of them, that a run may need or not.
 LIBRARIES = (
     "pint", "pinocchio", "coal", "collada", "trimesh", "meshcat", "sympy", "matplotlib", "scipy.optimize", "scipy.signal", "scipy.io",
-    "xarray", "pandas", "control", "typer", "rich", "IPython", "mbconstrained.page.html", "mbconstrained.scene.run.picture.result_animation",
+    "xarray", "pandas", "control", "typer", "rich", "IPython", "mbconstrained.page.html", "mbconstrained.scene.run.picture.animation",
     "mbconstrained.exact", "mbconstrained.robot", "mbconstrained.studies",
 )  # fmt: skip
 
@@ -73,7 +73,7 @@ class Work(NamedTuple):
 
 
 def computed(kind: str) -> str:
-    return f"scene/run/curves.py:curves_of({kind})"
+    return f"scene/run/result.py:Result._computed({kind})"
 
 
 WORK = {
@@ -112,12 +112,12 @@ WORK = {
     "frequency response": Work("frequency", "lumped", "frequency/frequency_response.py:evaluated"),
     "frequency page and files": Work("frequency page", "frequency", "analyses/frequency.py:Frequency.to_answer"),
     "animation": Work(
-        "lumped", "still page", "page/animation/keyframes.py:key_frames", ("mbconstrained.scene.run.picture.result_animation",)
+        "lumped", "still page", "page/animation/keyframes.py:key_frames", ("mbconstrained.scene.run.picture.animation",)
     ),
-    "CSV": Work("lumped", "plain", "scene/run/result.py:Result.write_csv"),
-    "npz": Work("lumped", "plain", "scene/run/result.py:Result.write_npz"),
+    "CSV": Work("lumped", "plain", "analyses/run.py:RunAnswer.write_csv"),
+    "npz": Work("lumped", "plain", "analyses/run.py:RunAnswer.write_npz"),
     "page": Work("still page", "plain", "page/html.py:page_html", ("mbconstrained.page.html",)),
-    "other formats": Work(None, "all", "scene/run/result.py:Result.write_formats"),
+    "other formats": Work(None, "all", "analyses/run.py:RunAnswer.write_formats"),
     "plots as images (matplotlib)": Work("pictures", "all", "page/plots/images.py:plot_images", PICTURES),
     "still picture (Chromium)": Work(None, "all", "page/photograph.py:photograph", ("mbconstrained.page.html",)),
 }

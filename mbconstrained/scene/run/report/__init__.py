@@ -1,1 +1,1 @@
-"""A result as tables, texts and the content of its page. Read ``tables``, then ``summary`` and ``page_report``."""
+"""Reports of other questions than a run."""

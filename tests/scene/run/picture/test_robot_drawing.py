@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mbconstrained.scene.run.picture.result_animation import MOST_POSES
+from mbconstrained.scene.run.picture.animation import MOST_POSES
 from mbconstrained.scene.run.picture.robot_drawing import VISIBLE, RobotPicture, drawing_of_robot
 from mbconstrained.scene.run.scene import read_scene
 from tests.scene.robots import SCENE, TOML, press

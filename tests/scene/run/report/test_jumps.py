@@ -4,10 +4,9 @@ import re
 
 import pytest
 
+from mbconstrained.analyses.motion_report import eigenvalue_table
 from mbconstrained.ground.notices import Notice
-from mbconstrained.scene.run.report.jumps import folded
-from mbconstrained.scene.run.report.page_report import page_content
-from mbconstrained.scene.run.report.tables import eigenvalue_table
+from mbconstrained.scene.run.jumps import folded
 from mbconstrained.scene.run.scene import read_scene
 from tests.scene.scenes import COEFFICIENTS, EXAMPLES, OSCILLATOR, scene_of
 
@@ -58,7 +57,7 @@ def test_the_unit_one_is_not_printed(tmp_path, unit, jump):
 
 
 def test_the_page_tells_jumps_and_impulses_once_in_words_and_once_in_tables():
-    content = page_content(read_scene(LINK).run())
+    content = read_scene(LINK).run().page()
     assert [notice.text for notice in content.notices] == ["At t = 0 there are 3 jumps and 1 impulse; the tables give the sizes"]
     tables = {table.title: table.rows for table in content.tables}
     assert len(tables["Jumps at t = 0"]) == 3
@@ -68,7 +67,7 @@ def test_the_page_tells_jumps_and_impulses_once_in_words_and_once_in_tables():
 def test_the_page_keeps_why_a_mechanical_start_is_changed(tmp_path):
     text = (EXAMPLES / "two_masses_position.toml").read_text("utf-8")
     result = scene_of(tmp_path, text.replace("[initial]\n", "[initial]\n#", 1).replace("points = 1001", "points = 5")).run()
-    page = [notice.text for notice in page_content(result).notices]
+    page = [notice.text for notice in result.page().notices]
     assert any("is violated at 0-" in text for text in page)
     assert any(text.startswith("At t = 0 there ") for text in page)
     assert not any("its displacement jumps" in text for text in page) and len(texts(result, "jump")) > 1
@@ -99,5 +98,5 @@ def test_zeros_of_coefficients_stand_in_the_columns_of_modes():
 
 def test_curves_have_the_colours_of_their_bodies(tmp_path):
     text = (EXAMPLES / "two_masses.toml").read_text("utf-8").replace("[output]", '[output]\ncoordinates = ["q2"]')
-    content = page_content(scene_of(tmp_path, text).run())
+    content = scene_of(tmp_path, text).run().page()
     assert [(curve.name, curve.color) for curve in content.plots[0].curves] == [("q2", 2)]

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from mbconstrained.scene.run.report.robot_report import posture_json, posture_tables
+from mbconstrained.scene.build.robot_model import posture_json, posture_tables
 from tests.scene.robots import SCENE, TOML, URDF, press
 from tests.scene.scenes import scene_of
 

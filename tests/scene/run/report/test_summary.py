@@ -5,10 +5,9 @@ import re
 import pytest
 
 import mbconstrained as mb
+from mbconstrained.analyses.motion_report import eigenvalue_table, frequency_table
+from mbconstrained.analyses.run import SCREEN, _printed, overview
 from mbconstrained.ground.notices import Notice, NoticeKind
-from mbconstrained.scene.run.report.page_report import page_content
-from mbconstrained.scene.run.report.summary import SCREEN, overview, printed
-from mbconstrained.scene.run.report.tables import eigenvalue_table, frequency_table
 from tests.scene.scenes import EXAMPLES, scene_of
 
 LONG = "a spring of " + 30 * "many words "
@@ -25,7 +24,7 @@ def chain(count: int) -> str:
 @pytest.mark.parametrize("example", ["two_masses", "seven_joint_arm", "inconsistent_start", "descriptor", "pitch_and_bounce"])
 def test_the_short_summary_fits_a_screen_and_both_fit_80_columns(example):
     result = mb.read_scene(EXAMPLES / f"{example}.toml").run()
-    short = printed(overview(result))
+    short = _printed(overview(result))
     assert len(short.splitlines()) <= SCREEN
     assert max(map(len, [*short.splitlines(), *result.summary().splitlines()])) <= 80
     for row in result.tables[0].rows:  # every digit of what is listed, and what is not listed is counted
@@ -38,7 +37,7 @@ def test_many_modes_and_notices_are_counted(tmp_path, monkeypatch, width):
     doubt = Notice("rank", "no clear gap", doubtful=True)
     notices = [Notice("drift", f"{LONG} {number}") for number in range(9)]
     monkeypatch.setattr(type(result), "table_notices", (*notices, doubt))
-    text = printed(overview(result, width), width)
+    text = _printed(overview(result, width), width)
     assert len(text.splitlines()) <= SCREEN and max(map(len, text.splitlines())) <= width
     assert "warning (rank): no clear gap" in " ".join(text.split())
     assert re.search(r"and \d+ further notices", text) and re.search(r"and \d+ more", text)
@@ -49,12 +48,12 @@ def test_motions_that_the_equations_do_not_describe_are_reported_before_what_was
     kinds = [NoticeKind.OMITTED, NoticeKind.JUMP, NoticeKind.LARGE_MOTION]
     doubt = Notice(NoticeKind.RANK, "no clear gap", doubtful=True)
     monkeypatch.setattr(type(result), "table_notices", (*(Notice(kind, kind.value) for kind in kinds), doubt))
-    shown = re.findall(r"(?:note|warning) \(([a-z ]+)\)", printed(overview(result, 80), 80))
+    shown = re.findall(r"(?:note|warning) \(([a-z ]+)\)", _printed(overview(result, 80), 80))
     assert shown == ["rank", "large motion", "jump", "omitted"]
 
 
 def test_frequencies_come_first_and_the_details_are_folded():
-    content = page_content(mb.read_scene(EXAMPLES / "pitch_and_bounce.toml").run())
+    content = mb.read_scene(EXAMPLES / "pitch_and_bounce.toml").run().page()
     assert content.frequencies.columns == ("no.", "Hz", "damping ratio") and len(content.frequencies.rows) == 2
     assert {table.title.split(":")[0]: table.folded for table in content.tables} == {
         "Largest values": False,

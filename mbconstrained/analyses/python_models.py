@@ -7,7 +7,6 @@ import tempfile
 import webbrowser
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -18,25 +17,24 @@ from ..ground.errors import InputError
 from ..mechanics.modes import Modes
 from ..mechanics.motion import Motion
 from ..response.response import Response
-from ..signals.impulsive import ImpulsiveSmooth
-from .build.equations import Equations
-from .file.messages import SceneName
-from .quantities.coordinates import Coordinates
-from .run.result import Result
-from .run.scene import Scene, check_output
-from .run.stages import plan_of
-from .schema.drawing_tables import DrawingTable
-from .schema.entry_types import Table
-from .schema.model_tables import MatricesTable
-from .schema.scene_schema import InitialTable, OutputTable, SceneFile, TimeTable
-from .schema.validation import validated
+from ..scene.build.model import Equations
+from ..scene.build.robot_model import RobotEquations, RobotScene
+from ..scene.file.messages import SceneName
+from ..scene.quantities.coordinates import Coordinates
+from ..scene.run.scene import Scene, check_output
+from ..scene.run.stages import plan_of
+from ..scene.schema.drawing_tables import DrawingTable
+from ..scene.schema.entry_types import Table
+from ..scene.schema.model_tables import MatricesTable
+from ..scene.schema.scene_schema import InitialTable, OutputTable, SceneFile, TimeTable
+from ..scene.schema.validation import validated
+from .run import RunAnswer
 
 if TYPE_CHECKING:
     from ..mechanics.equations import EquationsOfMotion
     from ..mechanics.system import MechanicalSystem
     from ..robot.posture import Posture
     from ..robot.robot import Robot
-    from .build.robot_model import RobotScene
 
 #: So many periods of the slowest oscillation, or time constants of the slowest decay, are shown where no end is given.
 PERIODS, TIME_CONSTANTS = 8.0, 5.0
@@ -47,26 +45,6 @@ MOST_PERIODS = 200.0
 KINDS = ("displacement", "velocity", "acceleration", "reaction", "energy", "phase", "output")
 
 
-@dataclass(frozen=True)
-class SolvedEquations(Equations):
-    """The equations of a known motion.
-
-    Attributes:
-        response: the motion.
-    """
-
-    response: Response | None = None
-
-    @cached_property
-    def right_hand_side(self) -> ImpulsiveSmooth:
-        """Right-hand side of the solved problem."""
-        return self.response.problem.force if self.response is not None else super().right_hand_side
-
-    def solve(self) -> Response:
-        """The motion itself."""
-        return self.response if self.response is not None else super().solve()
-
-
 def result_of(
     motion: Response,
     end: float | None = None,
@@ -74,7 +52,7 @@ def result_of(
     title: str = "",
     plots: Sequence[str] = ("displacement",),
     drawing: Mapping[str, Any] | None = None,
-) -> Result:
+) -> RunAnswer:
     """The result of an equivalent scene."""
     for kind in plots:
         if kind not in KINDS:
@@ -88,7 +66,7 @@ def result_of(
     output = OutputTable(plots=kinds, csv=False, npz=False)
     scene = _scene(system, motion, title, drawing, times, output)
     check_output(output, scene.equations, "write_page")
-    return Result(scene, plan_of(scene))
+    return RunAnswer(scene, plan_of(scene))
 
 
 def _scene(
@@ -105,7 +83,9 @@ def _scene(
     initial = motion.initial if motion is not None else np.zeros((A.degree, A.size))
     origin = getattr(system, "origin", None)
     mechanical = cast("MechanicalSystem | None", system)  # a motion knows it by its equations alone
-    equations = SolvedEquations(coordinates, A, initial, None, mechanical, origin, _robot_scene(system), response=motion)
+    known = coordinates, A, initial, None, mechanical, origin
+    robot = _robot_scene(system)
+    equations = Equations(*known, response=motion) if robot is None else RobotEquations(*known, robot, response=motion)
     coefficients = None if system is not None else list(A.coefficients)
     model = MatricesTable.model_construct(kind="matrices", coefficients=coefficients)
     drawn = validated({} if drawing is None else {"drawing": drawing}, "write_page", _DrawnAnswer).drawing
@@ -123,10 +103,9 @@ class _DrawnAnswer(Table):
 
 def _robot_scene(system: EquationsOfMotion | None) -> RobotScene | None:
     """The robot behind a linearized one, in the form of a scene without robot.toml."""
-    from .build.robot_file import RobotData
-    from .build.robot_model import RobotScene
-    from .build.robot_values import UrdfNames
-    from .schema.robot_tables import RobotFile
+    from ..scene.build.robot_file import RobotData
+    from ..scene.build.robot_values import UrdfNames
+    from ..scene.schema.robot_tables import RobotFile
 
     posture: Posture | None = getattr(system, "posture", None)
     if posture is None:
@@ -189,7 +168,7 @@ def plot(motion: Response, axes=None, quantity: str = "displacement", **options)
 def picture(motion: Response) -> str:
     """The displacements as SVG, for notebooks."""
     from ..page.plots.images import plot_image
-    from .run.report.page_report import plots_of
+    from .motion_report import plots_of
 
     images = (plot_image(each, "svg").decode() for each in plots_of(result_of(motion)))
     return "".join(image[image.index("<svg") :] for image in images)  # without the head of an XML file

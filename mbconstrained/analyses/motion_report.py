@@ -1,34 +1,37 @@
-"""The tables of a result, as texts with units: for the terminal and the page alike."""
+"""The tables and plots of a motion: tables as texts with units, for the terminal and the page alike."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....ground.coordinate_units import rate_unit
-from ....ground.display import TextTable, number_text, with_unit
-from ....ground.notices import Notice
-from ....mechanics.modes import Conservation, Kind, Mode, Modes, cleaned
-from ....response.events import Event
-from ....response.response_notices import counts
-from ....signals.impulsive import ImpulsiveLoad
-from ...quantities.coordinates import Coordinates
-from ...quantities.output_units import OutputUnits
-from ..curves import largest_values
-from .control_report import control_tables
-from .force_report import forces_table
-from .jumps import ReportedImpulse, folded, forces_of_rows, impulses_of, jumps_of
-from .robot_report import posture_tables, robot_evidence
+from ..exchange.trajectories import Curves
+from ..ground.coordinate_units import rate_unit
+from ..ground.display import TextTable, number_text, with_unit
+from ..ground.tolerances import NOT_DRAWN
+from ..mechanics.modes import Mode
+from ..page.content import Curve, Plot
+from ..page.plots.readings import drawn_times
+from ..page.typeset import raised, shortened
+from ..response.events import Event
+from ..response.response_notices import counts
+from ..scene.quantities.coordinates import Coordinates
+from ..scene.quantities.output_units import OutputUnits
+from ..scene.run.jumps import ReportedImpulse, forces_of_rows, impulses_of, jumps_of
+from ..scene.run.result import ORDERS, Result
+from ..signals.impulsive import ImpulsiveLoad
 
 if TYPE_CHECKING:
-    from ....mechanics.constraints import ConstraintRow
-    from ....mechanics.system import MechanicalSystem
-    from ...build.control_model import ControlScene
-    from ..answer import SceneAnswer
+    from ..mechanics.system import MechanicalSystem
+    from ..page.content import TimeFunctions
+    from ..scene.build.control_model import ControlScene
+    from ..scene.run.certificate import Certificate
+    from .frequency import Frequency
 
 #: Margins below this part of a largest value are not shown: it has as many digits.
 SHOWN_MARGIN = 1e-4
@@ -36,39 +39,39 @@ SHOWN_MARGIN = 1e-4
 MOST_LATER_ROWS = 20  # of the jumps and impulses after t = 0 that are listed; JSON and npz have all
 
 
-def tables_of(result: SceneAnswer) -> tuple[TextTable, ...]:
+def tables_of(result: Result, certificate: Certificate | None, frequency: Frequency | None) -> tuple[TextTable, ...]:
     """Natural frequencies, then the answers, then, folded on the page, posture, constraints, eigenvalues and evidence.
 
     Empty tables are left out but for the natural frequencies."""
-    robot, control = result.scene.equations.robot_scene, result.scene.equations.control
-    frequencies = frequency_table(result)
+    equations, system = result.scene.equations, result.system
+    of_model, shown = equations.tables(result), equations.coordinates.shown
+    jumps = tuple((jump.name, jump.what, jump.before, jump.after, jump.size) for jump in result.jumps)
+    impulses = tuple((impulse.name, f"δ{_primes(impulse.order)}", impulse.size) for impulse in result.impulses)
     answers = [
-        *(control_tables(control) if control else ()),
-        *result.peak_tables,
-        *([_output_table(control)] if control and control.form else []),
-        *_at_start(result),
+        *of_model.first,
+        *([frequency.peak_table()] if frequency else []),
+        *([_output_table(equations.original)] if equations.original else []),
+        TextTable("Jumps at t = 0", ("coordinate", "of its", "before", "after", "jump"), jumps),
+        TextTable("Impulses at t = 0", ("of", "multiplies", "size"), impulses),
         *([_later_table(result)] if result.later else []),
         largest_table(result),
-        *([forces_table(result)] if robot else ()),
-        *([result.certificate.table] if result.certificate else []),
+        *of_model.forces,
+        *([certificate.table] if certificate else []),
     ]
     details = [
-        *(posture_tables(robot) if robot else ()),
-        *([_constraint_table(result.system, result.scene.equations.coordinates.shown)] if result.system else []),
+        *of_model.details,
+        *([_constraint_table(system, shown)] if system else []),
         eigenvalue_table(result),
-        _evidence_table(result),
+        _evidence_table(result, of_model.evidence),
     ]
-    return (
-        frequencies,
-        *(table for table in answers if table.rows),
-        *(replace(each, folded=True) for each in details if each.rows),
-    )
+    tables = [*(table for table in answers if table.rows), *(replace(each, folded=True) for each in details if each.rows)]
+    return (frequency_table(result), *tables)
 
 
-def largest_table(result: SceneAnswer) -> TextTable:
+def largest_table(result: Result) -> TextTable:
     """The largest value of each requested curve for summary and page, in the units of [output]."""
     shown, rows, open_ = result.scene.equations.coordinates.shown, [], 0
-    for one in largest_values(result):
+    for one in result.largest:
         unit, factor = shown.of(one.unit)
         is_open = one.margin > SHOWN_MARGIN * abs(one.value)
         open_ += is_open
@@ -77,18 +80,12 @@ def largest_table(result: SceneAnswer) -> TextTable:
     return TextTable("Largest values", ("of", "quantity", "largest", "at"), tuple(rows), note)
 
 
-def notices_of(result: SceneAnswer) -> tuple[Notice, ...]:
-    """The notices for the summary and the page: jumps and impulses, which have tables, are counted in one sentence."""
-    return folded(result.notices, len(result.jumps), len(result.impulses), counts(result.later))
-
-
-def _right_side(row: ConstraintRow, shown: OutputUnits) -> str:
-    return shown.text(row.value, rate_unit(row.unit, row.order)) if row.signal is None else row.right_side_text
-
-
 def _constraint_table(system: MechanicalSystem, shown: OutputUnits) -> TextTable:
     """The rows in force with their levels."""
-    cells = tuple((row.name, row.level, _right_side(row, shown)) for row in system.rows)
+    cells = tuple(
+        (row.name, row.level, shown.text(row.value, rate_unit(row.unit, row.order)) if row.signal is None else row.right_side_text)
+        for row in system.rows
+    )
     note = "Errors at the start persist in rows at velocity or acceleration level: their eigenvalues at 0 are drift."
     drifting = any(row.order for row in system.rows)
     return TextTable("Constraints", ("row", "level", "value"), cells, note if drifting else "")
@@ -104,25 +101,23 @@ REMARKS: dict[str, str] = {
 }
 
 
-def frequency_table(result: SceneAnswer) -> TextTable:
+def frequency_table(result: Result) -> TextTable:
     """Frequency and damping ratio by eigenvalue; a remark for multiple ones."""
-    rows = eigenvalue_rows(result)
+    rows = result.eigenvalue_rows
     if not rows:
         return TextTable("Natural frequencies", (), (), "none: the model is static, without dynamic modes")
     if any(row["frequency (Hz)"] for row in rows):
         title, columns = "Natural frequencies", {"frequency (Hz)": "Hz", "damping ratio": "damping ratio"}
     else:
-        title, columns = "No natural frequencies: nothing oscillates", {"eigenvalue (1/s)": f"{_root_name(result)} (1/s)"}
+        title, columns = (
+            "No natural frequencies: nothing oscillates",
+            {"eigenvalue (1/s)": f"{result.scene.equations.root_name} (1/s)"},
+        )
     counts = _shape_counts(result)
     remarks = [_remark(row, count) for row, count in zip(rows, counts)]
     cells = [(number, *(row[column] for column in columns), remark) for number, row, remark in zip(_numbers(counts), rows, remarks)]
     width = len(columns) + 1 + any(row[-1] for row in cells)
     return TextTable(title, ("no.", *columns.values(), "meaning")[:width], tuple(row[:width] for row in cells))
-
-
-def _root_name(result: SceneAnswer) -> str:
-    """Name of a root of det A(s)."""
-    return "eigenvalue" if result.system else "zero" if result.scene.equations.control is None else "pole"
 
 
 def _remark(row: dict[str, str], count: int) -> str:
@@ -136,7 +131,7 @@ def _remark(row: dict[str, str], count: int) -> str:
     return ", ".join(filter(None, (remark, times)))
 
 
-def _shape_counts(result: SceneAnswer) -> list[int]:
+def _shape_counts(result: Result) -> list[int]:
     """The number of shapes of each eigenvalue, 1 where there are none."""
     return [max(1, mode.shapes.shape[1]) for mode in result.modes] if result.system else [1] * len(result.finite_pair.zeros)
 
@@ -154,9 +149,9 @@ MOST_PARTS, MOST_SHARES = 3, 6
 LEAST_SHARE = 0.0005
 
 
-def eigenvalue_table(result: SceneAnswer) -> TextTable:
+def eigenvalue_table(result: Result) -> TextTable:
     """The finite eigenvalues of A(s): with meaning and energies where the system is mechanical, else called zeros or poles."""
-    word = _root_name(result)
+    word = result.scene.equations.root_name
     columns = ["no.", f"{word} (1/s)", "rad/s", "multiplicity", "kind"]
     cells: list[tuple[str, ...]] = [
         (
@@ -166,7 +161,7 @@ def eigenvalue_table(result: SceneAnswer) -> TextTable:
             row["multiplicity"],
             row["kind"] if row["frequency (Hz)"] else row["meaning"],
         )
-        for number, row in zip(_numbers(_shape_counts(result)), eigenvalue_rows(result))
+        for number, row in zip(_numbers(_shape_counts(result)), result.eigenvalue_rows)
     ]
     if result.system:
         columns += ["kinetic energy", "strain energy"]
@@ -202,63 +197,17 @@ def descending(value: complex) -> float:
     return -float(f"{abs(value):.9g}")
 
 
-def eigenvalue_rows(result: SceneAnswer) -> list[dict[str, str]]:
-    """The rows of the table of eigenvalues: texts by column."""
-    return result.modes.table() if result.system else _rows_of_zeros(result)
-
-
-def _rows_of_zeros(result: SceneAnswer) -> list[dict[str, str]]:
-    """Zeros of a bare A(s), without mechanical meaning, in the columns of ``Modes.table``."""
-    names = result.scene.equations.coordinates.names
-    modes = [_mode_of(zero, len(names)) for zero in result.finite_pair.zeros]
-    return [
-        {**row, "kind": mode.kind if mode.eigenvalue else "at 0", "meaning": _meaning_of(mode.eigenvalue, mode.multiplicity)}
-        for mode, row in zip(modes, Modes(tuple(modes), names).table())
-    ]
-
-
-def _mode_of(zero, size: int) -> Mode:
-    value = cleaned(complex(zero.value), zero.multiplicity, Conservation(passive=False, lossless=False))
-    return Mode(_kind_of(value), value, zero.multiplicity, np.zeros((size, 0)))
-
-
-def _kind_of(value: complex) -> Kind:
-    if value == 0:
-        return "offset"
-    if value.real > 0:
-        return "growth"
-    return "oscillation" if value.imag else "decay"
-
-
-def _meaning_of(value: complex, multiplicity: int) -> str:
-    if value == 0:
-        return "constant" if multiplicity == 1 else "constant or growing with a power of t"
-    if value.imag:
-        return "undamped" if not value.real else ""
-    return f"time constant {number_text(1 / abs(value.real))} s"
-
-
-def _at_start(result: SceneAnswer) -> list[TextTable]:
-    """Jumps and impulses at t = 0 in coordinates and in constraint forces."""
-    jumps = tuple((jump.name, jump.what, jump.before, jump.after, jump.size) for jump in result.jumps)
-    impulses = tuple((impulse.name, f"δ{_primes(impulse.order)}", impulse.size) for impulse in result.impulses)
-    return [
-        TextTable("Jumps at t = 0", ("coordinate", "of its", "before", "after", "jump"), jumps),
-        TextTable("Impulses at t = 0", ("of", "multiplies", "size"), impulses),
-    ]
-
-
 def _output_table(control: ControlScene) -> TextTable:
     """Jumps and impulses of the outputs at t = 0; those of the displacements have separate tables."""
     together, names = control.response.together, control.outputs.names
     coordinates = together.polynomial_matrix.coordinates
     jumps = jumps_of(together, Coordinates(coordinates, tuple(control.system.units[name] for name in coordinates)))
-    rows = [(jump.name, "jumps", jump.before, jump.after, jump.size) for jump in jumps if jump.name in names]
+    rows: list[tuple[str, ...]] = [(jump.name, "jumps", jump.before, jump.after, jump.size) for jump in jumps if jump.name in names]
     rows += _impulse_rows(impulses_of(control.response.output_impulses, control.outputs))
     return TextTable("Outputs at t = 0", ("of", "what", "before", "after", "size"), tuple(rows))
 
 
-def _later_table(result: SceneAnswer) -> TextTable:
+def _later_table(result: Result) -> TextTable:
     """The first jumps and impulses after t = 0, where the force starts, stops, changes or has an impulse."""
     rows = (row for event in result.later for row in _event_rows(result, event))
     count = sum(counts(result.later))
@@ -267,10 +216,10 @@ def _later_table(result: SceneAnswer) -> TextTable:
     return TextTable("Jumps and impulses after t = 0", columns, tuple(islice(rows, MOST_LATER_ROWS)), note)
 
 
-def _event_rows(result: SceneAnswer, event: Event | ImpulsiveLoad) -> list[tuple[str, ...]]:
+def _event_rows(result: Result, event: Event | ImpulsiveLoad) -> list[tuple[str, ...]]:
     coordinates, is_load = result.scene.equations.coordinates, isinstance(event, ImpulsiveLoad)
-    jumps = [] if is_load else jumps_of(result.motion, coordinates, event)
-    rows = [(jump.name, f"{jump.what} jumps", jump.before, jump.after, jump.size) for jump in jumps]
+    jumps = [] if isinstance(event, ImpulsiveLoad) else jumps_of(result.motion, coordinates, event)
+    rows: list[tuple[str, ...]] = [(jump.name, f"{jump.what} jumps", jump.before, jump.after, jump.size) for jump in jumps]
     rows += _impulse_rows(
         impulses_of(event.impulses, forces_of_rows(result.system, shown=coordinates.shown) if is_load else coordinates)
     )
@@ -285,27 +234,88 @@ def _primes(order: int) -> str:
     return "′" * order if order < 4 else f"^({order})"
 
 
-def _evidence_table(result: SceneAnswer) -> TextTable:
+def _evidence_table(result: Result, of_model: Sequence[tuple[str, str, str]]) -> TextTable:
     """Error estimates, residuals and rank gaps: the accuracy of the answer."""
-    proved = ("displacement", "velocity", "acceleration") if getattr(result.motion, "is_proved", False) else ()
-    proved += ("reaction",) if proved and result.motion.is_decided_exactly else ()
+    equations, motion = result.scene.equations, result.motion
+    proved: tuple[str, ...] = ("displacement", "velocity", "acceleration") if getattr(motion, "is_proved", False) else ()
+    proved += ("reaction",) if proved and motion.is_decided_exactly else ()
+    bound, estimate = (
+        "proved bound of the error over the largest value, at each time",
+        "largest error over largest value, over all times",
+    )
+    names = {"displacement": equations.coordinates_called} if equations.has_outputs_among_coordinates else {}  # no displacements
     estimates = [
-        (
-            f"error estimate: {_estimated(result, kind)}",
-            f"{value:.2g}",
-            "proved bound of the error over the largest value, at each time"
-            if kind in proved
-            else "largest error over largest value, over all times",
-        )
+        (f"error estimate: {names.get(kind, kind)}", f"{value:.2g}", bound if kind in proved else estimate)
         for kind, value in result.error_estimates.items()
     ]
-    evidence = [(item.name, f"{item.value:.2g}", item.text) for item in result.motion.evidence]
-    robot = result.scene.equations.robot_scene
-    posture = robot_evidence(robot, result.linear_range) if robot and result.linear_range else []
-    return TextTable("Evidence", ("what", "value", "meaning"), (*estimates, *evidence, *posture))
+    evidence = [(item.name, f"{item.value:.2g}", item.text) for item in motion.evidence]
+    return TextTable("Evidence", ("what", "value", "meaning"), (*estimates, *evidence, *of_model))
 
 
-def _estimated(result: SceneAnswer, kind: str) -> str:
-    """Name of the quantity of an error estimate; states and outputs are no displacements."""
-    equations = result.scene.equations
-    return equations.coordinates_called if kind == "displacement" and equations.has_outputs_among_coordinates else kind
+# Plots.
+
+#: Most phase planes on a page: the first are drawn, [output] coordinates selects others.
+MOST_PLANES = 12
+
+
+def plots_of(result: Result) -> tuple[Plot, ...]:
+    """The requested plots, in the order of the scene."""
+    output = result.scene.table.output
+    kinds = [*output.plots, *(["quantity"] if output.quantity else [])]
+    plots = [
+        plot for kind in kinds for plot in (_phase_planes(result) if kind == "phase" else _plots(result, result.shown_curves(kind)))
+    ]
+    count = Counter(plot.title for plot in plots)
+    return tuple(_with_unit(plot) if count[plot.title] > 1 else plot for plot in plots)
+
+
+def _with_unit(plot: Plot) -> Plot:
+    """The plot with a unique title: with its unit, or for pure numbers with the names of the curves."""
+    source = raised(plot.unit) or shortened(", ".join(curve.name for curve in plot.curves))
+    return replace(plot, title=f"{plot.title} ({source})", quantity=plot.quantity or plot.title)
+
+
+def _plots(result: Result, curves: Curves) -> list[Plot]:
+    """One plot for each unit: curves in m and in rad share no axis."""
+    groups: dict[tuple[str, str], list[Curve]] = {}
+    functions = result.time_functions(curves.kind)
+    times = _drawn_times(result, functions, curves.units)
+    values = functions.at(times)
+    for i in _wanted(result, curves):
+        curve = Curve(curves.names[i], values[i], i, (functions, i))
+        groups.setdefault((curves.titles[i], curves.units[i]), []).append(curve)
+    return [Plot(title, _shown(unit), times, tuple(drawn)) for (title, unit), drawn in groups.items()]
+
+
+def _drawn_times(result: Result, functions: TimeFunctions, units: Sequence[str]) -> np.ndarray:
+    return drawn_times(functions, float(result.times[0]), float(result.times[-1]), units)
+
+
+def _wanted(result: Result, curves: Curves) -> list[int]:
+    wanted = result.scene.table.output.coordinates if curves.kind in ORDERS else None
+    return [i for i, name in enumerate(curves.names) if wanted is None or name in wanted]
+
+
+def _phase_planes(result: Result) -> list[Plot]:
+    """The velocity over the displacement of each coordinate that moves."""
+    places, rates = result.shown_curves("displacement"), result.shown_curves("velocity")
+    functions = [result.time_functions(curves.kind) for curves in (places, rates)]
+    times = np.union1d(*(_drawn_times(result, each, own.units) for each, own in zip(functions, (places, rates))))
+    along, up = (each.at(times) for each in functions)
+    moving = [i for i in _wanted(result, places) if np.ptp(places.values[i]) > NOT_DRAWN * np.abs(places.values[i]).max()]
+    return [
+        Plot(
+            f"phase plane of {places.names[i]}",
+            _shown(rates.units[i]),
+            times,
+            (Curve(places.names[i], up[i], i, (functions[1], i)),),
+            across=Curve(places.titles[i], along[i], function=(functions[0], i)),
+            across_unit=_shown(places.units[i]),
+            quantity=rates.titles[i],
+        )
+        for i in moving[:MOST_PLANES]
+    ]
+
+
+def _shown(unit: str) -> str:
+    return "" if unit == "1" else unit

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....ground.checks import nearest
-from ....ground.coordinate_units import GROUND, force_unit, rate_unit
-from ....ground.errors import InputError, shown
+from ...ground.checks import nearest
+from ...ground.coordinate_units import GROUND, force_unit, rate_unit
+from ...ground.errors import InputError
+from ..file.messages import shown
 
 if TYPE_CHECKING:
-    from ...build.equations import Equations
+    from .model import Equations
 
 RELATIVE = ("displacement", "velocity", "acceleration")
 

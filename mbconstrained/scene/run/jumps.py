@@ -7,20 +7,20 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ....ground.coordinate_units import derivative_name, force_unit, impulse_unit, rate_unit
-from ....ground.display import number_text
-from ....ground.notices import Notice, NoticeKind
-from ....mechanics.motion import DELTAS
-from ....response.admissible import admissible
-from ....response.events import Event
-from ....response.response_notices import first_and_count, kink_notices, sides, without_kinks
-from ...quantities.coordinates import Coordinates, beyond_noise
-from ...quantities.output_units import OutputUnits
+from ...ground.coordinate_units import derivative_name, force_unit, impulse_unit, rate_unit
+from ...ground.display import number_text
+from ...ground.notices import Notice, NoticeKind
+from ...mechanics.motion import DELTAS
+from ...response.admissible import admissible
+from ...response.events import Event
+from ...response.response_notices import first_and_count, kink_notices, sides, without_kinks
+from ..quantities.coordinates import Coordinates, beyond_noise
+from ..quantities.output_units import OutputUnits
 
 if TYPE_CHECKING:
-    from ....mechanics.system import MechanicalSystem
-    from ....response.response import Response
-    from ...build.equations import Equations
+    from ...mechanics.system import MechanicalSystem
+    from ...response.response import Response
+    from ..build.model import Equations
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,526 @@
+"""A run: the motion of a scene over its times, with tables, plots, notices, evidence, plan and files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..exchange.trajectories import Curves, write_arrays, write_csv, write_trajectories
+from ..ground.checks import counted
+from ..ground.display import WIDTH, TextTable, table_text, wrapped
+from ..ground.errors import InputError, MbconstrainedError
+from ..ground.files import Replacements
+from ..ground.notices import Notice, NoticeKind, distinct, doubts_of
+from ..page.content import PageContent
+from ..response.response_notices import counts
+from ..scene.run.aliasing import aliasing_notices
+from ..scene.run.jumps import folded, with_units
+from ..scene.run.plan import Plan, Stage
+from ..scene.run.result import Result
+from ..scene.run.scene import Scene
+from ..scene.run.stage_costs import Costs
+from ..scene.run.stages import is_animated, plan_of, steps_of, still, too_large_for_formula
+from .base import PICTURES, Analysis, Answer, formats_of
+from .motion_report import plots_of, tables_of
+
+if TYPE_CHECKING:
+    from ..exact.closed_form import ClosedForm
+    from ..exchange.universal import Geometry
+    from ..page.animation.animation import Animation
+    from ..page.content import Formulas, Plot
+    from ..scene.run.certificate import Certificate
+    from ..scene.schema.entry_types import Table
+    from .frequency import Frequency
+
+NOTHING_MOVES = "nothing moves: zero initial conditions and no excitation"
+
+#: Endings of the files of [output] formats.
+FORMATS = {"excel": ".excel.csv", "mat": ".mat", "netcdf": ".nc", "zarr": ".zarr", "uff": ".uff"}
+
+
+class Run(Analysis):
+    """The motion of a scene, by the stages of its plan."""
+
+    name = "run"
+    help = "Solve a scene and write its page, CSV and npz."
+
+    @classmethod
+    def solve(cls, scene: Scene, settings: Table | None = None) -> RunAnswer:  # type: ignore[override]
+        """The answer; nothing is written."""
+        return run_scene(scene, None)
+
+
+def run_scene(scene: Scene, folder: Path | None, progress: Callable[[Stage], None] | None = None) -> RunAnswer:
+    """Run the needed stages one after another and measure each."""
+    answer = RunAnswer(scene, plan_of(scene, writing=folder is not None), folder)
+    with answer.writing_together():
+        for step, stage in zip(steps_of(scene), answer.plan.stages):
+            if stage.needed and step.work:
+                if progress:
+                    progress(stage)
+                costs = Costs()
+                step.work(answer)
+                answer.plan = answer.plan.with_costs({step.name: costs.lap(step.name)})
+    return answer
+
+
+class RunAnswer(Result, Answer):
+    """The answer to a scene, whose parts are computed at their first use; the plan lists them.
+
+    Attributes:
+        plan: the stages with their costs.
+        files: written files, in this order.
+        folder: of the files.
+    """
+
+    kind = ""
+
+    def __init__(self, scene: Scene, plan: Plan, folder: Path | None = None):
+        Result.__init__(self, scene)
+        self.plan = plan
+        self.folder = folder
+        self.files: list[Path] = []
+        self.still_problem = self.formula_problem = ""
+        self._together: Replacements | None = None
+
+    @property
+    def name(self) -> str:
+        """Name of the scene."""
+        return self.scene.name
+
+    @property
+    def title(self) -> str:
+        """Title of the scene."""
+        return self.scene.title
+
+    @property
+    def source(self) -> str:
+        """Source of the scene."""
+        return self.scene.table.source
+
+    @property
+    def heading(self) -> str:
+        """Heading of the summary: the model, its coordinates and times."""
+        equations = self.scene.equations
+        what, times = equations.coordinates_called, self.scene.table.time.text
+        lines = [self.title, self.source, f"{what[0].upper()}{what[1:]}: {equations.coordinates.listed}; t from {times}"]
+        return "\n".join(line for line in lines if line)
+
+    @property
+    def facts(self) -> tuple[tuple[str, str], ...]:
+        """The model, its coordinates and the times, for the page."""
+        equations, time = self.scene.equations, self.scene.table.time
+        return (
+            *equations.facts,
+            (equations.coordinates_called, equations.coordinates.listed),
+            ("degree of the equations", str(equations.polynomial_matrix.degree)),
+            ("eigenvalues" if self.system else "zeros", str(sum(zero.count for zero in self.finite_pair.zeros))),
+            ("time", f"{time.text}, {len(self.times)} points, in closed form"),
+        )
+
+    @cached_property
+    def tables(self) -> tuple[TextTable, ...]:
+        """The tables of the summary and of the page."""
+        return tables_of(self, self.certificate, self.frequency)
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """Notices on the answer, and doubts about it."""
+        equations = self.scene.equations
+        notices = self.motion.equation_notices if self.system else with_units(self.motion, equations.coordinates)
+        accuracy = (one for kind, estimate in self.error_estimates.items() for one in doubts_of(f"the {kind}", estimate))
+        proved = self.certificate.notices if self.certificate else ()
+        moves = np.ptp(self.values, axis=1).any() or any(notice.kind in (NoticeKind.JUMP, NoticeKind.IMPULSE) for notice in notices)
+        first = (*self.scene.notices, *self._omissions(), *proved, *(self.frequency.response.notices if self.frequency else ()))
+        at_rest = () if moves else (Notice(NoticeKind.AT_REST, NOTHING_MOVES),)
+        aliased = aliasing_notices(self.scene, self.motion, len(self.times))
+        return distinct(first, equations.form_notices, notices, at_rest, aliased, equations.notices(self), accuracy)
+
+    @cached_property
+    def table_notices(self) -> tuple[Notice, ...]:
+        """The notices of the summary and of the page, where tables have the jumps and impulses."""
+        return folded(self.notices, len(self.jumps), len(self.impulses), counts(self.later))
+
+    def _omissions(self) -> list[Notice]:
+        """The reasons why the page lacks a requested formula, and why a requested still picture is missing."""
+        output, texts = self.scene.table.output, []
+        if output.formula and output.page and (reason := too_large_for_formula(self.scene) or self.formula_problem):
+            texts.append(f"the formula is left out: {reason}")
+        if output.still is not None:
+            available, reason = still(self.scene)
+            problem = self.still_problem if available else f"left out: {reason}"
+            texts += [f"still picture: {problem.removeprefix('still picture: ')}"] if problem else []
+        return [Notice(NoticeKind.OMITTED, text) for text in texts]
+
+    # Parts that only some scenes need.
+
+    @cached_property
+    def animation(self) -> Animation:
+        """The drawing of the model with its motion."""
+        from ..scene.run.picture.animation import animation_of
+
+        return animation_of(self)
+
+    @cached_property
+    def certificate(self) -> Certificate | None:
+        """The proved digits; None where not requested."""
+        if not self.scene.table.output.certify:
+            return None
+        from ..scene.run.certificate import certificate_of
+
+        return certificate_of(self)
+
+    @cached_property
+    def formula(self) -> ClosedForm | None:
+        """The formula of each coordinate; None, with a notice, where there is none."""
+        from ..scene.run.formula import PAGE_SECONDS, formula_of
+
+        wanted = None if self.scene.equations.original else self.scene.table.output.coordinates  # of a normal form: its states
+        try:
+            return formula_of(self.scene, coordinates=wanted, seconds=PAGE_SECONDS)
+        except InputError as problem:
+            self.formula_problem = str(problem)
+            return None
+
+    @property
+    def formulas(self) -> Formulas | None:
+        """The section of the page with the formula; None where there is none."""
+        if not self.scene.table.output.formula or self.formula is None:
+            return None
+        from ..scene.run.formula import formulas_on_page
+
+        return formulas_on_page(self.formula)
+
+    @cached_property
+    def frequency(self) -> Frequency | None:
+        """The frequency response; None where the scene has no [frequency]."""
+        if self.scene.table.frequency is None:
+            return None
+        from .frequency import Frequency
+
+        return Frequency(self.scene)
+
+    # For the terminal, programs and the page.
+
+    def _summary(self) -> str:
+        names = self.scene.equations.coordinates.names
+        return f"{self.name}: {counted(len(names), 'coordinate')} at {counted(len(self.times), 'time')}"
+
+    def summary(self) -> str:
+        """The answer in words and tables, as it is printed."""
+        return _printed(self.blocks())
+
+    def blocks(self, files: Sequence[Path] = ()) -> list[str | TextTable]:
+        """The parts of the summary: texts, and tables that a terminal may lay out itself."""
+        parts = [("Notices", self.table_notices), ("Written", self.files)]
+        lists = ["\n".join([title, *(f"  {line}" for line in lines)]) for title, lines in parts if lines]
+        return [self.heading, *self.tables, *lists, f"Plan: {self.plan.totals()}"]
+
+    def as_json(self) -> dict:
+        """The answer as plain data."""
+        end = {"plan": self.plan.as_json(), "totals": self.plan.totals_as_json()}
+        return self.to_dict(self.files) | end
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The answer as plain data, without notices and files."""
+        equations, motion = self.scene.equations, self.motion
+        return {
+            "source": self.source,
+            **equations.as_json(self),
+            "coordinates": equations.coordinates.as_json(),
+            "constraints": [
+                {"name": row.name, "level": row.level, "value": row.value if row.signal is None else "prescribed"}
+                for row in (self.system.rows if self.system else ())
+            ],
+            "eigenvalues": [
+                {"real": value.real, "imaginary": value.imag, "multiplicity": multiplicity, **meaning}
+                for value, multiplicity, meaning in self._eigenvalues()
+            ],
+            "initial": motion.initial,
+            "jump": motion.jump,
+            "impulses": motion.impulses,
+            "constraint_impulses": getattr(motion, "constraint_impulses", ()),
+            "events": [{"time": one.time, "jump": one.jump, "impulses": one.impulses} for one in motion.events],
+            "later_constraint_impulses": [
+                {"time": load.time, "impulses": load.impulses} for load in getattr(motion, "later_constraint_impulses", ())
+            ],
+            "largest": [
+                {"name": one.name, "of": one.title, "unit": one.unit, "largest": abs(one.value)}
+                | {"value": one.value, "time": one.time, "margin": one.margin}
+                for one in self.largest
+            ],
+            "final": self.values[:, -1],
+            "error_estimate": self.error_estimate,
+            "error_estimates": self.error_estimates,
+            "evidence": [{"name": item.name, "value": item.value, "text": item.text} for item in motion.evidence],
+            **({"certificate": self.certificate.as_json()} if self.certificate else {}),
+        }
+
+    def _eigenvalues(self) -> Iterator[tuple[complex, int, dict]]:
+        """Value, multiplicity and meaning."""
+        if self.system is None:
+            yield from ((zero.value, zero.multiplicity, {}) for zero in self.finite_pair.zeros)
+        else:
+            yield from ((mode.eigenvalue, mode.multiplicity, {"kind": mode.kind, "meaning": mode.text}) for mode in self.modes)
+
+    def plots(self) -> Iterable[Plot]:
+        """The requested plots, in the order of the scene."""
+        return plots_of(self)
+
+    def page(self) -> PageContent:
+        """Animation, plots, tables, notices and facts."""
+        return PageContent(
+            title=self.title,
+            source=self.source,
+            animation=self.animation if is_animated(self.scene) else None,
+            plots=plots_of(self),
+            frequencies=self.tables[0],
+            tables=(*self.tables[1:], self.scene.plan().page_table()),
+            notices=self.table_notices,
+            formulas=self.formulas,
+            facts=self.facts,
+        )
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Times, names, curves, start, jump, impulses, events, finite and infinite pair, for NumPy."""
+        arrays = {"times": self.times, "coordinates": np.array(self.scene.equations.coordinates.names)}
+        return arrays | {kind: self.curves(kind).values for kind in self.kinds} | self._more_arrays()
+
+    def _more_arrays(self) -> dict[str, np.ndarray]:
+        """Further arrays: all that are not curves."""
+        arrays, equations = {}, self.scene.equations
+        named = {"reaction": "constraints", "ground_reaction": "ground_reactions", "quantity": "quantities", "output": "outputs"}
+        for kind, key in named.items():
+            if kind in self.kinds:
+                arrays[key] = np.array(self.curves(kind).names)
+        if equations.has_outputs_among_coordinates:
+            arrays["outputs"] = np.array(equations.control.outputs.names)
+        arrays |= self.motion.start_arrays()
+        pairs: dict[str, Any] = {"finite": self.finite_pair}
+        if any(stage.name == "infinite pair" and stage.needed for stage in self.plan.stages):
+            pairs["infinite"] = self.infinite_pair
+        return arrays | {f"{name}_{key}": getattr(pair, key) for name, pair in pairs.items() for key in "CJB"}
+
+    # Files.
+
+    def write_page(self, path: str | Path | None = None) -> Path:
+        """Write the page, with the viewer's script next to it where [output] viewer requests that.
+
+        Args:
+            path: path of the page; None for the folder of the run, named after the scene.
+
+        Returns:
+            The path written.
+        """
+        from ..page.html import write_page
+
+        content, viewer = self.page(), self.scene.table.output.viewer
+        with self.writing_together() as files:
+            count = len(files.paths)
+            page = write_page(self._prepared("html", path), content, viewer, files)
+            self.files += files.paths[count:]
+        return page
+
+    def write_csv(self, path: str | Path | None = None) -> Path:
+        """Write the curves as CSV, one line for each time, in the units of [output]; the path is that of ``write_page``."""
+        return self._written("csv", path, lambda path: write_csv(path, self.times, self._all_shown))
+
+    def write_npz(self, path: str | Path | None = None) -> Path:
+        """Write curves, jumps, impulses and the Jordan pairs as NumPy arrays; the path is that of ``write_page``."""
+        return self._written("npz", path, lambda path: write_arrays(path, self.arrays(), ".npz"))
+
+    def write(  # type: ignore[override]
+        self, path: str | Path, *, excel: bool = False, geometry: Geometry | None = None, binary: bool = True
+    ) -> Path:
+        """Write the curves in the format that the ending of the path names: .csv, .npz, .mat, .nc, .zarr, .uff or .unv.
+
+        Args:
+            path: path of the file.
+            excel, geometry, binary: as in ``Motion.write``.
+
+        Returns:
+            The path.
+
+        Raises:
+            InputError: another ending, or an option of another format.
+            MissingPackage: xarray for .nc, xarray and zarr for .zarr, pyuff for universal files.
+        """
+        ending, arrays = Path(path).suffix.lower(), self._more_arrays()
+        if ending == ".npz":
+            return self.write_npz(path)
+        curves = self._all_shown if ending == ".csv" else [self.curves(kind) for kind in self.kinds]
+        with self.writing_together() as files:
+            path = write_trajectories(path, self.times, curves, arrays, excel=excel, geometry=geometry, binary=binary, files=files)
+        self.files.append(path)
+        return path
+
+    @property
+    def _all_shown(self) -> list[Curves]:
+        return [self.shown_curves(kind) for kind in self.kinds]
+
+    def write_formats(self) -> list[Path]:
+        """Write the files that [output] formats requests, next to the others."""
+        folder = self.folder or Path()
+        return [
+            self.write(folder / f"{self.name}{FORMATS[kind]}", excel=kind == "excel") for kind in self.scene.table.output.formats
+        ]
+
+    def write_plots(self, folder: str | Path | None = None) -> list[Path]:
+        """Write each plot of the page as SVG and PNG, named after scene and plot; by default into the folder of the run."""
+        from ..page.plots.images import plot_image, plot_images
+
+        folder = Path(folder) if folder is not None else self.folder or Path()
+        with self.writing_together():
+            return [
+                self._written(kind, folder / f"{self.name}.{name}.{kind}", _bytes_writer(plot_image(plot, kind)))
+                for name, plot in plot_images(plots_of(self)).items()
+                for kind in PICTURES
+            ]
+
+    def write_still(self, path: str | Path | None = None, time: float | None = None) -> Path:
+        """Write a picture of the model at a time as PNG, taken by an installed Chromium or Chrome.
+
+        Args:
+            path: path of the picture; None for the folder of the run, named after the scene.
+            time: in s; None for the one in [output] still, or 0.
+
+        Returns:
+            The path written.
+
+        Raises:
+            InputError: a time that is not within the run.
+            MbconstrainedError: no browser is installed, or it takes no picture.
+        """
+        from ..page.photograph import photograph
+
+        time = time if time is not None else self.scene.table.output.still or 0.0
+        return self._written("still.png", path, _bytes_writer(photograph(self.animation, time)))
+
+    def try_still(self) -> None:
+        """Write the still picture; if the browser fails, a notice has the reason and all else is written."""
+        try:
+            self.write_still()
+        except MbconstrainedError as problem:
+            self.still_problem = str(problem)
+
+    def write_frequency(self) -> list[Path]:
+        """Write the page, CSV and npz of the frequency response into the folder of the run, as far as [output] requests them."""
+        output = self.scene.table.output
+        with self.writing_together() as files:
+            written = self.frequency.to_answer().write(self.folder or Path(), formats_of(output), output.viewer, files)
+        self.files += written
+        return written
+
+    def _written(self, ending: str, path, write: Callable[[Path], object]) -> Path:
+        path = self._prepared(ending, path)
+        with self.writing_together() as files:
+            write(files.temporary(path))
+        self.files.append(path)
+        return path
+
+    def _prepared(self, ending: str, path) -> Path:
+        """The path of a file, in a folder that exists."""
+        path = Path(path) if path is not None else (self.folder or Path()) / f"{self.name}.{ending}"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path
+
+    @contextmanager
+    def writing_together(self) -> Iterator[Replacements]:
+        """A context in which written files replace their targets at the end of the outermost block, all or none."""
+        if self._together is not None:
+            yield self._together
+            return
+        try:
+            with Replacements() as self._together:
+                yield self._together
+        finally:
+            self._together = None
+
+
+def _bytes_writer(content: bytes) -> Callable[[Path], object]:
+    return lambda path: path.write_bytes(content)
+
+
+# The summary on a screen.
+
+#: Lines of the short summary, at most: with the command above and the prompt below they fill a screen of 24.
+SCREEN = 22
+
+
+def _printed(parts: Sequence[str | TextTable], width: int = WIDTH) -> str:
+    """Texts and tables, one below the other."""
+    return "\n\n".join(table_text(part, width) if isinstance(part, TextTable) else wrapped(part, width) for part in parts)
+
+
+def overview(answer: RunAnswer, width: int = WIDTH, lines: int = SCREEN) -> list[str | TextTable]:
+    """The parts of the summary that fit on a screen: natural frequencies, warnings, files, and the number of omitted lines."""
+    title = "\n".join(_first_lines(text, width, 2) for text in (answer.title, answer.source) if text)
+    figures = f"Error estimate {max(answer.error_estimates.values()):.2g}; {answer.plan.totals()}"
+    end = "\n".join(wrapped(text, width) for text in (_files(answer), figures, "All tables and notices: --verbose") if text)
+    left = lines + 1 - _height([title, end], width)
+    notices = sorted(answer.table_notices, key=_rank)
+    notes = _some_notices(notices, width, max(left // 2, left - len(answer.tables[0].rows) - 3))
+    left -= _height(notes, width)
+    shown = [_some_rows(answer.tables[0], width, left - 1)]
+    for table in answer.tables[1:]:
+        if not table.folded and _height([*shown, table], width) <= left:
+            shown.append(table)
+    return [title, *shown, *notes, end]
+
+
+#: Notices on motions that the equations do not describe come first, those on what does not change them come last.
+_FIRST = (NoticeKind.UNSTABLE, NoticeKind.LARGE_MOTION, NoticeKind.DISTANT_POSTURE)
+_LAST = (NoticeKind.REDUNDANT, NoticeKind.OMITTED, NoticeKind.OVERRIDE)
+
+
+def _rank(notice: Notice) -> int:
+    return 0 if notice.doubtful else 1 if notice.kind in _FIRST else 3 if notice.kind in _LAST else 2
+
+
+def _height(parts: Sequence[str | TextTable], width: int) -> int:
+    """Lines of texts and tables, with an empty one after each."""
+    return sum(_printed([part], width).count("\n") + 2 for part in parts)
+
+
+def _first_lines(text: str, width: int, most: int) -> str:
+    """The first lines of a user's text."""
+    lines = wrapped(text, width).split("\n")
+    return "\n".join([*lines[: most - 1], lines[most - 1][: width - 1] + "…"] if len(lines) > most else lines)
+
+
+def _files(answer: RunAnswer) -> str:
+    """The path of the first file of each folder and the names of the others in it."""
+    folders: dict[Path, list[str]] = {}
+    for path in sorted(answer.files, key=lambda path: path.suffix != ".html"):
+        names = folders.setdefault(path.parent, [])
+        names.append(path.name if names else str(path))
+    return "\n".join(f"Written: {', '.join(names)}" for names in folders.values())
+
+
+def _some_notices(notices: Sequence[Notice], width: int, lines: int) -> list[str]:
+    """Notices on so many lines, one at least, and the number of the others."""
+    if not notices:
+        return []
+    texts = [wrapped(f"  {notice}", width) for notice in notices]
+    heights = [1 + sum(text.count("\n") + 1 for text in texts[:count]) for count in range(1, len(texts) + 1)]
+    count = max(1, sum(height + (number < len(texts)) <= lines for number, height in enumerate(heights, 1)))
+    more = [f"  and {counted(len(texts) - count, 'further notice')}"] if count < len(texts) else []
+    return ["\n".join(["Notices", *texts[:count], *more])]
+
+
+def _some_rows(table: TextTable, width: int, lines: int) -> TextTable:
+    """The table with its first rows, as many as fit on so many lines, and the number of the others."""
+    if table_text(table, width).count("\n") < lines:
+        return table
+    for count in range(len(table.rows) - 1, 0, -1):
+        part = replace(table, rows=table.rows[:count], note=f"and {len(table.rows) - count} more")
+        if table_text(part, width).count("\n") < lines:
+            return part
+    return replace(table, rows=(), note=f"{len(table.rows)} in all")

@@ -1,0 +1,212 @@
+"""The model of a scene: one interface for lumped models, matrices, robots, transfer functions, state spaces and rotors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from ...ground.checks import counted
+from ...ground.display import TextTable
+from ...ground.notices import Notice, NoticeKind
+from ...polynomial.polynomial_matrix import PolynomialMatrix
+from ...response.events import start_of
+from ...response.response import Response
+from ...response.solve import solve
+from ...signals.bohl import BohlFunction
+from ...signals.impulsive import ImpulsiveSmooth
+from ...signals.inputs import zero
+from ..quantities.coordinates import Coordinates, beyond_noise
+from .forces import SceneForce
+
+if TYPE_CHECKING:
+    from ...mechanics.system import MechanicalSystem
+    from ...models.lumped import LumpedModel
+    from ...robot.linearization.linear_range import LinearRange
+    from ...robot.posture import Posture
+    from ...robot.robot import Robot
+
+Decision = tuple[bool, str]  # whether a stage runs, and the reason
+
+
+class ModelTables(NamedTuple):
+    """Tables before those of the motion, on forces, for a closer look, and rows of the table of evidence: name, value, meaning."""
+
+    first: Sequence[TextTable] = ()
+    forces: Sequence[TextTable] = ()
+    details: Sequence[TextTable] = ()
+    evidence: Sequence[tuple[str, str, str]] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """The equations of a scene, their start and force, names and units, and what reports say about a model of its kind.
+
+    This class serves lumped models, rotors, matrices and coefficients; robots and control systems override what differs.
+
+    Attributes:
+        coordinates: names and units.
+        polynomial_matrix: A(s), for a mechanical system that of its constrained form.
+        initial: x^(i)(0-) as row i, shape (q, r).
+        force: on [0, inf), or None.
+        system: mass, damping, stiffness and constraint rows; None where A(s) was given itself.
+        model: the lumped model behind the system, or None.
+        robot_scene: the robot behind the system with its posture, inputs and outputs, or None.
+        control: the transfer function or state space behind the equations with its inputs and outputs, or None.
+        loads: the forces of the [[force]] tables and of unbalance, one by one, but for inputs of a transfer function or state space.
+        rotor: the rotor at rest whose speed the system has, or None.
+        response: the motion, where it is already known.
+    """
+
+    coordinates: Coordinates
+    polynomial_matrix: PolynomialMatrix
+    initial: np.ndarray
+    force: ImpulsiveSmooth | None
+    system: MechanicalSystem | None = None
+    model: LumpedModel | None = None
+    robot_scene: Any = None
+    control: Any = None
+    loads: tuple[SceneForce, ...] = ()
+    rotor: MechanicalSystem | None = None
+    response: Response | None = None
+
+    # The problem, and its solution.
+
+    @cached_property
+    def right_hand_side(self) -> ImpulsiveSmooth:
+        """The right-hand side of A(d/dt) x: forces, static offsets and constraint values."""
+        if self.response is not None:
+            return self.response.problem.force
+        force = zero(len(self.coordinates.names)) if self.force is None else self.force
+        return force if self.system is None else self.system.constrained_form().force(self.system.force + force)
+
+    @property
+    def is_free(self) -> bool:
+        """Whether the right-hand side is zero."""
+        return self.right_hand_side.is_zero
+
+    @property
+    def start_fits(self) -> bool:
+        """Whether the values at 0- continue without a jump or an impulse."""
+        start = start_of(self.polynomial_matrix.jordan_pairs().form, self.initial, self.right_hand_side)
+        jumps = any(beyond_noise(jump, old, jump + old).size for jump, old in zip(start.jump, self.initial))
+        return not (jumps or any(impulse.any() for impulse in start.impulses))
+
+    def solve(self) -> Response:
+        """The answer: a Motion where there is a mechanical system, else a Response."""
+        if self.response is not None:
+            return self.response
+        if self.system is not None:
+            return self.system.solve(*self.initial, force=self.force)
+        return solve(self.polynomial_matrix, initial=self.initial, force=self.force)
+
+    @property
+    def robot(self) -> Robot | None:
+        """The robot behind the system, or None."""
+        return self.robot_scene and self.robot_scene.robot
+
+    @property
+    def posture(self) -> Posture | None:
+        """The equilibrium about which the robot moves, or None."""
+        return self.robot_scene and self.robot_scene.posture
+
+    # Names, outputs and forces besides those of the coordinates.
+
+    coordinates_called = "coordinates"  # in reports
+    has_outputs_among_coordinates = False  # outputs are solved for like coordinates
+    has_connections = False  # a robot has loops, springs or bushings
+    form_notices: ClassVar[tuple[Notice, ...]] = ()  # on a doubtful mechanical normal form
+    facts: ClassVar[tuple[tuple[str, str], ...]] = ()  # pairs of a label and a text, for the page
+    original: ClassVar[Any] = None  # the state space whose mechanical normal form is solved, a ControlScene
+
+    @property
+    def root_name(self) -> str:
+        """Name of a root of det A(s)."""
+        return "eigenvalue" if self.system else "zero"
+
+    @property
+    def outputs(self) -> Coordinates | None:
+        """Names and units of the outputs, or None."""
+        return None
+
+    def output_values(self, times: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
+        """The outputs, shape (q, T), at times (T,) at which the coordinates have these values (r, T)."""
+        raise NotImplementedError
+
+    def output_closed_form(self, motion: Any) -> BohlFunction:
+        """The outputs in closed form."""
+        raise NotImplementedError
+
+    def output_error_estimate(self, times: np.ndarray) -> float | None:
+        """Estimate of the relative error of the outputs; None where it is that of the coordinates."""
+        return None
+
+    def linear_range(self, motion: Any, times: np.ndarray) -> LinearRange | None:
+        """The range in which the equations of a robot hold; None for other models."""
+        return None
+
+    # What reports say about the model; a result is a ``Result``.
+
+    def mesh_notices(self) -> tuple[Notice, ...]:
+        """Notices on meshes of a robot that cannot be drawn."""
+        return ()
+
+    def notices(self, result: Any) -> tuple[Notice, ...]:
+        """Notices on the motion that only a model of this kind has."""
+        return ()
+
+    def tables(self, result: Any) -> ModelTables:
+        """Tables on the model, next to those of the motion."""
+        return ModelTables()
+
+    def as_json(self, result: Any) -> dict:
+        return {}
+
+    # Decisions on stages and requests.
+
+    unit_texts = 0  # quantities with units in other files than the scene
+
+    def size_decision(self) -> Decision:
+        """The equations of every scene."""
+        if self.model is not None:
+            return True, f"{counted(len(self.model.elements), 'element')}, {counted(len(self.coordinates.names), 'coordinate')}"
+        return True, f"{counted(len(self.coordinates.names), 'coordinate')}, degree {self.polynomial_matrix.degree}"
+
+    def rows_decision(self) -> Decision:
+        """Redundant constraint rows are searched for where there are rows."""
+        if self.system is None:
+            return False, "A_0, A_1, … are given: constraints are equations among the others"
+        removed = sum(notice.kind == NoticeKind.REDUNDANT for notice in self.system.notices)
+        return rows_decision(len(self.system.rows), removed, "no constraint rows")
+
+    def outputs_decision(self, plots: Sequence[str]) -> Decision:
+        """Outputs of a robot or a state space."""
+        return False, "no outputs are named"
+
+    def connections_decision(self, requested: bool) -> Decision:
+        """Forces of loops, springs and bushings of a robot in the directions of the ground."""
+        return False, "no loops, springs or bushings"
+
+    def unproved(self, reason: str, plots: Sequence[str]) -> str:
+        """The reason why an output is not proved, in addition to that of the coordinates."""
+        return reason
+
+    def without_formula(self, modal_damping: bool) -> str:
+        """The reason why there are no formulas with symbols; empty where there are."""
+        if self.rotor is not None:
+            return "a rotor"
+        return "modal damping" if modal_damping else ""
+
+    @property
+    def without_energy(self) -> str:
+        """The reason why there is no energy; empty where there is."""
+        known = "energy is known only where mass, damping and stiffness are given, not for coefficients"
+        return known if self.system is None else ""
+
+
+def rows_decision(rows: int, removed: int, none: str) -> Decision:
+    """The decision on constraint rows, with the reason where there are none."""
+    return (True, f"{counted(rows + removed, 'row')}, {removed} of them dependent") if rows or removed else (False, none)
