@@ -1,1 +1,0 @@
-"""Reports of other questions than a run."""
