@@ -20,6 +20,10 @@ from .reduced_equations import NotReducible, Reduction
 from .structure import Structure
 
 
+#: With more states, degree times size, the QZ algorithm of the Jordan pairs takes longer than all else.
+MOST_PAIR_STATES = 150
+
+
 class PolynomialMatrix(PolynomialCoefficients):
     """A(s) = A_0 + A_1 s + ... + A_q s^q, real and square, of any declared degree q >= 0 (Moysis et al., Eq. 4).
 
@@ -102,6 +106,32 @@ class PolynomialMatrix(PolynomialCoefficients):
         except IllConditioned:  # said of regular matrices only
             return True
         return True
+
+    @property
+    def is_large(self) -> bool:
+        """Whether A(s) has so many states that its Jordan pairs are computed only where the reduced equations do not serve."""
+        return self.degree * self.size > MOST_PAIR_STATES and isinstance(self.reduction, Reduction)
+
+    @property
+    def eigenvalues(self) -> np.ndarray:
+        """The finite zeros in 1/s, each once, of complex pairs the one above the real axis; of large A(s) by the reduced equations."""
+        if self.is_large:
+            return self.reduction.eigenvalues
+        return np.array([zero.value for zero in self.jordan_pairs().finite.zeros])
+
+    @property
+    def eigenvalue_count(self) -> int:
+        """Number of finite zeros, the degree of det A(s)."""
+        return self.reduction.state_count if self.is_large else sum(zero.count for zero in self.jordan_pairs().finite.zeros)
+
+    def check_regular(self) -> None:
+        """Check that A(s) is regular: of large ones by the reduction, whose divisors make up the leading coefficient of det A(s).
+
+        Raises:
+            SingularPolynomialMatrix, IllConditioned: as ``jordan_pairs``.
+        """
+        if not self.is_large:
+            self.jordan_pairs()
 
     def structure(self, rank_tolerance: float | None = None) -> Structure:
         """Finite zeros with multiplicities, pole and zero orders q_i at infinity, infinite elementary divisors (Moysis et al., Eqs.
