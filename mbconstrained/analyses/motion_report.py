@@ -185,7 +185,9 @@ def share_entries(shares: Mapping[str, float] | None, most: int = MOST_SHARES) -
     """
     if shares is None:
         return ["none"]
-    least = max(np.sort(np.abs(list(shares.values())))[-most:].min(initial=np.inf) / 2, LEAST_SHARE)  # sorting by texts takes long
+    least = max(
+        np.sort(np.abs(list(shares.values())))[-most:].min(initial=np.inf) * 0.999, LEAST_SHARE
+    )  # the order of texts takes long
     large = [entry for entry in shares.items() if abs(entry[1]) >= least]
     listed = dict(sorted(large, key=lambda entry: descending(entry[1]))[:most])
     rest = [share for name, share in shares.items() if name not in listed]

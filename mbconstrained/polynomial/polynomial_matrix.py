@@ -19,7 +19,6 @@ from .jordan_pairs import JordanPairs, jordan_pairs
 from .reduced_equations import NotReducible, Reduction
 from .structure import Structure
 
-
 #: With more states, degree times size, the QZ algorithm of the Jordan pairs takes longer than all else.
 MOST_PAIR_STATES = 150
 

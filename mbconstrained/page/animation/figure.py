@@ -237,9 +237,7 @@ def _view_of_shapes(drawing: Drawing, width: float) -> dict:
     return {"yaw": min(0.26, 1.8 / max(1.0, width)), "pitch": 0.24}
 
 
-def _link_data(
-    link: DrawnLink, drawing: Drawing, index: dict[str, int], poses: BodyPoses, posts: dict, unit: float
-) -> dict:
+def _link_data(link: DrawnLink, drawing: Drawing, index: dict[str, int], poses: BodyPoses, posts: dict, unit: float) -> dict:
     """A link for the page; an end outside its body adds a post to those of the body."""
     start, end, over = (None if name is None else drawing.bodies[index[name]] for name in (link.start, link.end, link.over))
     direction = (poses[link.end].positions - poses[link.start].positions).mean(axis=1)
