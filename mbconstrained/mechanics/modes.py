@@ -407,9 +407,10 @@ def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], li
 
 def _has_topology_modes(A: PolynomialMatrix) -> bool:
     """Whether the modes of a large damped model follow from its sparse topology."""
-    if not (A.is_large and A.coefficients[1].any()):
+    reduction = A.large_reduction
+    if reduction is None or not A.coefficients[1].any():
         return False
-    return A.reduction.topology is not None and not A.reduction.topology_failed
+    return reduction.topology is not None and not reduction.topology_failed
 
 
 def _is_regular_and_symmetric(reduction: Reduction) -> bool:

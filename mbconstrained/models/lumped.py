@@ -207,7 +207,8 @@ class LumpedModel(Displayed):
         turning = rotor_terms(self.elements, names)
         if sparse and turning:
             raise InputError("assemble: a model with rotors has no sparse matrices; leave sparse out")
-        springs, dampers = (rows.product if sparse else rows.matrix for rows in (factors.springs, factors.dampers))
+        springs: Any = factors.springs.product if sparse else factors.springs.matrix
+        dampers: Any = factors.dampers.product if sparse else factors.dampers.matrix
         system = MechanicalSystem(
             mass=diags_array(factors.masses) if sparse else ElementMatrix(np.eye(len(names)), factors.masses),
             damping=turning.added_to(dampers, "damping") if turning else dampers,

@@ -107,21 +107,24 @@ class PolynomialMatrix(PolynomialCoefficients):
         return True
 
     @property
-    def is_large(self) -> bool:
-        """Whether A(s) has so many states that its Jordan pairs are computed only where the reduced equations do not serve."""
-        return self.degree * self.size > MOST_PAIR_STATES and isinstance(self.reduction, Reduction)
+    def large_reduction(self) -> Reduction | None:
+        """The reduction of a large A(s), which has its eigenvalues without Jordan pairs; None of a small one, or where there is none."""
+        large = self.degree * self.size > MOST_PAIR_STATES
+        return self.reduction if large and isinstance(self.reduction, Reduction) else None
 
     @property
     def eigenvalues(self) -> np.ndarray:
         """The finite zeros in 1/s, each once, of complex pairs the one above the real axis; of large A(s) by the reduced equations."""
-        if self.is_large:
-            return self.reduction.eigenvalues
+        if self.large_reduction is not None:
+            return self.large_reduction.eigenvalues
         return np.array([zero.value for zero in self.jordan_pairs().finite.zeros])
 
     @property
     def eigenvalue_count(self) -> int:
         """Number of finite zeros, the degree of det A(s)."""
-        return self.reduction.state_count if self.is_large else sum(zero.count for zero in self.jordan_pairs().finite.zeros)
+        if self.large_reduction is not None:
+            return self.large_reduction.state_count
+        return sum(zero.count for zero in self.jordan_pairs().finite.zeros)
 
     def check_regular(self) -> None:
         """Check that A(s) is regular: of large ones by the reduction, whose divisors make up the leading coefficient of det A(s).
@@ -129,7 +132,7 @@ class PolynomialMatrix(PolynomialCoefficients):
         Raises:
             SingularPolynomialMatrix, IllConditioned: as ``jordan_pairs``.
         """
-        if not self.is_large:
+        if self.large_reduction is None:
             self.jordan_pairs()
 
     def structure(self, rank_tolerance: float | None = None) -> Structure:
