@@ -368,7 +368,7 @@ def _is_definite(A: PolynomialMatrix) -> bool:
 
 def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], list[Mode]]:
     """The modes from the decoupled first-order equations: those that move, and those of eigenvalue 0."""
-    if _has_topology_modes(A):
+    if A.coefficients[1].any() and _has_topology_modes(A):
         pass  # of fewer operations, and shared with motions
     elif definite:
         K, C, M = A.coefficients
@@ -408,9 +408,7 @@ def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], li
 def _has_topology_modes(A: PolynomialMatrix) -> bool:
     """Whether the modes of a large damped model follow from its sparse topology."""
     reduction = A.large_reduction
-    if reduction is None or not A.coefficients[1].any():
-        return False
-    return reduction.topology is not None and not reduction.topology_failed
+    return reduction is not None and reduction.topology is not None and not reduction.topology_failed
 
 
 def _is_regular_and_symmetric(reduction: Reduction) -> bool:
