@@ -14,7 +14,7 @@ from ..exchange.trajectories import Curves
 from ..ground.coordinate_units import rate_unit
 from ..ground.display import TextTable, number_text, with_unit
 from ..ground.tolerances import NOT_DRAWN
-from ..mechanics.modes import Mode
+from ..mechanics.energy import EnergyShares
 from ..page.content import Curve, Plot
 from ..page.plots.readings import drawn_times
 from ..page.typeset import raised, shortened
@@ -165,15 +165,15 @@ def eigenvalue_table(result: Result) -> TextTable:
     ]
     if result.system:
         columns += ["kinetic energy", "strain energy"]
-        cells = [(*row, *_largest_shares(mode)) for row, mode in zip(cells, result.modes)]
+        cells = [(*row, *_largest_shares(shares)) for row, shares in zip(cells, result.modes.shares)]
     return TextTable(f"{word.capitalize()}s", tuple(columns), tuple(cells))
 
 
-def _largest_shares(mode: Mode) -> tuple[str, str]:
+def _largest_shares(shares: Sequence[EnergyShares]) -> tuple[str, str]:
     """The parts with most kinetic and most strain energy, of the first of several shapes."""
-    if not mode.shares:
+    if not shares:
         return "", ""
-    first = mode.shares[0]
+    first = shares[0]
     return ", ".join(share_entries(first.kinetic, MOST_PARTS)), ", ".join(share_entries(first.strain, MOST_PARTS))
 
 
@@ -185,11 +185,14 @@ def share_entries(shares: Mapping[str, float] | None, most: int = MOST_SHARES) -
     """
     if shares is None:
         return ["none"]
-    largest = sorted(shares.items(), key=lambda entry: descending(entry[1]))
-    listed = [(name, share) for name, share in largest[:most] if abs(share) >= LEAST_SHARE]
-    rest = [share for _, share in largest[len(listed) :]]
+    least = max(
+        np.sort(np.abs(list(shares.values())))[-most:].min(initial=np.inf) * 0.999, LEAST_SHARE
+    )  # the order of texts takes long
+    large = [entry for entry in shares.items() if abs(entry[1]) >= least]
+    listed = dict(sorted(large, key=lambda entry: descending(entry[1]))[:most])
+    rest = [share for name, share in shares.items() if name not in listed]
     others = [(f"{len(rest)} more", sum(rest))] if np.abs(rest).sum() >= LEAST_SHARE else []
-    return [f"{name} {round(100 * share, 1) + 0.0:.1f} %" for name, share in listed + others]
+    return [f"{name} {round(100 * share, 1) + 0.0:.1f} %" for name, share in [*listed.items(), *others]]
 
 
 def descending(value: complex) -> float:

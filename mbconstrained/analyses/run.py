@@ -120,7 +120,7 @@ class RunAnswer(Result, Answer):
             *equations.facts,
             (equations.coordinates_called, equations.coordinates.listed),
             ("degree of the equations", str(equations.polynomial_matrix.degree)),
-            ("eigenvalues" if self.system else "zeros", str(sum(zero.count for zero in self.finite_pair.zeros))),
+            ("eigenvalues" if self.system else "zeros", str(equations.polynomial_matrix.eigenvalue_count)),
             ("time", f"{time.text}, {len(self.times)} points, in closed form"),
         )
 
@@ -303,9 +303,8 @@ class RunAnswer(Result, Answer):
         if equations.has_outputs_among_coordinates:
             arrays["outputs"] = np.array(equations.control.outputs.names)
         arrays |= self.motion.start_arrays()
-        pairs: dict[str, Any] = {"finite": self.finite_pair}
-        if any(stage.name == "infinite pair" and stage.needed for stage in self.plan.stages):
-            pairs["infinite"] = self.infinite_pair
+        needed = {stage.name for stage in self.plan.needed}
+        pairs = {name: getattr(self, f"{name}_pair") for name in ("finite", "infinite") if f"{name} pair" in needed}
         return arrays | {f"{name}_{key}": getattr(pair, key) for name, pair in pairs.items() for key in "CJB"}
 
     # Files.

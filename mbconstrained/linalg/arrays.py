@@ -6,6 +6,7 @@ written alike for both. The rest is here.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -80,6 +81,32 @@ def entries(matrix: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         return row, column, matrix[row, column]
     result = matrix.tocoo()
     return result.row, result.col, result.data
+
+
+def diagonal_parts(matrix: Matrix, groups: Sequence[np.ndarray]) -> list[Matrix]:
+    """The parts of a square matrix on groups of its rows that no entry couples to each other, each sparse only where it is large.
+
+    >>> [part.tolist() for part in diagonal_parts(np.diag([1.0, 2.0, 3.0]), [np.array([0, 2]), np.array([1])])]
+    [[[1.0, 0.0], [0.0, 3.0]], [[2.0]]]
+    """
+    if isinstance(matrix, np.ndarray) or len(groups) == 1:
+        return [matrix[rows][:, rows] for rows in groups]
+    group, place = np.empty((2, matrix.shape[0]), dtype=int)
+    for number, rows in enumerate(groups):
+        group[rows], place[rows] = number, np.arange(len(rows))
+    row, column, values = entries(matrix)
+    order = np.argsort(group[row], kind="stable")
+    ends = np.searchsorted(group[row[order]], np.arange(len(groups) + 1))
+    parts = []
+    for rows, own in zip(groups, np.split(order, ends[1:-1])):
+        at, shape = (place[row[own]], place[column[own]]), (len(rows),) * 2
+        if len(rows) >= LARGE:
+            parts.append(csr_array((values[own], at), shape=shape))
+            continue
+        part = np.zeros(shape)
+        part[at] = values[own]
+        parts.append(part)
+    return parts
 
 
 def others(size: int, places: np.ndarray) -> np.ndarray:

@@ -71,11 +71,13 @@ def assembled(groups: Sequence[np.ndarray], parts: Sequence[BlockDiagonal]) -> B
     basis, inverse = np.zeros((n, n)), np.zeros((n, n))
     if parts:
         basis, inverse = of_kind(basis, parts[0].basis), of_kind(inverse, parts[0].basis)
-    blocks, worst, begin = [], 0.0, 0
+    blocks: list[np.ndarray] = []
+    worst, begin = 0.0, 0
     for at, result in zip(groups, parts):
         end = begin + len(at)
         basis[at, begin:end], inverse[begin:end, at] = result.basis, result.inverse
-        blocks, worst, begin = [*blocks, *result.blocks], max(worst, result.coupling), end
+        blocks += result.blocks
+        worst, begin = max(worst, result.coupling), end
     return BlockDiagonal(basis, inverse, tuple(blocks), worst)
 
 

@@ -17,6 +17,7 @@ from ..ground.display import Displayed
 from ..ground.errors import IllConditioned, NotUnique
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import ASSEMBLED_SPREAD, DOUBTFUL_SUM, EPS, LARGEST_SPREAD
+from ..linalg.arrays import full, kept
 from ..linalg.precise import is_worthwhile
 from ..linalg.rank import Noisy, null_columns
 from ..linalg.scaling import equilibration
@@ -84,13 +85,14 @@ def constrained_form(
     by_elements = is_worthwhile(spread, 2 * len(names)) or spread > ASSEMBLED_SPREAD
     orders = np.array(orders, dtype=int)
     selected = [orders == power for power in range(len(motion))]
-    together = np.hstack([_assembled(matrix) for matrix in motion]) if len(A) else np.zeros((len(names), 0))
+    doubts = np.zeros((V.shape[1], 0))
     if by_elements or not len(A):
         given = motion if by_elements else map(_assembled, motion)
         coefficients = [_stacked(matrix, V, A, rows) for matrix, rows in zip(given, selected)]
     else:
-        projected = np.hsplit(_projected(V, together), len(motion))
-        coefficients = [np.vstack([part, A * rows[:, None]]) for part, rows in zip(projected, selected)]
+        projected, doubts = _projected(V, np.hstack([_assembled(matrix) for matrix in motion]))
+        parts = np.hsplit(projected, len(motion))
+        coefficients = [np.vstack([part, A * rows[:, None]]) for part, rows in zip(parts, selected)]
     doubt = None
     if independent.uncertainty.any() or any(extra.any() for extra in uncertainty):
         doubt = [
@@ -100,8 +102,7 @@ def constrained_form(
     equations += [f"constraint {row.name}" for row in independent.rows]
     values = np.array([row.value for row in independent.rows])
     matrix = PolynomialMatrix(coefficients, names, equations, doubt)
-    certain = doubt is None and not by_elements and len(A)
-    notices = tuple(_cancelled(V, together, equations, names)) if certain else ()
+    notices = tuple(_cancelled(coefficients, doubts, equations, names)) if doubt is None else ()
     return ConstrainedForm(V, A, values, matrix, notices, right_sides(independent.rows))
 
 
@@ -115,8 +116,8 @@ def _stacked(matrix: np.ndarray | ElementMatrix, V, A, selected) -> np.ndarray |
         return matrix
     rows = A * selected[:, None]
     if not isinstance(matrix, ElementMatrix):
-        return np.vstack([_projected(V, matrix), rows])
-    left = scipy.linalg.block_diag(_projected(V, matrix.directions.T), np.eye(len(rows)))
+        return np.vstack([_projected(V, matrix)[0], rows])
+    left = scipy.linalg.block_diag(_projected(V, matrix.directions.T)[0], np.eye(len(rows)))
     return Factors(left, np.concatenate([matrix.constants, np.ones(len(rows))]), np.vstack([matrix.directions, rows]))
 
 
@@ -129,43 +130,38 @@ def _stacked_uncertainty(matrix, uncertainty: np.ndarray, independent: Independe
     return np.vstack([bound, rows * selected[:, None]])
 
 
-def _projected(V, matrix) -> np.ndarray:
-    """V^T times the matrix; sums that cancel leave an exact zero, not rounding errors of their terms.
+def _projected(V, matrix) -> tuple[np.ndarray, np.ndarray]:
+    """V^T times the matrix; and its sums relative to the rounding errors of their terms where these decide, 0 elsewhere.
 
-    Whole numbers in V are exact, and so are the entries of the matrix: where V has no others, what is left of a sum counts as
-    long as it is more than the rounding errors of its terms. The equations of coordinates in no constraint row stay as they are.
+    Sums that cancel leave an exact zero, not rounding errors of their terms. Whole numbers in V are exact, and so are the entries of
+    the matrix: where V has no others, what is left of a sum counts as long as it is more than the rounding errors of its terms. The
+    equations of coordinates in no constraint row stay as they are.
     """
     alone = ((V != 0).sum(axis=0) == 1) & (V.max(axis=0, initial=0.0) == 1.0)
-    product = np.empty((V.shape[1], matrix.shape[1]))
-    product[alone] = matrix[V[:, alone].argmax(axis=0)]
-    mixed = V[:, ~alone]
-    used = mixed.any(axis=1)
-    product[~alone] = (Noisy.rounded(mixed[used].T) @ Noisy.rounded(matrix[used])).cleaned()
     whole = ~alone & (V == np.round(V)).all(axis=0)
+    product, ratio = np.empty((V.shape[1], matrix.shape[1])), np.zeros((V.shape[1], matrix.shape[1]))
+    product[alone] = matrix[V[:, alone].argmax(axis=0)]
+    if (mixed := ~(alone | whole)).any():
+        used = V[:, mixed].any(axis=1)
+        product[mixed] = (Noisy.rounded(V[used][:, mixed].T) @ Noisy.rounded(matrix[used])).cleaned()
     if whole.any():
-        product[whole] = _exact_sums(V[:, whole], matrix)[0]
-    return product
+        rows, right = kept(V[:, whole].T), kept(matrix)
+        sums = full(rows.astype(np.longdouble) @ right.astype(np.longdouble))
+        share = np.abs(sums) / np.maximum(EPS * full(abs(rows) @ abs(right)), np.finfo(float).tiny)
+        product[whole], ratio[whole] = np.where(share > 1.0, sums, 0.0), share
+    return product, ratio
 
 
-def _exact_sums(V, matrix) -> tuple[np.ndarray, np.ndarray]:
-    """V^T times the matrix for whole numbers V, zero within the rounding errors of the terms; and each sum relative to that."""
-    used = V.any(axis=1)
-    sums = V[used].T.astype(np.longdouble) @ matrix[used]
-    ratio = np.abs(sums) / np.maximum(EPS * (np.abs(V[used]).T @ np.abs(matrix[used])), np.finfo(float).tiny)
-    return np.where(ratio > 1.0, sums, 0.0).astype(float), ratio.astype(float)
-
-
-def _cancelled(V, together, equations, names) -> Iterator[Notice]:
+def _cancelled(coefficients, ratio, equations, names) -> Iterator[Notice]:
     """Notices on sums of entries of [K, C, M] that are left of their terms by little more, or hardly less, than their rounding."""
-    whole = np.flatnonzero(((V != 0).sum(axis=0) > 1) & (V == np.round(V)).all(axis=0))
-    sums, ratio = _exact_sums(V[:, whole], together)
     for i, place in np.argwhere((ratio >= DOUBTFUL_SUM[0]) & (ratio < DOUBTFUL_SUM[1])):
         power, j = divmod(place, len(names))
         what = ("stiffness", "damping", "mass")[power]
-        kept = f"{sums[i, place]:.3g} is kept" if sums[i, place] else "it counts as zero"
+        left = coefficients[power][i, j]
+        outcome = f"{left:.3g} is kept" if left else "it counts as zero"
         text = (
-            f"{what}: the constraints leave of the entries of {names[j]} in the equation {equations[whole[i]]} a sum that is "
-            f"{ratio[i, place]:.2g} times the rounding errors of its terms; {kept}; give the {what} as elements (ElementMatrix) if it is not"
+            f"{what}: the constraints leave of the entries of {names[j]} in the equation {equations[i]} a sum that is "
+            f"{ratio[i, place]:.2g} times the rounding errors of its terms; {outcome}; give the {what} as elements (ElementMatrix) if it is not"
         )
         yield Notice(NoticeKind.RANK, text, doubtful=True)
 

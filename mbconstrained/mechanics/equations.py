@@ -61,6 +61,7 @@ class EquationsOfMotion(Displayed):
             displacement along which it works: each is one input.
         loss_factors: eta of structural damping by the name of a spring, for harmonic motion only.
         mass_damping: whether mass-proportional damping acts on the "absolute" velocity or on that "relative" to moving supports; None without.
+        part_source: the energy parts of a model that knows them; None for given ones, or those of coordinates.
         parameter_source: the parameters of a model that knows them; None for entries of the matrices.
         speed_tables: bearings whose coefficients change with the speed.
         whirl_matrix: S of ``Campbell.whirl``, shape (n, n); None for that of the gyroscopic moments.
@@ -74,6 +75,7 @@ class EquationsOfMotion(Displayed):
     load_patterns: Mapping[str, tuple[np.ndarray, str]] = MappingProxyType({})
     loss_factors: Mapping[str, float] = MappingProxyType({})
     mass_damping: Literal["absolute", "relative"] | None = None
+    part_source: Callable[[], EnergyParts] | None = None
     parameter_source: Callable[[], Iterable[Parameter]] | None = None
     speed_tables: tuple[SpeedTable, ...] = ()
     whirl_matrix: np.ndarray | None = None
@@ -177,6 +179,8 @@ class EquationsOfMotion(Displayed):
         """M and K as sums of named parts; by default one part per coordinate."""
         self._refuse_sparse("energy_parts")
         stiffness, _, mass = self.given
+        if self.part_source is not None:
+            return self.part_source()
         return self._named_parts or coordinate_parts(self.names, mass, stiffness)
 
     @property

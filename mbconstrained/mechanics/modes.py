@@ -368,7 +368,9 @@ def _is_definite(A: PolynomialMatrix) -> bool:
 
 def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], list[Mode]]:
     """The modes from the decoupled first-order equations: those that move, and those of eigenvalue 0."""
-    if definite:
+    if A.coefficients[1].any() and _has_topology_modes(A):
+        pass  # of fewer operations, and shared with motions
+    elif definite:
         K, C, M = A.coefficients
         if symmetric := _symmetric_modes(M, C, K):
             return [*_grouped(*symmetric)], []
@@ -401,6 +403,12 @@ def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], li
     moving = values != 0
     count = int((~moving).sum() + (~moving & (computed.imag > 0)).sum())  # of a complex pair one is listed
     return [*_grouped(values[moving], shapes[:, moving])], [*_at_rest(A, count)]
+
+
+def _has_topology_modes(A: PolynomialMatrix) -> bool:
+    """Whether the modes of a large damped model follow from its sparse topology."""
+    reduction = A.large_reduction
+    return reduction is not None and reduction.topology is not None and not reduction.topology_failed
 
 
 def _is_regular_and_symmetric(reduction: Reduction) -> bool:

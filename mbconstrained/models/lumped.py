@@ -14,6 +14,7 @@ from functools import partial
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
+from scipy.sparse import csr_array, diags_array
 
 from ..ground.checks import OF_FUNCTION, counted, nearest, real_number
 from ..ground.coordinate_units import GROUND
@@ -180,40 +181,55 @@ class LumpedModel(Displayed):
         """The factors K = B^T diag(k) B, C = B^T diag(c) B, M = diag(m)."""
         return incidence_of(self.elements, self.coordinates)
 
-    def assemble(self) -> MechanicalSystem:
+    def assemble(self, sparse: bool = False) -> MechanicalSystem:
         """M x'' + C x' + K x = f of all elements: rest lengths and weights are its static force, ties its constraint rows.
 
+        Args:
+            sparse: matrices as ``scipy.sparse``, for models of thousands of bodies: their memory is proportional to the number of
+                elements, ``modes`` are those of lowest frequency, 50 by default, and ``solve`` gives the motion in these with a bound
+                on the rest. Arrays, which have all modes, by default.
+
         Raises:
-            InputError: the model has no body.
+            InputError: the model has no body; a rotor, or rows above position level, where it is sparse.
             ContradictoryConstraints: ties with contradictory values.
+
+        >>> model = LumpedModel()
+        >>> _ = [model.mass(f"m{i}", 1.0) for i in range(1000)], model.spring("ground", "m0", 1e4)
+        >>> _ = [model.spring(f"m{i}", f"m{i + 1}", 1e4) for i in range(999)]
+        >>> model.assemble(sparse=True).modes(count=2).natural_frequencies.round(6)  # 200 sin((2 i - 1) pi / 4002), i = 1, 2
+        array([0.157001, 0.471003])
         """
         units, names = self.units, self.coordinates
         if not units:
             raise InputError("the model has no body; add a mass, an inertia or a node")
-        factors = self.incidence()
+        factors = incidence_of(self.elements, names, sparse=sparse)
         signals = [signal.mapped(coordinate_row({name: 1.0}, names)[:, None]) for name, signal in self._forces.items()]
         turning = rotor_terms(self.elements, names)
-        springs, dampers = factors.springs.matrix, factors.dampers.matrix
+        if sparse and turning:
+            raise InputError("assemble: a model with rotors has no sparse matrices; leave sparse out")
+        springs: Any = factors.springs.product if sparse else factors.springs.matrix
+        dampers: Any = factors.dampers.product if sparse else factors.dampers.matrix
         system = MechanicalSystem(
-            mass=ElementMatrix(np.eye(len(names)), factors.masses),
+            mass=diags_array(factors.masses) if sparse else ElementMatrix(np.eye(len(names)), factors.masses),
             damping=turning.added_to(dampers, "damping") if turning else dampers,
             stiffness=turning.added_to(springs, "stiffness") if turning else springs,
             constraints=[
-                Constraint(coordinate_row(tie.row, names), level=tie.level, value=tie.row_value, names=tie.name)
+                Constraint(_rows([tie.row], names, sparse=sparse), level=tie.level, value=tie.row_value, names=tie.name)
                 for tie in factors.ties
             ],
             names=names,
             force=sum(signals, zero(len(names))) if signals else None,
             static_force=factors.static_force(self.gravity_along),
             units=units,
-            energy_parts=None if turning and turning.stiffness.any() else _energy_parts(factors, names),
             gyroscopic=turning and turning.gyroscopic,
         )
         if turning:
             system.speed_tables, system.unbalance, system.whirl_matrix = turning.tables, turning.unbalance, turning.whirl
         loss_factors = {element.name: getattr(element, "loss_factor", 0.0) for element in with_parts(self.elements)}
         system.loss_factors = {name: factor for name, factor in loss_factors.items() if factor}
-        system.elements = element_forces(self.elements, names)
+        system.elements = ElementForces(self.elements, names)
+        if not sparse and not (turning and turning.stiffness.any()):
+            system.part_source = partial(_energy_parts, factors, names)
         system.origin = copy(self)
         system.origin._elements, system.origin._units = dict(self._elements), units  # what is added later is not in the system
         system.parameter_source = partial(element_parameters, system.origin)
@@ -273,7 +289,9 @@ class LumpedModel(Displayed):
 class BranchRows:
     """The springs or the dampers of a model with n coordinates, one a row."""
 
-    incidence: np.ndarray  # B, -1 at the start, 1 at the end, nothing for the ground, or the radii of gears, shape (p, n)
+    incidence: (
+        np.ndarray | csr_array
+    )  # B, -1 at the start, 1 at the end, nothing for the ground, or the radii of gears, shape (p, n)
     constants: np.ndarray  # stiffness or damping, all positive, shape (p,)
     rest: np.ndarray  # elongation without force, shape (p,); zero for dampers
     names: tuple[str, ...]  # names of the elements
@@ -308,25 +326,25 @@ class Incidence:
         return self.springs.rest_force() + gravity * self.weighing
 
 
-def incidence_of(elements: Sequence[Element], names: Sequence[str], dtype: type = float) -> Incidence:
+def incidence_of(elements: Sequence[Element], names: Sequence[str], dtype: type = float, *, sparse: bool = False) -> Incidence:
     """The factors of the bodies, springs and dampers among these elements and their parts."""
     weighing = {name: mass for element in elements for name, mass in element.weighing.items()}
     elements = with_parts(elements)
     links = [element for element in elements if isinstance(element, Link)]
     return Incidence(
-        _branches(links, "stiffness", names, dtype),
-        _branches(links, "damping", names, dtype),
+        _branches(links, "stiffness", names, dtype, sparse),
+        _branches(links, "damping", names, dtype, sparse),
         coordinate_row({element.name: element.constant for element in elements if isinstance(element, Body)}, names, dtype),
         coordinate_row(weighing, names, dtype),
         tuple(element for element in elements if isinstance(element, Tie)),
     )
 
 
-def _branches(links: Sequence[Link], field: str, names: Sequence[str], dtype: type) -> BranchRows:
+def _branches(links: Sequence[Link], field: str, names: Sequence[str], dtype: type, sparse: bool) -> BranchRows:
     links = [link for link in links if getattr(link, field, 0.0)]
     rest = [link.rest if field == "stiffness" else 0.0 for link in links]
     return BranchRows(
-        incidence=_rows([link.row for link in links], names, dtype),
+        incidence=_rows([link.row for link in links], names, dtype, sparse),
         constants=np.array([getattr(link, field) for link in links], dtype),
         rest=np.array(rest, dtype),
         names=tuple(link.name for link in links),
@@ -338,23 +356,36 @@ def coordinate_row(coefficients: Mapping[str, Any], names: Sequence[str], dtype:
     return _rows([coefficients], names, dtype)[0]
 
 
-def _rows(coefficients: Sequence[Mapping[str, Any]], names: Sequence[str], dtype: type = float) -> np.ndarray:
-    """Coefficients by name as rows; those of other names, as of the ground, are ignored."""
-    rows, place = np.zeros((len(coefficients), len(names)), dtype), {name: i for i, name in enumerate(names)}
-    for row, factors in zip(rows, coefficients):
-        for name, factor in factors.items():
-            if name in place:
-                row[place[name]] = factor
+def _rows(coefficients: Sequence[Mapping[str, Any]], names: Sequence[str], dtype: type = float, sparse: bool = False):
+    """Coefficients by name as rows, an array or sparse; those of other names, as of the ground, are ignored."""
+    place = {name: i for i, name in enumerate(names)}
+    known = [(i, place[name], factor) for i, row in enumerate(coefficients) for name, factor in row.items() if name in place]
+    at, shape = tuple(zip(*known))[:2] or ((), ()), (len(coefficients), len(names))
+    values = np.array([factor for *_, factor in known], dtype)
+    if sparse:
+        return csr_array((values, at), shape=shape)
+    rows = np.zeros(shape, dtype)
+    rows[at] = values
     return rows
 
 
-def element_forces(elements: Sequence[Element], names: Sequence[str]) -> dict[str, ElementForce]:
-    """The forces of springs and dampers by name."""
-    links = [element for element in elements if isinstance(element, Link)]
-    return {
-        link.name: ElementForce(row, -link.rest, getattr(link, "stiffness", 0.0), getattr(link, "damping", 0.0), link.unit)
-        for link, row in zip(links, _rows([link.row for link in links], names))
-    }
+class ElementForces(Mapping):
+    """The forces of springs and dampers by name, each with its row over the coordinates made on demand."""
+
+    def __init__(self, elements: Sequence[Element], names: Sequence[str]):
+        self._links = {element.name: element for element in elements if isinstance(element, Link)}
+        self._names = names
+
+    def __getitem__(self, name: str) -> ElementForce:
+        link = self._links[name]
+        row = coordinate_row(link.row, self._names)
+        return ElementForce(row, -link.rest, getattr(link, "stiffness", 0.0), getattr(link, "damping", 0.0), link.unit)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._links)
+
+    def __len__(self) -> int:
+        return len(self._links)
 
 
 def _energy_parts(factors: Incidence, names: Sequence[str]) -> EnergyParts:

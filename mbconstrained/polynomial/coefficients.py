@@ -105,16 +105,22 @@ class Factors:
     right: np.ndarray
 
     @cached_property
-    def _entries(self) -> dict[tuple[int, int], Fraction]:
-        """The entries to which an element contributes, by row and column."""
-        entries: dict[tuple[int, int], Fraction] = {}
-        for column, value, row in zip(self.left.T, self.values, self.right):
-            right = [(j, Fraction(float(row[j]))) for j in np.flatnonzero(row).tolist()]
-            for i in np.flatnonzero(column).tolist():
-                left = Fraction(float(column[i])) * Fraction(float(value))
-                for j, factor in right:
-                    entries[i, j] = entries.get((i, j), 0) + left * factor
-        return entries
+    def _terms(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """The terms left * value * right by entry: their factors, shape (3, t), and of each entry its row, column and first term."""
+        element, row = self.left.T.nonzero()
+        owner, column = self.right.nonzero()
+        counts = np.bincount(owner, minlength=len(self.values))
+        begin = (np.cumsum(counts) - counts)[element]
+        counts = counts[element]
+        first = np.repeat(np.arange(len(element)), counts)
+        second = np.arange(len(first)) + np.repeat(begin - np.cumsum(counts) + counts, counts)
+        element, row, column = element[first], row[first], column[second]
+        places = row * self._shape[1] + column
+        order = np.argsort(places, kind="stable")
+        element, row, column, places = element[order], row[order], column[order], places[order]
+        begin = np.flatnonzero(np.diff(places, prepend=-1))
+        factors = np.array([self.left[row, element], self.values[element], self.right[element, column]])
+        return factors, row[begin], column[begin], begin
 
     @property
     def _shape(self) -> tuple[int, int]:
@@ -124,14 +130,29 @@ class Factors:
     def exact(self) -> np.ndarray:
         """The matrix as Fractions, shape (r, r)."""
         total = np.full(self._shape, Fraction(0), dtype=object)
-        for place, entry in self._entries.items():
-            total[place] = entry
+        factors, row, column, begin = self._terms
+        for i, j, own in zip(row, column, np.split(factors, begin[1:], axis=1)):
+            total[i, j] = _exact_sum(own)
         return total
 
     @cached_property
     def matrix(self) -> np.ndarray:
-        """The nearest float64 matrix, shape (r, r)."""
+        """The nearest float64 matrix, shape (r, r): every entry is the exact sum of its terms, rounded once."""
+        factors, row, column, begin = self._terms
         total = np.zeros(self._shape)
-        for place, entry in self._entries.items():
-            total[place] = float(entry)
+        if not len(begin):
+            return total
+        (left, values, right), counts = factors, np.diff(begin, append=factors.shape[1])
+        with np.errstate(over="ignore", invalid="ignore"):
+            sums = np.add.reduceat(left * values * right, begin) + 0.0  # no negative zeros
+        unit = np.logical_and.reduceat((np.abs(left) == 1) & (np.abs(right) == 1), begin)
+        rounded_once = unit & (counts <= 2) & np.isfinite(sums)
+        for place in np.flatnonzero(~rounded_once).tolist():
+            sums[place] = float(_exact_sum(factors[:, begin[place] : begin[place] + counts[place]]))
+        total[row, column] = sums
         return total
+
+
+def _exact_sum(factors: np.ndarray) -> Fraction:
+    """The sum of products, from their factors, shape (3, t)."""
+    return sum((Fraction(a) * Fraction(b) * Fraction(c) for a, b, c in factors.T.tolist()), Fraction(0))

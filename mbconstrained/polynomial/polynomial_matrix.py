@@ -19,6 +19,9 @@ from .jordan_pairs import JordanPairs, jordan_pairs
 from .reduced_equations import NotReducible, Reduction
 from .structure import Structure
 
+#: With more states, degree times size, the QZ algorithm of the Jordan pairs takes longer than all else.
+MOST_PAIR_STATES = 150
+
 
 class PolynomialMatrix(PolynomialCoefficients):
     """A(s) = A_0 + A_1 s + ... + A_q s^q, real and square, of any declared degree q >= 0 (Moysis et al., Eq. 4).
@@ -102,6 +105,35 @@ class PolynomialMatrix(PolynomialCoefficients):
         except IllConditioned:  # said of regular matrices only
             return True
         return True
+
+    @property
+    def large_reduction(self) -> Reduction | None:
+        """The reduction of a large A(s), which has its eigenvalues without Jordan pairs; None of a small one, or where there is none."""
+        large = self.degree * self.size > MOST_PAIR_STATES
+        return self.reduction if large and isinstance(self.reduction, Reduction) else None
+
+    @property
+    def eigenvalues(self) -> np.ndarray:
+        """The finite zeros in 1/s, each once, of complex pairs the one above the real axis; of large A(s) by the reduced equations."""
+        if self.large_reduction is not None:
+            return self.large_reduction.eigenvalues
+        return np.array([zero.value for zero in self.jordan_pairs().finite.zeros])
+
+    @property
+    def eigenvalue_count(self) -> int:
+        """Number of finite zeros, the degree of det A(s)."""
+        if self.large_reduction is not None:
+            return self.large_reduction.state_count
+        return sum(zero.count for zero in self.jordan_pairs().finite.zeros)
+
+    def check_regular(self) -> None:
+        """Check that A(s) is regular: of large ones by the reduction, whose divisors make up the leading coefficient of det A(s).
+
+        Raises:
+            SingularPolynomialMatrix, IllConditioned: as ``jordan_pairs``.
+        """
+        if self.large_reduction is None:
+            self.jordan_pairs()
 
     def structure(self, rank_tolerance: float | None = None) -> Structure:
         """Finite zeros with multiplicities, pole and zero orders q_i at infinity, infinite elementary divisors (Moysis et al., Eqs.

@@ -27,6 +27,7 @@ from ..ground.tolerances import (
 )
 from ..linalg.arrays import (
     Matrix,
+    diagonal_parts,
     entries,
     entry_count,
     filled_rows,
@@ -611,7 +612,7 @@ class Reduction:
         if self.wide_modes is not None:
             return self.wide_modes
         groups, modes = self._groups, self._topology_modes
-        parts = assembled(groups, [own or self._decoupled(states) for own, states in zip(modes, groups)])
+        parts = assembled(groups, [own or self._decoupled(k) for k, own in enumerate(modes)])
         return parts if self.is_symmetric or isinstance(parts, ResidueModes) else refined(self, parts)
 
     @cached_property
@@ -645,17 +646,23 @@ class Reduction:
         large = [len(states) >= MANY_STATES for states in self._groups]
         return [self.topology.modes(own) if many else None for own, many in zip(coordinates, large)]
 
-    def _decoupled(self, states: np.ndarray) -> BlockDiagonal:
+    def _decoupled(self, group: int) -> BlockDiagonal:
         """Decoupled form of a part of S: by a symmetric eigenproblem of half the size, where possible."""
-        m, result = len(self.second), None
+        m, result, states = len(self.second), None, self._groups[group]
         if self.is_symmetric:
             own = states[states < m]
             bodies = None
             if self.freed is not None:
                 there = self.freed.sums[:, own].any(axis=1)
                 bodies = np.concatenate([self.freed.sums[None], self.freed.remainders])[:, there][:, :, own]
-            result = symmetric_modes(*(matrix[own][:, own] for matrix in (self.M, self.C, self.K)), bodies)
+            result = symmetric_modes(*(matrices[group] for matrices in self._symmetric_parts), bodies)
         return decoupled(full(self.generator[states][:, states]), self.units[states]) if result is None else result
+
+    @cached_property
+    def _symmetric_parts(self) -> list[list[Matrix]]:
+        """M, C and K of each part of S without first-order equations."""
+        coordinates = [states[states < len(self.second)] for states in self._groups]
+        return [diagonal_parts(matrix, coordinates) for matrix in (self.M, self.C, self.K)]
 
     def _decoupled_rest(self, rest: np.ndarray, states: np.ndarray | None, like: np.ndarray | None = None) -> BlockDiagonal:
         """The rest of S without the conserved quantities, decoupled group by group.

@@ -300,3 +300,36 @@ def test_a_long_chain_has_the_matrix_of_its_neighbours():
     assert np.array_equal(system.stiffness, expected)
     model.mass("later", 1.0)
     assert "later" not in system.origin.units and "later" in model.units
+
+
+def long_chain(count):
+    model = LumpedModel()
+    for i in range(count):
+        model.mass(f"m{i}", 1.0 + i / count)
+        model.spring(f"m{i - 1}" if i else "ground", f"m{i}", 1000.0 + i, rest_length=0.1)
+    model.damper("ground", "m0", 3.0)
+    return model
+
+
+def test_sparse_assembly_has_the_same_equations():
+    model = long_chain(60)
+    model.rigid_tie("m3", "m9")
+    dense, sparse = model.assemble(), model.assemble(sparse=True)
+    for name in ("mass", "damping", "stiffness"):
+        assert np.allclose(getattr(sparse, name).toarray(), getattr(dense, name), rtol=1e-15)
+    assert np.allclose(sparse.static_force, dense.static_force)
+    assert np.allclose(
+        sparse.modes(5, damped=False).natural_frequencies, dense.modes(5, damped=False).natural_frequencies, rtol=1e-9
+    )
+
+
+def test_modes_of_a_large_damped_chain_satisfy_the_equations():
+    modes = long_chain(120).assemble().modes()
+    assert len(modes.eigenvalues) == 120 and modes.residuals.max() < 1e-13
+
+
+def test_rotors_have_no_sparse_matrices():
+    model = LumpedModel()
+    model.rotor("disc", 2.0), model.bearing("ground", "disc", stiffness=200.0)
+    with pytest.raises(InputError, match="rotors"):
+        model.assemble(sparse=True)

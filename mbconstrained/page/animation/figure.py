@@ -75,7 +75,8 @@ def figure_data(drawing: Drawing, takes: Sequence[KeyFrames], overlay: Overlay =
                 "give the drawing a smaller scale, or ask for earlier times"
             )
     posts = {body.name: [] for body in drawing.bodies}
-    links = [_link_data(link, drawing, poses, posts, unit) for link in drawing.links]
+    index = {body.name: i for i, body in enumerate(drawing.bodies)}
+    links = [_link_data(link, drawing, index, poses, posts, unit) for link in drawing.links]
     overlay_entries, arrows = overlay_data(overlay, takes[0], poses_of_takes[0], event_poses, unit)
     low, high = _bounds(drawing, poses, corners, unit)
     turn = quaternions_of(np.array(drawing.turn)[:, None])
@@ -236,9 +237,8 @@ def _view_of_shapes(drawing: Drawing, width: float) -> dict:
     return {"yaw": min(0.26, 1.8 / max(1.0, width)), "pitch": 0.24}
 
 
-def _link_data(link: DrawnLink, drawing: Drawing, poses: BodyPoses, posts: dict, unit: float) -> dict:
+def _link_data(link: DrawnLink, drawing: Drawing, index: dict[str, int], poses: BodyPoses, posts: dict, unit: float) -> dict:
     """A link for the page; an end outside its body adds a post to those of the body."""
-    index = {body.name: i for i, body in enumerate(drawing.bodies)}
     start, end, over = (None if name is None else drawing.bodies[index[name]] for name in (link.start, link.end, link.over))
     direction = (poses[link.end].positions - poses[link.start].positions).mean(axis=1)
     leaving, arriving = (direction, -direction) if over is None else (_UPWARDS, _UPWARDS)

@@ -145,7 +145,7 @@ def drawn_times(functions: TimeFunctions, start: float, end: float, units: Seque
     inside = inside if 2 * len(inside) < MOST_DRAWN else inside[:0]
     times = np.unique([*np.linspace(start, end, FIRST_DRAWN), *inside, *np.nextafter(inside, start)])
     values = functions.at(times)
-    groups = [np.flatnonzero([unit == other for other in units]) for unit in units]
+    groups = [np.array([unit == other for other in units]) for unit in dict.fromkeys(units)]
     waiting = np.arange(len(times) - 1)
     while len(waiting):
         if len(times) + len(INNER) * len(waiting) > MOST_DRAWN:
@@ -156,8 +156,11 @@ def drawn_times(functions: TimeFunctions, start: float, end: float, units: Seque
         inner = (left + np.multiply.outer(INNER, right - left)).T
         new = functions.at(inner.ravel()).reshape(len(values), *inner.shape)
         a, b = values[:, waiting, None], values[:, waiting + 1, None]
-        ends = [(min(values[rows].min(), new[rows].min()), max(values[rows].max(), new[rows].max())) for rows in groups]
-        height = np.array([[[high - low]] for low, high in ends])
+        low = np.minimum(values.min(axis=1), new.min(axis=(1, 2)))
+        high = np.maximum(values.max(axis=1), new.max(axis=(1, 2)))
+        height = np.empty((len(values), 1, 1))
+        for rows in groups:
+            height[rows] = high[rows].max() - low[rows].min()
         bent = (
             (np.abs(new - a - (b - a) * INNER) > FOLLOWED * height).any(axis=(0, 2)) & (inner[:, 0] > left) & (inner[:, -1] < right)
         )

@@ -91,7 +91,7 @@ def _fastest_visible(scene: SceneData, motion: Motion, slowest: float) -> tuple[
 
 def _angular_frequencies(scene: SceneData, motion: Motion) -> list[float]:
     """Angular frequencies of the eigenvalues and the forces, in descending order."""
-    zeros = {abs(zero.value.imag) for zero in scene.equations.polynomial_matrix.jordan_pairs().finite.zeros}
+    zeros = {abs(value.imag) for value in scene.equations.polynomial_matrix.eigenvalues}
     smooth = motion.force.smooth  # prescribed motions, too
     used = [np.abs(smooth.coefficients[:, at]).any() for at in block_slices(smooth.blocks)]
     forces = {abs(value.imag) for value in zeros_of([block for block, one in zip(smooth.blocks, used) if one])}

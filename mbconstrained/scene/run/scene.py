@@ -171,7 +171,7 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
     scene = assembled(path, *read_tables(path), settings or {}, costs)
     scene.check_drawing()
     costs.lap("assemble the model")
-    scene.equations.polynomial_matrix.jordan_pairs()
+    scene.equations.polynomial_matrix.check_regular()
     costs.lap("scaling and staircase")
     return scene
 

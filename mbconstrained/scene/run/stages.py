@@ -73,8 +73,17 @@ def constrained_form(scene: SceneData) -> Decision:
     return True, f"{counted(len(system.rows), 'independent row')} at {' and '.join(levels)} level"
 
 
+def staircase(scene: SceneData) -> Decision:
+    """The Weierstrass form, of large models only where they do not reduce directly."""
+    if scene.equations.polynomial_matrix.large_reduction is not None:
+        return False, "many states, whose equations reduce directly without rank decisions"
+    return True, "splits the finite from the infinite part by rank decisions"
+
+
 def finite_pair(scene: SceneData) -> Decision:
     """Eigenvalues are always listed; the motion comes from the pair only where the chosen method uses pairs."""
+    if scene.equations.polynomial_matrix.large_reduction is not None:
+        return False, "the modes have the eigenvalues, which take less time for many states"
     if scene.method.name == PAIRS:
         return True, "the motion for t > 0, and the eigenvalues"
     return True, "the eigenvalues; the motion comes from the reduced equations"
@@ -84,6 +93,8 @@ def infinite_pair(scene: SceneData) -> Decision:
     """Jumps and impulses come from the infinite pair; free admissible motion needs none (Moysis et al., section 4.1)."""
     equations = scene.equations
     A = equations.polynomial_matrix
+    if A.large_reduction is not None:
+        return False, "the reduced equations, which have no infinite part, serve"
     if not any(A.jordan_pairs().form.split.infinite_divisors):
         return False, f"A_{A.degree} is nonsingular: there is no infinite part"
     if equations.is_free and equations.start_fits:
@@ -334,7 +345,7 @@ STEPS = (
     PossibleStage("assemble the model", lambda scene: scene.equations.size_decision()),
     PossibleStage("dependent constraint rows", lambda scene: scene.equations.rows_decision(), part_of="assemble the model"),
     PossibleStage("constrained form", constrained_form, part_of="assemble the model"),
-    PossibleStage("scaling and staircase", (True, "splits the finite from the infinite part by rank decisions")),
+    PossibleStage("scaling and staircase", staircase),
     PossibleStage("finite pair", finite_pair, attrgetter("finite_pair")),
     PossibleStage("infinite pair", infinite_pair, attrgetter("infinite_pair")),
     PossibleStage("response", response, attrgetter("motion")),
