@@ -12,6 +12,7 @@ from ...ground.tolerances import DIVISOR_CONDITION, EPS
 from ...linalg.arrays import full
 from ...linalg.blocks import block_matrix, block_slices
 from ...linalg.exponential import block_states
+from ...polynomial.reduced_equations import Reduction
 from ..flow import Flow
 
 # Bounds of a sum of modes e^(J t) v in the rows of its blocks: growth, turning, and the response to small changes of J.
@@ -235,7 +236,8 @@ class Defect:
         )
         end = block_states(self.flow.states.blocks, self._start[:, None], np.array([h]))[:, 0].astype(Extended)
         change = self.flow.states.restarts.states[:, self.piece + 1].astype(Extended) - end
-        rounded = EPS * (SUMMED_OF_CLUSTERS if modes.clustered.any() else SUMMED) + 2 * TURNED * EPS * np.abs(modes.zeros) * h
+        summed, radian = self._unit
+        rounded = summed + 2 * radian * np.abs(modes.zeros) * h
         turned = np.repeat(rounded * (Q @ v) * decay, np.diff(np.append(modes.starts, len(modes.J))))
         states, sizes = self._start_states
         jump = np.abs((states @ change).astype(float)) + (len(v) + 4) * UNIT * (sizes @ np.abs(change).astype(float))
@@ -261,7 +263,7 @@ class Defect:
     def _envelope(self, place, order: int, end: float) -> tuple[np.ndarray, np.ndarray, float]:
         """b, c and d: the error at t <= end is at most the sum of (b + c t) e^(a t), a the rates, and d times the largest growth."""
         modes, n, v = self._modes, len(self._own), self._modes.sizes
-        Q = modes.spread(end)
+        Q, (rounded, turned) = modes.spread(end), self._unit
         size = folded(self._derived(place, order), None, modes.starts)
         start, driven, second, secular, remaining = self._amplitudes(Q, end)
         if not np.isfinite(remaining).all():
@@ -270,9 +272,9 @@ class Defect:
         if order or len(self.flow.reduction.algebraic):
             rest = rest + self._direct(place, order)
         size, own = size.max(axis=0), size[:, :n].max(axis=0)
-        summed = EPS * size * (Q @ v)
-        constant = (SUMMED_OF_CLUSTERS if modes.clustered.any() else SUMMED) * summed + (own @ second) * v
-        linear = TURNED * summed * np.abs(modes.zeros) + (own @ secular) * v
+        summed = size * (Q @ v)
+        constant = rounded * summed + (own @ second) * v
+        linear = turned * summed * np.abs(modes.zeros) + (own @ secular) * v
         constant[:n] += own * (start + driven)
         linear[:n] += own * (secular @ v)
         return constant, linear, float(rest.max(initial=0.0))
@@ -288,6 +290,11 @@ class Defect:
         rest = changed @ amplitudes + norm**2 / (1 - norm) * amplitudes.max(initial=0.0)
         return start, driven, second, secular, rest if norm <= FIRST_ORDER else np.full(n, np.inf)
 
+    @property
+    def _unit(self) -> tuple[float, float]:
+        """Rounding errors of a sum of modes relative to the size of its terms, and of a mode for each radian."""
+        return EPS * (SUMMED_OF_CLUSTERS if self._modes.clustered.any() else SUMMED), EPS * TURNED
+
     def _derived(self, place, order: int) -> np.ndarray:
         C = self.flow.modal_output(place)
         for _ in range(order):
@@ -298,7 +305,7 @@ class Defect:
         """Contribution of the residual to derivatives, the sum of C J^(k - 1 - i) E J^i v, i < k, and to algebraic coordinates."""
         n, right, total = len(self.flow.start), [self._largest], np.zeros(len(place))
         if order:
-            left, steps = np.abs(self.flow.modal_output(place)[:, :n]), np.abs(self._modes.J)
+            left, steps = np.abs(self._derived(place, 0)[:, :n]), np.abs(self._modes.J)
             for _ in range(order):
                 right.append(steps @ right[-1])
             for vector in right[:-1][::-1]:
@@ -407,16 +414,8 @@ class Defect:
         bounds alone does not.
         """
         signed, residual = residuals
-        reduction, m = self.flow.reduction, len(self.flow.reduction.second)
-        M = np.linalg.inv(full(reduction.M))
-        parts, sizes, rows = left[:, m : 2 * m] @ M, np.abs(left[:, m : 2 * m]) @ np.abs(M), reduction.second
-        if len(reduction.first):
-            C = full(reduction.C)
-            inverse, between = np.linalg.inv(C[m:, m:]), C[:m, m:]
-            rates, size = (left[:, 2 * m :] - parts @ between) @ inverse, np.abs(left[:, 2 * m :]) + sizes @ np.abs(between)
-            parts, sizes = np.concatenate([parts, rates], axis=1), np.concatenate([sizes, size @ np.abs(inverse)], axis=1)
-            rows = np.concatenate([rows, reduction.first])
-        noise = len(left) * DIVISOR_CONDITION * EPS  # of the inverses
+        reduction = self.flow.reduction
+        parts, sizes, rows, noise = divided_by_masses(left, reduction)
         driven = np.abs(parts @ signed[rows]) + np.abs(parts) @ (residual - np.abs(signed))[rows] + noise * (sizes @ residual[rows])
         if len(reduction.algebraic):
             right, step, matrix = [residual[reduction.algebraic]], np.abs(generator), np.concatenate(reduction.through, axis=1)
@@ -512,3 +511,16 @@ def _times(x: np.ndarray, J: np.ndarray) -> np.ndarray:
     product[:, :-1] += x[:, 1:] * J.diagonal(-1)
     rest = np.triu(J, 2) + np.tril(J, -2)
     return product + x @ rest.astype(Extended) if rest.any() else product
+
+
+def divided_by_masses(left: np.ndarray, reduction: Reduction) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """left B, the effect of residuals of some rows of A(s) on left @ w', with the sizes of its terms, these rows, and its noise."""
+    m, M = len(reduction.second), np.linalg.inv(full(reduction.M))
+    parts, sizes, rows = left[:, m : 2 * m] @ M, np.abs(left[:, m : 2 * m]) @ np.abs(M), reduction.second
+    if len(reduction.first):
+        C = full(reduction.C)
+        inverse, between = np.linalg.inv(C[m:, m:]), C[:m, m:]
+        rates, size = (left[:, 2 * m :] - parts @ between) @ inverse, np.abs(left[:, 2 * m :]) + sizes @ np.abs(between)
+        parts, sizes = np.concatenate([parts, rates], axis=1), np.concatenate([sizes, size @ np.abs(inverse)], axis=1)
+        rows = np.concatenate([rows, reduction.first])
+    return parts, sizes, rows, len(left) * DIVISOR_CONDITION * EPS
