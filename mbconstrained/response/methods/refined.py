@@ -15,6 +15,7 @@ import numpy as np
 
 from ...ground.tolerances import EPS
 from ...linalg.arrays import full
+from ...signals.bohl import BohlFunction
 from ...signals.impulsive import ExactTerm, ImpulsiveSmooth
 from ..flow import Flow
 from .defect import UNIT, BoundedModes, Defect, Extended, divided_by_masses
@@ -158,8 +159,13 @@ def _is_permutation(V: np.ndarray) -> bool:
 
 
 def _turns_evenly(block: np.ndarray) -> bool:
-    """Whether (1, i) is an eigenvector of a pair."""
-    return len(block) == 1 or bool(block[0, 0] == block[1, 1] and block[0, 1] == -block[1, 0] and block[0, 1] > 0)
+    """Whether (1, i) or (1, -i) is an eigenvector of a pair."""
+    return len(block) == 1 or bool(block[0, 0] == block[1, 1] and block[0, 1] == -block[1, 0])
+
+
+def _second_state(smooth: BohlFunction, pairs: np.ndarray) -> np.ndarray:
+    """The second entry of the eigenvector (1, i) or (1, -i) of pairs of states of a force, by the first states."""
+    return 1j * np.sign(smooth.generator[pairs, pairs + 1])
 
 
 def _residual(flow: Flow, shapes: np.ndarray, poles: np.ndarray, leading: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -175,7 +181,7 @@ def _residual(flow: Flow, shapes: np.ndarray, poles: np.ndarray, leading: np.nda
     F = smooth.coefficients
     load = F[:, forced].astype(complex)
     paired = np.flatnonzero(poles[len(poles) - len(forced) :].imag > 0)
-    load[:, paired] += 1j * F[:, forced[paired] + 1]
+    load[:, paired] += _second_state(smooth, forced[paired]) * F[:, forced[paired] + 1]
     total[:, len(poles) - len(forced) :] -= load
     sizes[:, len(poles) - len(forced) :] += np.abs(load)
     terms = np.count_nonzero(A, axis=1)[:, None] + 8  # two roundings of complex numbers each, and those of their sum
@@ -258,7 +264,7 @@ class RefinedDefect(Defect):
         """The states of the force at the start of the piece in the coordinates of its poles, shape (m,)."""
         v, n = self.flow.force.smooth.restarts.states[:, self.piece], len(self.flow.start)
         result, pairs = v.astype(complex), self.refined.above[self.refined.above >= n] - n
-        result[pairs] = (v[pairs] - 1j * v[pairs + 1]) / 2
+        result[pairs] = (v[pairs] - _second_state(self.flow.force.smooth, pairs) * v[pairs + 1]) / 2
         result[pairs + 1] = result[pairs].conj()
         return result
 
