@@ -13,6 +13,7 @@ from ...linalg.arrays import full
 from ...linalg.blocks import block_matrix, block_slices
 from ...linalg.exponential import block_states
 from ...polynomial.reduced_equations import Reduction
+from ...signals.impulsive import ExactImpulse, ExactTerm, ImpulsiveLoad, ImpulsiveSmooth
 from ..flow import Flow
 
 # Bounds of a sum of modes e^(J t) v in the rows of its blocks: growth, turning, and the response to small changes of J.
@@ -138,6 +139,9 @@ SUMMED, SUMMED_OF_CLUSTERS, TURNED = 4.0, 32.0, 1.0
 #: Errors of second order are bounded where those of first order change the modes by at most this.
 FIRST_ORDER = 0.05
 
+#: Rounding errors of the numbers that describe a force, in units of EPS: an amplitude times a cosine, divided by a factorial.
+FORCE_ROUNDING = 4.0
+
 #: Sums in extended precision; where the machine has none their rounding errors are those of float64, and are counted so.
 Extended = np.longdouble
 UNIT = float(np.finfo(Extended).eps)
@@ -240,7 +244,8 @@ class Defect:
         rounded = summed + 2 * radian * np.abs(modes.zeros) * h
         turned = np.repeat(rounded * (Q @ v) * decay, np.diff(np.append(modes.starts, len(modes.J))))
         states, sizes = self._start_states
-        jump = np.abs((states @ change).astype(float)) + (len(v) + 4) * UNIT * (sizes @ np.abs(change).astype(float))
+        jump = np.abs((states @ change - self._impulsive[0][:, self.piece + 1]).astype(float)) + self._impulsive[1][:, self.piece + 1]
+        jump += (len(v) + 4) * UNIT * (sizes @ np.abs(change).astype(float))
         through = np.abs((self._inverse.astype(Extended) @ states).astype(float))
         return error + np.hypot.reduceat(np.abs(self._inverse) @ jump + through @ turned, own)
 
@@ -441,11 +446,47 @@ class Defect:
         if self.before is not None:
             return self.before._at_end()
         flow, v, (states, sizes) = self.flow, self._start, self._start_states
-        defect = np.abs((states @ v.astype(Extended) - flow.start).astype(float))
+        defect = np.abs((states @ v.astype(Extended) - self._initial).astype(float)) + self._impulsive[1][:, 0]
         defect += (len(v) + 4) * UNIT * (sizes @ np.abs(v) + np.abs(flow.start))
         if len(flow.reduction.algebraic):  # initial values satisfy algebraic equations to rounding errors
             defect += 4 * EPS * np.abs(flow.initial).max(initial=0.0)
         return np.hypot.reduceat(np.abs(self._inverse) @ defect, self._own)
+
+    @property
+    def _initial(self) -> np.ndarray:
+        """The states at 0+."""
+        if self.flow.impulsive is None:
+            return self.flow.start.astype(Extended)
+        return self.flow.reduction.state(self.flow.initial) + self._impulsive[0][:, 0]
+
+    @property
+    def _knots(self) -> np.ndarray:
+        """The times at which pieces begin."""
+        return self.flow.states.restarts.knots
+
+    @cached_property
+    def _impulsive(self) -> tuple[np.ndarray, np.ndarray]:
+        """The jumps by impulses at each knot, M^-1 p, and bounds of their errors, shape (n, K)."""
+        if self.before is not None:
+            return self.before._impulsive
+        flow, n, m, knots = self.flow, len(self.flow.start), len(self.flow.reduction.second), self._knots
+        jumps, errors = np.zeros((n, len(knots)), dtype=Extended), np.zeros((n, len(knots)))
+        if flow.impulsive is None:
+            return jumps, errors
+        M, p = full(flow.reduction.M), np.zeros((m, len(knots)), dtype=Extended)
+        for load in (ImpulsiveLoad(0.0, flow.force.impulses), *flow.force.later):
+            for impulse in load.impulses:
+                p[:, knots.searchsorted(load.time)] += impulse[flow.reduction.second]
+        inverse, result = np.linalg.inv(M), np.zeros(p.shape, dtype=Extended)
+        for _ in range(3):
+            rest = p - M.astype(Extended) @ result
+            result = result + inverse @ rest.astype(float)
+        rest = np.abs(p - M.astype(Extended) @ result).astype(float)
+        sizes = np.abs(M) @ np.abs(result).astype(float) + np.abs(p).astype(float)
+        lost = 0.0 if is_exact(flow.force) else FORCE_ROUNDING * EPS
+        jumps[m : 2 * m] = result
+        errors[m : 2 * m] = 2 * np.abs(inverse) @ (rest + (m + 4) * UNIT * sizes + lost * np.abs(p).astype(float))
+        return jumps, errors
 
     @cached_property
     def _start_states(self) -> tuple[np.ndarray, np.ndarray]:
@@ -496,6 +537,7 @@ class Defect:
         columns, changed = [np.abs(flow.start_with_force)], [np.zeros(len(G))]
         if len(flow.reduction.algebraic):
             changed[0][:n] = 4 * EPS * np.abs(flow.initial).max(initial=0.0)
+        changed[0][:n] += np.abs((self._initial - flow.start).astype(float)) + self._impulsive[1][:, 0]
         for k in range(1, start.powers.shape[1]):
             changed.append((step @ changed[-1] + change @ columns[-1]) / k)
             columns.append(step @ columns[-1] / k)
@@ -511,6 +553,21 @@ def _times(x: np.ndarray, J: np.ndarray) -> np.ndarray:
     product[:, :-1] += x[:, 1:] * J.diagonal(-1)
     rest = np.triu(J, 2) + np.tril(J, -2)
     return product + x @ rest.astype(Extended) if rest.any() else product
+
+
+def is_exact(force: ImpulsiveSmooth) -> bool:
+    """Whether the numbers of a force are its data, without a rounding error."""
+    parts = force.exact_parts
+    impulses = [part.rounded_time() for part in parts if isinstance(part.data, ExactImpulse)]
+    return len(set(impulses)) == len(impulses) and all(
+        not (part.maps or part.derivatives)
+        and (isinstance(part.data, ExactImpulse) or (_is_rounded_nowhere(part.data) and not part.delays))
+        for part in parts
+    )
+
+
+def _is_rounded_nowhere(data) -> bool:
+    return isinstance(data, ExactTerm) and data.phase == 0 and data.divisor == 1
 
 
 def divided_by_masses(left: np.ndarray, reduction: Reduction) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:

@@ -15,10 +15,23 @@ import numpy as np
 
 from ...ground.tolerances import EPS
 from ...linalg.arrays import full
-from ...signals.bohl import BohlFunction
-from ...signals.impulsive import ExactTerm, ImpulsiveSmooth
+from ...signals.bohl import BohlFunction, Restarts
 from ..flow import Flow
-from .defect import UNIT, BoundedModes, Defect, Extended, divided_by_masses
+from .defect import FORCE_ROUNDING, UNIT, BoundedModes, Defect, Extended, divided_by_masses, is_exact
+
+#: Rounding errors of a sum of modes in float64, whose phases are more precise, in units of EPS relative to the size of its terms.
+SUMMED_IN_FLOAT64 = 8.0
+
+ExtendedComplex = np.clongdouble
+
+#: Residuals are corrected to first order up to this part of the distance of two poles.
+SMALL_RESIDUAL = 2.0**-10
+
+#: A force within this part of a pole resonates with its mode.
+RESONANCE = 2.0**-30
+
+#: The first correction computes the response to a force in float64, and free modes with twice its digits; the second leaves rounding errors.
+CORRECTIONS = 2
 
 #: Rounding errors of a sum of modes in float64, whose phases are more precise, in units of EPS relative to the size of its terms.
 SUMMED_IN_FLOAT64 = 8.0
@@ -188,14 +201,6 @@ def _residual(flow: Flow, shapes: np.ndarray, poles: np.ndarray, leading: np.nda
     return total, np.abs(total).astype(float) + terms * UNIT * sizes
 
 
-def _is_exact(force: ImpulsiveSmooth) -> bool:
-    """Whether the numbers of a force are its data, without a rounding error."""
-    return all(
-        isinstance(part.data, ExactTerm) and part.data.phase == 0 and part.data.divisor == 1 and not (part.maps or part.delays or part.derivatives)
-        for part in force.exact_parts
-    )
-
-
 def _sums(weights: np.ndarray, turned: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The real part of weights @ e^turned in float64, and bounds of its rounding errors in any row."""
     exponents, angles = turned.real.astype(float), turned.imag.astype(float)
@@ -227,7 +232,7 @@ class RefinedDefect(Defect):
 
         Phases are always those of extended precision; exponentials and sums are where those of float64 do not suffice.
         """
-        lead, restarts = self.refined.leading, self.flow.states.restarts
+        lead, restarts = self.refined.leading, self._force
         values, sure = np.empty((len(place), len(times))), np.zeros(len(times), dtype=bool)
         C = self._output(place, order)[:, lead] * np.where(np.isin(lead, self.refined.above), 2, 1)
         pieces, since = restarts.located(times)
@@ -255,14 +260,23 @@ class RefinedDefect(Defect):
     @cached_property
     def _pieces(self) -> list[Defect]:
         pieces = [self]
-        for piece in range(1, len(self.flow.force.smooth.restarts.knots)):
+        for piece in range(1, len(self._knots)):
             pieces.append(RefinedDefect(self.flow, self.rounding, piece, pieces[-1]))
         return pieces
 
     @cached_property
+    def _force(self) -> Restarts:
+        """The states of the force at all knots."""
+        return self.flow.force.smooth.with_knots(self.flow.knots).restarts if self.before is None else self.before._force
+
+    @property
+    def _knots(self) -> np.ndarray:
+        return self._force.knots
+
+    @cached_property
     def _start(self) -> np.ndarray:
         """The states of the force at the start of the piece in the coordinates of its poles, shape (m,)."""
-        v, n = self.flow.force.smooth.restarts.states[:, self.piece], len(self.flow.start)
+        v, n = self._force.states[:, self.piece], len(self.flow.start)
         result, pairs = v.astype(complex), self.refined.above[self.refined.above >= n] - n
         result[pairs] = (v[pairs] - _second_state(self.flow.force.smooth, pairs) * v[pairs + 1]) / 2
         result[pairs + 1] = result[pairs].conj()
@@ -274,10 +288,13 @@ class RefinedDefect(Defect):
         refined, n = self.refined, len(self.flow.start)
         responses = refined.states[:, n:]
         if self.before is None:
-            return refined.solved(self.flow.start.astype(Extended) - responses @ self._start)
-        before, h = self.before, Extended(self.flow.force.smooth.restarts.gaps[self.piece - 1])
+            result, errors = refined.solved(self._initial - responses @ self._start)
+            return result, errors + np.abs(refined.left) @ self._impulsive[1][:, 0]
+        before, h = self.before, Extended(self._force.gaps[self.piece - 1])
         moved = np.exp(refined.poles * h)
-        jump, errors = refined.solved(responses @ (moved[n:] * before._start - self._start))
+        change = responses @ (moved[n:] * before._start - self._start)
+        jump, errors = refined.solved(change + self._impulsive[0][:, self.piece])
+        errors = errors + np.abs(refined.left) @ self._impulsive[1][:, self.piece]
         turned = np.abs(moved) * np.abs(before._amplitude) * (8 + 2 * np.abs(refined.poles) * h) * UNIT
         through = np.abs(refined.left) @ (np.abs(responses) @ (turned[n:] + UNIT * np.abs(self._start))).astype(float)
         return moved[:n] * before._free[0] + jump, errors + through + turned[:n].astype(float)
@@ -300,7 +317,7 @@ class RefinedDefect(Defect):
 
     def _at_end(self) -> np.ndarray:
         modes, n, v = self._modes, len(self._own), self._modes.sizes
-        h = float(self.flow.force.smooth.restarts.gaps[self.piece])
+        h = float(self._force.gaps[self.piece])
         start, driven, second, secular, rest = self._amplitudes(np.eye(len(v)), h)
         decay = np.exp(modes.rates * h)
         first = (start + driven + h * (secular @ v)) * decay[:n] + second @ (v * decay)
@@ -310,10 +327,10 @@ class RefinedDefect(Defect):
     def _lost(self) -> np.ndarray:
         """Relative errors of the states of the force."""
         smooth, n = self.flow.force.smooth, len(self.flow.start)
-        lost = np.full(smooth.state_count, 0.0 if _is_exact(self.flow.force) else FORCE_ROUNDING * EPS)
+        lost = np.full(smooth.state_count, 0.0 if is_exact(self.flow.force) else FORCE_ROUNDING * EPS)
         if len(smooth.restarts.knots) > 1:
-            known = self._force_rounding[:, self.piece]
-            lost += np.divide(known, np.abs(smooth.restarts.states[:, self.piece]), out=np.zeros(len(known)), where=known > 0)
+            known = self._force_rounding[:, smooth.restarts.located(self.flow.knots[[self.piece]])[0][0]]
+            lost += np.divide(known, np.abs(self._force.states[:, self.piece]), out=np.zeros(len(known)), where=known > 0)
         return lost
 
     @cached_property
