@@ -24,10 +24,10 @@ from .choose import PAIRS, Method, Request, choose, unproved
 from .estimate import TRIALS, error_estimate, errors_at
 from .events import Event, kinks_of
 from .methods.defect import Defect, Rounding
-from .methods.refined import RefinedDefect
 from .methods.pair_solution import PairSolution
 from .methods.proved import ProvedFunction, proved_event
 from .methods.reduced_solution import ReducedSolution
+from .methods.refined import RefinedDefect
 from .problem import Problem
 from .response_notices import response_notices, unsatisfied
 

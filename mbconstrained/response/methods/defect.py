@@ -244,7 +244,9 @@ class Defect:
         rounded = summed + 2 * radian * np.abs(modes.zeros) * h
         turned = np.repeat(rounded * (Q @ v) * decay, np.diff(np.append(modes.starts, len(modes.J))))
         states, sizes = self._start_states
-        jump = np.abs((states @ change - self._impulsive[0][:, self.piece + 1]).astype(float)) + self._impulsive[1][:, self.piece + 1]
+        jump = (
+            np.abs((states @ change - self._impulsive[0][:, self.piece + 1]).astype(float)) + self._impulsive[1][:, self.piece + 1]
+        )
         jump += (len(v) + 4) * UNIT * (sizes @ np.abs(change).astype(float))
         through = np.abs((self._inverse.astype(Extended) @ states).astype(float))
         return error + np.hypot.reduceat(np.abs(self._inverse) @ jump + through @ turned, own)
@@ -556,18 +558,20 @@ def _times(x: np.ndarray, J: np.ndarray) -> np.ndarray:
 
 
 def is_exact(force: ImpulsiveSmooth) -> bool:
-    """Whether the numbers of a force are its data, without a rounding error."""
-    parts = force.exact_parts
-    impulses = [part.rounded_time() for part in parts if isinstance(part.data, ExactImpulse)]
-    return len(set(impulses)) == len(impulses) and all(
-        not (part.maps or part.derivatives)
-        and (isinstance(part.data, ExactImpulse) or (_is_rounded_nowhere(part.data) and not part.delays))
-        for part in parts
-    )
-
-
-def _is_rounded_nowhere(data) -> bool:
-    return isinstance(data, ExactTerm) and data.phase == 0 and data.divisor == 1
+    """Whether the numbers of a force are its data, without a rounding error: functions of time that differ, and impulses at different times."""
+    functions = []
+    for part in force.exact_parts:
+        if part.maps or part.derivatives:
+            return False
+        if isinstance(part.data, ExactImpulse):
+            functions.append((part.rounded_time(), part.data.order))
+        elif isinstance(part.data, ExactTerm) and part.data.phase == 0 and part.data.divisor == 1:
+            functions.append((None, part.data.rate, part.data.angular_frequency))
+            if part.delays and functions[-1][1:] != (0.0, 0.0):
+                return False
+        else:
+            return False
+    return len(set(functions)) == len(functions)
 
 
 def divided_by_masses(left: np.ndarray, reduction: Reduction) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:

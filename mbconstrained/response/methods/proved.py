@@ -33,8 +33,8 @@ MOST_TIMES = 50_000
 #: Sums of modes without first moments of forces are kept where they are surely right to this, and where the first moments are no better.
 KEPT_ACCURACY = PROVED_ACCURACY / 3
 
-#: Sums of refined modes are that much better; so their rounding to float64 is within what is proved.
-REFINED_ACCURACY = PROVED_ACCURACY / 2
+#: Sums of refined modes are as much better as their rounding to float64 may take.
+REFINED_ACCURACY = PROVED_ACCURACY - 2 * EPS
 
 #: The exact engine is asked for so many times at once.
 AT_ONCE = 2048

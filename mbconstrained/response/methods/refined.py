@@ -197,7 +197,7 @@ def _residual(flow: Flow, shapes: np.ndarray, poles: np.ndarray, leading: np.nda
     load[:, paired] += _second_state(smooth, forced[paired]) * F[:, forced[paired] + 1]
     total[:, len(poles) - len(forced) :] -= load
     sizes[:, len(poles) - len(forced) :] += np.abs(load)
-    terms = np.count_nonzero(A, axis=1)[:, None] + 8  # two roundings of complex numbers each, and those of their sum
+    terms = 0.75 * np.count_nonzero(A, axis=1)[:, None] + 6  # half a unit each, and two complex products; both parts
     return total, np.abs(total).astype(float) + terms * UNIT * sizes
 
 
@@ -238,7 +238,11 @@ class RefinedDefect(Defect):
         pieces, since = restarts.located(times)
         for piece in np.unique(pieces).tolist():
             at, own = np.flatnonzero(pieces == piece), self._pieces[piece]
-            exact = times[at].astype(Extended) - restarts.knots[piece] - np.broadcast_to(restarts.remainders, restarts.knots.shape)[piece]
+            exact = (
+                times[at].astype(Extended)
+                - restarts.knots[piece]
+                - np.broadcast_to(restarts.remainders, restarts.knots.shape)[piece]
+            )
             weights, turned = C * own._amplitude[lead], np.multiply.outer(self.refined.poles[lead], exact)
             values[:, at], rounded = _sums(weights, turned)
             allowed = accuracy * np.abs(values[:, at]).max(axis=0)
