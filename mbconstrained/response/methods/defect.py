@@ -233,13 +233,12 @@ class Defect:
         modes, own, n = self._modes, self._own, len(self._own)
         h = float(self.flow.states.restarts.gaps[self.piece])
         Q, v = modes.spread(h), modes.sizes
-        start, driven, second, secular, rest = self._amplitudes(Q, h)
+        start, driven, second, secular, rest = self._amplitudes(h)
         decay = np.exp(modes.rates * h)
         error = (
             (start + driven + h * (secular @ v)) * decay[:n] + second @ (v * decay) + rest * np.exp(max(modes.rates.max(), 0.0) * h)
         )
-        end = block_states(self.flow.states.blocks, self._start[:, None], np.array([h]))[:, 0].astype(Extended)
-        change = self.flow.states.restarts.states[:, self.piece + 1].astype(Extended) - end
+        change = self.flow.states.restarts.states[:, self.piece + 1].astype(Extended) - self._ends[:, self.piece]
         summed, radian = self._unit
         rounded = summed + 2 * radian * np.abs(modes.zeros) * h
         turned = np.repeat(rounded * (Q @ v) * decay, np.diff(np.append(modes.starts, len(modes.J))))
@@ -251,12 +250,20 @@ class Defect:
         through = np.abs((self._inverse.astype(Extended) @ states).astype(float))
         return error + np.hypot.reduceat(np.abs(self._inverse) @ jump + through @ turned, own)
 
+    @cached_property
+    def _ends(self) -> np.ndarray:
+        """The states in the coordinates of the modes at the end of each piece, shape (N, K - 1)."""
+        if self.before is not None:
+            return self.before._ends
+        restarts = self.flow.states.restarts
+        return block_states(self.flow.states.blocks, restarts.states[:, :-1], restarts.gaps).astype(Extended)
+
     # Sums of modes.
 
     def _late(self, place, order, times, allowed) -> np.ndarray:
         """Whether the errors of the sums of modes are within the allowed ones."""
         end = float(times.max())
-        constant, linear, rest = self._envelope(place, order, end)
+        constant, linear, rest = self._envelope(place, order, self._until(end))
         rates = self._modes.rates
         growth = np.exp(np.maximum(rates, 0.0) * end)
         sure = (constant + end * linear) @ growth + rest * growth.max(initial=1.0) <= allowed
@@ -272,7 +279,7 @@ class Defect:
         modes, n, v = self._modes, len(self._own), self._modes.sizes
         Q, (rounded, turned) = modes.spread(end), self._unit
         size = folded(self._derived(place, order), None, modes.starts)
-        start, driven, second, secular, remaining = self._amplitudes(Q, end)
+        start, driven, second, secular, remaining = self._amplitudes(end)
         if not np.isfinite(remaining).all():
             return np.zeros(len(v)), np.zeros(len(v)), np.inf
         rest = size[:, :n] @ remaining
@@ -286,9 +293,29 @@ class Defect:
         linear[:n] += own * (secular @ v)
         return constant, linear, float(rest.max(initial=0.0))
 
-    def _amplitudes(self, Q: np.ndarray, end: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def _until(self, end: float) -> float:
+        """The end of the piece, or of the last one the next power of two: bounds until then are known to the next evaluation."""
+        gaps = self._gaps
+        return float(gaps[self.piece]) if self.piece < len(gaps) else 2.0 ** np.ceil(np.log2(end)) if end else 0.0
+
+    @property
+    def _gaps(self) -> np.ndarray:
+        """The lengths of all pieces but the last one."""
+        return self.flow.states.restarts.gaps
+
+    @cached_property
+    def _known_amplitudes(self) -> dict[float, tuple[np.ndarray, ...]]:
+        return {}
+
+    def _amplitudes(self, end: float) -> tuple[np.ndarray, ...]:
         """Errors of the states in modal coordinates, to first order from the start and the residual, by their rates."""
+        if end not in self._known_amplitudes:
+            self._known_amplitudes[end] = self._amplitudes_until(end)
+        return self._known_amplitudes[end]
+
+    def _amplitudes_until(self, end: float) -> tuple[np.ndarray, ...]:
         modes, n, v = self._modes, len(self._own), self._modes.sizes
+        Q = modes.spread(end)
         first, second, secular, most = modes.responses(self._folded_residual, Q, end)
         start, driven = Q[:n, :n] @ self._modal_start, first @ v
         changed = end * most[:, :n] + self._inexact
@@ -454,6 +481,11 @@ class Defect:
             defect += 4 * EPS * np.abs(flow.initial).max(initial=0.0)
         return np.hypot.reduceat(np.abs(self._inverse) @ defect, self._own)
 
+    @cached_property
+    def _is_exact(self) -> bool:
+        """Whether the numbers of the force are its data."""
+        return is_exact(self.flow.force) if self.before is None else self.before._is_exact
+
     @property
     def _initial(self) -> np.ndarray:
         """The states at 0+."""
@@ -485,7 +517,7 @@ class Defect:
             result = result + inverse @ rest.astype(float)
         rest = np.abs(p - M.astype(Extended) @ result).astype(float)
         sizes = np.abs(M) @ np.abs(result).astype(float) + np.abs(p).astype(float)
-        lost = 0.0 if is_exact(flow.force) else FORCE_ROUNDING * EPS
+        lost = 0.0 if self._is_exact else FORCE_ROUNDING * EPS
         jumps[m : 2 * m] = result
         errors[m : 2 * m] = 2 * np.abs(inverse) @ (rest + (m + 4) * UNIT * sizes + lost * np.abs(p).astype(float))
         return jumps, errors

@@ -17,7 +17,7 @@ from ...ground.tolerances import EPS
 from ...linalg.arrays import full
 from ...signals.bohl import BohlFunction, Restarts
 from ..flow import Flow
-from .defect import FORCE_ROUNDING, UNIT, BoundedModes, Defect, Extended, divided_by_masses, is_exact
+from .defect import FORCE_ROUNDING, UNIT, BoundedModes, Defect, Extended, divided_by_masses
 
 #: Rounding errors of a sum of modes in float64, whose phases are more precise, in units of EPS relative to the size of its terms.
 SUMMED_IN_FLOAT64 = 8.0
@@ -32,23 +32,6 @@ RESONANCE = 2.0**-30
 
 #: The first correction computes the response to a force in float64, and free modes with twice its digits; the second leaves rounding errors.
 CORRECTIONS = 2
-
-#: Rounding errors of a sum of modes in float64, whose phases are more precise, in units of EPS relative to the size of its terms.
-SUMMED_IN_FLOAT64 = 8.0
-
-ExtendedComplex = np.clongdouble
-
-#: Residuals are corrected to first order up to this part of the distance of two poles.
-SMALL_RESIDUAL = 2.0**-10
-
-#: A force within this part of a pole resonates with its mode.
-RESONANCE = 2.0**-30
-
-#: The first correction computes the response to a force in float64, and free modes with twice its digits; the second leaves rounding errors.
-CORRECTIONS = 2
-
-#: Rounding errors of the numbers that describe a force, in units of EPS: an amplitude times a cosine, divided by a factorial.
-FORCE_ROUNDING = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,6 +260,10 @@ class RefinedDefect(Defect):
     def _knots(self) -> np.ndarray:
         return self._force.knots
 
+    @property
+    def _gaps(self) -> np.ndarray:
+        return self._force.gaps
+
     @cached_property
     def _start(self) -> np.ndarray:
         """The states of the force at the start of the piece in the coordinates of its poles, shape (m,)."""
@@ -322,7 +309,7 @@ class RefinedDefect(Defect):
     def _at_end(self) -> np.ndarray:
         modes, n, v = self._modes, len(self._own), self._modes.sizes
         h = float(self._force.gaps[self.piece])
-        start, driven, second, secular, rest = self._amplitudes(np.eye(len(v)), h)
+        start, driven, second, secular, rest = self._amplitudes(h)
         decay = np.exp(modes.rates * h)
         first = (start + driven + h * (secular @ v)) * decay[:n] + second @ (v * decay)
         return first + rest * np.exp(max(modes.rates.max(), 0.0) * h)
@@ -330,8 +317,8 @@ class RefinedDefect(Defect):
     @cached_property
     def _lost(self) -> np.ndarray:
         """Relative errors of the states of the force."""
-        smooth, n = self.flow.force.smooth, len(self.flow.start)
-        lost = np.full(smooth.state_count, 0.0 if is_exact(self.flow.force) else FORCE_ROUNDING * EPS)
+        smooth = self.flow.force.smooth
+        lost = np.full(smooth.state_count, 0.0 if self._is_exact else FORCE_ROUNDING * EPS)
         if len(smooth.restarts.knots) > 1:
             known = self._force_rounding[:, smooth.restarts.located(self.flow.knots[[self.piece]])[0][0]]
             lost += np.divide(known, np.abs(self._force.states[:, self.piece]), out=np.zeros(len(known)), where=known > 0)
@@ -345,9 +332,8 @@ class RefinedDefect(Defect):
 
     @cached_property
     def _modal_residual(self) -> np.ndarray:
-        n, driven = len(self.flow.start), self.refined.driven.copy()
-        driven[:, n:] += self.refined.parts @ self._force_errors
-        return driven
+        errors, n, driven = self._force_errors, len(self.flow.start), self.refined.driven
+        return np.concatenate([driven[:, :n], driven[:, n:] + self.refined.parts @ errors], axis=1) if errors.any() else driven
 
     @property
     def _force_errors(self) -> np.ndarray:
