@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import fsum
@@ -216,9 +217,9 @@ class Defect:
         return np.array(lost).reshape(restarts.states.shape)
 
     @cached_property
-    def _pieces(self) -> list[Defect]:
+    def _pieces(self) -> Sequence[Defect]:
         """The defects of all pieces, each with the errors that the pieces before leave."""
-        pieces = [self]
+        pieces: list[Defect] = [self]
         for piece in range(1, len(self.flow.states.restarts.knots)):
             pieces.append(Defect(self.flow, self.rounding, piece, pieces[-1]))
         return pieces
@@ -591,7 +592,7 @@ def _times(x: np.ndarray, J: np.ndarray) -> np.ndarray:
 
 def is_exact(force: ImpulsiveSmooth) -> bool:
     """Whether the numbers of a force are its data, without a rounding error: functions of time that differ, and impulses at different times."""
-    functions = []
+    functions: list[tuple] = []
     for part in force.exact_parts:
         if part.maps or part.derivatives:
             return False

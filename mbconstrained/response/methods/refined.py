@@ -151,7 +151,9 @@ class _Separated:
 
 
 def _is_permutation(V: np.ndarray) -> bool:
-    return V.shape[0] == V.shape[1] and np.isin(V, (0.0, 1.0)).all() and (V.sum(axis=0) == 1).all() and (V.sum(axis=1) == 1).all()
+    return bool(
+        V.shape[0] == V.shape[1] and np.isin(V, (0.0, 1.0)).all() and (V.sum(axis=0) == 1).all() and (V.sum(axis=1) == 1).all()
+    )
 
 
 def _turns_evenly(block: np.ndarray) -> bool:
@@ -203,6 +205,8 @@ class RefinedDefect(Defect):
         before: the piece before, None for the first one.
     """
 
+    before: RefinedDefect | None = None
+
     @cached_property
     def refined(self) -> RefinedModes | None:
         """The modes; None where they cannot be refined."""
@@ -245,7 +249,7 @@ class RefinedDefect(Defect):
         return states * self.refined.poles**order if order else states
 
     @cached_property
-    def _pieces(self) -> list[Defect]:
+    def _pieces(self) -> list[RefinedDefect]:
         pieces = [self]
         for piece in range(1, len(self._knots)):
             pieces.append(RefinedDefect(self.flow, self.rounding, piece, pieces[-1]))
