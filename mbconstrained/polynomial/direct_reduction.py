@@ -87,7 +87,7 @@ def _reduction_of(A: PolynomialCoefficients, like: Reduction | None) -> Reductio
     equations, unconstrained = (M, C, K), None
     if like.freed is not None if like is not None else not (_is_regular(floor) or _has_refined_modes(M, K)):
         alike = None if like is None else (like.freed, like.C, like.K)
-        unconstrained = freed(M, C, K, alike) if 2 * m + len(first) >= FEW_STATES else None
+        unconstrained = freed(M, C, K, alike) if 2 * m + len(first) > FEW_STATES else None
         if unconstrained is None:
             raise NotReducible(_SINGULAR_STIFFNESS)
         equations = unconstrained.M, unconstrained.C, unconstrained.K
@@ -104,7 +104,7 @@ def _is_regular(floor: Matrix) -> bool:
 
 def _has_refined_modes(M: Matrix, K: Matrix) -> bool:
     """Whether K is positive definite beyond rounding errors and modes are refined for any spread, so that no body is free."""
-    if 2 * len(M.diagonal()) < FEW_STATES or K.shape != M.shape or not all(is_symmetric(matrix) for matrix in (M, K)):
+    if 2 * len(M.diagonal()) <= FEW_STATES or K.shape != M.shape or not all(is_symmetric(matrix) for matrix in (M, K)):
         return False
     return may_be_wide(M, K) and definite_condition(full(K)) <= REFINED_CONDITION
 

@@ -537,7 +537,7 @@ class Reduction:
     @property
     def is_small(self) -> bool:
         """Whether the decoupling of S takes negligible time."""
-        return self.state_count < FEW_STATES
+        return self.state_count <= FEW_STATES
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:

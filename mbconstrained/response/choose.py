@@ -159,7 +159,7 @@ def serving_reduction(
     if not reduction.is_finite:
         raise NotReducible("the reduced equations leave the range of float64")
     if force.impulses or force.later:
-        _check_impulses(reduction, force)
+        _check_impulses(reduction, force, proved)
     restarts = len(force.knots) - 1
     if reduction.is_small and restarts and not proved:  # sums of modes may cancel at any of them
         raise NotReducible(f"the force restarts at {counted(restarts, 'time')}")
@@ -173,9 +173,10 @@ def serving_reduction(
     return reduction
 
 
-def _check_impulses(reduction: Reduction, force: ImpulsiveSmooth) -> None:
+def _check_impulses(reduction: Reduction, force: ImpulsiveSmooth, proved: bool) -> None:
     """Check that no coordinate has an impulse: impulses on masses and dampers make their velocities and displacements jump."""
-    if reduction.is_small:  # the jumps of the velocities are rounded
+    bounded = proved and not (len(reduction.algebraic) or len(reduction.first) or force.smooth.generator.any())
+    if reduction.is_small and not bounded:  # the jumps of the velocities are rounded
         raise NotReducible("the force contains Dirac impulses")
     loads = [force.impulses, *(load.impulses for load in force.later)]
     if any(len(load) > 1 and any(part.any() for part in load[1:]) for load in loads):

@@ -147,7 +147,7 @@ class Flow:
         J = of_like_kind(self.force.smooth.generator, S)
         return vstack(hstack(S, self.excitation), hstack(zeros_of_kind((m, S.shape[0]), S), J))
 
-    @property
+    @cached_property
     def knots(self) -> np.ndarray:
         """The times at which the force may change, beginning with 0."""
         return self.force.knots

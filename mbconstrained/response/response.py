@@ -27,6 +27,7 @@ from .methods.defect import Defect, Rounding
 from .methods.pair_solution import PairSolution
 from .methods.proved import ProvedFunction, proved_event
 from .methods.reduced_solution import ReducedSolution
+from .methods.refined import RefinedDefect
 from .problem import Problem
 from .response_notices import response_notices, unsatisfied
 
@@ -229,8 +230,8 @@ class Response(Exported, Presented):
     def _proved_function(self) -> ProvedFunction:
         flow = self.method.flow
         bounded = flow is not None and flow.reduction.is_small
-        defect = Defect(flow, self._rounding()) if bounded else None
-        return ProvedFunction(self.solution.function, partial(getattr, self, "exact"), self.solution.finite_count, defect)
+        defects = [kind(flow, self._rounding()) for kind in (Defect, RefinedDefect)] if bounded else []
+        return ProvedFunction(self.solution.function, partial(getattr, self, "exact"), self.solution.finite_count, *defects)
 
     def _rounding(self) -> Rounding | None:
         """Rounding errors of the equations relative to the data; None where they equal the data, or their elements in full."""

@@ -13,13 +13,12 @@ from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from ..ground.checks import counted, evaluation_times, real_array, real_number, whole_number
 from ..ground.errors import InputError, Overflow, within_float64
 from ..ground.threads import short_work
 from ..ground.tolerances import EPS, MODERATE_EXPONENT
-from ..linalg.blocks import CHUNK_ENTRIES, block_slices
+from ..linalg.blocks import CHUNK_ENTRIES, block_matrix, block_slices
 from ..linalg.exponential import AT_ONCE, BlockGroups, Lasting, Oscillations, block_states, of_phasors, step_of_few_rows
 
 # Restarts: states of a piecewise Bohl function at its knots, with one generator J for all pieces.
@@ -327,7 +326,7 @@ class BohlFunction:
     @property
     def generator(self) -> np.ndarray:
         """J as one array of shape (n, n)."""
-        return block_diag(*self.blocks) if self.blocks else np.zeros((0, 0))
+        return block_matrix(self.blocks)
 
     def derivative(self, order: int = 1) -> BohlFunction:
         """The classical derivative C J^order e^{J t} v."""

@@ -34,7 +34,7 @@ LINES = {
     "page": 5469,
     "papers": 317,
     "polynomial": 2898,
-    "response": 5003,
+    "response": 5495,
     "robot": 9283,
     "scene": 9369,
     "signals": 1735,
@@ -55,8 +55,8 @@ INJECTED = {
 #: Functions of the package that a call touches; bodies of modules and of classes, which imports run, are not functions (their code has no
 #: flag CO_OPTIMIZED, 1).
 TOUCHED = {
-    "run": ("import mbconstrained as mb; scene = mb.read_scene('examples/two_masses.toml'); result = scene.run(None); result.summary()", 862),
-    "solve": ("import numpy as np, mbconstrained as mb; x = mb.MechanicalSystem(np.eye(2), stiffness=[[2, -1], [-1, 2]]).solve([1, 0]); x(np.linspace(0, 9, 50))", 228),
+    "run": ("import mbconstrained as mb; scene = mb.read_scene('examples/two_masses.toml'); result = scene.run(None); result.summary()", 866),
+    "solve": ("import numpy as np, mbconstrained as mb; x = mb.MechanicalSystem(np.eye(2), stiffness=[[2, -1], [-1, 2]]).solve([1, 0]); x(np.linspace(0, 9, 50))", 233),
     "modes": ("import numpy as np, mbconstrained as mb; mb.MechanicalSystem(np.eye(2), stiffness=[[2, -1], [-1, 2]]).modes().frequencies_hz", 63),
 }  # fmt: skip
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import fsum
@@ -12,6 +13,8 @@ from ...ground.tolerances import DIVISOR_CONDITION, EPS
 from ...linalg.arrays import full
 from ...linalg.blocks import block_matrix, block_slices
 from ...linalg.exponential import block_states
+from ...polynomial.reduced_equations import Reduction
+from ...signals.impulsive import ExactImpulse, ExactTerm, ImpulsiveLoad, ImpulsiveSmooth
 from ..flow import Flow
 
 # Bounds of a sum of modes e^(J t) v in the rows of its blocks: growth, turning, and the response to small changes of J.
@@ -137,6 +140,9 @@ SUMMED, SUMMED_OF_CLUSTERS, TURNED = 4.0, 32.0, 1.0
 #: Errors of second order are bounded where those of first order change the modes by at most this.
 FIRST_ORDER = 0.05
 
+#: Rounding errors of the numbers that describe a force, in units of EPS: an amplitude times a cosine, divided by a factorial.
+FORCE_ROUNDING = 4.0
+
 #: Sums in extended precision; where the machine has none their rounding errors are those of float64, and are counted so.
 Extended = np.longdouble
 UNIT = float(np.finfo(Extended).eps)
@@ -211,9 +217,9 @@ class Defect:
         return np.array(lost).reshape(restarts.states.shape)
 
     @cached_property
-    def _pieces(self) -> list[Defect]:
+    def _pieces(self) -> Sequence[Defect]:
         """The defects of all pieces, each with the errors that the pieces before leave."""
-        pieces = [self]
+        pieces: list[Defect] = [self]
         for piece in range(1, len(self.flow.states.restarts.knots)):
             pieces.append(Defect(self.flow, self.rounding, piece, pieces[-1]))
         return pieces
@@ -228,26 +234,37 @@ class Defect:
         modes, own, n = self._modes, self._own, len(self._own)
         h = float(self.flow.states.restarts.gaps[self.piece])
         Q, v = modes.spread(h), modes.sizes
-        start, driven, second, secular, rest = self._amplitudes(Q, h)
+        start, driven, second, secular, rest = self._amplitudes(h)
         decay = np.exp(modes.rates * h)
         error = (
             (start + driven + h * (secular @ v)) * decay[:n] + second @ (v * decay) + rest * np.exp(max(modes.rates.max(), 0.0) * h)
         )
-        end = block_states(self.flow.states.blocks, self._start[:, None], np.array([h]))[:, 0].astype(Extended)
-        change = self.flow.states.restarts.states[:, self.piece + 1].astype(Extended) - end
-        rounded = EPS * (SUMMED_OF_CLUSTERS if modes.clustered.any() else SUMMED) + 2 * TURNED * EPS * np.abs(modes.zeros) * h
+        change = self.flow.states.restarts.states[:, self.piece + 1].astype(Extended) - self._ends[:, self.piece]
+        summed, radian = self._unit
+        rounded = summed + 2 * radian * np.abs(modes.zeros) * h
         turned = np.repeat(rounded * (Q @ v) * decay, np.diff(np.append(modes.starts, len(modes.J))))
         states, sizes = self._start_states
-        jump = np.abs((states @ change).astype(float)) + (len(v) + 4) * UNIT * (sizes @ np.abs(change).astype(float))
+        jump = (
+            np.abs((states @ change - self._impulsive[0][:, self.piece + 1]).astype(float)) + self._impulsive[1][:, self.piece + 1]
+        )
+        jump += (len(v) + 4) * UNIT * (sizes @ np.abs(change).astype(float))
         through = np.abs((self._inverse.astype(Extended) @ states).astype(float))
         return error + np.hypot.reduceat(np.abs(self._inverse) @ jump + through @ turned, own)
+
+    @cached_property
+    def _ends(self) -> np.ndarray:
+        """The states in the coordinates of the modes at the end of each piece, shape (N, K - 1)."""
+        if self.before is not None:
+            return self.before._ends
+        restarts = self.flow.states.restarts
+        return block_states(self.flow.states.blocks, restarts.states[:, :-1], restarts.gaps).astype(Extended)
 
     # Sums of modes.
 
     def _late(self, place, order, times, allowed) -> np.ndarray:
         """Whether the errors of the sums of modes are within the allowed ones."""
         end = float(times.max())
-        constant, linear, rest = self._envelope(place, order, end)
+        constant, linear, rest = self._envelope(place, order, self._until(end))
         rates = self._modes.rates
         growth = np.exp(np.maximum(rates, 0.0) * end)
         sure = (constant + end * linear) @ growth + rest * growth.max(initial=1.0) <= allowed
@@ -261,25 +278,45 @@ class Defect:
     def _envelope(self, place, order: int, end: float) -> tuple[np.ndarray, np.ndarray, float]:
         """b, c and d: the error at t <= end is at most the sum of (b + c t) e^(a t), a the rates, and d times the largest growth."""
         modes, n, v = self._modes, len(self._own), self._modes.sizes
-        Q = modes.spread(end)
+        Q, (rounded, turned) = modes.spread(end), self._unit
         size = folded(self._derived(place, order), None, modes.starts)
-        start, driven, second, secular, remaining = self._amplitudes(Q, end)
+        start, driven, second, secular, remaining = self._amplitudes(end)
         if not np.isfinite(remaining).all():
             return np.zeros(len(v)), np.zeros(len(v)), np.inf
         rest = size[:, :n] @ remaining
         if order or len(self.flow.reduction.algebraic):
             rest = rest + self._direct(place, order)
         size, own = size.max(axis=0), size[:, :n].max(axis=0)
-        summed = EPS * size * (Q @ v)
-        constant = (SUMMED_OF_CLUSTERS if modes.clustered.any() else SUMMED) * summed + (own @ second) * v
-        linear = TURNED * summed * np.abs(modes.zeros) + (own @ secular) * v
+        summed = size * (Q @ v)
+        constant = rounded * summed + (own @ second) * v
+        linear = turned * summed * np.abs(modes.zeros) + (own @ secular) * v
         constant[:n] += own * (start + driven)
         linear[:n] += own * (secular @ v)
         return constant, linear, float(rest.max(initial=0.0))
 
-    def _amplitudes(self, Q: np.ndarray, end: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def _until(self, end: float) -> float:
+        """The end of the piece, or of the last one the next power of two: bounds until then are known to the next evaluation."""
+        gaps = self._gaps
+        return float(gaps[self.piece]) if self.piece < len(gaps) else 2.0 ** np.ceil(np.log2(end)) if end else 0.0
+
+    @property
+    def _gaps(self) -> np.ndarray:
+        """The lengths of all pieces but the last one."""
+        return self.flow.states.restarts.gaps
+
+    @cached_property
+    def _known_amplitudes(self) -> dict[float, tuple[np.ndarray, ...]]:
+        return {}
+
+    def _amplitudes(self, end: float) -> tuple[np.ndarray, ...]:
         """Errors of the states in modal coordinates, to first order from the start and the residual, by their rates."""
+        if end not in self._known_amplitudes:
+            self._known_amplitudes[end] = self._amplitudes_until(end)
+        return self._known_amplitudes[end]
+
+    def _amplitudes_until(self, end: float) -> tuple[np.ndarray, ...]:
         modes, n, v = self._modes, len(self._own), self._modes.sizes
+        Q = modes.spread(end)
         first, second, secular, most = modes.responses(self._folded_residual, Q, end)
         start, driven = Q[:n, :n] @ self._modal_start, first @ v
         changed = end * most[:, :n] + self._inexact
@@ -287,6 +324,11 @@ class Defect:
         amplitudes = start + driven + second @ v + end * (secular @ v)
         rest = changed @ amplitudes + norm**2 / (1 - norm) * amplitudes.max(initial=0.0)
         return start, driven, second, secular, rest if norm <= FIRST_ORDER else np.full(n, np.inf)
+
+    @property
+    def _unit(self) -> tuple[float, float]:
+        """Rounding errors of a sum of modes relative to the size of its terms, and of a mode for each radian."""
+        return EPS * (SUMMED_OF_CLUSTERS if self._modes.clustered.any() else SUMMED), EPS * TURNED
 
     def _derived(self, place, order: int) -> np.ndarray:
         C = self.flow.modal_output(place)
@@ -298,7 +340,7 @@ class Defect:
         """Contribution of the residual to derivatives, the sum of C J^(k - 1 - i) E J^i v, i < k, and to algebraic coordinates."""
         n, right, total = len(self.flow.start), [self._largest], np.zeros(len(place))
         if order:
-            left, steps = np.abs(self.flow.modal_output(place)[:, :n]), np.abs(self._modes.J)
+            left, steps = np.abs(self._derived(place, 0)[:, :n]), np.abs(self._modes.J)
             for _ in range(order):
                 right.append(steps @ right[-1])
             for vector in right[:-1][::-1]:
@@ -407,16 +449,8 @@ class Defect:
         bounds alone does not.
         """
         signed, residual = residuals
-        reduction, m = self.flow.reduction, len(self.flow.reduction.second)
-        M = np.linalg.inv(full(reduction.M))
-        parts, sizes, rows = left[:, m : 2 * m] @ M, np.abs(left[:, m : 2 * m]) @ np.abs(M), reduction.second
-        if len(reduction.first):
-            C = full(reduction.C)
-            inverse, between = np.linalg.inv(C[m:, m:]), C[:m, m:]
-            rates, size = (left[:, 2 * m :] - parts @ between) @ inverse, np.abs(left[:, 2 * m :]) + sizes @ np.abs(between)
-            parts, sizes = np.concatenate([parts, rates], axis=1), np.concatenate([sizes, size @ np.abs(inverse)], axis=1)
-            rows = np.concatenate([rows, reduction.first])
-        noise = len(left) * DIVISOR_CONDITION * EPS  # of the inverses
+        reduction = self.flow.reduction
+        parts, sizes, rows, noise = divided_by_masses(left, reduction)
         driven = np.abs(parts @ signed[rows]) + np.abs(parts) @ (residual - np.abs(signed))[rows] + noise * (sizes @ residual[rows])
         if len(reduction.algebraic):
             right, step, matrix = [residual[reduction.algebraic]], np.abs(generator), np.concatenate(reduction.through, axis=1)
@@ -442,11 +476,52 @@ class Defect:
         if self.before is not None:
             return self.before._at_end()
         flow, v, (states, sizes) = self.flow, self._start, self._start_states
-        defect = np.abs((states @ v.astype(Extended) - flow.start).astype(float))
+        defect = np.abs((states @ v.astype(Extended) - self._initial).astype(float)) + self._impulsive[1][:, 0]
         defect += (len(v) + 4) * UNIT * (sizes @ np.abs(v) + np.abs(flow.start))
         if len(flow.reduction.algebraic):  # initial values satisfy algebraic equations to rounding errors
             defect += 4 * EPS * np.abs(flow.initial).max(initial=0.0)
         return np.hypot.reduceat(np.abs(self._inverse) @ defect, self._own)
+
+    @cached_property
+    def _is_exact(self) -> bool:
+        """Whether the numbers of the force are its data."""
+        return is_exact(self.flow.force) if self.before is None else self.before._is_exact
+
+    @property
+    def _initial(self) -> np.ndarray:
+        """The states at 0+."""
+        if self.flow.impulsive is None:
+            return self.flow.start.astype(Extended)
+        return self.flow.reduction.state(self.flow.initial) + self._impulsive[0][:, 0]
+
+    @property
+    def _knots(self) -> np.ndarray:
+        """The times at which pieces begin."""
+        return self.flow.states.restarts.knots
+
+    @cached_property
+    def _impulsive(self) -> tuple[np.ndarray, np.ndarray]:
+        """The jumps by impulses at each knot, M^-1 p, and bounds of their errors, shape (n, K)."""
+        if self.before is not None:
+            return self.before._impulsive
+        flow, n, m, knots = self.flow, len(self.flow.start), len(self.flow.reduction.second), self._knots
+        jumps, errors = np.zeros((n, len(knots)), dtype=Extended), np.zeros((n, len(knots)))
+        if flow.impulsive is None:
+            return jumps, errors
+        M, p = full(flow.reduction.M), np.zeros((m, len(knots)), dtype=Extended)
+        for load in (ImpulsiveLoad(0.0, flow.force.impulses), *flow.force.later):
+            for impulse in load.impulses:
+                p[:, knots.searchsorted(load.time)] += impulse[flow.reduction.second]
+        inverse, result = np.linalg.inv(M), np.zeros(p.shape, dtype=Extended)
+        for _ in range(3):
+            rest = p - M.astype(Extended) @ result
+            result = result + inverse @ rest.astype(float)
+        rest = np.abs(p - M.astype(Extended) @ result).astype(float)
+        sizes = np.abs(M) @ np.abs(result).astype(float) + np.abs(p).astype(float)
+        lost = 0.0 if self._is_exact else FORCE_ROUNDING * EPS
+        jumps[m : 2 * m] = result
+        errors[m : 2 * m] = 2 * np.abs(inverse) @ (rest + (m + 4) * UNIT * sizes + lost * np.abs(p).astype(float))
+        return jumps, errors
 
     @cached_property
     def _start_states(self) -> tuple[np.ndarray, np.ndarray]:
@@ -497,6 +572,7 @@ class Defect:
         columns, changed = [np.abs(flow.start_with_force)], [np.zeros(len(G))]
         if len(flow.reduction.algebraic):
             changed[0][:n] = 4 * EPS * np.abs(flow.initial).max(initial=0.0)
+        changed[0][:n] += np.abs((self._initial - flow.start).astype(float)) + self._impulsive[1][:, 0]
         for k in range(1, start.powers.shape[1]):
             changed.append((step @ changed[-1] + change @ columns[-1]) / k)
             columns.append(step @ columns[-1] / k)
@@ -512,3 +588,33 @@ def _times(x: np.ndarray, J: np.ndarray) -> np.ndarray:
     product[:, :-1] += x[:, 1:] * J.diagonal(-1)
     rest = np.triu(J, 2) + np.tril(J, -2)
     return product + x @ rest.astype(Extended) if rest.any() else product
+
+
+def is_exact(force: ImpulsiveSmooth) -> bool:
+    """Whether the numbers of a force are its data, without a rounding error: functions of time that differ, and impulses at different times."""
+    functions: list[tuple] = []
+    for part in force.exact_parts:
+        if part.maps or part.derivatives:
+            return False
+        if isinstance(part.data, ExactImpulse):
+            functions.append((part.rounded_time(), part.data.order))
+        elif isinstance(part.data, ExactTerm) and part.data.phase == 0 and part.data.divisor == 1:
+            functions.append((None, part.data.rate, part.data.angular_frequency))
+            if part.delays and functions[-1][1:] != (0.0, 0.0):
+                return False
+        else:
+            return False
+    return len(set(functions)) == len(functions)
+
+
+def divided_by_masses(left: np.ndarray, reduction: Reduction) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """left B, the effect of residuals of some rows of A(s) on left @ w', with the sizes of its terms, these rows, and its noise."""
+    m, M = len(reduction.second), np.linalg.inv(full(reduction.M))
+    parts, sizes, rows = left[:, m : 2 * m] @ M, np.abs(left[:, m : 2 * m]) @ np.abs(M), reduction.second
+    if len(reduction.first):
+        C = full(reduction.C)
+        inverse, between = np.linalg.inv(C[m:, m:]), C[:m, m:]
+        rates, size = (left[:, 2 * m :] - parts @ between) @ inverse, np.abs(left[:, 2 * m :]) + sizes @ np.abs(between)
+        parts, sizes = np.concatenate([parts, rates], axis=1), np.concatenate([sizes, size @ np.abs(inverse)], axis=1)
+        rows = np.concatenate([rows, reduction.first])
+    return parts, sizes, rows, len(left) * DIVISOR_CONDITION * EPS

@@ -198,7 +198,9 @@ def _separated(free: BlockDiagonal, driven: Driven, forcing, limit) -> tuple[np.
 
 def _coupled(own, of_force, T, D, J) -> _Coupled:
     unit = power_of_two_of(D) / power_of_two_of([np.abs(T).max(), np.abs(J).max()])
-    return _Coupled(own, of_force, np.block([[T, D / unit], [np.zeros((len(J), len(T))), J]]), unit)
+    joined, n = np.zeros((len(T) + len(J),) * 2), len(T)
+    joined[:n, :n], joined[:n, n:], joined[n:, n:] = T, D / unit, J
+    return _Coupled(own, of_force, joined, unit)
 
 
 def _own_states(part: FinitePart, blocks, inputs, gaps, forced: _Forced, early) -> np.ndarray:

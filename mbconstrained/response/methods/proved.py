@@ -1,7 +1,8 @@
 """Values of small models that are accurate to ``PROVED_ACCURACY`` of their own size at each time, however the model is graded.
 
 The float64 values are kept at the times at which a bound of their error (``response.methods.defect``) allows it; all others come from the
-exact engine, poles and residues of A(s)^-1 in balls, as many digits as the value at that time needs. The choice depends on the
+sums of refined modes (``response.methods.refined``), and those that these do not prove from the exact engine, poles and residues of
+A(s)^-1 in balls, as many digits as the value at that time needs. The choice depends on the
 problem and on the time alone.
 """
 
@@ -21,6 +22,7 @@ from ...ground.tolerances import EPS, PROVED_ACCURACY
 from ...signals.bohl import BohlFunction
 from ..events import Event, without_zeros
 from .defect import Defect
+from .refined import RefinedDefect
 
 if TYPE_CHECKING:
     from ...exact.enclosure.exact_response import ExactResponse
@@ -30,6 +32,9 @@ MOST_TIMES = 50_000
 
 #: Sums of modes without first moments of forces are kept where they are surely right to this, and where the first moments are no better.
 KEPT_ACCURACY = PROVED_ACCURACY / 3
+
+#: Sums of refined modes are as much better as their rounding to float64 may take.
+REFINED_ACCURACY = PROVED_ACCURACY - 2 * EPS
 
 #: The exact engine is asked for so many times at once.
 AT_ONCE = 2048
@@ -45,6 +50,7 @@ class ProvedFunction(BohlFunction):
         matrix: shape (p, r); None for x itself.
         finite_count: the number of finite zeros of A(s).
         defect: bounds the error of the float64 values; None where nothing does.
+        refined: the same of sums of refined modes.
     """
 
     rough: BohlFunction
@@ -53,9 +59,11 @@ class ProvedFunction(BohlFunction):
     order: int
     matrix: np.ndarray | None
     defect: Defect | None
+    refined: RefinedDefect | None
 
-    def __init__(self, rough: BohlFunction, exact, finite_count: int, defect: Defect | None, order: int = 0, matrix=None):
-        self.__dict__.update(rough=rough, exact=exact, finite_count=finite_count, defect=defect, order=order, matrix=matrix)
+    def __init__(self, rough: BohlFunction, exact, finite_count: int, defect=None, refined=None, order: int = 0, matrix=None):
+        self.__dict__.update(rough=rough, exact=exact, finite_count=finite_count, defect=defect, refined=refined)
+        self.__dict__.update(order=order, matrix=matrix)
 
     coefficients = property(attrgetter("rough.coefficients"))
     blocks = property(attrgetter("rough.blocks"))
@@ -84,7 +92,7 @@ class ProvedFunction(BohlFunction):
             return values
         values, doubtful = self._sums_of_modes(times)
         if len(doubtful):
-            doubtful = self._begun(values, times, doubtful)
+            doubtful = self._refined(values, times, self._begun(values, times, doubtful))
             if 0 < len(doubtful) <= MOST_TIMES and self.is_provable:
                 values[:, doubtful] = self.proved(times[doubtful])[0]
         return values
@@ -110,7 +118,7 @@ class ProvedFunction(BohlFunction):
         if (whole := self.defect.in_whole_pieces) is None:
             return None
         rough = self.rough.of(whole.flow)  # type: ignore[attr-defined]
-        return ProvedFunction(rough, self.exact, self.finite_count, whole, self.order, self.matrix)
+        return ProvedFunction(rough, self.exact, self.finite_count, whole, None, self.order, self.matrix)
 
     def _surely(self, values: np.ndarray, times: np.ndarray, accuracy: float = PROVED_ACCURACY) -> np.ndarray:
         """Which sums of modes are guaranteed to this accuracy relative to the largest value."""
@@ -130,6 +138,15 @@ class ProvedFunction(BohlFunction):
         right = bound <= PROVED_ACCURACY * np.abs(values[:, early]).max(axis=0)
         return np.setdiff1d(doubtful, early[right])
 
+    def _refined(self, values: np.ndarray, times: np.ndarray, doubtful: np.ndarray) -> np.ndarray:
+        """Replace values at doubtful times by sums of refined modes, and return the indices that remain doubtful."""
+        if not len(doubtful) or (modes := self.refined) is None or modes.refined is None:
+            return doubtful
+        with np.errstate(all="ignore"):
+            better, sure = modes.proved(self.rough.place, self.rough.order, times[doubtful], REFINED_ACCURACY)  # type: ignore[attr-defined]
+        values[:, doubtful[sure]] = better[:, sure]
+        return doubtful[~sure]
+
     def proved(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values by the exact engine, shape (p, T), with bounds of their errors."""
         exact = self.exact()
@@ -137,7 +154,7 @@ class ProvedFunction(BohlFunction):
         return np.hstack([values for values, _ in parts]), np.hstack([errors for _, errors in parts])
 
     def _with(self, rough: BohlFunction, order: int, matrix) -> ProvedFunction:
-        return ProvedFunction(rough, self.exact, self.finite_count, self.defect, order, matrix)
+        return ProvedFunction(rough, self.exact, self.finite_count, self.defect, self.refined, order, matrix)
 
     @cached_property
     def _through(self) -> np.ndarray:
