@@ -21,7 +21,19 @@ def system():
     return model.assemble()
 
 
+def chain(count):
+    K = 40.0 * (2 * np.eye(count) - np.eye(count, k=1) - np.eye(count, k=-1))
+    return mb.MechanicalSystem(np.eye(count), 0.01 * K, K)
+
+
+def rotor():
+    G = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    return mb.MechanicalSystem(np.eye(2), 0.1 * np.eye(2), 4 * np.eye(2), gyroscopic=G)
+
+
 MAKERS = {
+    "many states": lambda: chain(40).solve([0.1] * 40),
+    "rotor": lambda: rotor().at_speed(1.5).solve([0.1] * 2),
     "plain": lambda: system().solve([0.1] * 6),
     "record": lambda: system().solve(force=mb.sampled([0.0, 1.0, 2.0], np.outer(np.eye(6)[0], [0.0, 1.0, 0.0]))),
     "proportional damping": lambda: system().with_rayleigh_damping(0.1, 0.01).solve([0.1] * 6),
@@ -42,6 +54,13 @@ def test_motions(name, used):
     copy = pickle.loads(pickle.dumps(motion))
     assert np.array_equal(copy(times), motion(times))
     assert [str(notice) for notice in copy.notices] == [str(notice) for notice in motion.notices]
+
+
+def test_equations_of_a_rotor():
+    turning = rotor().at_speed(1.5)
+    copy = pickle.loads(pickle.dumps(turning))
+    assert np.array_equal(copy.damping, turning.damping)
+    assert [one.name for one in copy.parameters()] == [one.name for one in turning.parameters()]
 
 
 def test_other_answers():

@@ -122,6 +122,8 @@ def _maxima(entry: _ResponseEntry, grid, output: str, input: str) -> Iterator[Pe
         if entry.has_pole_between(grid[at], grid[at + 1]):
             continue
         peak = _root(lambda w: float(entry.slope(np.array([w]))[0]), grid[at], grid[at + 1])
+        if peak is None:  # a sign of rounding errors
+            continue
         value = entry.value(peak)
         if not abs(entry.sums(np.array([peak]))[0][0] - value) <= PEAK_AGREEMENT * abs(value):
             continue  # of the rounding errors of residues, in an entry that is zero
@@ -134,10 +136,15 @@ def _maxima(entry: _ResponseEntry, grid, output: str, input: str) -> Iterator[Pe
         yield Peak(output, input, peak / (2 * np.pi), abs(value), width, float(np.angle(value)))
 
 
-def _root(function, low: float, high: float) -> float:
-    """The sign change of a function between two points, to rounding error."""
+def _root(function, low: float, high: float) -> float | None:
+    """The sign change of a function between two points, to rounding error; None where both signs are one.
+
+    In a stop band the terms cancel, and the sign of what is left differs from one order of the sum to another.
+    """
     from scipy.optimize import brentq
 
+    if not function(low) * function(high) <= 0:
+        return None
     return float(brentq(function, low, high, rtol=4 * EPS, xtol=EPS * high))
 
 

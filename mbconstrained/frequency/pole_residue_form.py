@@ -9,6 +9,7 @@ A sum of these terms is right to some rounding errors of the largest of them: wh
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -133,7 +134,7 @@ class PoleResidueForm:
         """The states of the blocks that contain an eigenvalue, with its right vectors, matrix and left vectors."""
         pair, chosen = self.pairs.finite, self._blocks_of(zero)
         at = np.concatenate([np.arange(*self._slices[i].indices(len(pair.B))) for i in chosen])
-        J = scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))
+        J = pair.blocks[chosen[0]] if len(chosen) == 1 else scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))
         return at, *invariant_vectors(J, value, zero.multiplicity)
 
     @cached_property
@@ -221,12 +222,28 @@ def invariant_vectors(J: np.ndarray, value: complex, count: int) -> tuple[np.nda
     """Right vectors, matrix and left vectors of the ``count`` eigenvalues of J nearest to one: J right = right M, left J = M left."""
     if count == len(J):
         return np.eye(len(J)), J, np.eye(len(J))
+    if len(J) == 2 and (pair := _simple_vectors(J, value)) is not None:
+        return pair
     distance = np.sort(np.abs(np.linalg.eigvals(J) - value))
     limit = (distance[count - 1] + distance[count]) / 2
     T, Q, _ = scipy.linalg.schur(J, output="complex", sort=lambda root: abs(root - value) <= limit)
     X = scipy.linalg.solve_sylvester(T[:count, :count], -T[count:, count:], -T[:count, count:])
     left = Q.conj().T
     return Q[:, :count], T[:count, :count], left[:count] - X @ left[count:]
+
+
+def _simple_vectors(J: np.ndarray, value: complex) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """The vectors of one of a complex pair of eigenvalues of two real rows, in closed form; None of real eigenvalues."""
+    (a, b), (c, d) = J.tolist()
+    half, middle = (a - d) / 2, (a + d) / 2
+    square = half * half + b * c
+    if not square < 0 or isinstance(b, complex):
+        return None
+    own = complex(middle, math.copysign(math.sqrt(-square), value.imag))
+    # (J - own) (b, own - a) = 0 = (c, own - a) (J - own); |b|, |c| > 0
+    right, left = np.array([[b], [own - a]]), np.array([[c, own - a]])
+    right /= np.linalg.norm(right)
+    return right, np.array([[own]]), left / (left @ right)
 
 
 def _parts(outputs: np.ndarray) -> list[np.ndarray]:

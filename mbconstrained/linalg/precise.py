@@ -176,11 +176,13 @@ def zero_multiplicity(E: np.ndarray, F: np.ndarray) -> int:
 
 def remainders(matrix: np.ndarray) -> np.ndarray:
     """The entries, whole numbers, floats or Fractions of floats, modulo the prime, from 0 on, as Python integers."""
-    ratios = [value.as_integer_ratio() for value in np.asarray(matrix).ravel().tolist()]
+    matrix = np.asarray(matrix)
+    values, where = np.unique(matrix, return_inverse=True) if matrix.dtype.kind == "f" else (matrix.ravel(), slice(None))
+    ratios = [value.as_integer_ratio() for value in values.tolist()]
     inverses = {denominator: pow(denominator, -1, PRIME) for _, denominator in ratios}
-    residues = np.empty(np.shape(matrix), dtype=object)
-    residues.flat = [numerator * inverses[denominator] % PRIME for numerator, denominator in ratios]
-    return residues
+    residues = np.empty(len(ratios), dtype=object)
+    residues[:] = [numerator * inverses[denominator] % PRIME for numerator, denominator in ratios]
+    return residues[where].reshape(matrix.shape)
 
 
 def modular(matrix: np.ndarray) -> nmod_mat:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise, product
 from typing import TypeVar
 
@@ -45,8 +45,12 @@ def at_speed(system: Rotor, speed: float) -> Rotor:
     result.gyroscopic = result.circulatory = result.unbalance = None
     result.speed_tables = ()
     own = Parameter("speed", speed, stiffness=slope[0], damping=slope[1], unit="rad/s")
-    result.parameter_source = lambda: (*system.parameters(), own)
+    result.parameter_source = partial(_parameters_at_speed, system, own)
     return result
+
+
+def _parameters_at_speed(system: EquationsOfMotion, speed: Parameter) -> tuple[Parameter, ...]:
+    return (*system.parameters(), speed)
 
 
 def check_rotor(system: EquationsOfMotion, *speeds: float) -> None:

@@ -89,6 +89,9 @@ class Method:
         """One phrase with the deciding condition."""
         return self.because if isinstance(self.because, str) else self.because()
 
+    def __getstate__(self) -> dict:
+        return {**vars(self), "because": self.reason}  # a text goes to other processes, a local function does not
+
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.name}, {self.reason})"
 

@@ -65,3 +65,19 @@ def test_every_peak_is_a_maximum():
         size = lambda f, peak=peak: -abs(H([f]).values[H.outputs.index(peak.output), 0, 0])  # noqa: E731
         near = minimize_scalar(size, bounds=(0.999 * peak.frequency_hz, 1.001 * peak.frequency_hz), method="bounded")
         assert -near.fun <= peak.amplitude * (1 + 1e-13)
+
+
+@pytest.mark.parametrize("stiffness", [1.0, 1000.0])
+def test_rounding_errors_in_the_stop_band_of_a_chain_are_no_peaks(stiffness):
+    """Above the highest natural frequency the terms of 50 masses cancel: |H| falls there without a maximum, and below it has one for
+    each lightly damped mode."""
+    K = stiffness * (2 * np.eye(50) - np.eye(50, k=1) - np.eye(50, k=-1))
+    system = mb.MechanicalSystem(np.eye(50), 1e-3 * K, K)
+    highest = np.sqrt(np.linalg.eigvalsh(K).max()) / (2 * np.pi)
+    for output in ("x1", "x25", "x50"):
+        peaks = system.frequency_response(np.linspace(0.001, 1, 400), ["x1"], [output]).peaks
+        assert len(peaks) > 5 and max(peak.frequency_hz for peak in peaks) < highest
+        for peak in peaks[:5]:
+            near = system.frequency_response(peak.frequency_hz * np.array([1 - 1e-6, 1, 1 + 1e-6]), ["x1"], [output])
+            np.testing.assert_allclose(np.abs(near.values.item(1)), peak.amplitude, rtol=1e-9)
+            assert np.abs(near.values).argmax() == 1

@@ -19,6 +19,12 @@ from ..harmonic import Harmonic
 from ..pole_residue_form import Pole, is_on_axis
 from .spectral_matrix import SpectralMatrix
 
+#: Terms of rounding errors of the entries that are computed at once.
+MOST_TERMS = 1 << 20
+
+#: Numbers are split into halves of their digits by a product with this one, matrices into at most so many parts.
+SPLIT, MOST_PARTS = 2.0**27 + 1, 8
+
 # H(f) with refined poles: the real part of a pole near the axis is the damping, and needs its own relative accuracy.
 
 
@@ -104,7 +110,8 @@ class SpectralTransfer:
         form = self.harmonic.form
         pair, coefficients = form.pairs.finite, self.harmonic.real[0].coefficients
         columns, rows, at, owner = [], [], [], []
-        for number, value in enumerate(values):
+        upper = {complex(value.real, abs(value.imag)): None for value in values}  # conjugates have conjugate steps
+        for number, value in enumerate(upper):
             places, right, _, left = form.subspace(self._zero_at(value), value)
             X, Y = pair.C[:, places] @ right, left @ pair.B[places]
             for i in range(X.shape[1]):
@@ -112,19 +119,20 @@ class SpectralTransfer:
                 rows.append(Y[i])
                 at.append(value)
                 owner.append(number)
-        with precise.precise_arithmetic():
-            residuals = _bilinear(coefficients, np.array(columns).T, np.array(rows), np.array(at))
-        of = np.array(owner)
+        X, Y, p, of = np.array(columns).T, np.array(rows), np.array(at), np.array(owner)
+        residuals = _bilinear(coefficients, X, Y, p)
         sizes = self.harmonic.sizes if self.harmonic.imaginary is None else None
-        used = np.abs(coefficients) if sizes is None else sizes
-        doubts = EPS * np.array(
-            [
-                sum((A * np.abs(np.real(p**k * np.outer(y, x)))).sum() for k, A in enumerate(used))
-                for x, y, p in zip(columns, rows, at)
-            ]
-        )
-        means = [residuals[of == number].mean() for number in range(len(values))]
-        return [-mean for mean in means], [float(doubts[of == number].max()) for number in range(len(values))]
+        doubts = np.zeros(len(p))
+        for k, A in enumerate(np.abs(coefficients) if sizes is None else sizes):
+            i, j = np.nonzero(A)
+            for part in np.array_split(np.arange(len(p)), -(-len(p) * len(i) // MOST_TERMS) or 1):
+                doubts[part] += A[i, j] @ np.abs((p[part] ** k * Y[part].T[i] * X[j][:, part]).real)
+        steps = {value: -residuals[of == number].mean() for number, value in enumerate(upper)}
+        errors = {value: float(EPS * doubts[of == number].max()) for number, value in enumerate(upper)}
+        keys = [complex(value.real, abs(value.imag)) for value in values]
+        return [steps[key] if key == value else steps[key].conjugate() for key, value in zip(keys, values)], [
+            errors[key] for key in keys
+        ]
 
     @cached_property
     def polynomial(self) -> np.ndarray:
@@ -199,17 +207,73 @@ def _without_noise(residues: np.ndarray, sizes: np.ndarray) -> np.ndarray:
 
 
 def _bilinear(coefficients: np.ndarray, X: np.ndarray, Y: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """y_k^T A(p_k) x_k in extended precision, shape (K,)."""
-    real, imaginary = precise.precise(X.real), precise.precise(X.imag)
-    pr, pi = precise.precise(p.real), precise.precise(p.imag)
-    yr, yi = precise.precise(Y.real.T), precise.precise(Y.imag.T)
-    total_real, total_imaginary = precise.precise(np.zeros(len(p))), precise.precise(np.zeros(len(p)))
-    for A in coefficients:
-        matrix = precise.precise(A)
-        u, v = precise.product(matrix, real), precise.product(matrix, imaginary)
-        total_real, total_imaginary = total_real + (yr * u - yi * v).sum(axis=0), total_imaginary + (yr * v + yi * u).sum(axis=0)
-        real, imaginary = real * pr - imaginary * pi, real * pi + imaginary * pr
-    return precise.floats(total_real) + 1j * precise.floats(total_imaginary)
+    """y_k^T A(p_k) x_k in twice the digits of float64, shape (K,)."""
+    total: tuple[_Doubled, _Doubled] = (np.zeros((2, len(p))), np.zeros((2, len(p))))
+    for A in coefficients[::-1]:
+        u, v = _doubled_product(A, X.real), _doubled_product(A, X.imag)
+        yr, yi = Y.real.T, Y.imag.T
+        re, im = total
+        total = (
+            _plus(_plus(_times(re, p.real), _times(im, -p.imag)), _total(_plus(_times(u, yr), _times(v, -yi)))),
+            _plus(_plus(_times(re, p.imag), _times(im, p.real)), _total(_plus(_times(v, yr), _times(u, yi)))),
+        )
+    return total[0].sum(axis=0) + 1j * total[1].sum(axis=0)
+
+
+# Numbers as unevaluated sums of two floats, in arrays with these along the first axis. Source: Dekker, Numer. Math. 18 (1971).
+
+_Doubled = np.ndarray
+
+
+def _sum_with_error(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    total = a + b
+    part = total - a
+    return total, (a - (total - part)) + (b - part)
+
+
+def _plus(one: _Doubled, other: _Doubled) -> _Doubled:
+    total, error = _sum_with_error(one[0], other[0])
+    return np.array(_sum_with_error(total, error + (one[1] + other[1])))
+
+
+def _times(one: _Doubled, factor: np.ndarray) -> _Doubled:
+    (a, b), (c, d) = (((large := SPLIT * x - (SPLIT * x - x)), x - large) for x in (one[0], factor))
+    product = one[0] * factor
+    error = ((a * c - product) + a * d + b * c) + b * d
+    return np.array(_sum_with_error(product, error + one[1] * factor))
+
+
+def _total(values: _Doubled) -> _Doubled:
+    """The sum over the second axis."""
+    while (count := values.shape[1]) > 1:
+        half = count // 2
+        pairs = _plus(values[:, :half], values[:, half : 2 * half])
+        values = np.concatenate([pairs, values[:, 2 * half :]], axis=1)
+    return values[:, 0]
+
+
+def _doubled_product(A: np.ndarray, X: np.ndarray) -> _Doubled:
+    """A X of parts of A and X that have so few digits that BLAS makes no rounding error (Ozaki et al., Numer. Algorithms 59, 2012)."""
+    digits = (53 - int(np.ceil(np.log2(max(len(X), 2))))) // 2
+    parts = sorted(
+        ((i + j, one, other) for i, one in enumerate(_parts(A, 1, digits)) for j, other in enumerate(_parts(X, 0, digits))),
+        key=lambda term: -term[0],
+    )
+    total = np.zeros((2, len(A), X.shape[1]))
+    for _, one, other in parts:
+        total = _plus(total, np.array([one @ other, np.zeros(total.shape[1:])]))
+    return total
+
+
+def _parts(matrix: np.ndarray, axis: int, digits: int) -> list[np.ndarray]:
+    """Matrices whose sum is this one, each of so many binary digits below the largest entry of a row or column."""
+    result = []
+    while matrix.any() and len(result) < MOST_PARTS:
+        largest = np.abs(matrix).max(axis=axis, keepdims=True)
+        shift = np.ldexp(0.75, np.frexp(largest)[1] + 54 - digits)
+        result.append((matrix + shift) - shift)
+        matrix = matrix - result[-1]
+    return result
 
 
 # Integrals of f^k H(f) S(f) H(f)^H over all positive frequencies, in closed form near poles and exactly by Gauss's rule elsewhere.
