@@ -32,7 +32,6 @@ LINES = {
     "mechanics": 10842,
     "models": 1220,
     "page": 5537,
-    "papers": 317,
     "polynomial": 2898,
     "response": 5003,
     "robot": 9283,

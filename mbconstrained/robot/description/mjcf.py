@@ -26,13 +26,11 @@ from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
 from ...ground.files import isolated
 from ...ground.notices import Notice, NoticeKind
-from ..connections import Bushing, Loop
+from ..connections import Bushing, Loop, Segment, Tendon
 from ..flexible_joint import Motor
 from ..kinematics import MOST_COORDINATES
 from ..tangent import JointGear
-from ..tendons import Segment, Tendon
-from .models import ModelFile
-from .urdf import LARGEST, RENAMED_GROUND, read_urdf, short, xml_element
+from .urdf import LARGEST, RENAMED_GROUND, ModelFile, read_urdf, short, xml_element
 
 #: Files that include others, elements in elements, and models in models, at most so deep.
 DEEPEST_INCLUDE, DEEPEST_ELEMENT, DEEPEST_MODEL = 5, 300, 5

@@ -19,24 +19,27 @@ from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ..tangent import BASE, JointGear
-from .extensions import acts, local_name, read_drake, read_motor, read_urdf_file
-from .joints import (
+from .extensions import (
     WORLD,
     Content,
     Joint,
+    acts,
     add_joint,
     add_loop,
     add_origin,
     amount,
     is_true,
     leave_out_repeated,
+    local_name,
     placement,
     pose_of,
+    read_drake,
     read_joint,
+    read_motor,
+    read_urdf_file,
     text_of,
 )
-from .models import DOWNWARDS, ModelFile
-from .urdf import MOMENTS, MOST_LINKS, RENAMED_GROUND, number, numbers, read_urdf, short, xml_element
+from .urdf import DOWNWARDS, MOMENTS, MOST_LINKS, RENAMED_GROUND, ModelFile, number, numbers, read_urdf, short, xml_element
 
 #: Endings of SDF files; one that ends in .xml is looked into.
 ENDINGS = (".sdf", ".world", ".model")

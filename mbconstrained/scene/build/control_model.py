@@ -26,7 +26,7 @@ from ...response.response import Response
 from ...signals.bohl import BohlFunction
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import power, zero
-from ..file.messages import at
+from ..file import at
 from ..quantities.coordinates import Coordinates, initial_values, state_values
 from .data_files import entries_of
 from .forces import input_of

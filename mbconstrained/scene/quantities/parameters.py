@@ -20,7 +20,7 @@ from ...ground.checks import nearest
 from ...ground.errors import InputError, SceneError, quoted, shown
 from ...ground.notices import Notice, NoticeKind
 from ...ground.quantities import Dimension, Expressed, any_quantity, described, in_range, unit_of
-from ..file.messages import Place, place, together
+from ..file import Place, place, together
 
 LONGEST_EXPRESSION = 200  # characters
 LARGEST_EXPONENT = 20

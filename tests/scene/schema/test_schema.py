@@ -11,11 +11,11 @@ from jsonschema import Draft202012Validator
 from mbconstrained import cli
 from mbconstrained.cli import new
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.page.drawing import bodies
+from mbconstrained.page import drawing as bodies
 from mbconstrained.scene.run.scene import read_scene
-from mbconstrained.scene.schema import drawing_tables, validation
-from mbconstrained.scene.schema.editors import robot_schema, scene_schema
-from mbconstrained.scene.schema.scene_schema import SceneFile
+from mbconstrained.scene.schema import entry_types as validation
+from mbconstrained.scene.schema import scene_schema as drawing_tables
+from mbconstrained.scene.schema.scene_schema import SceneFile, robot_schema, scene_schema
 from tests.scene.scenes import EXAMPLES, OSCILLATOR
 
 SCHEMA = SceneFile.model_json_schema()
