@@ -339,7 +339,6 @@ def packed(array: np.ndarray, kind: str = "<f4") -> str:
 
 
 def body_poses(drawing: Drawing, frames: KeyFrames) -> BodyPoses:
-    """The poses of all bodies at key frames."""
     count = len(frames.times)
     poses = {}
     for body, path in zip(drawing.bodies, frames.paths):

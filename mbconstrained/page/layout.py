@@ -140,7 +140,6 @@ class Piece:
         return frozenset(body.name for body in self.bodies)
 
     def body(self, name: str) -> DrawnBody:
-        """The body of this name."""
         return next(body for body in self.bodies if body.name == name)
 
     @property

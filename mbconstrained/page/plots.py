@@ -76,7 +76,7 @@ class PlotFunctions:
         shared: dict[tuple, tuple[TimeFunctions, list[int]]] = {}
         for plot in drawn:
             own: dict[tuple, np.ndarray] = {}
-            for values, function in _all_functions(plot):
+            for values, function in (each for curve in plot.curves for each in _functions(plot, curve)):
                 if function is None:
                     own.setdefault((id(plot), id(values)), values)
                     continue
@@ -129,10 +129,6 @@ def _functions(plot: Plot, curve: Curve) -> Iterator[tuple[np.ndarray, tuple[Tim
     if plot.across:
         yield plot.along(curve), plot.across.function if curve.along is None else None
     yield curve.values, curve.function
-
-
-def _all_functions(plot: Plot) -> Iterator[tuple[np.ndarray, tuple[TimeFunctions, int] | None]]:
-    return (each for curve in plot.curves for each in _functions(plot, curve))
 
 
 def _selected(functions: TimeFunctions, rows: list[int]) -> TimeFunctions:
@@ -363,13 +359,8 @@ def _classes(number: int) -> str:
 
 def plotted(x: np.ndarray, y: np.ndarray, *, phase: bool) -> np.ndarray:
     """The drawn points of a curve: all, or the extremes of each pixel column; of a phase plane evenly chosen ones."""
-    kept = _sparse(x) if phase else _kept(x, y)
+    kept = np.linspace(0, len(x) - 1, min(len(x), MOST_POINTS)).round().astype(int) if phase else _kept(x, y)
     return np.rint(np.array([x[kept], y[kept]])).astype(int)
-
-
-def _sparse(x: np.ndarray) -> np.ndarray:
-    """Indices of the drawn points of a phase curve: at most ``MOST_POINTS``, evenly chosen."""
-    return np.linspace(0, len(x) - 1, min(len(x), MOST_POINTS)).round().astype(int)
 
 
 def _kept(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -500,12 +491,10 @@ def plot_image(plot: Plot, kind: Literal["svg", "png"]) -> bytes:
     curves = plot.curves[: max(MOST_CURVES, plot.shown)]
     longest = max(len(shortened(curve.name)) for curve in curves)
     columns = min(len(curves), max(1, int((IMAGE_WIDTH - 0.3) / (_SAMPLE + _LETTER * longest))))
-    height = (LARGE_IMAGE_HEIGHT if plot.is_large else IMAGE_HEIGHT) + _ROW * -(-(len(curves) + len(_named_marks(plot))) // columns)
+    height = (LARGE_IMAGE_HEIGHT if plot.is_large else IMAGE_HEIGHT) + _ROW * -(
+        -(len(curves) + len({marks.name for marks in plot.marks if marks.name})) // columns
+    )
     return drawn_image(lambda figure: _draw(figure, plot, curves, columns), IMAGE_WIDTH, height, kind)
-
-
-def _named_marks(plot: Plot) -> set[str]:
-    return {marks.name for marks in plot.marks if marks.name}
 
 
 def _draw(figure: Figure, plot: Plot, curves: tuple[Curve, ...], columns: int) -> None:

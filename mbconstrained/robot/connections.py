@@ -456,7 +456,6 @@ class LinkFrames:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the links."""
         return tuple(self._frames)
 
     def number(self, body: str) -> int:

@@ -354,18 +354,14 @@ def connection_points(posture: Posture) -> tuple[ConnectionPoints, ...]:
         if connection == posture.robot.moving_base:
             continue
         ends = [
-            _in_body(posture, body, anchor) for body, anchor in ((connection.body1, item.first), (connection.body2, item.second))
+            _in_frame(posture.robot.link_frames.link(body), anchor.point)
+            for body, anchor in ((connection.body1, item.first), (connection.body2, item.second))
         ]
         points += [
             ConnectionPoints(connection.name, kind, connection.body1, ends[0], connection.body2, ends[1])
             for kind in _kinds(connection)
         ]
     return tuple(points)
-
-
-def _in_body(posture: Posture, body: str, anchor: Anchor) -> np.ndarray:
-    """The anchor's point in the frame of the link instead of that of its joint."""
-    return _in_frame(posture.robot.link_frames.link(body), anchor.point)
 
 
 def _kinds(connection: Connection) -> tuple[str, ...]:

@@ -62,7 +62,6 @@ class SceneName(str):
     settings: Mapping[Place, Sequence[str]]
 
     def __new__(cls, name: str, origins: Mapping[Place, tuple[str, Place]] | None = None, settings=None):
-        """The name with its origins."""
         result = super().__new__(cls, name)
         result.origins, result.settings = origins or {}, settings or {}
         return result
@@ -232,7 +231,8 @@ def _content(path: Path) -> bytes:
         with open(path, "rb") as file:
             return file.read(LARGEST_SCENE + 1)
     except FileNotFoundError:
-        raise SceneError(f"{path}: there is no such file{_near(path)}") from None
+        near = nearest(path.name, [other.name for other in path.parent.glob("*.toml")]) if path.parent.is_dir() else ""
+        raise SceneError(f"{path}: there is no such file{near}") from None
     except SceneError:  # a ValueError as well
         raise
     except (OSError, ValueError) as problem:
@@ -243,10 +243,6 @@ def _content(path: Path) -> bytes:
 def _scenes_in(folder: Path) -> str:
     names = sorted(path.name for path in folder.glob("*.toml"))[:5]
     return f", e.g. {', '.join(names)}" if names else ""
-
-
-def _near(path: Path) -> str:
-    return nearest(path.name, [other.name for other in path.parent.glob("*.toml")]) if path.parent.is_dir() else ""
 
 
 def parse(text: str, name: str) -> dict:

@@ -636,7 +636,6 @@ class _UrdfFrames:
         raise InputError(f'{where}: there is no link or frame "{short(name)}"')
 
     def body(self, name: str, where: str) -> str:
-        """The body of a frame, as in ``Frames``."""
         body, _ = self.anchor(name, where)
         return WORLD if body == GROUND else body
 

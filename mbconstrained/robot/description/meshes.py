@@ -19,7 +19,6 @@ from urllib.parse import unquote
 from xml.etree import ElementTree
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ...ground.errors import InputError
 from .urdf import xml_element
@@ -173,6 +172,8 @@ def collada_mesh(text: str, scale=(1.0, 1.0, 1.0)) -> Mesh:
 
 def _simplified(text: str) -> io.BytesIO:
     """A COLLADA file of what is drawn, in one namespace, without samplers of images that are not there (anymal_foot.dae)."""
+    from scipy.spatial.transform import Rotation
+
     root = xml_element(text, "dae")
     surfaces = {element.get("sid") for element in root.iter()}
     for element in root.iter():
@@ -340,7 +341,6 @@ class MeshFiles:
         self._with_images: dict[tuple, Mesh] = {}
 
     def mesh(self, name: str, scale, where: str, *, images: bool = False) -> Mesh:
-        """The mesh of a file."""
         path, roots = self._file(name, where)
         mesh = self.read(path, scale, roots, where)
         if not images:
@@ -351,7 +351,6 @@ class MeshFiles:
         return self._with_images[key]
 
     def read(self, path: Path, scale, roots: tuple[Path, ...], where: str) -> Mesh:
-        """The mesh of a file by its path."""
         key = (path, tuple(scale))
         if key not in self._meshes:
             self._meshes[key] = read_mesh(path, scale, roots, where)

@@ -397,7 +397,7 @@ class _Reader:
         np.add.at(armature, mj.jnt_dofadr, own_armature)
         np.add.at(damping, mj.jnt_dofadr, own_damping)
         damping = damping * (not _flag(mj, "DAMPER"))
-        if root or any(self._drawn_in_world()):
+        if root or any(geom_kind(self.mj, int(geom)) not in _UNDRAWN for geom in np.flatnonzero(self.mj.geom_bodyid == 0)):
             _add_link(model, self.bodies[0], root, pinocchio.SE3.Identity())
         for body in range(1, mj.nbody):
             joint, place = self.places[mj.body_parentid[body]]
@@ -455,9 +455,6 @@ class _Reader:
                     square * _rows(mj, "actuator_damping", len(mj.actuator_trntype))[actuator, 0],
                 )
         return values[0], values[1]
-
-    def _drawn_in_world(self) -> Iterator[bool]:
-        return (geom_kind(self.mj, int(geom)) not in _UNDRAWN for geom in np.flatnonzero(self.mj.geom_bodyid == 0))
 
     def _each_joint(self) -> Iterator[tuple[int, str, str]]:
         kinds = _kinds("mjtJoint", "mjJNT_")

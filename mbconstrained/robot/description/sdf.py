@@ -450,7 +450,7 @@ class _Assembly:
         if twice:
             raise InputError(f'sdf: two joints are named "{short(twice[0])}"; names must differ')
         self._name_leaders()
-        self._add_tree(bodies, base, {name for gear in gearboxes for name in self._gear_joints(gear)})
+        self._add_tree(bodies, base, {item[0].name for gear in gearboxes for item in self._of_gear(gear) if item is not None})
         kinds = {element.get("name"): element.get("type") for element in self.robot.findall("joint")}
         for joint, element in motors:
             if kinds.get(joint.name) in ("revolute", "prismatic"):
@@ -548,10 +548,6 @@ class _Assembly:
                     passed.add(other)
                     waiting.append(other)
                     add_joint(self.robot, joint if joint.parent == body else joint.reversed(), self.places, self.content)
-
-    def _gear_joints(self, gear: Joint) -> list[str]:
-        """The names of the joints between the reference of a gearbox and its parent and child."""
-        return [item[0].name for item in self._of_gear(gear) if item is not None]
 
     def _of_gear(self, gear: Joint) -> list[tuple[Joint, float] | None]:
         """The joints of a gearbox with the sign of their coordinates for a turn of the body about the axis of the gearbox."""

@@ -100,7 +100,6 @@ def load_patterns(
 
 
 def unbalance_loads(unbalance: np.ndarray, speed: float, coordinates: Coordinates) -> tuple[SceneForce, ...]:
-    """The forces of the unbalance at a speed."""
     loads = []
     for place in np.flatnonzero(unbalance) if speed else ():
         u, name, unit = unbalance[place], coordinates.names[place], coordinates.units[place]

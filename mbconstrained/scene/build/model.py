@@ -140,7 +140,6 @@ class Equations:
         raise NotImplementedError
 
     def output_closed_form(self, motion: Any) -> BohlFunction:
-        """The outputs in closed form."""
         raise NotImplementedError
 
     def output_error_estimate(self, times: np.ndarray) -> float | None:
@@ -242,7 +241,6 @@ class ElementQuantity:
 
 
 def element_quantities(tables, equations: Equations) -> Iterator[ElementQuantity]:
-    """The quantities of the tables."""
     for table in tables:
         yield _between(table, equations) if table.between else _of_element(table, equations)
 

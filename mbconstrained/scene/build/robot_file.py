@@ -120,7 +120,6 @@ def _some(names) -> str:
 
 
 def joint_values(values: Mapping, names: UrdfNames, units: Mapping[str, str]) -> dict[str, float]:
-    """The values of joints."""
     by_name = {}
     for name, value in values.items():
         unit = names.joint_unit(name)
@@ -319,12 +318,10 @@ class RobotData:
 
     @property
     def source(self) -> str:
-        """Source of the robot."""
         return self.table.source
 
     @property
     def licence(self) -> str:
-        """Licence of the robot."""
         return self.table.licence
 
     def with_locked(self, locks: Mapping[str, float]) -> RobotData:

@@ -39,8 +39,6 @@ class Expression:
     tree: ast.expr  # of Python's parser; a Name has the name of a parameter, a Constant the text of a number
 
     def value(self, number: Callable[[str], Any], names: Mapping[str, Any]) -> Any:
-        """The value of the expression."""
-
         def of(node: Any) -> Any:
             if isinstance(node, ast.Constant):
                 return number(str(node.value))

@@ -222,7 +222,6 @@ class _RobotPicture(_Picture):
         return forces, f"reactions on {_listed([wrench.on for wrench, *_ in drawn])}, the load at rest included"
 
     def impulse_arrows(self, drawing: Drawing, time: float) -> tuple[ImpulseArrow, ...]:
-        """The impulses at a time as arrows."""
         from ...robot.visualization import row_wrenches
 
         posture, arrows, of_rows = self.equations.posture, [], self.impulses_at(time)[0]

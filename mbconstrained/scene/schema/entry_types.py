@@ -161,13 +161,9 @@ SPEED: Any = Field(None, description='The constant speed of a rotor, e.g. "3000 
 def _teeth(value):
     count = quantity(value, "1")
     if count != int(count) or count < 1:
-        raise InputError(f"found {shown(value)}{_value_of(value)}; expected a whole number of teeth, e.g. 24")
+        result = f", which is {float(value):g}" if hasattr(value, "text") else ""
+        raise InputError(f"found {shown(value)}{result}; expected a whole number of teeth, e.g. 24")
     return count
-
-
-def _value_of(value) -> str:
-    """The value of an expression of parameters, for messages."""
-    return f", which is {float(value):g}" if hasattr(value, "text") else ""
 
 
 Teeth = Annotated[
