@@ -11,11 +11,10 @@ from jsonschema import Draft202012Validator
 from mbconstrained import cli
 from mbconstrained.cli import new
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.page import drawing as bodies
+from mbconstrained.page import drawing
 from mbconstrained.scene.run.scene import read_scene
-from mbconstrained.scene.schema import entry_types as validation
-from mbconstrained.scene.schema import scene_schema as drawing_tables
-from mbconstrained.scene.schema.scene_schema import SceneFile, robot_schema, scene_schema
+from mbconstrained.scene.schema.entry_types import KINDS_OF_ENTRIES
+from mbconstrained.scene.schema.scene_schema import LinkKind, SceneFile, Shape, robot_schema, scene_schema
 from tests.scene.scenes import EXAMPLES, OSCILLATOR
 
 SCHEMA = SceneFile.model_json_schema()
@@ -45,15 +44,15 @@ def test_the_schema_of_scenes_is_complete():
 
 
 def test_drawing_knows_the_shapes_and_links_of_the_page():
-    assert (*get_args(drawing_tables.Shape), "solids") == get_args(bodies.Shape)  # solids come from a URDF, never from a scene
-    assert get_args(drawing_tables.LinkKind) == get_args(bodies.LinkKind)
+    assert (*get_args(Shape), "solids") == get_args(drawing.Shape)  # solids come from a URDF, never from a scene
+    assert get_args(LinkKind) == get_args(drawing.LinkKind)
 
 
 def test_kinds_in_messages_are_those_of_the_schema():
     for key in ("model", "force", "motion"):
         entry = SCHEMA["properties"][key]
         tagged = entry.get("items", entry)["discriminator"]["mapping"]
-        assert [f'"{kind}"' in validation.KINDS[key] for kind in tagged] == [True] * len(tagged)
+        assert [f'"{kind}"' in KINDS_OF_ENTRIES[key] for kind in tagged] == [True] * len(tagged)
 
 
 CHECK = Draft202012Validator(scene_schema())
