@@ -3,10 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, ValidationError, WithJsonSchema, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    ValidationError,
+    WithJsonSchema,
+    WrapValidator,
+    model_validator,
+)
 
 from ...ground.checks import nearest
 from ...ground.errors import InputError, SceneError, quoted, shown
@@ -85,8 +95,15 @@ def quantity_field(unit: str):
     text = EXPRESSION_SCHEMA if unit == "1" else QUANTITY_SCHEMA
     examples = ([] if unit == "1" else [KINDS[unit][1].strip('"')]) + ["=2*k"]
     schema = {"unit": unit, "examples": examples, "anyOf": [{"type": "number"}, text]}
-    # PlainValidator keeps an expression of parameters, which pydantic would convert to a float
-    return Annotated[float, PlainValidator(lambda value: quantity(value, unit)), WithJsonSchema(schema)]
+
+    def number(value, check: Callable[[float], float]):
+        """The number in SI, within the bounds of its field; an expression of parameters as it is, which pydantic would convert to a float."""
+        result = quantity(value, unit)
+        if isinstance(result, (int, float)):
+            check(result)
+        return result
+
+    return Annotated[float, WrapValidator(number), WithJsonSchema(schema)]
 
 
 Number = quantity_field("1")
@@ -281,6 +298,10 @@ def _choice(value, known: str) -> str:
     return f"found {shown(value)}; expected {known}{hint}"
 
 
+def _limit(context: dict, key: str) -> str:
+    return f"{context.get(key, 0):g}"
+
+
 def _expectation(kind: str, context: dict) -> str:
     return {
         "list_type": "expected an array [ … ]",
@@ -296,8 +317,8 @@ def _expectation(kind: str, context: dict) -> str:
         "string_too_long": f"expected at most {context.get('max_length')} letters",
         "too_short": f"expected at least {context.get('min_length')} entries",
         "too_long": f"expected at most {context.get('max_length')} entries",
-        "greater_than": f"expected more than {context.get('gt')}",
-        "less_than": f"expected less than {context.get('lt')}",
-        "greater_than_equal": f"expected at least {context.get('ge')}",
-        "less_than_equal": f"expected at most {context.get('le')}",
+        "greater_than": f"expected more than {_limit(context, 'gt')}",
+        "less_than": f"expected less than {_limit(context, 'lt')}",
+        "greater_than_equal": f"expected at least {_limit(context, 'ge')}",
+        "less_than_equal": f"expected at most {_limit(context, 'le')}",
     }.get(kind, "")
