@@ -14,7 +14,7 @@ from PIL import Image
 
 import mbconstrained as mb
 from mbconstrained.page.photograph import photograph
-from mbconstrained.page.plots.images import plot_image
+from mbconstrained.page.plots import plot_image
 from mbconstrained.scene.run.stages import is_animated
 
 HERE = Path(__file__).parent

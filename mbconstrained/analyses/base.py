@@ -16,8 +16,7 @@ from ..ground.display import WIDTH, Displayed, TextTable, finite_or_none
 from ..ground.files import Replacements
 from ..ground.notices import Notice
 from ..page.content import PageContent, Plot
-from ..scene.schema.entry_types import Table
-from ..scene.schema.validation import validated
+from ..scene.schema.entry_types import Table, validated
 
 if TYPE_CHECKING:
     from ..page.html import Delivery
@@ -138,7 +137,7 @@ class Answer(Displayed):
             with Replacements() as files:
                 return self.write(folder, formats, viewer, files)
         from ..page.html import write_page
-        from ..page.plots.images import plot_image, plot_images
+        from ..page.plots import plot_image, plot_images
 
         stem, chosen, before = ".".join(filter(None, (self.name, self.kind))), set(formats), len(files.paths)
         content = self.page() if chosen & {"page", "pictures", "images"} else None

@@ -24,10 +24,9 @@ from ..mechanics.rotating import (
     unbalance_response,
     with_resonances,
 )
-from ..page.animation.figure import PALETTE
-from ..page.content import Curve, Guide, Marks, Plot, curve_with_gaps
-from ..page.plots.axis import axis_of
-from ..scene.schema.analyses.campbell_table import CampbellTable
+from ..page.content import Curve, Guide, Marks, Plot, axis_of, curve_with_gaps
+from ..page.figure import PALETTE
+from ..scene.schema.analysis_tables import CampbellTable
 from .base import Analysis, Answer
 
 if TYPE_CHECKING:

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Literal
 from xml.etree import ElementTree
 
 from ..ground.files import replacing
-from ..page.content import Figure
-from ..page.plots.images import MUTED, drawn_image
-from ..page.typeset import shortened, superscript
+from ..page.content import Figure, shortened, superscript
+from ..page.plots import MUTED, drawn_image
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as MatplotlibFigure

@@ -12,7 +12,7 @@ from ..ground.display import TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind, distinct
 from ..page.content import Curve, Plot
-from ..scene.file.messages import at
+from ..scene.file import at
 from ..scene.run.scene import read_scene
 from ..scene.schema.entry_types import Table, Text
 from .base import Analysis, Answer

@@ -14,11 +14,11 @@ from ..ground.display import WIDTH, TextTable, with_unit
 from ..ground.errors import SceneError
 from ..ground.notices import Notice, NoticeKind, distinct
 from ..ground.tolerances import noise_of
-from ..page.animation.shapes import ModePicture, Shapes, Share, cycle
+from ..page.animation import ModePicture, Shapes, Share, cycle
 from ..response.response_notices import pair_notices
 from ..scene.build.robot_model import posture_json, posture_tables, robot_fact
 from ..scene.quantities.coordinates import Coordinates
-from ..scene.run.picture.shape_drawing import ShapeDrawing
+from ..scene.run.drawing import ShapeDrawing
 from ..scene.run.result import Result
 from .base import Analysis, Answer
 from .motion_report import descending, share_entries

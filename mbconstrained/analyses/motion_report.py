@@ -15,15 +15,13 @@ from ..ground.coordinate_units import rate_unit
 from ..ground.display import TextTable, number_text, with_unit
 from ..ground.tolerances import NOT_DRAWN
 from ..mechanics.energy import EnergyShares
-from ..page.content import Curve, Plot
-from ..page.plots.readings import drawn_times
-from ..page.typeset import raised, shortened
+from ..page.content import Curve, Plot, raised, shortened
+from ..page.readings import drawn_times
 from ..response.events import Event
 from ..response.response_notices import counts
 from ..scene.quantities.coordinates import Coordinates
 from ..scene.quantities.output_units import OutputUnits
-from ..scene.run.jumps import ReportedImpulse, forces_of_rows, impulses_of, jumps_of
-from ..scene.run.result import ORDERS, Result
+from ..scene.run.result import ORDERS, ReportedImpulse, Result, forces_of_rows, impulses_of, jumps_of
 from ..signals.impulsive import ImpulsiveLoad
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from ..ground.display import TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.notices import distinct
 from ..page.content import Plot, curve_with_gaps
-from ..scene.schema.analyses.path_table import PathTable
+from ..scene.schema.analysis_tables import PathTable
 from .base import Analysis, Answer
 
 if TYPE_CHECKING:

@@ -19,22 +19,20 @@ from ..mechanics.motion import Motion
 from ..response.response import Response
 from ..scene.build.model import Equations
 from ..scene.build.robot_model import RobotEquations, RobotScene
-from ..scene.file.messages import SceneName
+from ..scene.file import SceneName
 from ..scene.quantities.coordinates import Coordinates
 from ..scene.run.scene import Scene, check_output
 from ..scene.run.stages import plan_of
-from ..scene.schema.drawing_tables import DrawingTable
-from ..scene.schema.entry_types import Table
+from ..scene.schema.entry_types import Table, validated
 from ..scene.schema.model_tables import MatricesTable
-from ..scene.schema.scene_schema import InitialTable, OutputTable, SceneFile, TimeTable
-from ..scene.schema.validation import validated
+from ..scene.schema.scene_schema import DrawingTable, InitialTable, OutputTable, SceneFile, TimeTable
 from .run import RunAnswer
 
 if TYPE_CHECKING:
     from ..mechanics.equations import EquationsOfMotion
     from ..mechanics.system import MechanicalSystem
-    from ..robot.posture import Posture
     from ..robot.robot import Robot
+    from ..robot.statics import Posture
 
 #: So many periods of the slowest oscillation, or time constants of the slowest decay, are shown where no end is given.
 PERIODS, TIME_CONSTANTS = 8.0, 5.0
@@ -103,8 +101,7 @@ class _DrawnAnswer(Table):
 
 def _robot_scene(system: EquationsOfMotion | None) -> RobotScene | None:
     """The robot behind a linearized one, in the form of a scene without robot.toml."""
-    from ..scene.build.robot_file import RobotData
-    from ..scene.build.robot_values import UrdfNames
+    from ..scene.build.robot_file import RobotData, UrdfNames
     from ..scene.schema.robot_tables import RobotFile
 
     posture: Posture | None = getattr(system, "posture", None)
@@ -152,7 +149,7 @@ def _scene_of_modes(modes: Modes, title: str = "", drawing: Mapping[str, Any] | 
 
 def plot(motion: Response, axes=None, quantity: str = "displacement", **options) -> Any:
     """Draw the curves of a quantity into axes of Matplotlib."""
-    from ..page.plots.images import new_axes
+    from ..page.plots import new_axes
 
     result = result_of(motion, plots=[quantity], **options)
     curves = result.curves(quantity)
@@ -167,7 +164,7 @@ def plot(motion: Response, axes=None, quantity: str = "displacement", **options)
 
 def picture(motion: Response) -> str:
     """The displacements as SVG, for notebooks."""
-    from ..page.plots.images import plot_image
+    from ..page.plots import plot_image
     from .motion_report import plots_of
 
     images = (plot_image(each, "svg").decode() for each in plots_of(result_of(motion)))

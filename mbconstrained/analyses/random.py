@@ -13,10 +13,9 @@ from ..frequency.random.random_response import RandomResponse, octave_bands
 from ..ground.display import TextTable
 from ..ground.errors import InputError
 from ..ground.notices import distinct
-from ..page.content import Curve, Plot
-from ..page.plots.axis import Scale
-from ..scene.file.messages import at
-from ..scene.schema.analyses.random_table import RandomTable
+from ..page.content import Curve, Plot, Scale
+from ..scene.file import at
+from ..scene.schema.analysis_tables import RandomTable
 from .base import Analysis, Answer
 
 if TYPE_CHECKING:

@@ -19,12 +19,9 @@ from ..ground.files import Replacements
 from ..ground.notices import Notice, NoticeKind, distinct, doubts_of
 from ..page.content import PageContent
 from ..response.response_notices import counts
-from ..scene.run.aliasing import aliasing_notices
-from ..scene.run.jumps import folded, with_units
-from ..scene.run.plan import Plan, Stage
-from ..scene.run.result import Result
+from ..scene.run.plan import Costs, Plan, Stage
+from ..scene.run.result import Result, aliasing_notices, folded, with_units
 from ..scene.run.scene import Scene
-from ..scene.run.stage_costs import Costs
 from ..scene.run.stages import is_animated, plan_of, steps_of, still, too_large_for_formula
 from .base import PICTURES, Analysis, Answer, formats_of
 from .motion_report import plots_of, tables_of
@@ -32,7 +29,7 @@ from .motion_report import plots_of, tables_of
 if TYPE_CHECKING:
     from ..exact.closed_form import ClosedForm
     from ..exchange.universal import Geometry
-    from ..page.animation.animation import Animation
+    from ..page.animation import Animation
     from ..page.content import Formulas, Plot
     from ..scene.run.certificate import Certificate
     from ..scene.schema.entry_types import Table
@@ -163,7 +160,7 @@ class RunAnswer(Result, Answer):
     @cached_property
     def animation(self) -> Animation:
         """The drawing of the model with its motion."""
-        from ..scene.run.picture.animation import animation_of
+        from ..scene.run.animation import animation_of
 
         return animation_of(self)
 
@@ -179,7 +176,7 @@ class RunAnswer(Result, Answer):
     @cached_property
     def formula(self) -> ClosedForm | None:
         """The formula of each coordinate; None, with a notice, where there is none."""
-        from ..scene.run.formula import PAGE_SECONDS, formula_of
+        from .formula import PAGE_SECONDS, formula_of
 
         wanted = None if self.scene.equations.original else self.scene.table.output.coordinates  # of a normal form: its states
         try:
@@ -193,7 +190,7 @@ class RunAnswer(Result, Answer):
         """The section of the page with the formula; None where there is none."""
         if not self.scene.table.output.formula or self.formula is None:
             return None
-        from ..scene.run.formula import formulas_on_page
+        from .formula import formulas_on_page
 
         return formulas_on_page(self.formula)
 
@@ -373,7 +370,7 @@ class RunAnswer(Result, Answer):
 
     def write_plots(self, folder: str | Path | None = None) -> list[Path]:
         """Write each plot of the page as SVG and PNG, named after scene and plot; by default into the folder of the run."""
-        from ..page.plots.images import plot_image, plot_images
+        from ..page.plots import plot_image, plot_images
 
         folder = Path(folder) if folder is not None else self.folder or Path()
         with self.writing_together():

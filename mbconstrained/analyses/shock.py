@@ -17,13 +17,11 @@ from ..ground.display import TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind, distinct
 from ..mechanics.peaks import QUANTITIES, Peaks
-from ..page.content import Curve, Guide, Plot
-from ..page.plots.axis import Scale, power_label
-from ..page.typeset import raised
-from ..scene.build.record_file import record_in_si
-from ..scene.file.messages import at
+from ..page.content import Curve, Guide, Plot, Scale, power_label, raised
+from ..scene.build.data_files import record_in_si
+from ..scene.file import at
 from ..scene.quantities.output_units import OutputUnits
-from ..scene.schema.analyses.shock_table import ShockTable
+from ..scene.schema.analysis_tables import ShockTable
 from ..signals.impulsive import ImpulsiveSmooth
 from .base import Analysis, Answer
 

@@ -165,7 +165,7 @@ def _check(scene: ScenePath, settings: Settings = None, json: Json = False) -> N
 
 def _checked(scene: Scene, json: bool) -> None:
     from ..ground.checks import counted
-    from ..scene.run.jumps import start_notices
+    from ..scene.run.result import start_notices
     from .printing import show
 
     names, count = scene.equations.coordinates.names, len(scene.plan().needed)

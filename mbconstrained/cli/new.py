@@ -11,7 +11,7 @@ import typer
 from ..ground.checks import nearest
 from ..ground.display import TextTable, table_text
 from ..ground.errors import InputError, quoted, shown
-from ..scene.schema.editors import ROBOT_SCHEMA_FILE, SCHEMA_FILE
+from ..scene.schema.scene_schema import ROBOT_SCHEMA_FILE, SCHEMA_FILE
 from .answer import COMMAND_WRONG, leave
 
 
@@ -56,7 +56,7 @@ def _schema(
     robot: Annotated[bool, typer.Option("--robot", help="The schema of a robot.toml instead of that of a scene.")] = False,
 ) -> None:
     """Print the JSON Schema of scenes, or of a robot.toml: every key with description and unit, for completion and checks."""
-    from ..scene.schema.editors import EDITORS, schema_text
+    from ..scene.schema.scene_schema import EDITORS, schema_text
     from .printing import show_text
 
     def work() -> None:

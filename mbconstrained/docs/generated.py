@@ -67,14 +67,14 @@ def _option(parameter) -> str:
 
 def scene() -> str:
     """The tables and keys of a scene file."""
-    from mbconstrained.scene.schema.editors import scene_schema
+    from ..scene.schema.scene_schema import scene_schema
 
     return "\n\n".join(_tables(scene_schema()))
 
 
 def robot() -> str:
     """The tables and keys of a robot.toml."""
-    from mbconstrained.scene.schema.editors import robot_schema
+    from ..scene.schema.scene_schema import robot_schema
 
     return "\n\n".join(_tables(robot_schema()))
 
@@ -116,7 +116,7 @@ def _references(field, repeats: bool = False) -> Iterator[tuple[str, bool]]:
 
 #: The rooms in the order in which they import each other.
 ROOMS = (
-    "ground exchange linalg signals polynomial exact response frequency papers control mechanics models robot page scene analyses cli"
+    "ground exchange linalg signals polynomial exact response frequency control mechanics models robot page scene analyses cli"
 ).split()
 
 

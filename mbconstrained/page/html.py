@@ -1,4 +1,6 @@
-"""A page as one static HTML file.
+"""A page as one static HTML file, with its sections: notices, figures, formulas, tables, animation and swinging shapes.
+
+All texts are escaped.
 
 The page fetches nothing, and only the scripts written here can run: its content security policy forbids everything else and
 names the scripts by their hashes. The same content always gives the same bytes.
@@ -14,21 +16,407 @@ import importlib.util
 import json
 import math
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
+
+from ..ground.checks import counted
+from ..ground.display import TextTable, is_number
 from ..ground.errors import InputError, MbconstrainedError
 from ..ground.files import Replacements
-from .animation.animation import Animation
-from .animation.figure import figure_data, invisible_errors
-from .animation.keyframes import KeyFrames, key_frames
-from .animation.overlay import force_scale
-from .animation.shapes import Deflections, Shapes
-from .content import PageContent
-from .plots.svg_plot import PlotFunctions, plot_figures
-from .sections import figure_section, formula_section, notice_section, stage_section, table_section
-from .shape_sections import deflection_sections, mode_sections
-from .typeset import typeset
+from ..ground.notices import Notice
+from .animation import MODE, Animation, Deflections, KeyFrames, ModePicture, Shapes, cycle, key_frames, packed
+from .content import Figure, Formulas, PageContent, shortened, typeset
+from .drawing import Drawing
+from .figure import figure_data, force_scale, invisible_errors
+from .plots import PlotFunctions, plot_figures
+
+#: A table cell with more letters than the first is a sentence, with more than the second a long one.
+SENTENCE, LONG_SENTENCE = 24, 40
+
+#: Letters of a name for assistive technology.
+LONGEST_LABEL = 100
+
+#: Letters of the first notice in the line that stands for all.
+LONGEST_SUMMARY = 200
+
+_KEYS = (
+    ("Space", "play, pause"),
+    ("←</kbd> <kbd>→", "back, forward by a hundredth of the duration"),
+    ("Home</kbd> <kbd>End", "to the start, to the end"),
+    ("+</kbd> <kbd>−", "faster, slower"),
+    ("L", "loop at the end, or stop there"),
+    ("?", "this list"),
+)
+
+
+def notice_section(notices: tuple[Notice, ...]) -> str:
+    """The notices, folded into one line with their number; doubtful ones first and as warnings."""
+    if not notices:
+        return ""
+    rows, texts = [], []
+    for notice in sorted(notices, key=lambda notice: not notice.doubtful):
+        kind, label = ("notice doubtful", "Warning") if notice.doubtful else ("notice", "Note")
+        rows.append(f'<p class="{kind}"><b>{label} ({html.escape(notice.kind)}):</b> {typeset(notice.text)}</p>')
+        texts.append(notice.text)
+    doubtful = sum(notice.doubtful for notice in notices)
+    counts = [counted(count, one) for count, one in ((doubtful, "warning"), (len(notices) - doubtful, "note")) if count]
+    first = shortened(texts[0], LONGEST_SUMMARY)
+    return (
+        f'<details class="notices{" doubtful" * bool(doubtful)}"><summary><b>{", ".join(counts)}:</b> {typeset(first)}</summary>\n'
+        f"{''.join(rows)}</details>"
+    )
+
+
+def figure_section(figure: Figure) -> str:
+    """A <figure> over the full width; in a narrow window it scrolls, so that it stays readable."""
+    labelled = f'<svg role="img" aria-label="{html.escape(figure.description)}"'
+    svg = figure.svg.strip().replace("<svg", labelled, 1)
+    title = f'<figure class="static">\n<h2>{html.escape(figure.title)}</h2>'
+    return f"{title}\n{_scrollable(figure.title)}{svg}</div>{_note(figure.note, before=chr(10))}\n</figure>"
+
+
+def formula_section(formulas: Formulas) -> str:
+    """Formulas, each in a box of its own that scrolls where it is too wide."""
+    lines = "\n".join(f'<div class="formula">{line}</div>' for line in formulas.lines)
+    title = f'<section class="formulas">\n<h2>{html.escape(formulas.title)}</h2>'
+    return f'{title}\n<div class="all-formulas">{lines}</div>{_note(formulas.note)}\n</section>'
+
+
+def table_section(table: TextTable, kind: str = "") -> str:
+    """A titled table; columns of numbers are set flush right. A folded one shows its title only."""
+    columns = list(zip(*table.rows)) or [()] * len(table.columns)
+    kinds = [_kind(column) for column in columns]
+    head = "".join(f'<th scope="col"{kind}>{typeset(text)}</th>' for kind, text in zip(kinds, table.columns))
+    rows = "".join(
+        "<tr>" + "".join(f"<td{kind}>{typeset(cell)}</td>" for kind, cell in zip(kinds, row)) + "</tr>\n" for row in table.rows
+    )
+    body = f"<table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table>"
+    content = f"{_scrollable(table.title)}{body}</div>{_note(table.note)}" if table.columns else _note(table.note)
+    title = f"<h2>{html.escape(table.title)}</h2>"
+    if table.folded:
+        return f'<section class="folded">\n<details><summary>{title}</summary>\n{content}\n</details>\n</section>'
+    return f"<section{f' class={chr(34)}{kind}{chr(34)}' if kind else ''}>\n{title}\n{content}\n</section>"
+
+
+def _note(text: str, before: str = "") -> str:
+    return f'{before}<p class="note">{typeset(text)}</p>' if text else ""
+
+
+def _scrollable(name: str) -> str:
+    """The start of an element that may be wider than the window, so that the arrow keys can scroll it."""
+    return f'<div class="scroll" tabindex="0" role="group" aria-label="{html.escape(name[:LONGEST_LABEL])}">'
+
+
+def _kind(column: tuple[str, ...]) -> str:
+    """Numbers are flush right; columns of sentences are wide enough for some words in each line."""
+    longest = max(map(len, column), default=0)
+    if column and longest <= LONG_SENTENCE and all(map(is_number, column)):
+        return ' class="number"'
+    return ' class="long sentence"' if longest > LONG_SENTENCE else ' class="sentence"' if longest > SENTENCE else ""
+
+
+#: Optional contents: kind, entry of a body in the figure that has it, text of its box.
+_MARKS = (
+    ("names", "label", "names"),
+    ("perspective", "name", "perspective"),
+    ("frames", "frame", "frames"),
+    ("collision", "collision", "collision geometry"),
+    ("masses", "ellipsoid", "centres of mass"),
+)
+
+
+def _marks(figure: dict) -> str:
+    """A box for each kind of mark that the figure has, and the buttons that record."""
+    offered = [(kind, text) for kind, entry, text in _MARKS if any(body[entry] for body in figure["bodies"])]
+    boxes = "".join(
+        f'<label><input type="checkbox" data-shows="{kind}"{" checked" * (kind == "names")}> {text}</label>\n'
+        for kind, text in offered
+    )
+    return f"""<div class="controls shown">
+{boxes}<div class="recordings">
+<button type="button" id="frames" hidden>Save frames</button>
+<button type="button" id="gif" hidden>Save GIF</button>
+<button type="button" id="record" hidden>Record</button>
+</div>
+</div>"""
+
+
+def _posing(figure: dict) -> str:
+    """A folded panel with a slider for each independent coordinate of a robot."""
+    if "posing" not in figure:
+        return ""
+    sliders = "\n".join(
+        f'<label><span>{html.escape(name)}</span><input type="range" data-joint="{k}" data-unit="{unit}" min="{-limit!r}"'
+        f' max="{limit!r}" step="any" value="0" autocomplete="off"><output>0 {unit}</output></label>'
+        for k, (name, unit, limit) in enumerate(figure["posing"]["sliders"])
+    )
+    closed = " The joints without a slider follow and close the loops to first order." * (
+        len(figure["posing"]["columns"]) > len(figure["posing"]["sliders"])
+    )
+    return f"""
+<details class="joints"><summary>Joints</summary>
+<p class="note">Small motions from the posture, not magnified.{closed}</p>
+<div class="sliders">
+{sliders}
+</div>
+<button type="button" id="posture">Reset joints</button>
+</details>"""
+
+
+def stage_section(
+    figure: dict,
+    start: float,
+    end: float,
+    text: str,
+    time: tuple[str, str],
+    speeds: Sequence[float],
+    usual: float,
+    *,
+    loop: bool = True,
+    further: str = "",
+) -> str:
+    """The animation: the stage, the controls below it, and the keyboard shortcuts as a closed dialog."""
+    loop_button = '\n<button type="button" id="loop" aria-pressed="true">Loop</button>' if loop else ""
+    fixed = " disabled" if end == start else ""
+    options = "".join(f'<option value="{speed!r}"{" selected" if speed == usual else ""}>× {speed:g}</option>' for speed in speeds)
+    keys = "".join(f"<dt><kbd>{key}</kbd></dt><dd>{does}</dd>" for key, does in _KEYS if loop or key != "L")
+    return f"""<section class="motion">
+<h2 class="visually-hidden">Animation</h2>
+<div id="stage"><div class="view" role="img" aria-label="the model at the time of the slider" id="meshcat-pane" \
+title="drag to rotate, drag with the right button to pan, turn the wheel with the control key to zoom"></div>
+<div class="labels" aria-hidden="true"></div>
+<p class="magnification">{html.escape(text)}</p>
+<p class="missing">The 3-D view needs WebGL, which this browser does not offer.</p></div>
+<noscript><p class="note">The animation needs JavaScript.</p></noscript>
+<div class="controls">
+<button type="button" id="play"{fixed}>Play</button>
+<input type="range" id="time" min="{start!r}" max="{end!r}" step="any" value="{start!r}"
+ aria-label="{time[0]}" aria-valuetext="{start:g} {time[1]}"{fixed}>
+<span id="clock">{start:g} {time[1]}</span>
+<label>speed <select id="speed">{options}</select></label>{loop_button}
+<button type="button" id="reset">Reset view</button>
+<button type="button" id="keys" aria-label="Keyboard" title="Keyboard">?</button>
+</div>
+{_marks(figure)}{_posing(figure)}{further}
+<p class="visually-hidden" id="announcement" role="status"></p>
+<dialog id="help" aria-label="Keyboard">
+<h2>Keyboard</h2>
+<dl>{keys}</dl>
+<button type="button" id="close">Close</button>
+</dialog>
+</section>"""
+
+
+#: Duration of one cycle at speed 1, s, and digits after the decimal point of the phase on the clock.
+CYCLE, DECIMALS = 2.0, 2
+
+#: Entries of a shape on the page; the command prints all as JSON.
+MOST_ENTRIES = 30
+
+#: Smaller energy shares are rounding errors, and shown as 0.
+SMALLEST_SHARE = 1e-9
+
+#: Factors of the speed menu.
+SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0)
+
+#: Frequencies of the deflection shapes from which the picture takes its bounds.
+MOST_BOUNDS = 24
+
+_TIME = "part of the cycle", "cycle"
+_CLOCK = {"cycle": CYCLE, "decimals": DECIMALS, "unit": "cycle"}
+
+
+def mode_sections(content: PageContent, shapes: Shapes, functions: PlotFunctions) -> tuple[list[str], dict]:
+    """The sections of a page of mode shapes, and the data of its animation; none without modes."""
+    modes, names = shapes.modes, shapes.names
+    cycles = [mode.frames(shapes.drawing, names) for mode in modes]
+    if not cycles:
+        return ['<section><p class="note">no modes</p></section>'], {}
+    moves = [len(frames.times) > 1 for frames in cycles]
+    first = moves.index(True) if any(moves) else 0
+    notes = [_scale_note(shapes.drawing, *each) for each in zip(modes, moves)]
+    figure = figure_data(shapes.drawing, cycles)
+    picture = stage_section(
+        figure, 0.0, float(any(moves)), notes[first], _TIME, SPEEDS, 1.0, loop=False, further=_slider(shapes, first)
+    )
+    if any(mode.shares or mode.shape or mode.note for mode in modes):
+        # without scripts the details of all modes are visible
+        visible = "<noscript><style>.details section[hidden] { display: block; }</style></noscript>"
+        details = "\n".join(_details(i, mode, i == first) for i, mode in enumerate(modes))
+        picture = f'<div class="picture">\n{picture}\n<div class="details">{visible}\n{details}\n</div>\n</div>'
+    data = {
+        "figure": figure,
+        "names": list(names),
+        "modes": [
+            {"name": mode.name, "period": mode.period, "note": note, "frames": frames.as_packed()}
+            for mode, note, frames in zip(modes, notes, cycles)
+        ],
+        "first": first,
+        **_CLOCK,
+    }
+    facts = [dict(mode.facts) for mode in modes]
+    labels = list(dict.fromkeys(label for own in facts for label in own))
+    rows = [(mode.name, *(own.get(label, "") for label in labels)) for mode, own in zip(modes, facts)]
+    listed = _list(
+        "modes",
+        f"{shapes.word.capitalize()}s",
+        shapes.word,
+        "mode",
+        [shapes.word, *labels],
+        rows,
+        [f'data-mode="{i}"' for i in range(len(modes))],
+        first,
+    )
+    plots = plot_figures(content.plots, functions) if content.plots else ""
+    return [picture, listed, *map(figure_section, content.figures), plots, *map(table_section, content.tables)], data
+
+
+def deflection_sections(content: PageContent, shapes: Deflections, functions: PlotFunctions) -> tuple[list[str], dict]:
+    """The sections of a page of deflection shapes, and the data of its animation; the first table is that of the peaks."""
+    peaks, *tables = content.tables
+    lines = [shapes.nearest(frequency) for frequency, _ in shapes.peaks]
+    inputs = [number for _, number in shapes.peaks]
+    first = (lines[0], inputs[0]) if lines else (len(shapes.frequencies) // 2, 0)
+    figure = figure_data(shapes.drawing, _bounding(shapes, lines))
+    stage = stage_section(figure, 0.0, 1.0, "", _TIME, SPEEDS, 1.0, loop=False, further=_frequency_controls(shapes, first))
+    data = {
+        "figure": figure,
+        "names": list(shapes.names),
+        "note": shapes.drawing.note,
+        "inputs": list(shapes.inputs),
+        "axis": shapes.axis,
+        "lines": packed(shapes.frequencies, "<f8"),
+        "periods": packed(shapes.periods, "<f8"),
+        "real": [packed(block) for block in shapes.shapes.real],
+        "imaginary": [packed(block) for block in shapes.shapes.imag],
+        "factors": [packed(row) for row in shapes.factors * shapes.drawing.scale],
+        "moves": any(body.moves for body in shapes.drawing.bodies),
+        "first": {"line": first[0], "input": first[1]},
+        **_CLOCK,
+    }
+    plots = plot_figures(content.plots, functions)
+    together = f'<div class="response">\n<div class="deflection">\n{stage}\n</div>\n<div class="beneath">\n{plots}\n</div>\n</div>'
+    note = f'<p class="note">{typeset(peaks.note)}</p>' if peaks.note else ""
+    listed = f'<section class="peaks">\n<h2>{html.escape(peaks.title)}</h2>\n{note}\n</section>'
+    if peaks.rows:
+        data_of_rows = [f'data-line="{line}" data-input="{number}"' for line, number in zip(lines, inputs)]
+        listed = _list("modes peaks", peaks.title, "peak", "peak", peaks.columns, peaks.rows, data_of_rows, 0, f"\n{note}")
+    return [together, listed, *map(table_section, tables)], data
+
+
+def _list(
+    kind: str,
+    title: str,
+    word: str,
+    group: str,
+    columns: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    data: Sequence[str],
+    first: int,
+    note: str = "",
+) -> str:
+    """A table with a group of radio buttons in its first column, so that the arrow keys move from row to row."""
+    cells = [' class="number"' * (any(column) and all(map(is_number, column))) for column in list(zip(*rows))[1:]]
+    head = "".join(f'<th scope="col"{number}>{typeset(text)}</th>' for number, text in zip(cells, columns[1:]))
+    lines = []
+    for i, (row, own) in enumerate(zip(rows, data)):
+        button = f'<input type="radio" name="{group}" value="{i}" autocomplete="off"{" checked" * (i == first)}>'
+        others = "".join(f"<td{number}>{typeset(cell)}</td>" for number, cell in zip(cells, row[1:]))
+        name = f"<td><label>{button}<span>{typeset(row[0])}</span></label></td>"
+        lines.append(f'<tr {own}{" class=selected" * (i == first)}><td class="number">{i + 1}</td>{name}{others}</tr>')
+    return (
+        f'<section class="{kind}">\n<h2>{html.escape(title)}</h2>\n'
+        f'<div class="scroll" role="radiogroup" aria-label="selected {word}"><table>\n'
+        f'<thead><tr><th scope="col" class="number">no.</th><th scope="col">{typeset(columns[0])}</th>{head}</tr></thead>\n'
+        f"<tbody>\n{chr(10).join(lines)}\n</tbody>\n</table></div>{note}\n</section>"
+    )
+
+
+def _scale_note(drawing: Drawing, mode: ModePicture, moves: bool) -> str:
+    """The drawing's note, and the factors by which the mode is magnified."""
+    factors = [f"shape drawn × {mode.scale:g}"] if mode.paths else []
+    if any(body.moves for body in drawing.bodies):
+        factors.append(f"displacements of the shape drawn × {drawing.scale * mode.scale:g}")
+    if any(body.turns for body in drawing.bodies):
+        factors.append(f"angles × {drawing.turn_scale * mode.scale:g}")
+    return "\n".join(filter(None, (drawing.note, "not to scale: " + ", ".join(factors) if moves else "does not move")))
+
+
+def _slider(shapes: Shapes, first: int) -> str:
+    """Slider through the list, for a list of other things than modes."""
+    if shapes.word == MODE or len(shapes.modes) < 2:
+        return ""
+    text = html.escape(shapes.modes[first].name)
+    return (
+        f'\n<div class="controls">\n<label for="choice">{shapes.word}</label>\n<input type="range" id="choice" min="0"'
+        f' max="{len(shapes.modes) - 1}" step="1" value="{first}" autocomplete="off" aria-valuetext="{text}">\n'
+        f'<span id="chosen">{text}</span></div>'
+    )
+
+
+def _frequency_controls(shapes: Deflections, first: tuple[int, int]) -> str:
+    """The slider of the frequency, and the choice of the input where there are several."""
+    count, frequency, axis = len(shapes.frequencies), shapes.frequencies[first[0]], shapes.axis
+    options = "".join(
+        f'<option value="{i}"{" selected" if i == first[1] else ""}>{html.escape(text)}</option>'
+        for i, text in enumerate(shapes.inputs)
+    )
+    choice = f'<label>input <select id="input" autocomplete="off">{options}</select></label>' if len(shapes.inputs) > 1 else ""
+    return (
+        f'\n<div class="controls">\n<label for="line">frequency</label>\n<input type="range" id="line" min="0" max="{count - 1}" step="1"'
+        f' value="{first[0]}" autocomplete="off" aria-valuetext="{frequency:.4g} {axis}">\n'
+        f'<span id="frequency">{frequency:.4g} {axis}</span>\n{choice}</div>'
+    )
+
+
+def _bounding(shapes: Deflections, lines: list[int]):
+    """Key frames of some shapes, at peaks and between them."""
+    count = len(shapes.frequencies)
+    some = [*lines[:MOST_BOUNDS], *np.linspace(0, count - 1, min(MOST_BOUNDS, count)).astype(int).tolist()]
+    chosen = [(i, line) for i in range(len(shapes.inputs)) for line in dict.fromkeys(some)]
+    return [ModePicture("", values=cycle(shapes.shapes[place])).frames(shapes.drawing, shapes.names) for place in chosen]
+
+
+def _details(number: int, mode: ModePicture, shown: bool) -> str:
+    """Note, shares and shape of a mode; visible where it is selected."""
+    blocks = [f'<p class="note">{typeset(mode.note)}</p>'] if mode.note else []
+    if mode.shares:  # a bar for each share, without empty columns
+        names, kinetic, strain = zip(*mode.shares)
+        columns = {"kinetic energy": kinetic, "strain energy": strain}
+        columns = {title: column for title, column in columns.items() if any(share is not None for share in column)}
+        bars = ["".join(map(_bar, row)) for row in zip(*columns.values())] or [""] * len(names)
+        blocks.append(_small_table(["element", *columns], list(zip(names, bars))))
+    if mode.shape:
+        entries = [(name, f"<td>{typeset(entry)}</td>") for name, entry in mode.shape[:MOST_ENTRIES]]
+        blocks.append(_small_table(["coordinate", "shape"], entries))
+        if len(mode.shape) > MOST_ENTRIES:
+            blocks.append(f'<p class="note">and {len(mode.shape) - MOST_ENTRIES} more with smaller amplitudes</p>')
+    title = f'<section id="mode-{number + 1}"{"" if shown else " hidden"}>\n<h2>{typeset(mode.name)}</h2>'
+    return f"{title}{''.join(blocks)}\n</section>"
+
+
+def _small_table(titles: list[str], rows: list[tuple[str, str]]) -> str:
+    """Rows of a name and cells."""
+    head = "".join(f'<th scope="col">{title}</th>' for title in titles)
+    body = "\n".join(f'<tr><th scope="row">{typeset(name)}</th>{cells}</tr>' for name, cells in rows)
+    return f'<table class="shares">\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table>'
+
+
+def _bar(share: float | None) -> str:
+    """A bar with its percentage, such as "12.3 %"; a small share is not 0."""
+    if share is None:
+        return "<td></td>"
+    share = share if abs(share) > SMALLEST_SHARE else 0.0
+    percent = f"{100 * share:.1f}".removesuffix(".0").replace("-", "−") if abs(share) < 1e6 else f"{100 * share:.3g}"
+    if 0 < abs(share) < 0.0005:
+        percent = "< 0.1" if share > 0 else "> −0.1"
+    kind = "bar negative" if share < 0 else "bar"
+    bar = f'<span class="{kind}" style="width: {100 * min(1.0, abs(share)):.1f}%"></span>' if share else ""
+    return f'<td>{bar}<span class="percent">{html.escape(percent)} %</span></td>'
+
 
 #: Location of the 3-D viewer: in the page, in a file shared by many pages, or in the page and compressed with all scripts.
 Delivery = Literal["inside", "separate", "compressed"]

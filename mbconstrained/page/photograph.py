@@ -15,7 +15,7 @@ from pathlib import Path
 
 from ..ground.checks import real_number, whole_number
 from ..ground.errors import InputError, MbconstrainedError
-from .animation.animation import Animation
+from .animation import Animation
 from .content import PageContent
 from .html import page_html
 

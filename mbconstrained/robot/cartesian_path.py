@@ -20,15 +20,14 @@ from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import JOINT_LIMIT, LOOPS_CLOSED_AS_ROUNDED
 from .connections import Loop, LoopKind
 from .kinematics import Kinematics
-from .linearization.linearized import LinearizedRobot, linearized_robot
-from .posture import Posture
+from .linearized import LinearizedRobot, linearized_robot
 from .posture_search import attached_load, find_posture, guess_with_followers
 from .robot_model import RobotModel
-from .statics.equilibrium import Search, closed
+from .statics import Posture, Search, closed
 
 if TYPE_CHECKING:
     from ..mechanics.modes import Modes
-    from .statics.balance import Load
+    from .statics import Load
 
 #: Starts of the search: the guess, then places near it, since an arm that is stretched cannot bend to first order; then as many near the
 #: middle of the limits.

@@ -1,4 +1,4 @@
-"""Connections of two bodies of a robot besides its joints: loop closures, springs, bushings; and motions of points.
+"""Connections of two bodies of a robot besides its joints: loop closures, springs, bushings, tendons; motions of points.
 
 A connection is a function of the pose of a frame on the second body relative to a frame on the first,
 
@@ -9,10 +9,10 @@ A loop constrains rows of phi to zero; springs and bushings have an energy of ph
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -20,7 +20,9 @@ from scipy.linalg import block_diag
 from ..ground.checks import nearest, real_array, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
-from .kinematics import turned_product
+from .description.urdf import HIDDEN
+from .kinematics import Anchor, Kinematics, RelativePose, turned_product
+from .tangent import Tangent, joint_displacement
 
 LoopKind = Literal["point", "rigid", "hinge", "prismatic", "cylindrical", "universal", "rod"]
 Vector = Sequence[float]
@@ -418,3 +420,309 @@ class PointMotion:
             raise InputError(f"{where}: along: found {self.along}; expected a direction")
         object.__setattr__(self, "point", tuple(point.tolist()))
         object.__setattr__(self, "along", tuple((along / length).tolist()))
+
+
+@dataclass(frozen=True)
+class Attached:
+    """A connection with resolved frames.
+
+    Attributes:
+        connection: a Loop, BodySpring or Bushing.
+        first, second: its frames.
+        rest_length: of a BodySpring or a rod (m), otherwise 0.
+    """
+
+    connection: Any
+    first: Anchor
+    second: Anchor
+    rest_length: float = 0.0
+
+    def pose(self, kinematics: Kinematics) -> RelativePose:
+        """phi in a configuration."""
+        return RelativePose(kinematics, self.first, self.second, self.connection.turning)
+
+
+class LinkFrames:
+    """The links of a pinocchio model, each fixed in one of its joints; masses by link (kg)."""
+
+    def __init__(self, model, masses: Mapping[str, float]):
+        import pinocchio
+
+        self._masses, self._supports = masses, [list(support) for support in model.supports]
+        frames = [(number, frame) for number, frame in enumerate(model.frames) if frame.type == pinocchio.FrameType.BODY]
+        frames = [(number, frame) for number, frame in frames if not str(frame.name).startswith(HIDDEN)]
+        self._frames = {str(frame.name): frame for _, frame in frames}
+        self._numbers = {str(frame.name): number for number, frame in frames}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(self._frames)
+
+    def number(self, body: str) -> int:
+        """Index of the frame of a link."""
+        return self._numbers[body]
+
+    def heaviest_links(self) -> dict[int, str]:
+        """The heaviest link that moves with each joint, the first of several, by the index of the joint."""
+        heaviest: dict[int, str] = {}
+        for body in self.names:
+            joint = self.link(body).joint
+            if joint not in heaviest or self._masses.get(body, 0.0) > self._masses.get(heaviest[joint], 0.0):
+                heaviest[joint] = body
+        return heaviest
+
+    def link_behind(self, joint: int) -> str:
+        """The heaviest link that moves with a joint, or else the first one behind it, as between axes of a universal joint."""
+        heaviest = self.heaviest_links()
+        return heaviest.get(joint) or next(body for number, body in heaviest.items() if joint in self._supports[number])
+
+    def link(self, body: str) -> Anchor:
+        """The frame of a link, or of the ground, in the joint that carries it."""
+        return self.anchor(body, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), "body")
+
+    def anchor(self, body: str, point, rotation, what: str) -> Anchor:
+        """A frame given in a link, in the joint that carries the link."""
+        import pinocchio
+
+        rotation = pinocchio.rpy.rpyToMatrix(*rotation)
+        if body == GROUND:
+            return Anchor(0, rotation, np.array(point))
+        self.check(body, what)
+        frame = self._frames[body]
+        link = np.array(frame.placement.rotation)
+        return Anchor(int(frame.parentJoint), link @ rotation, frame.placement.translation + link @ np.array(point))
+
+    def point(self, motion: PointMotion, what: str) -> Anchor:
+        """The point of an input or output."""
+        self.check(motion.body, what)
+        return self.anchor(motion.body, motion.point, (0.0, 0.0, 0.0), what)
+
+    def check(self, body: str, what: str) -> None:
+        """Raise an InputError where no link has this name."""
+        if body == GROUND:
+            raise InputError(f'{what}: found "{GROUND}", which does not move; name a link')
+        if body not in self._frames:
+            raise InputError(f'{what}: there is no body "{body}"{nearest(body, (GROUND, *self.names))}')
+
+    def attached(self, connection: Connection, guess: Kinematics) -> Attached:
+        """A connection with its frames; an omitted point coincides with the other one at the guess."""
+        nowhere, label = (0.0, 0.0, 0.0), connection.label
+        first = self.anchor(connection.body1, connection.point1 or nowhere, connection.rotation1, label)
+        second = self.anchor(connection.body2, connection.point2 or nowhere, connection.rotation2, label)
+        if connection.point1 is not None and connection.point2 is not None:
+            return Attached(connection, first, second)
+        (rotation, place), (own, end) = guess.frame(first), guess.frame(second)
+        if connection.point2 is None:
+            second = replace(second, point=second.point + second.rotation @ own.T @ (place - end))
+        else:
+            first = replace(first, point=first.point + first.rotation @ rotation.T @ (end - place))
+        return Attached(connection, first, replace(second, rotation=second.rotation @ own.T @ rotation))
+
+
+#: Loops that turn about their axis.
+TURNING = ("hinge", "cylindrical")
+
+
+def untwisted(attached: Attached, at: Kinematics) -> Attached:
+    """The connection with the second frame of a hinge turned about its axis, so that the hinge is at angle 0 in a configuration.
+
+    The multipliers of its rows are then torques, and its rotation vector is far from its jump at pi.
+    """
+    import pinocchio
+
+    loop = attached.connection
+    if not isinstance(loop, Loop) or loop.kind not in TURNING:
+        return attached
+    axis = np.array(loop.axis)
+    R1, R2 = at.frame(attached.first)[0], at.frame(attached.second)[0]
+    *v, w = pinocchio.Quaternion(R1.T @ R2).coeffs()
+    back = pinocchio.exp3(-2 * np.arctan2(axis @ np.array(v), w) * axis)
+    return replace(attached, second=replace(attached.second, rotation=attached.second.rotation @ back))
+
+
+def with_rest_length(attached: Attached, guess: Kinematics) -> Attached:
+    """The connection with the length of a rod, or with the rest length of a spring given by its preload, at the guess."""
+    spring = attached.connection
+    if isinstance(spring, Loop) and spring.kind == "rod":
+        distance = float(np.linalg.norm(attached.pose(guess).value[:3]))
+        return replace(attached, rest_length=distance if spring.length is None else spring.length)
+    if not isinstance(spring, BodySpring):
+        return attached
+    if spring.rest_length is not None:
+        return replace(attached, rest_length=spring.rest_length)
+    length = float(np.linalg.norm(attached.pose(guess).value[:3]))
+    slack = (spring.preload or 0.0) / spring.stiffness if spring.stiffness else 0.0
+    if slack > length:
+        raise InputError(
+            f"{spring.label}: with a preload of {spring.preload:g} N and {length:.6g} m length at the guess its rest length "
+            "would be negative; give a smaller preload or a greater stiffness"
+        )
+    return replace(attached, rest_length=length - slack)
+
+
+def checked_connections(
+    connections, kinds: tuple[type[Connection], ...], word: str, frames: LinkFrames, others: Sequence[Connection] = ()
+) -> tuple[Connection, ...]:
+    """Loops or springs, checked, each with a distinct name."""
+    wanted = " or ".join(f"mb.{kind.__name__}" for kind in kinds)
+    if isinstance(connections, Connection) or not isinstance(connections, Iterable):
+        raise InputError(f"{word}: found {type(connections).__name__}; expected a list of {wanted}(...)")
+    given: tuple[Connection, ...] = tuple(connections)
+    for connection in given:
+        if not isinstance(connection, kinds):
+            raise InputError(f"{word}: found {type(connection).__name__}; make each with {wanted}(...)")
+        for body in (connection.body1, connection.body2):
+            if body != GROUND:
+                frames.check(body, connection.label)
+    return _with_distinct_names(given, [connection.name for connection in others])
+
+
+def _with_distinct_names(connections, others) -> tuple[Connection, ...]:
+    """The connections with distinct names: equal names get numbers."""
+    names = [*others, *(connection.name for connection in connections)]
+    distinct, used = [], set(names)
+    for connection in connections:
+        if names.count(connection.name) > 1:
+            numbered = (f"{connection.name} {number}" for number in range(1, 2 * len(names) + 1))
+            connection = replace(connection, name=next(name for name in numbered if name not in used))
+            used.add(connection.name)
+        distinct.append(connection)
+    return tuple(distinct)
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A straight line between points of two bodies (m), whose length counts ``factor`` times."""
+
+    body1: str
+    point1: tuple[float, ...]
+    body2: str
+    point2: tuple[float, ...]
+    factor: float = 1.0
+
+
+@dataclass(frozen=True)
+class Tendon:
+    """A spring with damper and inertia along L = sum(c q) + sum(factor |p2 - p1|), with the force a x + b x^2 + c x^3.
+
+    Attributes:
+        name: name of the tendon.
+        joints: the coefficient c by joint.
+        segments: its straight lines.
+        stiffness: a, b, c.
+        rest: the lengths between which there is no force, x being the distance from them; None for the length at the guess.
+        damping, inertia: along the tendon.
+    """
+
+    name: str
+    joints: Mapping[str, float] = field(default_factory=dict)
+    segments: tuple[Segment, ...] = ()
+    stiffness: tuple[float, ...] = ()
+    rest: tuple[float, float] | None = (0.0, 0.0)
+    damping: float = 0.0
+    inertia: float = 0.0
+
+    def attached(self, tangent: Tangent, frames: LinkFrames, locked: Mapping[str, float], guess: Kinematics) -> AttachedTendon:
+        """The tendon of a robot; locked joints and lines within a body have a constant part of the length."""
+        row, offset = np.zeros(guess.tree.model.nv), 0.0
+        lines: list[tuple[Anchor, Anchor, float]] = []
+        for name, coefficient in self.joints.items():
+            if name in locked:
+                offset += coefficient * locked[name]
+            else:
+                row[tangent.place(name, f'tendon "{self.name}"')] = coefficient
+        for item in self.segments:
+            ends = [
+                frames.anchor(body, point, (0.0, 0.0, 0.0), f'tendon "{self.name}"')
+                for body, point in ((item.body1, item.point1), (item.body2, item.point2))
+            ]
+            if ends[0].joint == ends[1].joint:
+                offset += item.factor * float(np.linalg.norm(ends[0].point - ends[1].point))
+            else:
+                lines.append((ends[0], ends[1], item.factor))
+        attached = AttachedTendon(self, row, offset, tuple(lines), self.rest or (0.0, 0.0))
+        if self.rest is None:
+            length = StretchedTendon(attached, guess).length
+            return AttachedTendon(self, row, offset, tuple(lines), (length, length))
+        return attached
+
+
+@dataclass(frozen=True, eq=False)
+class AttachedTendon:
+    """A tendon by the coordinates, shape (nv,), with lines between anchors and the lengths at rest."""
+
+    tendon: Tendon
+    row: np.ndarray
+    offset: float
+    lines: tuple[tuple[Anchor, Anchor, float], ...]
+    rest: tuple[float, float]
+
+
+class StretchedTendon:
+    """The contributions of a tendon to the equations in one configuration."""
+
+    def __init__(self, attached: AttachedTendon, kinematics: Kinematics):
+        self.attached, self._kinematics = attached, kinematics
+        self._poses = [(RelativePose(kinematics, first, second, False), factor) for first, second, factor in attached.lines]
+        if any(not np.any(pose.value[:3]) for pose, _ in self._poses):
+            raise InputError(
+                f'tendon "{attached.tendon.name}": two of its points are at the same place, so that it has no direction'
+            )
+
+    @cached_property
+    def length(self) -> float:
+        """L (m, rad)."""
+        model, q = self._kinematics.tree.model, self._kinematics.configuration
+        turned = (
+            self.attached.row[joint.idx_v] * joint_displacement(joint, q, 0.0)
+            for joint in list(model.joints)[1:]
+            if joint.nv == 1 and self.attached.row[joint.idx_v]
+        )
+        return self.attached.offset + sum(turned) + sum(factor * np.linalg.norm(pose.value[:3]) for pose, factor in self._poses)
+
+    @cached_property
+    def _directions(self) -> list[np.ndarray]:
+        return [np.append(pose.value[:3], np.zeros(3)) / np.linalg.norm(pose.value[:3]) for pose, _ in self._poses]
+
+    @cached_property
+    def gradient(self) -> np.ndarray:
+        """dL/dq, shape (nv,)."""
+        return self.attached.row + sum(
+            (factor * u @ pose.jacobian for u, (pose, factor) in zip(self._directions, self._poses)),
+            np.zeros(len(self.attached.row)),
+        )
+
+    @cached_property
+    def _tension(self) -> tuple[float, float]:
+        """The force along the tendon and its derivative by the length."""
+        low, high = self.attached.rest
+        stretch = max(self.length - high, 0.0) + min(self.length - low, 0.0)
+        if low < self.length < high:
+            return 0.0, 0.0
+        force = np.polynomial.Polynomial([0.0, *self.attached.tendon.stiffness])
+        return float(force(stretch)), float(force.deriv()(stretch))
+
+    @property
+    def force(self) -> np.ndarray:
+        """The generalized force on the left of the equations, shape (nv,)."""
+        return self._tension[0] * self.gradient
+
+    @cached_property
+    def stiffness(self) -> np.ndarray:
+        """Derivative of the generalized force, shape (nv, nv)."""
+        force, slope = self._tension
+        K = slope * np.outer(self.gradient, self.gradient)
+        for u, (pose, factor) in zip(self._directions, self._poses):
+            across = (np.eye(3) - np.outer(u[:3], u[:3])) / np.linalg.norm(pose.value[:3])
+            K = K + force * factor * (pose.hessian(u) + pose.jacobian[:3].T @ across @ pose.jacobian[:3])
+        return K
+
+    @property
+    def damping(self) -> np.ndarray:
+        """Damping matrix of the tendon, shape (nv, nv)."""
+        return self.attached.tendon.damping * np.outer(self.gradient, self.gradient)
+
+    @property
+    def inertia(self) -> np.ndarray:
+        """Inertia matrix of the tendon, shape (nv, nv)."""
+        return self.attached.tendon.inertia * np.outer(self.gradient, self.gradient)

@@ -11,17 +11,16 @@ import numpy as np
 from ..ground.errors import InputError
 from ..mechanics.constraints import Level
 from .connections import PointMotion
-from .linearization.linearized import LinearizedRobot, linearized_robot
-from .posture import Posture
+from .linearized import LinearizedRobot, linearized_robot
 from .posture_search import find_posture
 from .robot_model import RobotModel
+from .statics import Posture
 
 if TYPE_CHECKING:
     from ..ground.notices import Notice
     from .cartesian_path import PathModes
-    from .description.mesh_files import MeshFiles
-    from .description.visuals import Visual
-    from .visualization import ConnectionPoints, Poses
+    from .description.meshes import MeshFiles
+    from .visualization import ConnectionPoints, Poses, Visual
 
 
 _ORIGIN = (0.0, 0.0, 0.0)
@@ -201,7 +200,7 @@ class Robot(RobotModel):
         Raises:
             InputError: visual shapes without sense, their mesh files that cannot be read.
         """
-        from .description.visuals import visuals_of, visuals_of_mjcf
+        from .visualization import visuals_of, visuals_of_mjcf
 
         if self.source.path is not None:
             return visuals_of_mjcf(self.source, collision=collision)
@@ -210,19 +209,19 @@ class Robot(RobotModel):
     @cached_property
     def _mesh_files(self) -> MeshFiles:
         """Mesh files, cached since visual and collision shapes may share them."""
-        from .description.mesh_files import MeshFiles
+        from .description.meshes import MeshFiles
 
         return MeshFiles(self.folder, self.package_dirs)
 
     def inertia_ellipsoids(self) -> dict[str, np.ndarray]:
         """Return the ellipsoid of equal mass, centre and inertia of each body, as placement (4, 4) of a unit sphere in a link."""
-        from .linearization.inertia import inertia_ellipsoids
+        from .linearized import inertia_ellipsoids
 
         return inertia_ellipsoids(self)
 
     def mesh_notices(self) -> tuple[Notice, ...]:
         """A notice on the meshes that are not drawn, since their files are missing or lie outside the folders named."""
-        from .description.visuals import mesh_notices
+        from .visualization import mesh_notices
 
         return mesh_notices(self.description, self._mesh_files)
 

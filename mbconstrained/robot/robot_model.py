@@ -12,16 +12,26 @@ from ..ground.checks import nearest, real_array, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed
 from ..ground.errors import InputError
-from .connections import BodySpring, Bushing, Loop, PointMotion
-from .description.masses import Payload, description_notices, replace_masses
+from .connections import BodySpring, Bushing, LinkFrames, Loop, PointMotion, checked_connections
 from .description.mjcf import is_mjcf, read_mjcf
-from .description.models import ModelFile, described, has_free_base, is_model
 from .description.sdf import read_description
-from .description.srdf import SemanticDescription, read_srdf
-from .description.urdf import link_masses, mimics_of, root_link, skeleton
+from .description.urdf import (
+    ModelFile,
+    Payload,
+    SemanticDescription,
+    described,
+    description_notices,
+    has_free_base,
+    is_model,
+    link_masses,
+    mimics_of,
+    read_srdf,
+    replace_masses,
+    root_link,
+    skeleton,
+)
 from .flexible_joint import FlexibleJoint, Motor
 from .kinematics import Tree, built_model, finished_model
-from .mechanism import LinkFrames, checked_connections
 from .tangent import BASE, JointGear, Tangent, geared, locked_values, mimic_rows
 
 _ORIGIN = (0.0, 0.0, 0.0)

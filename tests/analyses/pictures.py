@@ -6,7 +6,7 @@ import re
 from xml.etree import ElementTree
 
 from mbconstrained.analyses.figures import WIDTH, Picture
-from mbconstrained.page.plots.images import page_style
+from mbconstrained.page.plots import page_style
 from tests.page.svg import checked_svg
 
 SVG = "{http://www.w3.org/2000/svg}"

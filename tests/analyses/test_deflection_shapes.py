@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from mbconstrained.analyses.frequency import Frequency
-from mbconstrained.scene.run.picture.robot_drawing import RobotPicture
-from mbconstrained.scene.run.picture.shape_drawing import LinearRobot
+from mbconstrained.scene.run.drawing import LinearRobot, RobotPicture
 from mbconstrained.scene.run.scene import read_scene
 from tests.analyses.test_frequency import ISOLATED, frequency_of, transmissibility
 from tests.scene.scenes import COEFFICIENTS, EXAMPLES

@@ -9,8 +9,8 @@ from xml.etree import ElementTree
 import pytest
 
 from mbconstrained.analyses.figures import HEADING, WIDTH, Picture, nothing_to_show, power_of_ten, powers
-from mbconstrained.page.plots.images import DPI
-from mbconstrained.page.typeset import shortened
+from mbconstrained.page.content import shortened
+from mbconstrained.page.plots import DPI
 from tests.analyses.pictures import HOSTILE, HOSTILE_SHOWN, texts
 from tests.page.svg import checked_svg
 

@@ -10,7 +10,7 @@ from mbconstrained.analyses.frequency import Frequency
 from mbconstrained.ground.display import TextTable, table_text
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.mechanics.harmonic_response import QUANTITIES
-from mbconstrained.scene.schema.analyses.frequency_table import ResponseQuantity
+from mbconstrained.scene.schema.analysis_tables import ResponseQuantity
 from tests.scene.scenes import COEFFICIENTS, OSCILLATOR, scene_of
 
 #: A machine of 2 kg and 50 Hz on a mount of damping ratio 0.05, on a floor that moves.

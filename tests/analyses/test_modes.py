@@ -11,10 +11,10 @@ from mbconstrained.analyses.modes import ModalAnalysis, shape_entries
 from mbconstrained.analyses.motion_report import share_entries
 from mbconstrained.ground.display import WIDTH, TextTable, table_text
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.page.animation.shapes import cycle
-from mbconstrained.page.drawing.layout import WIDEST_ANGLE
+from mbconstrained.page.animation import cycle
+from mbconstrained.page.layout import WIDEST_ANGLE
 from mbconstrained.scene.quantities.coordinates import Coordinates
-from mbconstrained.scene.run.picture.shape_drawing import ShapeDrawing
+from mbconstrained.scene.run.drawing import ShapeDrawing
 from mbconstrained.scene.run.scene import read_scene
 from tests.page.contents import positions
 from tests.scene.scenes import COEFFICIENTS, EXAMPLES, MATRICES, OSCILLATOR, scene_of

@@ -17,7 +17,6 @@ NUMERICAL_ROOMS = {
     "response",
     "frequency",
     "exact",
-    "papers",
     "mechanics",
     "control",
     "models",
@@ -30,7 +29,7 @@ OWN_CONSTANTS = {
     "linalg/tree_modes.py",
     "response/estimate.py",
     "robot/description/urdf.py",
-    "robot/statics/equilibrium.py",
+    "robot/statics.py",
     "robot/visualization.py",
     "signals/approximated.py",
 }

@@ -12,7 +12,7 @@ from tests.audits.source import FILES, MODULES, expect_none, imports, room, tree
 
 #: The rooms, lowest first. A file imports its own room and lower rooms.
 LAYERS = (
-    *("ground", "exchange", "linalg", "signals", "polynomial", "exact", "response", "frequency", "papers"),  # arrays in, arrays out
+    *("ground", "exchange", "linalg", "signals", "polynomial", "exact", "response", "frequency"),  # arrays in, arrays out
     *("control", "mechanics", "models", "robot"),
     *("page", "scene", "analyses", "cli", "docs", "__main__"),
 )

@@ -22,9 +22,9 @@ from pathlib import Path
 from mbconstrained.analyses.run import RunAnswer as Result
 from mbconstrained.ground.errors import MbconstrainedError
 from mbconstrained.response.estimate import error_estimate
+from mbconstrained.scene.run.plan import Costs
 from mbconstrained.scene.run.result import PARTS
 from mbconstrained.scene.run.scene import read_scene
-from mbconstrained.scene.run.stage_costs import Costs
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 REPETITIONS = 2
@@ -121,7 +121,7 @@ def modes(result: Result) -> object:
 def animation(result: Result) -> object:
     if result.scene.equations.has_outputs_among_coordinates:
         raise NotImplementedError
-    from mbconstrained.page.animation.keyframes import key_frames
+    from mbconstrained.page.animation import key_frames
 
     return key_frames(result.animation)
 

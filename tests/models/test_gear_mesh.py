@@ -9,7 +9,7 @@ import scipy.linalg
 
 import mbconstrained as mb
 from mbconstrained.scene.run.scene import read_scene
-from mbconstrained.scene.schema.editors import scene_schema
+from mbconstrained.scene.schema.scene_schema import scene_schema
 from tests.scene.scenes import EXAMPLES
 
 J, K, R = (4e-4, 3.6e-3), 5e5, (0.02, 0.06)

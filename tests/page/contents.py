@@ -8,10 +8,9 @@ import numpy as np
 
 from mbconstrained.ground.display import TextTable
 from mbconstrained.ground.notices import Notice
-from mbconstrained.page.animation.animation import Animation
-from mbconstrained.page.animation.keyframes import KeyFrames, body_poses
+from mbconstrained.page.animation import Animation, KeyFrames, body_poses
 from mbconstrained.page.content import Curve, PageContent, Plot
-from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, DrawnLink
+from mbconstrained.page.drawing import Drawing, DrawnBody, DrawnLink
 
 TIMES = np.linspace(0, 50, 401)
 HOSTILE = """</script><script>alert(1)</script><img src=x onerror=alert(2)>&amp;"'\u2028]]>-->"""

@@ -8,10 +8,9 @@ import numpy as np
 
 from mbconstrained.ground.display import TextTable
 from mbconstrained.ground.notices import Notice
-from mbconstrained.page.animation.shapes import ModePicture, Shapes, cycle
+from mbconstrained.page.animation import ModePicture, Shapes, cycle
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, DrawnLink
-from mbconstrained.page.drawing.paths import Path
+from mbconstrained.page.drawing import Drawing, DrawnBody, DrawnLink, Path
 from tests.page.contents import HOSTILE
 from tests.page.robots import four_bar
 

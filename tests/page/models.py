@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from mbconstrained.models.lumped import LumpedModel
-from mbconstrained.page.animation.animation import Animation
-from mbconstrained.page.drawing.automatic_drawing import coordinate_drawing, lumped_drawing
+from mbconstrained.page.animation import Animation
+from mbconstrained.page.automatic_drawing import coordinate_drawing, lumped_drawing
 
 
 def gallery() -> dict[str, Animation]:

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from mbconstrained.page.animation.animation import Animation
-from mbconstrained.page.drawing.paths import Path
-from mbconstrained.page.drawing.robot_layout import robot_drawing, solids_of
+from mbconstrained.page.animation import Animation
+from mbconstrained.page.drawing import Path
+from mbconstrained.scene.run.drawing import robot_drawing, solids_of
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ import pytest
 
 from mbconstrained.ground.display import TextTable
 from mbconstrained.ground.errors import InputError
-from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.animation import Animation
 from mbconstrained.page.content import Curve, PageContent, Plot
-from mbconstrained.page.drawing.bodies import Drawing
+from mbconstrained.page.drawing import Drawing
 from mbconstrained.page.html import page_html
 
 EMPTY = Drawing(())

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.animation import Animation
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Drawing, DrawnBody
+from mbconstrained.page.drawing import Drawing, DrawnBody
 from mbconstrained.page.html import write_page
 from tests.page.browser import needs_chromium
 from tests.page.contents import plotted_content, two_masses

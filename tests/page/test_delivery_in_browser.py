@@ -6,9 +6,9 @@ import os
 import numpy as np
 import pytest
 
-from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.animation import Animation
 from mbconstrained.page.content import Curve, PageContent, Plot
-from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, DrawnLink
+from mbconstrained.page.drawing import Drawing, DrawnBody, DrawnLink
 from mbconstrained.page.html import VIEWER_FILE, page_html, write_page
 from tests.page.browser import needs_chromium
 from tests.page.contents import many, two_masses, two_masses_content

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mbconstrained.ground.display import TextTable
-from mbconstrained.page.animation.shapes import Deflections
+from mbconstrained.page.animation import Deflections
 from mbconstrained.page.content import Curve, PageContent, Plot
 from mbconstrained.page.html import page_html
 from tests.page.browser import needs_chromium

@@ -18,9 +18,9 @@ import pytest
 from mbconstrained.ground.display import TextTable
 from mbconstrained.ground.errors import MbconstrainedError
 from mbconstrained.ground.notices import Notice
-from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.animation import Animation
 from mbconstrained.page.content import Curve, PageContent, Plot
-from mbconstrained.page.drawing.bodies import Drawing
+from mbconstrained.page.drawing import Drawing
 from mbconstrained.page.html import _ANIMATION, _ASSETS, _PLOTS, VIEWER_FILE, page_html, script_json, viewer_script
 from tests.page.contents import HOSTILE, hostile_content, two_masses_content
 

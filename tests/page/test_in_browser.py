@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.animation import Animation
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, DrawnLink
+from mbconstrained.page.drawing import Drawing, DrawnBody, DrawnLink
 from mbconstrained.page.html import write_page
 from tests.page.browser import Browser, needs_chromium
 from tests.page.contents import HOSTILE, TIMES, hostile_content, positions, two_masses, two_masses_content, two_masses_drawing

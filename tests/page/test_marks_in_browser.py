@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.animation import Animation
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, Solid
-from mbconstrained.page.drawing.paths import Path
+from mbconstrained.page.drawing import Drawing, DrawnBody, Path, Solid
 from mbconstrained.page.html import page_html, write_page
 from tests.page.browser import needs_chromium
 from tests.page.robots import turned

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from mbconstrained.ground.errors import InputError
-from mbconstrained.page.animation.shapes import PHASES, ModePicture, cycle
-from mbconstrained.page.drawing.paths import Path
+from mbconstrained.page.animation import PHASES, ModePicture, cycle
+from mbconstrained.page.drawing import Path
 from tests.page.mode_pages import NAMES, robot_modes, two_bodies, two_modes
 
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mbconstrained.page.animation.shapes import Shapes
+from mbconstrained.page.animation import Shapes
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Drawing
+from mbconstrained.page.drawing import Drawing
 from mbconstrained.page.html import page_html, viewer_script
 from tests.page.contents import HOSTILE
 from tests.page.mode_pages import hostile_modes, many_modes, robot_modes, two_modes, variants
@@ -65,7 +65,7 @@ def test_shares_are_bars_with_their_numbers():
 
 
 def test_a_negative_share_is_told_apart_and_no_bar_is_wider_than_its_cell():
-    from mbconstrained.page.shape_sections import _bar
+    from mbconstrained.page.html import _bar
 
     assert _bar(-0.25) == '<td><span class="bar negative" style="width: 25.0%"></span><span class="percent">−25 %</span></td>'
     assert "width: 100.0%" in _bar(1.25) and "125 %" in _bar(1.25)

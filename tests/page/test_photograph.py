@@ -11,7 +11,7 @@ from PIL import Image
 
 from mbconstrained.ground.errors import InputError, MbconstrainedError
 from mbconstrained.page import photograph as module
-from mbconstrained.page.animation.animation import DrawnEvent, Overlay
+from mbconstrained.page.animation import DrawnEvent, Overlay
 from mbconstrained.page.photograph import photograph
 from tests.page.browser import needs_chromium
 from tests.page.contents import two_masses_content

@@ -7,7 +7,7 @@ import pytest
 
 from mbconstrained.analyses.modes import ModalAnalysis
 from mbconstrained.page.html import page_html
-from mbconstrained.scene.run.picture.robot_drawing import RobotPicture
+from mbconstrained.scene.run.drawing import RobotPicture
 from mbconstrained.scene.run.scene import read_scene
 from tests.page.browser import needs_chromium
 from tests.scene.scenes import EXAMPLES

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.animation import Animation
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, DrawnLink, Solid, View
-from mbconstrained.page.drawing.paths import Path
+from mbconstrained.page.drawing import Drawing, DrawnBody, DrawnLink, Path, Solid, View
 from mbconstrained.page.html import write_page
 from tests.page.browser import needs_chromium
 from tests.page.robots import COUPLER, CRANK, four_bar, four_bar_angles, octahedron, turned

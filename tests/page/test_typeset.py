@@ -2,7 +2,7 @@
 
 import pytest
 
-from mbconstrained.page.typeset import typeset
+from mbconstrained.page.content import typeset
 
 
 @pytest.mark.parametrize(

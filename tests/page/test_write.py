@@ -5,9 +5,9 @@ import os
 import pytest
 
 from mbconstrained.ground.errors import InputError
-from mbconstrained.page.animation.animation import Animation
+from mbconstrained.page.animation import Animation
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Drawing, DrawnBody
+from mbconstrained.page.drawing import Drawing, DrawnBody
 from mbconstrained.page.html import page_html, write_page
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.robot.linearization.connection_forces import foot_notices
+from mbconstrained.robot.linearized import foot_notices
 from tests.robot.linkages import link, urdf
 
 MASS, HEIGHT, G = 4.0, 0.3, 9.81

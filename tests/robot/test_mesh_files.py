@@ -12,11 +12,9 @@ from PIL import Image
 
 import mbconstrained as mb
 from mbconstrained.ground.errors import InputError
-from mbconstrained.robot.description.mesh_files import MeshFiles
-from mbconstrained.robot.description.mesh_parts import UnreadableMesh
-from mbconstrained.robot.description.mesh_readers import collada_mesh, wavefront_mesh
+from mbconstrained.robot.description.meshes import MeshFiles, UnreadableMesh, collada_mesh, wavefront_mesh
 from mbconstrained.robot.description.urdf import xml_element
-from mbconstrained.robot.description.visuals import visuals_of
+from mbconstrained.robot.visualization import visuals_of
 
 CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
 SIDES = ["0 1 3 2", "4 6 7 5", "0 4 5 1", "2 3 7 6", "0 2 6 4", "1 5 7 3"]  # counter-clockwise from outside

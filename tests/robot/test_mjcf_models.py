@@ -556,7 +556,7 @@ def test_a_difference_from_mujoco_is_an_error(tmp_path, here):
     robot = read(tmp_path, chain(a='stiffness="20"'))
     source = mjcf.read_mjcf(tmp_path / "m.xml", False)
     source.compiled.dof_damping[1] = 0.3  # as a construct that is not read
-    from mbconstrained.robot.description import mujoco_check
+    from mbconstrained.robot import linear_range as mujoco_check
 
     twin = mujoco_check._Twin(robot, robot.tangent.configuration({}))
     twin.model.dof_damping[1] = 0.3

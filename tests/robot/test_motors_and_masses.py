@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.robot.statics.balance import Balance
+from mbconstrained.robot.statics import Balance
 from tests.robot.linkages import GROUND, PLANE, bar, joint, link, urdf
 from tests.robot.reference import Reference
 

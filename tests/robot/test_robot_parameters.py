@@ -122,7 +122,7 @@ def test_a_pendulum_on_a_spring_in_closed_form():
 def scene(folder, **changed):
     """A robot of the collection with changed numbers in its posture."""
     data = mb.read_robot(ROBOTS / folder)[1]
-    from mbconstrained.scene.build.robot_values import robot_arguments
+    from mbconstrained.scene.build.robot_file import robot_arguments
 
     arguments = robot_arguments(data.table, data.names, data.place) | changed
     robot = mb.Robot(data.names.path, **arguments)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.robot.statics.regularity import rounded_advice, rounded_to
+from mbconstrained.robot.posture_search import rounded_advice, rounded_to
 from tests.robot.linkages import GROUND, bar, joint, urdf
 
 LENGTHS = (0.2, 0.5, 0.4)

@@ -15,8 +15,7 @@ from ...ground.checks import counted
 from ...ground.display import TextTable
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS, TRUST_LIMIT
-from ...page.content import Curve, Guide, Marks, Plot, curve_with_gaps
-from ...page.typeset import shortened
+from ...page.content import Curve, Guide, Marks, Plot, curve_with_gaps, shortened
 from ...scene.schema.entry_types import Table
 from ..base import Analysis, Answer
 from ..study_problem import StudyProblem, problem_of

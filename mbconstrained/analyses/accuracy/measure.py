@@ -13,7 +13,7 @@ import numpy as np
 
 from ...ground.errors import MbconstrainedError, Overflow
 from ...response.response import Response
-from ...scene.run.stage_costs import OutOfTime, time_limit
+from ...scene.run.plan import OutOfTime, time_limit
 from ..study_problem import StudyProblem, chosen_places, fractions_of, values_of
 from ..timing import (
     Clock,

@@ -182,7 +182,7 @@ def _condition(problem: StudyProblem, response: Response, variations: int | None
 
 def _within(seconds: float, work, reason: str = "") -> tuple[float | None, str]:
     """The result of the work within a time limit; else None and the reason."""
-    from ...scene.run.stage_costs import OutOfTime, time_limit
+    from ...scene.run.plan import OutOfTime, time_limit
 
     if reason:
         return None, reason

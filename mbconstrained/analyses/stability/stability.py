@@ -13,10 +13,8 @@ from pydantic import Field
 from ...ground.checks import counted
 from ...ground.display import TextTable
 from ...ground.notices import Notice, NoticeKind
-from ...page.content import Marks, Plot, curve_with_gaps
-from ...page.plots.axis import Scale
-from ...page.plots.images import INK, MUTED, RED
-from ...page.typeset import shortened
+from ...page.content import Marks, Plot, Scale, curve_with_gaps, shortened
+from ...page.plots import INK, MUTED, RED
 from ...scene.schema.entry_types import Table, Text
 from ..base import Analysis, Answer
 from ..figures import Picture, nothing_to_show, power_of_ten, powers

@@ -20,7 +20,7 @@ from ...ground.tolerances import PROVED_ACCURACY, noise_of
 from ...mechanics.element_matrix import ElementMatrix
 from ...mechanics.family import Family
 from ...mechanics.system import MechanicalSystem
-from ...scene.file.messages import SceneName
+from ...scene.file import SceneName
 from ...scene.run.result import ORDERS, Result
 from ...scene.run.scene import Scene, assembled
 from ..frequency import Frequency

@@ -20,7 +20,7 @@ from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import SIMPLEX_SIZE
 from ...page.content import Curve, Plot
 from ...scene.quantities.variations import Distribution
-from ...scene.schema.analyses.vary_table import VaryTable
+from ...scene.schema.analysis_tables import VaryTable
 from ..base import Analysis, Answer
 from ..timing import machine
 from .evaluation import Job, evaluate

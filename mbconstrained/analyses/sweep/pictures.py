@@ -7,11 +7,9 @@ from textwrap import fill
 
 import numpy as np
 
-from ...page.animation.figure import PALETTE
-from ...page.content import LEAST_SHARE, Plot, curve_with_gaps
-from ...page.plots.axis import Scale
-from ...page.plots.images import GREY, LINE, MUTED, RED
-from ...page.typeset import raised, shortened
+from ...page.content import LEAST_SHARE, Plot, Scale, curve_with_gaps, raised, shortened
+from ...page.figure import PALETTE
+from ...page.plots import GREY, LINE, MUTED, RED
 from ..figures import Picture
 from .samples import QUANTILES, Estimate, rank_correlations
 

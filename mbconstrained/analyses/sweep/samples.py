@@ -17,7 +17,7 @@ import numpy as np
 from ...ground.checks import counted, nearest
 from ...ground.errors import InputError
 from ...scene.quantities.variations import Distribution, Values, Variation
-from ...scene.schema.analyses.vary_table import VaryTable
+from ...scene.schema.analysis_tables import VaryTable
 
 
 @dataclass(frozen=True)

@@ -23,12 +23,10 @@ from ...ground.display import Displayed, TextTable, number_text, with_unit
 from ...ground.errors import InputError, MbconstrainedError, SceneError
 from ...ground.notices import Notice, NoticeKind
 from ...page.content import PageContent
-from ...scene.file.includes import read_tables
-from ...scene.file.messages import shown
+from ...scene.file import read_tables, shown
 from ...scene.quantities.variations import Distribution, Values, Variation
-from ...scene.schema.analyses.vary_table import VaryTable
-from ...scene.schema.entry_types import Text
-from ...scene.schema.validation import validated
+from ...scene.schema.analysis_tables import VaryTable
+from ...scene.schema.entry_types import Text, validated
 from ..base import Analysis, Answer
 from ..modes import variants_content
 from ..timing import machine, version_of

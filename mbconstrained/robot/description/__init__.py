@@ -1,2 +1,2 @@
-"""The description of a robot as checked data: ``urdf`` (tree, masses, joints), ``masses`` (payloads, other masses), ``models`` (of
-pinocchio) and ``visuals`` (shapes, meshes)."""
+"""The description of a robot as checked data: ``urdf`` (tree, masses of links, payloads, SRDF), ``extensions`` and ``sdf``, ``mjcf``, and
+``meshes`` (files of shapes)."""

@@ -26,13 +26,11 @@ from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
 from ...ground.files import isolated
 from ...ground.notices import Notice, NoticeKind
-from ..connections import Bushing, Loop
+from ..connections import Bushing, Loop, Segment, Tendon
 from ..flexible_joint import Motor
 from ..kinematics import MOST_COORDINATES
 from ..tangent import JointGear
-from ..tendons import Segment, Tendon
-from .models import ModelFile
-from .urdf import LARGEST, RENAMED_GROUND, read_urdf, short, xml_element
+from .urdf import LARGEST, RENAMED_GROUND, ModelFile, read_urdf, short, xml_element
 
 #: Files that include others, elements in elements, and models in models, at most so deep.
 DEEPEST_INCLUDE, DEEPEST_ELEMENT, DEEPEST_MODEL = 5, 300, 5
@@ -399,7 +397,7 @@ class _Reader:
         np.add.at(armature, mj.jnt_dofadr, own_armature)
         np.add.at(damping, mj.jnt_dofadr, own_damping)
         damping = damping * (not _flag(mj, "DAMPER"))
-        if root or any(self._drawn_in_world()):
+        if root or any(geom_kind(self.mj, int(geom)) not in _UNDRAWN for geom in np.flatnonzero(self.mj.geom_bodyid == 0)):
             _add_link(model, self.bodies[0], root, pinocchio.SE3.Identity())
         for body in range(1, mj.nbody):
             joint, place = self.places[mj.body_parentid[body]]
@@ -457,9 +455,6 @@ class _Reader:
                     square * _rows(mj, "actuator_damping", len(mj.actuator_trntype))[actuator, 0],
                 )
         return values[0], values[1]
-
-    def _drawn_in_world(self) -> Iterator[bool]:
-        return (geom_kind(self.mj, int(geom)) not in _UNDRAWN for geom in np.flatnonzero(self.mj.geom_bodyid == 0))
 
     def _each_joint(self) -> Iterator[tuple[int, str, str]]:
         kinds = _kinds("mjtJoint", "mjJNT_")

@@ -19,24 +19,27 @@ from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ..tangent import BASE, JointGear
-from .extensions import acts, local_name, read_drake, read_motor, read_urdf_file
-from .joints import (
+from .extensions import (
     WORLD,
     Content,
     Joint,
+    acts,
     add_joint,
     add_loop,
     add_origin,
     amount,
     is_true,
     leave_out_repeated,
+    local_name,
     placement,
     pose_of,
+    read_drake,
     read_joint,
+    read_motor,
+    read_urdf_file,
     text_of,
 )
-from .models import DOWNWARDS, ModelFile
-from .urdf import MOMENTS, MOST_LINKS, RENAMED_GROUND, number, numbers, read_urdf, short, xml_element
+from .urdf import DOWNWARDS, MOMENTS, MOST_LINKS, RENAMED_GROUND, ModelFile, number, numbers, read_urdf, short, xml_element
 
 #: Endings of SDF files; one that ends in .xml is looked into.
 ENDINGS = (".sdf", ".world", ".model")
@@ -447,7 +450,7 @@ class _Assembly:
         if twice:
             raise InputError(f'sdf: two joints are named "{short(twice[0])}"; names must differ')
         self._name_leaders()
-        self._add_tree(bodies, base, {name for gear in gearboxes for name in self._gear_joints(gear)})
+        self._add_tree(bodies, base, {item[0].name for gear in gearboxes for item in self._of_gear(gear) if item is not None})
         kinds = {element.get("name"): element.get("type") for element in self.robot.findall("joint")}
         for joint, element in motors:
             if kinds.get(joint.name) in ("revolute", "prismatic"):
@@ -545,10 +548,6 @@ class _Assembly:
                     passed.add(other)
                     waiting.append(other)
                     add_joint(self.robot, joint if joint.parent == body else joint.reversed(), self.places, self.content)
-
-    def _gear_joints(self, gear: Joint) -> list[str]:
-        """The names of the joints between the reference of a gearbox and its parent and child."""
-        return [item[0].name for item in self._of_gear(gear) if item is not None]
 
     def _of_gear(self, gear: Joint) -> list[tuple[Joint, float] | None]:
         """The joints of a gearbox with the sign of their coordinates for a turn of the body about the axis of the gearbox."""

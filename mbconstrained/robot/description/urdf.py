@@ -1,21 +1,131 @@
-"""URDF texts, validated before pinocchio reads them, so that errors name the element and the remedy.
+"""URDF and SRDF texts, validated before pinocchio reads them, so that errors name the element and the remedy; masses of links.
 
-A URDF is data: nothing in it is executed or fetched. Mesh files are not opened here (``visuals``).
+A URDF is data: nothing in it is executed or fetched. Mesh files are not opened here (``meshes``).
 """
 
 from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from ...ground.checks import nearest
+import numpy as np
+
+from ...ground.checks import nearest, real_array, real_number
 from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
+from ...ground.notices import Notice, NoticeKind
+from ...ground.tolerances import noise_of
+
+#: Kinds of joints with several degrees of freedom that have tangent coordinates here.
+SEVERAL = ("JointModelPlanar", "JointModelFreeFlyer", "JointModelSpherical", "JointModelTranslation")
+
+
+#: The acceleration of free fall where a file gives none (m/s^2).
+DOWNWARDS = (0.0, 0.0, -9.81)
+
+
+@dataclass(frozen=True, eq=False)
+class ModelFile:
+    """A pinocchio model with the further data of its file.
+
+    Attributes:
+        model: of pinocchio.
+        gravity: shape (3,) (m/s^2).
+        path: the file; None for a model alone.
+        loops, gears: ``Loop`` and ``JointGear``.
+        joint_stiffness, joint_rest: by joint.
+        states: configurations q by name.
+        notices: notices on what was left out.
+        springs, tendons, motors: ``Bushing``, ``Tendon``, and ``Motor`` by joint.
+        lift: by body a point (m) at which a force compensates the weight of a mass (kg).
+        compiled: the ``MjModel`` of an MJCF file, to compare with; None where it has elastic parts that are not read.
+        drawn: the model with shapes.
+        links: links of its bodies, by number.
+        undrawn: geoms whose mesh is missing.
+        description, folder: the element <robot> of a URDF or an SDF, and the folder of the file.
+    """
+
+    model: Any
+    gravity: Sequence[float]
+    path: Path | None = None
+    loops: tuple[Any, ...] = ()
+    gears: tuple[Any, ...] = ()
+    joint_stiffness: Mapping[str, float] = field(default_factory=dict)
+    joint_rest: Mapping[str, float] = field(default_factory=dict)
+    states: Mapping[str, np.ndarray] = field(default_factory=dict)
+    notices: tuple[Notice, ...] = ()
+    springs: tuple[Any, ...] = ()
+    tendons: tuple[Any, ...] = ()
+    motors: Mapping[str, Any] = field(default_factory=dict)
+    lift: Mapping[str, tuple[Sequence[float], float]] = field(default_factory=dict)
+    compiled: Any = None
+    drawn: Any = None
+    links: tuple[str, ...] = ()
+    undrawn: frozenset[int] = frozenset()
+    description: Element | None = None
+    folder: Path | None = None
+
+    def named_states(self, tangent) -> dict[str, dict]:
+        """The states as guesses: values (rad, m) by joint, of the joints of a ``Tangent``; none where joints of the file are locked."""
+        return {name: tangent.values(q) for name, q in self.states.items() if len(q) == tangent.model.nq}
+
+
+def is_model(given) -> bool:
+    """Whether an object is a pinocchio model; pinocchio is imported only where it may be one."""
+    if isinstance(given, str) or not type(given).__module__.startswith("pinocchio"):
+        return False
+    import pinocchio
+
+    return isinstance(given, pinocchio.Model)
+
+
+def has_free_base(model) -> bool:
+    """Whether the first joint of a model is a free one of its base."""
+    return model.njoints > 1 and model.joints[1].shortname() == "JointModelFreeFlyer"
+
+
+def described(model) -> Element:
+    """The names, masses and joints of a pinocchio model as the element <robot> of a URDF, without shapes."""
+    import pinocchio
+
+    robot, first = Element("robot", name=str(model.name) or "robot"), {}
+    for frame in model.frames:
+        if frame.type == pinocchio.FrameType.BODY:
+            link = SubElement(robot, "link", name=str(frame.name))
+            first.setdefault(int(frame.parentJoint), link)
+    if not first:
+        raise InputError('model: found no body; name the bodies, model.addBodyFrame("link", joint, pinocchio.SE3.Identity(), 0)')
+    for number in range(1, model.njoints):
+        joint, name = model.joints[number], str(model.names[number])
+        kind = joint.shortname()
+        if (joint.nv != 1 and kind not in SEVERAL) or "Mimic" in kind:
+            raise InputError(
+                f'model: the joint "{name}" is a {kind.removeprefix("JointModel")}, which has no coordinates here; write it as joints with one '
+                "degree of freedom each"
+            )
+        if number in first:
+            _add_inertial(first[number], model.inertias[number])
+            word = "floating" if joint.nv > 1 else "prismatic" if kind.startswith("JointModelP") else "revolute"
+            if number > 1 or not has_free_base(model):
+                element = SubElement(robot, "joint", name=name, type=word)
+                parent = first.get(int(model.parents[number]), first[min(first)])
+                SubElement(element, "parent", link=parent.get("name", ""))
+                SubElement(element, "child", link=first[number].get("name", ""))
+    return robot
+
+
+def _add_inertial(link: Element, inertia) -> None:
+    inertial, tensor = SubElement(link, "inertial"), np.array(inertia.inertia)
+    SubElement(inertial, "mass", value=repr(float(inertia.mass)))
+    moments = zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), tensor[np.triu_indices(3)].tolist())
+    SubElement(inertial, "inertia", {key: repr(value) for key, value in moments})
+
 
 LARGEST_URDF = 5_000_000  # bytes; the URDF of a humanoid has a few hundred thousand
 MOST_LINKS = 2_000
@@ -332,3 +442,200 @@ def _limits(joint: Element, where: str) -> dict[str, float]:
 
 def _text(values: list[float]) -> str:
     return " ".join(map(repr, values))
+
+
+#: Numbers of a pose of the base: x, y, z and a quaternion x, y, z, w.
+POSE = 7
+
+
+@dataclass(frozen=True)
+class SemanticDescription:
+    """The content of an SRDF file.
+
+    Attributes:
+        states: values (rad, m) by joint, by name of the state; equal names of several groups are one state.
+        rotors: inertia of the rotor (kg m^2, kg) and gear ratio by joint, of those that have both.
+    """
+
+    states: dict[str, dict[str, float | tuple[float, ...]]] = field(default_factory=dict)
+    rotors: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+    def state(self, name: str, joints: Collection[str], base: str | None) -> dict[str, float | tuple[float, ...]]:
+        """The values of the moving joints, as a guess.
+
+        Args:
+            name: name of the state.
+            joints: the moving joints.
+            base: the name of a free base, which takes the pose of a joint that is not among them; None of a fixed one.
+
+        Returns:
+            Values by joint.
+
+        Raises:
+            InputError: no such state.
+        """
+        if name not in self.states:
+            there = f"; there are {', '.join(self.states)}" if self.states else ": no SRDF file with one is given (srdf)"
+            raise InputError(f'state: there is no "{short(name)}"{nearest(name, self.states)}{there}')
+        guess = {}
+        for joint, value in self.states[name].items():
+            if joint in joints:
+                guess[joint] = value
+            elif base is not None and isinstance(value, tuple) and len(value) == POSE:
+                guess[base] = value
+        return guess
+
+
+def read_srdf(path: str | Path) -> SemanticDescription:
+    """States and rotors of an SRDF file."""
+    root = parsed_xml(read_urdf(path, "SRDF")[0], "srdf")
+    content = SemanticDescription()
+    for state in root.iter("group_state"):
+        name = state.get("name", "")
+        values = content.states.setdefault(name, {})
+        for joint in state.findall("joint"):
+            text, where = joint.get("value", ""), f'srdf, state "{short(name)}", joint "{short(joint.get("name"))}"'
+            entries = numbers(text, max(1, len(text.split())), where)
+            values[joint.get("name", "")] = entries[0] if len(entries) == 1 else tuple(entries)
+    for joint in root.iterfind(".//rotor_params/joint"):
+        where = f'srdf, rotor of "{short(joint.get("name"))}"'
+        (inertia,), (ratio,) = (numbers(joint.get(key, "0"), 1, f"{where}, {key}") for key in ("mass", "gear_ratio"))
+        if inertia < 0:
+            raise InputError(f"{where}, mass: found {inertia:g}; expected at least 0")
+        if inertia and ratio:
+            content.rotors[joint.get("name", "")] = inertia, ratio
+    return content
+
+
+@dataclass(frozen=True)
+class Payload:
+    """A body fixed to a link, such as the load of a gripper.
+
+    Attributes:
+        body: the link.
+        mass: in kg.
+        centre: of mass, in the link's frame (m).
+        inertia: about it, in the directions of the link: the three principal moments, or ixx, ixy, ixz, iyy, iyz, izz (kg m^2).
+
+    >>> Payload("tool", mass=2.0, centre=(0, 0, 0.1)).inertia
+    (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    """
+
+    body: str
+    mass: float
+    centre: Sequence[float] = (0.0, 0.0, 0.0)
+    inertia: Sequence[float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self):
+        where = f'payload of "{self.body}"'
+        object.__setattr__(self, "mass", real_number(self.mass, f"{where}: mass", minimum=0.0))
+        object.__setattr__(self, "centre", tuple(real_array(self.centre, f"{where}: centre", shape=(3,)).tolist()))
+        object.__setattr__(self, "inertia", tuple(_tensor(self.inertia, f"{where}: inertia")[np.triu_indices(3)].tolist()))
+
+    @property
+    def tensor(self) -> np.ndarray:
+        """The inertia as a matrix, shape (3, 3)."""
+        return _tensor(self.inertia, "inertia")
+
+
+def _tensor(moments, where: str) -> np.ndarray:
+    """The symmetric matrix of three principal moments or of six moments; no moment about any axis may be negative."""
+    values = real_array(moments, where, shape=(None,))
+    if len(values) not in (3, 6):
+        raise InputError(f"{where}: found {len(values)} numbers; expected 3 principal moments, or ixx, ixy, ixz, iyy, iyz, izz")
+    tensor = np.diag(values) if len(values) == 3 else np.zeros((3, 3))
+    if len(values) == 6:
+        tensor[np.triu_indices(3)] = values
+        tensor = tensor + np.triu(tensor, 1).T
+    if (least := np.linalg.eigvalsh(tensor)[0]) < -noise_of(np.abs(tensor).max(), 3):
+        raise InputError(f"{where}: the moment of inertia about some axis is {least:.3g} kg m^2; expected 0 or more")
+    return tensor
+
+
+def replace_masses(robot: Element, masses: Mapping[str, float], inertias: Mapping[str, Sequence[float]]) -> None:
+    """Replace masses and inertias of links in a description; with a mass alone the inertia changes in the same ratio."""
+    links = {link.get("name", ""): link for link in robot.findall("link")}
+    for key, values in (("masses", masses), ("inertias", inertias)):
+        if not isinstance(values, Mapping):
+            raise InputError(f"{key}: found {type(values).__name__}; expected values by link")
+        for name in values:
+            if name not in links:
+                raise InputError(f'{key}: there is no link "{name}"{nearest(str(name), links)}')
+            if links[name].find("inertial/mass") is None or links[name].find("inertial/inertia") is None:
+                raise InputError(f'{key}: the link "{name}" has no <inertial>; add an mb.Payload to it instead')
+    for name, mass in masses.items():
+        element, inertia = links[name].find("inertial/mass"), links[name].find("inertial/inertia")
+        new = real_number(mass, f"masses: {name}", minimum=0.0)
+        old = number(element.get("value"), f'urdf, link "{name}", mass')
+        if old <= 0 and new and name not in inertias:
+            raise InputError(
+                f'masses: the link "{name}" has no mass in the URDF, so that its inertia has no ratio to it; give inertias, too'
+            )
+        element.set("value", repr(new))
+        for key in MOMENTS:
+            moment = number(inertia.get(key), f'urdf, link "{name}", inertia, {key}')
+            inertia.set(key, repr(moment * (new / old if old else 0.0)))
+    for name, given in inertias.items():
+        for key, value in zip(MOMENTS, _tensor(given, f"inertias: {name}")[np.triu_indices(3)].tolist()):
+            links[name].find("inertial/inertia").set(key, repr(value))
+
+
+#: The triangle inequality of principal moments holds to this share, the digits that descriptions are rounded to.
+ROUNDED_TRIANGLE = 1e-2
+
+#: Number of links named in a notice; the others are counted.
+MOST_NAMED_LINKS = 3
+
+
+def description_notices(robot: Element) -> tuple[Notice, ...]:
+    """Notices on physically impossible or unused contents of a description; one for all links or joints of a kind."""
+    notices = []
+    if any(link.get("name") == RENAMED_GROUND for link in robot.findall("link")):
+        text = f'the link "{GROUND}" is called "{RENAMED_GROUND}" here, since "{GROUND}" is what does not move'
+        notices.append(Notice(NoticeKind.OVERRIDE, text))
+    if robot.find("link/inertial") is None:
+        text = "no link has an <inertial>: the robot has no mass, and no motion can be computed without springs or masses"
+        notices.append(Notice(NoticeKind.OMITTED, text))
+    joints = {joint.get("name"): joint for joint in robot.findall("joint")}
+    lost = [
+        f'"{short(name)}" (of "{short(joint.find("mimic").get("joint", ""))}")'
+        for name, joint in joints.items()
+        if joint.find("mimic") is not None and joint.find("mimic").get("joint", "") not in joints
+    ]
+    if lost:
+        notices.append(
+            Notice(NoticeKind.OMITTED, f"mimic joints of which the leader does not exist move by themselves: {_first(lost)}")
+        )
+    return (*notices, *_inertia_notices(robot))
+
+
+def _inertia_notices(robot: Element) -> list[Notice]:
+    """Notices on impossible inertias: rounded zeros and violated triangle inequalities are noted, negative moments doubted."""
+    principal = {}
+    for link in robot.findall("link"):
+        if (inertia := link.find("inertial/inertia")) is not None:
+            tensor = np.zeros((3, 3))
+            tensor[np.triu_indices(3)] = list(moments(inertia, "").values())
+            principal[link.get("name")] = np.linalg.eigvalsh(tensor + np.triu(tensor, 1).T)
+    largest = max((values[-1] for values in principal.values()), default=0.0)
+    smallest = 1e-3 * ROUNDED * largest
+    rounded, slight, negative, broken = [], [], [], []
+    for name, values in principal.items():
+        shown = f'"{short(name)}" ({", ".join(f"{value:.3g}" for value in values)} kg m^2)'
+        if values[0] < 0:
+            is_rounded = values[0] >= -max(ROUNDED * abs(values[-1]), smallest)
+            (rounded if is_rounded else slight if values[0] >= -ROUNDED * largest else negative).append(shown)
+        elif values[2] > max((1 + ROUNDED_TRIANGLE) * (values[0] + values[1]), smallest):
+            broken.append(shown)
+    texts = [
+        ("moments of inertia that are rounded zeros below zero", rounded, False),
+        ("principal moments of inertia of which one is negative, which no body has, too small to matter here", slight, False),
+        ("principal moments of inertia of which one is negative, which no body has", negative, True),
+        ("principal moments of inertia of which one exceeds the sum of the others, which no body has", broken, False),
+    ]
+    return [Notice(NoticeKind.ACCURACY, f"{text}: {_first(links)}", doubtful) for text, links, doubtful in texts if links]
+
+
+def _first(names: list[str]) -> str:
+    more = f" and {len(names) - MOST_NAMED_LINKS} more" if len(names) > MOST_NAMED_LINKS else ""
+    return ", ".join(names[:MOST_NAMED_LINKS]) + more

@@ -26,7 +26,7 @@ from ...response.response import Response
 from ...signals.bohl import BohlFunction
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import power, zero
-from ..file.messages import at
+from ..file import at
 from ..quantities.coordinates import Coordinates, initial_values, state_values
 from .data_files import entries_of
 from .forces import input_of
@@ -242,7 +242,10 @@ def transfer_function_scene(table, folder: Path, file_name: str) -> ControlScene
     model = table.model
     with at(file_name, "model"):
         fraction = rational_function(model.numerator, model.denominator)
-        _check_units(model.units, (model.input, model.output))
+        ends = (model.input, model.output)
+        if wrong := next((name for name in model.units if name not in ends), None):
+            known = ", ".join(ends)
+            raise InputError(f"units: there is no input or output {shown(wrong)}{nearest(wrong, ends)}; there are {known}")
     inputs, outputs = (_named([name], model.units) for name in (model.input, model.output))
     u = input_of(table.force, inputs, folder, file_name)
     if model.gamma is not None:
@@ -272,7 +275,9 @@ def state_space_scene(table, folder: Path, file_name: str) -> ControlScene:
     with at(file_name, "model"):
         units = {name: unit for name, unit in model.units.items() if name not in displacements}
         system = StateSpace(**matrices, states=model.states, inputs=model.inputs, outputs=model.outputs, units=units)
-        _check_names((*system.states, *system.inputs, *system.outputs, *displacements))
+        names = (*system.states, *system.inputs, *system.outputs, *displacements)
+        if repeated := next((name for name in names if names.count(name) > 1), None):
+            raise InputError(f'the name "{repeated}" is used twice; states, inputs, outputs and coordinates must differ in name')
     inputs, outputs = (_named(names, system.units) for names in (system.inputs, system.outputs))
     u = input_of(table.force, inputs, folder, file_name)
     _check_start(table.initial, file_name)
@@ -328,18 +333,6 @@ def _check_start(initial, file_name: str) -> None:
 
 def _named(names, units) -> Coordinates:
     return Coordinates(tuple(names), tuple(units.get(name, "1") for name in names))
-
-
-def _check_units(units, names) -> None:
-    for name in units:
-        if name not in names:
-            known = ", ".join(names)
-            raise InputError(f"units: there is no input or output {shown(name)}{nearest(name, names)}; there are {known}")
-
-
-def _check_names(names) -> None:
-    if repeated := next((name for name in names if names.count(name) > 1), None):
-        raise InputError(f'the name "{repeated}" is used twice; states, inputs, outputs and coordinates must differ in name')
 
 
 def transfer_function(table, folder: Path, file_name: str) -> ControlEquations:

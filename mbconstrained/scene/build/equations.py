@@ -15,8 +15,9 @@ from ...ground.quantities import Expressed, quantity
 from ...ground.tolerances import CONSISTENT_ROWS
 from ...linalg.scaling import equilibration
 from ...mechanics.channels import channels
+from ...models.lumped import LumpedModel
 from ...polynomial.polynomial_matrix import PolynomialMatrix
-from ..file.messages import SceneName, at
+from ..file import SceneName, at
 from ..quantities.coordinates import DERIVATIVES, FORCE_UNITS, Coordinates, constraint_row, initial_values
 from .data_files import entries_of
 from .forces import force_of, load_patterns, loads_of, prescribed_motions, unbalance_loads
@@ -24,8 +25,30 @@ from .model import Equations
 
 if TYPE_CHECKING:
     from ...mechanics.system import MechanicalSystem
-    from ...models.lumped import LumpedModel
     from .robot_model import RobotScene
+
+
+def lumped_model(table, file_name: str) -> LumpedModel:
+    """The model: bodies first, in the order of the file, then what joins them; a SceneError names the file and the entry."""
+    model = LumpedModel()
+    for key, number, entry in table.elements:
+        owner = f' (of "{entry.name}")' if entry.name else ""
+        with at(file_name, f"model.{key}[{number}]{owner}"):
+            add = model.constrain if key == "constraint" else getattr(model, key)
+            add(**entry.given)
+    joined = {name for element in model.elements for name in element.ends}
+    for number, node in enumerate(table.node, 1):
+        if node.name not in joined:
+            with at(file_name, f'model.node[{number}] (of "{node.name}")'):
+                raise InputError(
+                    "nothing is attached to this joint, which has no mass, so that its position is undetermined; join it by a spring, "
+                    "a damper or a constraint, or take it out"
+                )
+    if table.gravity is not None:
+        with at(file_name, "model.gravity"):
+            model.gravity(table.gravity)
+    return model
+
 
 #: Quantities of entries between coordinates in m, between one in m and one in rad, and between coordinates in rad.
 ENTRY_UNITS = {
@@ -57,7 +80,6 @@ def equations_of(table, folder: Path, file_name: SceneName, lap: Callable[[str],
 
 
 def _lumped(table, folder: Path, file_name: str) -> Equations:
-    from .lumped_model import lumped_model
 
     model = lumped_model(table.model, file_name)
     with at(file_name, "model"):

@@ -16,12 +16,12 @@ from ...ground.checks import nearest
 from ...ground.errors import InputError, named, shown
 from ...mechanics.constraints import LEVELS, Constraint
 from ...signals import inputs as signals
-from ..file.messages import at
+from ..file import at
 from ..quantities.coordinates import FORCE_UNITS, Coordinates, force_value, with_time
 from .data_files import record_of
 
 if TYPE_CHECKING:
-    from ...robot.linearization.linearized import LinearizedRobot
+    from ...robot.linearized import LinearizedRobot
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,6 @@ def load_patterns(
 
 
 def unbalance_loads(unbalance: np.ndarray, speed: float, coordinates: Coordinates) -> tuple[SceneForce, ...]:
-    """The forces of the unbalance at a speed."""
     loads = []
     for place in np.flatnonzero(unbalance) if speed else ():
         u, name, unit = unbalance[place], coordinates.names[place], coordinates.units[place]

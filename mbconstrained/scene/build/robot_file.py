@@ -1,4 +1,4 @@
-"""Robots from files: a folder with robot.toml and its URDF, read as data; the names in the URDF are known before it is loaded."""
+"""Robots from files: a folder with robot.toml and its URDF, read as data; the names in the URDF, their values and units."""
 
 from __future__ import annotations
 
@@ -7,18 +7,276 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...ground.errors import InputError, shown
-from ...ground.quantities import count_texts
-from ..file.includes import ROBOT_FILE, robot_tables
-from ..file.messages import at
-from ..file.reading import inside
-from ..schema.validation import validated
-from .robot_values import PLACE, UrdfNames, joint_values, names_of_urdf, posing, robot_arguments
+from ...ground.checks import nearest
+from ...ground.coordinate_units import GROUND
+from ...ground.errors import InputError, named, shown
+from ...ground.quantities import count_texts, quantity
+from ..file import ROBOT_FILE, EntryError, at, inside, robot_tables
+from ..schema.entry_types import validated
 
 if TYPE_CHECKING:
-    from ...robot.description.srdf import SemanticDescription
+    from ...robot.description.urdf import Mimic, SemanticDescription
     from ...robot.robot import Robot
     from ..schema.robot_tables import RobotFile
+
+STIFFNESS = {"rad": "N*m/rad", "m": "N/m"}
+DAMPING = {"rad": "N*m*s/rad", "m": "N*s/m"}
+FORCE = {"rad": "N*m", "m": "N"}
+INERTIA = {"rad": "kg*m^2", "m": "kg"}
+PLACE = {"rad": "rad", "m": "m"}
+BASE = "base"
+POSE_UNITS = ("m", "m", "m", "rad", "rad", "rad")
+
+
+COORDINATE_UNITS = {
+    "planar": {"x": "m", "y": "m", "rz": "rad"},
+    "floating": dict.fromkeys("xyz", "m") | {f"r{axis}": "rad" for axis in "xyz"},
+    "ball": {f"r{axis}": "rad" for axis in "xyz"},
+}
+JOINT_UNITS = {"revolute": "rad", "continuous": "rad", "prismatic": "m"}
+
+
+@dataclass(frozen=True)
+class UrdfNames:
+    """Names in a URDF.
+
+    Attributes:
+        path: the file.
+        links: names of the links.
+        units: units of the joints with one degree of freedom and of the coordinates of others, "rad" or "m", by name.
+        several: the coordinates of joints with several degrees of freedom, by joint.
+        mimics: joints that follow others.
+        meshes: file names of the meshes that are drawn, as they stand in the URDF, each with its link.
+        states: values by joint, by name of a key frame of an MJCF file.
+        has_free_joint: whether the base of an MJCF or SDF file is free by itself.
+    """
+
+    path: Path
+    links: tuple[str, ...]
+    units: dict[str, str]
+    mimics: tuple[Mimic, ...]
+    meshes: tuple[tuple[str, str], ...]
+    several: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    states: Mapping[str, dict] = field(default_factory=dict)
+    has_free_joint: bool = False
+
+    def joint_unit(self, name: str) -> str:
+        """The unit of a joint.
+
+        Raises:
+            InputError: no such joint.
+        """
+        if name not in self.units:
+            raise InputError(f"there is no joint {shown(name)}{nearest(name, self.units)}; the joints are {_some(self.units)}")
+        return self.units[name]
+
+    def check_body(self, name: str, *others: str) -> None:
+        """Check that the link exists.
+
+        Args:
+            name: name of the link.
+            others: names that may stand there as well.
+
+        Raises:
+            InputError: there is none.
+        """
+        if name not in (*self.links, *others):
+            known = (*others, *self.links)
+            raise InputError(f"there is no body {shown(name)}{nearest(name, known)}; the bodies are {_some(known)}")
+
+
+def names_of_urdf(path: Path, base: str = "fixed", package_dirs: Sequence[Path] = ()) -> UrdfNames:
+    """Names in a URDF, an SDF, or an MJCF file, which MuJoCo compiles; collision geometry is ignored."""
+    from ...robot.description.mjcf import is_mjcf, read_mjcf
+    from ...robot.description.sdf import read_description
+    from ...robot.description.urdf import HIDDEN, described, has_free_base, mimics_of
+    from ...robot.tangent import Tangent
+
+    if not path.is_file():
+        others = [other.name for other in path.parent.glob("*.urdf")] if path.parent.is_dir() else []
+        raise InputError(f"there is no file {shown(path.name)}{nearest(path.name, others)}")
+    free_base = base != "fixed"
+    mjcf = read_mjcf(path, free_base, tuple(package_dirs)) if is_mjcf(path) else None
+    source = mjcf or read_description(path, base, tuple(package_dirs))
+    root = described(mjcf.model) if mjcf else source.description
+    has_free_joint = has_free_base(mjcf.model) if mjcf else root.find(f"joint[@name='{BASE}'][@type='floating']") is not None
+    units = {joint.get("name").strip(): JOINT_UNITS.get(joint.get("type")) for joint in root.findall("joint")}
+    own_units = [(joint.get("name").strip(), COORDINATE_UNITS.get(joint.get("type"), {})) for joint in root.findall("joint")]
+    coordinates = {}
+    for name, own in (*own_units, *([(BASE, COORDINATE_UNITS["floating"])] if free_base or has_free_joint else [])):
+        units |= {f"{name} {suffix}": unit for suffix, unit in own.items()}
+        coordinates[name] = tuple(f"{name} {suffix}" for suffix in own)
+    links = {link.get("name").strip(): link for link in root.findall("link") if not link.get("name").startswith(HIDDEN)}
+    meshes = ((name, mesh.get("filename", "")) for name, link in links.items() for mesh in link.findall("visual/geometry/mesh"))
+    known = {name: unit for name, unit in units.items() if unit}
+    several = {name: own for name, own in coordinates.items() if own}
+    states = mjcf.named_states(Tangent(mjcf.model, free_base or has_free_joint)) if mjcf else {}
+    return UrdfNames(path, tuple(links), known, mimics_of(root), tuple(meshes), several, states, has_free_joint)
+
+
+def _some(names) -> str:
+    names = list(names)
+    return ", ".join(names[:12]) + (f" and {len(names) - 12} more" if len(names) > 12 else "")
+
+
+def joint_values(values: Mapping, names: UrdfNames, units: Mapping[str, str]) -> dict[str, float]:
+    by_name = {}
+    for name, value in values.items():
+        unit = names.joint_unit(name)
+        try:
+            by_name[name] = quantity(value, units[unit])
+        except InputError as problem:
+            raise EntryError(f"{name}: {problem}", name) from None
+    return by_name
+
+
+def _pose(value) -> tuple[float, ...]:
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) not in (6, 7):
+        raise InputError(f"found {shown(value)}; expected [x, y, z, roll, pitch, yaw], or x, y, z and a quaternion x, y, z, w")
+    units = POSE_UNITS if len(value) == 6 else ("m", "m", "m", "1", "1", "1", "1")
+    return tuple(quantity(entry, unit) for entry, unit in zip(value, units))
+
+
+def _triple(value, of_ball: bool) -> tuple[float, ...]:
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 3:
+        raise InputError(f"found {shown(value)}; expected {'[roll, pitch, yaw]' if of_ball else '[x, y, angle]'}")
+    return tuple(quantity(entry, unit) for entry, unit in zip(value, ("rad" if of_ball else "m",) * 2 + ("rad",)))
+
+
+def _given(entry, *left_out: str) -> dict:
+    """The entries of a table as arguments of a function with the same names."""
+    values = {key: getattr(entry, key) for key in type(entry).model_fields if key in entry.model_fields_set and key not in left_out}
+    return {key: tuple(value) if isinstance(value, list) else value for key, value in values.items() if value is not None}
+
+
+def _connection(kind: type, entry, names: UrdfNames):
+    """A Loop, BodySpring or Bushing."""
+    for key in ("body1", "body2"):
+        with named(key):
+            names.check_body(getattr(entry, key), GROUND)
+    return kind(**{"point1": None, "point2": None, **_given(entry)})
+
+
+def _flexible_joint(name: str, entry, names: UrdfNames):
+    """A FlexibleJoint; its units are those of its joint."""
+    from ...robot.flexible_joint import FlexibleJoint
+
+    unit = names.joint_unit(name)
+    values = _given(entry)
+    for keys, units in ((("stiffness", "proportional_gain"), STIFFNESS), (("damping", "derivative_gain"), DAMPING)):
+        for key in values.keys() & set(keys):
+            with named(key):
+                values[key] = quantity(values[key], units[unit])
+    return FlexibleJoint(**values)
+
+
+def _motor(name: str, entry, names: UrdfNames):
+    """A Motor; its units are those of its joint."""
+    from ...robot.flexible_joint import Motor
+
+    unit = names.joint_unit(name)
+    values, units = _given(entry), {"armature": INERTIA, "position_gain": STIFFNESS, "velocity_gain": DAMPING}
+    for key in values.keys() & units.keys():
+        with named(key):
+            values[key] = quantity(values[key], units[key][unit])
+    return Motor(**values)
+
+
+def _gear(kind: type, entry, names: UrdfNames):
+    """A JointGear; its ratio has the units of both joints."""
+    own, leading = names.joint_unit(entry.joint), names.joint_unit(entry.leader)
+    unit = {("m", "rad"): "m/rad", ("rad", "m"): "rad/m"}.get((own, leading), "1")
+    with named("ratio"):
+        ratio = quantity(entry.ratio, unit)
+    with named("offset"):
+        return kind(entry.joint, entry.leader, ratio, quantity(entry.offset, own))
+
+
+def point_motion(entry, names: UrdfNames):
+    """The motion of a point along a direction."""
+    from ...robot.connections import PointMotion
+
+    names.check_body(entry.body)
+    return PointMotion(entry.body, tuple(entry.point), tuple(entry.along), entry.turn)
+
+
+def _body_forces(entries, names: UrdfNames) -> dict:
+    """Forces on bodies in SI, by PointMotion."""
+    forces = {}
+    for number, entry in enumerate(entries, 1):
+        with named(f"body_force[{number}]"):
+            motion = point_motion(entry, names)
+            forces[motion] = forces.get(motion, 0.0) + quantity(entry.value, "N*m" if entry.turn else "N")
+    return forces
+
+
+def _guess(values: Mapping, names: UrdfNames, free_base: bool) -> dict:
+    """The values of joints and coordinates; for a joint with several degrees of freedom all at once, as for a free base."""
+    several = {name: value for name, value in values.items() if name in names.several and (free_base or name != BASE)}
+    guess = joint_values({name: value for name, value in values.items() if name not in several}, names, PLACE)
+    for name, value in several.items():
+        with named(name):
+            of_ball = names.several[name] == tuple(f"{name} {suffix}" for suffix in COORDINATE_UNITS["ball"])
+            guess[name] = _pose(value) if len(names.several[name]) == len(POSE_UNITS) else _triple(value, of_ball)
+    return guess
+
+
+def posing(table, names: UrdfNames, base: str, semantics: SemanticDescription) -> dict:
+    """The posture that a robot.toml or a scene gives."""
+    joints, free_base = (*names.units, *names.several), base == "free" or (base == "fixed" and names.has_free_joint)
+    state = {} if table.state is None else semantics.state(table.state, joints, BASE if free_base else None)
+    posture: dict = {}
+    with named("guess"):
+        posture["guess"] = state | _guess(table.guess, names, free_base)
+    with named("forces"):
+        posture["forces"] = joint_values(table.forces, names, FORCE)
+    posture["forces"] |= _body_forces(table.body_force, names)
+    if "hold" in table.model_fields_set:
+        with named("hold"):
+            for name in table.hold if table.hold != "all" else ():
+                names.joint_unit(name if name not in names.several else names.several[name][0])
+            posture["hold"] = table.hold if table.hold == "all" else tuple(table.hold)
+    return posture
+
+
+def robot_arguments(table, names: UrdfNames, place: str) -> dict:
+    """Arguments of the robot from a robot.toml, in addition to its URDF."""
+    from ...robot.connections import BodySpring, Bushing, Loop
+    from ...robot.description.urdf import Payload
+    from ...robot.tangent import JointGear
+
+    values = {"base": table.base, "gravity": tuple(table.gravity) if isinstance(table.gravity, list) else table.gravity}
+    units = {"joint_stiffness": STIFFNESS, "joint_rest": PLACE, "joint_damping": DAMPING}
+    for key, unit in units.items():
+        with at(place, key):
+            values[key] = joint_values(getattr(table, key), names, unit)
+    values["flexible_joints"] = {}
+    for name, entry in table.flexible_joints.items():
+        with at(place, f"flexible_joints.{name}"):
+            values["flexible_joints"][name] = _flexible_joint(name, entry, names)
+    values["motors"] = {}
+    for name, entry in table.motors.items():
+        with at(place, f"motors.{name}"):
+            values["motors"][name] = _motor(name, entry, names)
+    with at(place, "gear"):
+        values["gears"] = [_gear(JointGear, entry, names) for entry in table.gear]
+    with at(place, "payload"):
+        for entry in table.payload:
+            names.check_body(entry.body)
+        values["payloads"] = [Payload(**_given(entry)) for entry in table.payload]
+    values |= {"masses": table.masses, "inertias": table.inertias}
+    values["loops"] = _connections(Loop, table.loop, "loop", names, place)
+    springs = _connections(BodySpring, table.spring, "spring", names, place)
+    values["springs"] = (*springs, *_connections(Bushing, table.bushing, "bushing", names, place))
+    return values
+
+
+def _connections(kind: type, entries, key: str, names: UrdfNames, place: str) -> tuple:
+    connections = []
+    for number, entry in enumerate(entries, 1):
+        with at(place, f"{key}[{number}]" + (f" (of {shown(entry.name)})" if entry.name else "")):
+            connections.append(_connection(kind, entry, names))
+    return tuple(connections)
 
 
 @dataclass(frozen=True)
@@ -60,12 +318,10 @@ class RobotData:
 
     @property
     def source(self) -> str:
-        """Source of the robot."""
         return self.table.source
 
     @property
     def licence(self) -> str:
-        """Licence of the robot."""
         return self.table.licence
 
     def with_locked(self, locks: Mapping[str, float]) -> RobotData:
@@ -156,7 +412,7 @@ def robot_of(data: RobotData) -> Robot:
 
 def _semantics(name: str | None, folder: Path, place: str, states: Mapping[str, dict]) -> SemanticDescription:
     """The content of the SRDF file, if there is one, with states of an MJCF."""
-    from ...robot.description.srdf import SemanticDescription, read_srdf
+    from ...robot.description.urdf import SemanticDescription, read_srdf
 
     with at(place, "srdf"):
         if name is None:

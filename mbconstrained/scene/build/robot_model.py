@@ -16,19 +16,17 @@ from ...ground.errors import InputError, shown
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import JOINT_LIMIT
 from ...signals.bohl import BohlFunction
-from ..file.includes import robot_name, robot_path
-from ..file.messages import SceneName, at
+from ..file import SceneName, at, robot_name, robot_path
 from ..quantities.coordinates import Coordinates
 from .model import Decision, Equations, ModelTables, rows_decision
-from .robot_file import RobotData, robot_data, robot_of
-from .robot_values import PLACE, joint_values, point_motion, posing
+from .robot_file import PLACE, RobotData, joint_values, point_motion, posing, robot_data, robot_of
 
 if TYPE_CHECKING:
     from ...robot.connections import Connection, PointMotion
-    from ...robot.linearization.linear_range import LinearRange
-    from ...robot.linearization.linearized import LinearizedRobot
-    from ...robot.posture import Posture
+    from ...robot.linear_range import LinearRange
+    from ...robot.linearized import LinearizedRobot
     from ...robot.robot import Robot
+    from ...robot.statics import Posture
 
 
 @dataclass(frozen=True)
@@ -364,7 +362,7 @@ def _extremes_table(result: Any) -> TextTable:
 
 def _open_shares(result: Any) -> str:
     """A sentence on redundant rows of loops; empty without them."""
-    from ...robot.statics.regularity import implied_rows
+    from ...robot.posture_search import implied_rows
 
     posture = result.scene.equations.posture
     names = implied_rows(posture.balance, posture.independent_rows)
@@ -377,7 +375,7 @@ def _open_shares(result: Any) -> str:
 def _forces_notices(result: Any) -> tuple[Notice, ...]:
     """Notices on feet that lift off, slip or tip over during the motion, at the times of the closed form."""
     from ...robot.connections import Support
-    from ...robot.linearization.connection_forces import foot_limits, foot_notices
+    from ...robot.linearized import foot_limits, foot_notices
 
     forces, posture = result.scene.equations.robot_scene.system.connection_forces, result.scene.equations.posture
     feet = [one.name for one in forces.connections if isinstance(one, Support) and one.friction is not None]

@@ -13,7 +13,7 @@ from ...ground.errors import InputError, named, shown
 from ...ground.quantities import quantity
 from ...ground.tolerances import noise_of
 from ...models.elements import row_in_si
-from ..file.messages import EntryError, at
+from ..file import EntryError, at
 from .output_units import OutputUnits
 
 FORCE_UNITS = {"m": "N", "rad": "N*m"}

@@ -20,7 +20,7 @@ from ...ground.checks import nearest
 from ...ground.errors import InputError, SceneError, quoted, shown
 from ...ground.notices import Notice, NoticeKind
 from ...ground.quantities import Dimension, Expressed, any_quantity, described, in_range, unit_of
-from ..file.messages import Place, place, together
+from ..file import Place, place, together
 
 LONGEST_EXPRESSION = 200  # characters
 LARGEST_EXPONENT = 20
@@ -39,8 +39,6 @@ class Expression:
     tree: ast.expr  # of Python's parser; a Name has the name of a parameter, a Constant the text of a number
 
     def value(self, number: Callable[[str], Any], names: Mapping[str, Any]) -> Any:
-        """The value of the expression."""
-
         def of(node: Any) -> Any:
             if isinstance(node, ast.Constant):
                 return number(str(node.value))

@@ -11,7 +11,7 @@ from ...ground.checks import nearest
 from ...ground.errors import InputError, quoted, shown
 from ...ground.notices import Notice, NoticeKind
 from ...ground.quantities import any_quantity, described, unit_of
-from ..file.messages import ORIGIN, Place, SceneName, at, parts_of, written
+from ..file import ORIGIN, Place, SceneName, at, parts_of, written
 
 TEXTS = ("title", "source")  # what stands above all tables
 PLACES = "time.end, model.mass[1].mass or model.mass.cart.mass"

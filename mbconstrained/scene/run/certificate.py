@@ -12,8 +12,8 @@ from ...ground.errors import Overflow
 from ...ground.notices import Notice, NoticeKind, distinct
 from ...ground.tolerances import TRUST_LIMIT
 from ...mechanics.motion import Motion
+from .plan import OutOfTime, time_limit
 from .result import ORDERS, Result
-from .stage_costs import OutOfTime, time_limit
 from .stages import too_large_to_certify
 
 #: At most so many of the times are certified, evenly chosen, the first and the last among them.

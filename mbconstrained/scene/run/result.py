@@ -1,10 +1,11 @@
-"""The motion of a scene: trajectories with names and units, extrema, jumps and impulses, error estimates; computed at the first use."""
+"""The motion of a scene: trajectories with names and units, extrema, jumps and impulses, aliasing, errors; computed at the first use."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from operator import methodcaller
 from typing import TYPE_CHECKING, Any
 
@@ -20,27 +21,324 @@ from ...frequency.shock.extrema import (
     root_mean_squares,
     sampled_extrema,
 )
-from ...ground.coordinate_units import derivative_name, force_unit, rate_unit
+from ...ground.coordinate_units import derivative_name, force_unit, impulse_unit, rate_unit
 from ...ground.display import number_text
+from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import NOT_DRAWN
+from ...linalg.blocks import block_slices, zeros_of
 from ...mechanics.modes import Conservation, Kind, Mode, Modes, cleaned
+from ...mechanics.motion import DELTAS
+from ...response.admissible import admissible
 from ...response.estimate import error_estimate
-from ...response.response_notices import without_kinks
-from ..build.element_quantities import element_quantities
-from .aliasing import following_times
-from .jumps import ReportedImpulse, ReportedJump, forces_of_rows, impulses_of, jumps_of
+from ...response.events import Event
+from ...response.response_notices import first_and_count, kink_notices, sides, without_kinks
+from ..build.model import element_quantities
+from ..quantities.coordinates import Coordinates, beyond_noise
+from ..quantities.output_units import OutputUnits
 from .scene_data import SceneData
 from .stages import connection_forces
 
 if TYPE_CHECKING:
+    from ...mechanics.motion import Motion
     from ...mechanics.system import MechanicalSystem
     from ...page.content import RecordResponse, TimeFunctions
     from ...polynomial.jordan_pairs import FinitePair, InfinitePair
-    from ...response.events import Event
-    from ...robot.linearization.linear_range import LinearRange
+    from ...response.response import Response
+    from ...robot.linear_range import LinearRange
     from ...signals.bohl import BohlFunction
     from ...signals.impulsive import ImpulsiveLoad
-    from ..quantities.output_units import OutputUnits
+    from ..build.model import Equations
+
+
+@dataclass(frozen=True)
+class ReportedJump:
+    """A jump of a coordinate or a derivative of it at a time; values are texts with units."""
+
+    name: str
+    what: str
+    before: str
+    after: str
+    size: str
+
+
+@dataclass(frozen=True)
+class ReportedImpulse:
+    """A multiple of the derivative of this order of Dirac's delta; the size is a text with a unit."""
+
+    name: str
+    order: int
+    size: str
+
+    @property
+    def delta(self) -> str:
+        """The distribution that it multiplies, as text."""
+        return DELTAS[self.order] if self.order < len(DELTAS) else f"the derivative of order {self.order} of a Dirac impulse"
+
+
+def jumps_of(motion: Response, coordinates: Coordinates, event: Event | None = None) -> list[ReportedJump]:
+    """The jumps of the coordinates and their derivatives."""
+    jumps = []
+    for order, row in enumerate((event or motion).jump):
+        if event is None:
+            before, after = motion.initial[order], motion.start[order]
+            places = beyond_noise(row, before, after)
+        elif places := row.nonzero()[0].tolist():
+            before, after = sides(motion, event, order)
+        for i in places:
+            unit = rate_unit(coordinates.units[i], order)
+            texts = (coordinates.shown.text(value, unit) for value in (before[i], after[i], row[i]))
+            jumps.append(ReportedJump(coordinates.names[i], derivative_name(coordinates.units[i], order), *texts))
+    return jumps
+
+
+def impulses_of(impulses: Sequence, coordinates: Coordinates) -> list[ReportedImpulse]:
+    """The impulses that are not zero."""
+    return [
+        ReportedImpulse(coordinates.names[i], order, coordinates.shown.text(row[i], impulse_unit(coordinates.units[i], order)))
+        for order, row in enumerate(impulses)
+        for i in row.nonzero()[0]
+    ]
+
+
+def forces_of_rows(system: MechanicalSystem, name: str = "force of {}", shown: OutputUnits = OutputUnits()) -> Coordinates:
+    """Names and units of the constraint forces."""
+    return Coordinates(
+        tuple(name.format(row.name) for row in system.rows), tuple(force_unit(row.unit) for row in system.rows), shown
+    )
+
+
+def with_units(response: Response, coordinates: Coordinates) -> tuple[Notice, ...]:
+    """The notices of a response without units of its coordinates, with these units."""
+    own = (NoticeKind.JUMP, NoticeKind.IMPULSE, NoticeKind.KINK)
+    others = [notice for notice in response.notices if notice.kind not in own]
+    later = first_and_count(lambda event: _sentences(response, coordinates, event), without_kinks(response))
+    kinks = kink_notices(response, partial(_kink_text, coordinates))
+    return (*_sentences(response, coordinates), *later, *kinks, *others)
+
+
+def _kink_text(coordinates: Coordinates, number: int, order: int, size: float) -> str:
+    unit = coordinates.units[number]
+    size_text = coordinates.shown.text(size, rate_unit(unit, order))
+    return f"{derivative_name(unit, order)} of {coordinates.names[number]} by {size_text}"
+
+
+def _sentences(motion: Response, coordinates: Coordinates, event: Event | None = None) -> list[Notice]:
+    """A notice for each jump and each impulse in the coordinates, at an event or at t = 0."""
+    when = f"t = {number_text(event.time)} s" if event else "t = 0"
+    quantities = {name: derivative_name(unit, 0) for name, unit in zip(coordinates.names, coordinates.units)}
+    notices = [
+        Notice(NoticeKind.JUMP, f"{jump.name}: its {jump.what} jumps at {when} by {jump.size}, from {jump.before} to {jump.after}")
+        for jump in jumps_of(motion, coordinates, event)
+    ]
+    return notices + [
+        Notice(
+            NoticeKind.IMPULSE,
+            f"{impulse.name}: its {quantities[impulse.name]} contains {impulse.delta} of {impulse.size} at {when}",
+        )
+        for impulse in impulses_of((event or motion).impulses, coordinates)
+    ]
+
+
+def folded(notices: Sequence[Notice], jumps: int, impulses: int, later: tuple[int, int] = (0, 0)) -> tuple[Notice, ...]:
+    """One sentence in place of the notices on each jump and impulse, which are in tables."""
+    counts_of_events = [*_counted("At t = 0", jumps, impulses), *_counted("After t = 0", *later)]
+    return (*counts_of_events, *(notice for notice in notices if not _has_table(notice)))
+
+
+def _counted(when: str, jumps: int, impulses: int) -> list[Notice]:
+    counts = [f"{count} {one}{'s' if count > 1 else ''}" for count, one in ((jumps, "jump"), (impulses, "impulse")) if count]
+    text = f"{when} there {'is' if jumps + impulses == 1 else 'are'} {' and '.join(counts)}; the tables give the sizes"
+    return [Notice(NoticeKind.JUMP if jumps else NoticeKind.IMPULSE, text)] if counts else []
+
+
+def _has_table(notice: Notice) -> bool:
+    """Whether a notice is shown in a table, unlike a jump of a constraint row, which is a cause."""
+    return notice.kind == NoticeKind.IMPULSE or (notice.kind == NoticeKind.JUMP and not notice.text.startswith("constraint "))
+
+
+MOST_NOTICES = 12
+
+
+def start_notices(equations: Equations) -> tuple[Notice, ...]:
+    """Notices on the start: causes first, then the jumps and impulses; none where the start is consistent."""
+    if equations.start_fits:
+        return ()
+    motion: Any = equations.solve()  # a Motion where there is a system
+    coordinates = equations.coordinates
+    notices = [*_causes(equations, motion), *_sentences(motion, coordinates)]
+    if equations.system is not None:
+        forces = forces_of_rows(equations.system, 'constraint "{}"')
+        notices += [
+            Notice(NoticeKind.IMPULSE, f"{impulse.name}: its force contains {impulse.delta} of {impulse.size} at t = 0")
+            for impulse in impulses_of(motion.constraint_impulses, forces)
+        ]
+    return tuple(notices[:MOST_NOTICES]) + (
+        (Notice(NoticeKind.JUMP, f"and {len(notices) - MOST_NOTICES} more"),) if len(notices) > MOST_NOTICES else ()
+    )
+
+
+def _causes(equations: Equations, motion: Response) -> Iterator[Notice]:
+    """Violated constraint rows, or else the violated equations."""
+    rows = [notice for notice in motion.notices if notice.kind == NoticeKind.JUMP and notice.text.startswith("constraint ")]
+    yield from rows
+    if not rows:
+        admissibility = admissible(equations.polynomial_matrix, initial=equations.initial, force=equations.right_hand_side)
+        for violation in admissibility.violations:
+            _, _, text = violation.text.partition(": ")
+            yield Notice(NoticeKind.JUMP, f"the start does not fit: {text}")
+
+
+#: Fewer times in a period than the first cannot represent it; the second show it smoothly.
+FEWEST, SMOOTH = 3, 20
+
+#: Rounding errors of a number of points.
+COUNT_NOISE = 1e-12
+
+#: Points in a period of times that follow the motion, and the most of these times.
+FOLLOWED, MOST_TIMES = 12, 20_001
+
+#: Components below this share of the motion are invisible in a plot.
+VISIBLE = 0.01
+
+#: Places where persistent motion is sampled, as shares of the whole time.
+ALIASING_PLACES = (0.25, 0.5, 0.75)
+
+#: Spacings of times after the start and after changes of the force: motion decayed by then has only few points in a curve.
+LASTS = 5
+
+#: Most changes of the force that are sampled: those followed by the longest times without another.
+MOST_CHANGES = 16
+
+#: Each sampling covers so many periods twice, at least the second number, with so many times.
+PERIODS, LEAST_PERIODS, LOOKS = 4, 2, 256
+
+#: Components slower than this share of a frequency count as a parabola; frequencies within this factor count as one.
+SLOWER, NEAR = 0.01, 1.1
+
+#: Components that the samples cannot separate, relative to the largest singular value.
+ALIKE = 1e-3
+
+
+def following_times(scene: SceneData, motion: Motion) -> np.ndarray:
+    """Equidistant times that resolve the fastest visible motion, from the default number to ``MOST_TIMES``."""
+    time = scene.table.time
+    fastest = _fastest_visible(scene, motion, 2 * math.pi / (FOLLOWED * time.spacing))
+    if fastest is None:
+        return time.times
+    points = math.ceil((1 - COUNT_NOISE) * (time.end - time.start) * FOLLOWED * fastest[0] / (2 * math.pi)) + 1
+    return np.linspace(time.start, time.end, min(points, MOST_TIMES))
+
+
+def aliasing_notices(scene: SceneData, motion: Motion, count: int) -> tuple[Notice, ...]:
+    """A notice where this number of times is too coarse for the fastest visible motion, with the entry to write instead."""
+    time = scene.table.time
+    spacing = (time.end - time.start) / (count - 1)
+    fastest = _fastest_visible(scene, motion, 2 * math.pi / (FEWEST * spacing))
+    if fastest is None:
+        return ()
+    angular, name, amplitude = fastest
+    period = 2 * math.pi / angular
+    points = math.ceil((time.end - time.start) * SMOOTH / period) + 1
+    end = f'end = "{time.start + period * (count - 1) / SMOOTH:.2g} s"'  # which shows only the first of the motion
+    few = f"points = {points}" if time.step is None else f'step = "{period / SMOOTH:.2g} s"'
+    instead = few if points <= time.MOST_POINTS else end
+    text = (
+        f"the times are {spacing:.3g} s apart, but the fastest visible motion has a period of {period:.3g} s ({1 / period:.4g} Hz, with "
+        f"{amplitude} in {name}): a table of these times, and lines between its values, show a slower motion that does not exist "
+        "(aliasing), while the values at the times are right and the plots of page and images follow the motion; "
+        f"for a table that shows it, write {instead} below [time]"
+    )
+    return (Notice(NoticeKind.ALIASING, text),)
+
+
+def _fastest_visible(scene: SceneData, motion: Motion, slowest: float) -> tuple[float, str, str] | None:
+    """The highest angular frequency above ``slowest`` of a visible component that does not decay at once, a coordinate, its amplitude."""
+    frequencies = _angular_frequencies(scene, motion)
+    for highest in _octaves([each for each in frequencies if each > slowest]):
+        frequency = _visible_frequency(scene, motion, [each for each in frequencies if SLOWER * highest <= each <= highest])
+        if frequency and frequency[0] > slowest:
+            return frequency
+    return None
+
+
+def _angular_frequencies(scene: SceneData, motion: Motion) -> list[float]:
+    """Angular frequencies of the eigenvalues and the forces, in descending order."""
+    zeros = {abs(value.imag) for value in scene.equations.polynomial_matrix.eigenvalues}
+    smooth = motion.force.smooth  # prescribed motions, too
+    used = [np.abs(smooth.coefficients[:, at]).any() for at in block_slices(smooth.blocks)]
+    forces = {abs(value.imag) for value in zeros_of([block for block, one in zip(smooth.blocks, used) if one])}
+    return sorted(zeros | forces, reverse=True)
+
+
+def _octaves(descending: Iterable[float]) -> Iterator[float]:
+    """The highest of each octave."""
+    last = math.inf
+    for each in descending:
+        if each <= last / 2:
+            last = each
+            yield each
+
+
+def _visible_frequency(scene: SceneData, motion: Motion, descending: list[float]) -> tuple[float, str, str] | None:
+    """The highest of these angular frequencies, or of the octave below the first, that is visible in the motion."""
+    kept = list(_distinct(descending))
+    coordinates = scene.equations.coordinates
+    some = motion(scene.times)
+    for begin, length in _stretches(scene, 2 * math.pi / kept[0]):
+        local = np.linspace(0.0, length, LOOKS)
+        both = [motion(begin + local), motion(begin + length + local)]
+        scale = visible(np.hstack([some, *both]), coordinates.units)
+        parts = _parts(np.array(kept), local / length, length)
+        amplitudes = np.minimum(*(_amplitudes(parts, values) for values in both))  # a jump or a kink is in one of the two
+        visible_parts = (amplitudes > VISIBLE * scale.T).any(axis=1)
+        if visible_parts.any():
+            fastest = int(np.argmax(visible_parts))
+            place = int(np.argmax(amplitudes[fastest] / scale[:, 0]))
+            text = coordinates.shown.text(float(f"{amplitudes[fastest, place]:.3g}"), coordinates.units[place])
+            return kept[fastest], coordinates.names[place], text
+    return None
+
+
+def _amplitudes(parts: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Amplitudes of the oscillations in the coordinates, by frequency and coordinate."""
+    factors = np.linalg.lstsq(parts, values.T, rcond=ALIKE)[0][3:]
+    return np.hypot(*factors.reshape(2, -1, len(values)))
+
+
+def _stretches(scene: SceneData, period: float) -> Iterator[tuple[float, float]]:
+    """Stretches of time to search for oscillations of this period: beginnings and lengths, in s, each followed by an equal one."""
+    time, force = scene.table.time, scene.equations.force
+    whole = time.end - time.start
+    length = min(PERIODS * period, whole / 2)
+    yield from ((time.start + min(place * whole, whole - 2 * length), length) for place in ALIASING_PLACES)
+    changes = np.array([0.0]) if force is None else force.knots[force.knots < time.end]
+    begins = np.maximum(changes + LASTS * time.spacing, time.start)
+    left = np.append(changes[1:], time.end) - begins
+    for k in np.argsort(-left, kind="stable")[:MOST_CHANGES]:
+        if left[k] >= 2 * LEAST_PERIODS * period:
+            yield float(begins[k]), min(length, float(left[k]) / 2)
+
+
+def _distinct(descending: Iterable[float]) -> Iterator[float]:
+    last = math.inf
+    for each in descending:
+        if each * NEAR <= last:
+            last = each
+            yield each
+
+
+def _parts(angular: np.ndarray, share: np.ndarray, length: float) -> np.ndarray:
+    """A parabola, cosines and sines, one column each, at fractions of a stretch of time."""
+    phases = np.outer(length * share, angular)
+    return np.hstack([np.vander(share, 3), np.cos(phases), np.sin(phases)])
+
+
+def visible(values: np.ndarray, units: tuple[str, ...]) -> np.ndarray:
+    """Range of the coordinates by unit, which decides what is visible."""
+    reach = np.ptp(values, axis=1)
+    furthest = {unit: max(own for own, other in zip(reach, units) if other == unit) for unit in units}
+    return np.array([max(furthest[unit] / 2, NOT_DRAWN * np.abs(values).max()) for unit in units])[:, None]
+
 
 ORDERS = {"displacement": 0, "velocity": 1, "acceleration": 2}
 PARTS = {  # curves that are made of others

@@ -12,18 +12,16 @@ from ...ground.display import Studied
 from ...ground.errors import InputError
 from ...ground.quantities import count_texts
 from ...ground.units import registry
-from ..build.element_quantities import element_quantities
 from ..build.equations import equations_of
-from ..build.model import Equations
-from ..file.includes import read_tables, with_robot_file
-from ..file.messages import SceneName, at
+from ..build.model import Equations, element_quantities
+from ..file import SceneName, at, read_tables, with_robot_file
 from ..quantities.output_units import OutputUnits
 from ..quantities.parameters import with_parameters
 from ..quantities.settings import with_settings, with_values
+from ..schema.entry_types import validated
 from ..schema.scene_schema import SceneFile
-from ..schema.validation import validated
+from .plan import Costs
 from .scene_data import SceneData
-from .stage_costs import Costs
 
 if TYPE_CHECKING:
     from ...mechanics.parameter import Parameter
@@ -57,7 +55,7 @@ class Scene(SceneData, Studied):
         Raises:
             InputError: the scene has no mechanical system.
         """
-        from ..build.symbolic.scene_parameters import scene_parameters
+        from ..build.symbolic_scene import scene_parameters
 
         before = {setting.name: setting.value for setting in self.settings}
         return scene_parameters(self, lambda scene, name, value: read_scene(scene.path, {**before, name: value}))
@@ -90,7 +88,7 @@ class Scene(SceneData, Studied):
         """
         table = self.table.drawing
         if table and (table.body or table.link or self.equations.robot):
-            from .picture.scene_drawing import check_drawing
+            from .drawing import check_drawing
 
             check_drawing(self)
 

@@ -19,10 +19,10 @@ from ...mechanics.element_matrix import ElementMatrix
 from ...response.choose import Method, Request, choose
 from ...response.problem import Problem
 from ..build.model import Equations
-from ..file.messages import SceneName
+from ..file import SceneName
 from ..quantities.parameters import Parameters
 from ..quantities.settings import Setting
-from .stage_costs import Cost
+from .plan import Cost
 
 if TYPE_CHECKING:
     from ...mechanics.parameter import Parameter

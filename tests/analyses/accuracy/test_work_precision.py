@@ -8,7 +8,7 @@ from mbconstrained.analyses.accuracy.measure import Measurement
 from mbconstrained.analyses.accuracy.methods import ComparedMethod, MethodSetting
 from mbconstrained.analyses.timing import Timing
 from mbconstrained.ground.tolerances import EPS
-from mbconstrained.page.plots.images import plot_image
+from mbconstrained.page.plots import plot_image
 
 
 def timing(seconds: float) -> Timing:

@@ -8,7 +8,7 @@ import pytest
 
 from mbconstrained.analyses.stability.point import Point
 from mbconstrained.analyses.stability.stability import digit_plots, heat_map
-from mbconstrained.page.plots.images import RED, plot_image
+from mbconstrained.page.plots import RED, plot_image
 from tests.analyses.pictures import HOSTILE, HOSTILE_SHOWN, drawn, markers, texts
 from tests.analyses.stability.points import point, sweep
 

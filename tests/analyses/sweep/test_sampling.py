@@ -9,7 +9,7 @@ import scipy.stats
 import mbconstrained as mb
 from mbconstrained.analyses.sweep.samples import ParameterSamples
 from mbconstrained.scene.quantities.variations import variation_of
-from mbconstrained.scene.schema.analyses.vary_table import VaryTable
+from mbconstrained.scene.schema.analysis_tables import VaryTable
 
 
 def samples(parameters: dict, **options) -> ParameterSamples:

@@ -11,7 +11,7 @@ from time import perf_counter
 
 import numpy as np
 
-from mbconstrained.scene.run.stage_costs import Costs
+from mbconstrained.scene.run.plan import Costs
 from tests.benchmarks.speed.measure import LESS, SHORTER, WARMING
 from tests.benchmarks.speed.models import chain, even_times, forty_periods
 from tests.benchmarks.speed.workloads import chain_system

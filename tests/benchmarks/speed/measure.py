@@ -18,7 +18,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from mbconstrained.analyses.timing import SMALL, Timing, small_heap, timed, without_garbage_collection
-from mbconstrained.scene.run.stage_costs import OutOfTime, time_limit
+from mbconstrained.scene.run.plan import OutOfTime, time_limit
 from tests.benchmarks.speed.peers import Method
 from tests.benchmarks.speed.workloads import Problem
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from mbconstrained.analyses.accuracy.accuracy import ratio as shown_ratio
 from mbconstrained.analyses.figures import Picture, nothing_to_show, power_of_ten
-from mbconstrained.page.plots.images import GREY, INK, MUTED, RED
+from mbconstrained.page.plots import GREY, INK, MUTED, RED
 from tests.benchmarks.speed.report import PARTS, Row
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ import scipy.linalg
 from threadpoolctl import threadpool_limits
 
 from mbconstrained.analyses.timing import Timing, small_heap, timed, without_garbage_collection
-from mbconstrained.scene.run.stage_costs import OutOfTime, time_limit
+from mbconstrained.scene.run.plan import OutOfTime, time_limit
 from tests.benchmarks.speed.measure import WARMING, Effort
 from tests.benchmarks.speed.models import chain, forty_periods
 from tests.benchmarks.speed.reductions import reduced_chain

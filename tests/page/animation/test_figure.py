@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 
 from mbconstrained.ground.errors import InputError
-from mbconstrained.page.animation.animation import Animation
-from mbconstrained.page.animation.figure import figure_data
-from mbconstrained.page.animation.keyframes import key_frames
-from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, DrawnLink, Solid, View
-from mbconstrained.page.drawing.paths import Path
+from mbconstrained.page.animation import Animation, key_frames
+from mbconstrained.page.drawing import Drawing, DrawnBody, DrawnLink, Path, Solid, View
+from mbconstrained.page.figure import figure_data
 
 
 def figure(drawing, names=(), values=None):

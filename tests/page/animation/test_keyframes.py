@@ -5,11 +5,9 @@ import base64
 import numpy as np
 import pytest
 
-from mbconstrained.page.animation.animation import Animation
-from mbconstrained.page.animation.figure import figure_data, invisible_errors
-from mbconstrained.page.animation.keyframes import MOST_FRAMES, MOST_POSES, key_frames, slopes
-from mbconstrained.page.drawing.bodies import Drawing, DrawnBody
-from mbconstrained.page.drawing.paths import Path
+from mbconstrained.page.animation import MOST_FRAMES, MOST_POSES, Animation, key_frames, slopes
+from mbconstrained.page.drawing import Drawing, DrawnBody, Path
+from mbconstrained.page.figure import figure_data, invisible_errors
 from tests.page.contents import many, two_masses
 
 EMPTY = Drawing(())

@@ -3,13 +3,10 @@
 import numpy as np
 import pytest
 
-from mbconstrained.page.animation.animation import Animation, Arrow, DrawnEvent, ForceArrows, ImpulseArrow, Overlay, arrow_at
-from mbconstrained.page.animation.figure import figure_data
-from mbconstrained.page.animation.keyframes import key_frames
-from mbconstrained.page.animation.overlay import LONGEST, force_scale
+from mbconstrained.page.animation import Animation, Arrow, DrawnEvent, ForceArrows, ImpulseArrow, Overlay, arrow_at, key_frames
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Drawing, DrawnBody
-from mbconstrained.page.drawing.paths import Path
+from mbconstrained.page.drawing import Drawing, DrawnBody, Path
+from mbconstrained.page.figure import LONGEST, figure_data, force_scale
 from mbconstrained.page.html import page_html, script_json
 
 TIMES = np.array([0.0, 1.0, 2.0])

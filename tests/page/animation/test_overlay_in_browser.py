@@ -6,10 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from mbconstrained.page.animation.animation import Animation, Arrow, DrawnEvent, ForceArrows, ImpulseArrow, Overlay
+from mbconstrained.page.animation import Animation, Arrow, DrawnEvent, ForceArrows, ImpulseArrow, Overlay
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, View
-from mbconstrained.page.drawing.paths import Path
+from mbconstrained.page.drawing import Drawing, DrawnBody, Path, View
 from mbconstrained.page.html import write_page
 from tests.page.browser import needs_chromium
 

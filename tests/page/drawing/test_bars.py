@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.page.drawing.automatic_drawing import lumped_drawing
+from mbconstrained.page.automatic_drawing import lumped_drawing
 from tests.page.contents import positions
 
 

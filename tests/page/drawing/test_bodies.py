@@ -3,7 +3,7 @@
 import pytest
 
 from mbconstrained.ground.errors import InputError
-from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, DrawnLink
+from mbconstrained.page.drawing import Drawing, DrawnBody, DrawnLink
 from tests.page.contents import positions
 
 

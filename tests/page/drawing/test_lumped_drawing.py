@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 from mbconstrained.models.lumped import LumpedModel
-from mbconstrained.page.animation.animation import Animation
-from mbconstrained.page.animation.figure import figure_data
-from mbconstrained.page.animation.keyframes import key_frames
+from mbconstrained.page.animation import Animation, key_frames
+from mbconstrained.page.automatic_drawing import coordinate_drawing, lumped_drawing
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.automatic_drawing import coordinate_drawing, lumped_drawing
-from mbconstrained.page.drawing.layout import groups, joints_of, natural_positions, turn_to, walk
-from mbconstrained.page.drawing.paths import quaternions_of, rotated
+from mbconstrained.page.drawing import quaternions_of, rotated
+from mbconstrained.page.figure import figure_data
 from mbconstrained.page.html import page_html
+from mbconstrained.page.layout import groups, joints_of, natural_positions, turn_to, walk
 from tests.page.contents import positions
 from tests.page.models import gallery
 

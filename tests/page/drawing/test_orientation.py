@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from mbconstrained.models.lumped import LumpedModel
-from mbconstrained.page.animation.animation import Animation
-from mbconstrained.page.animation.keyframes import body_poses, key_frames
+from mbconstrained.page.animation import Animation, body_poses, key_frames
+from mbconstrained.page.automatic_drawing import coordinate_drawing, lumped_drawing
 from mbconstrained.page.content import PageContent
-from mbconstrained.page.drawing.automatic_drawing import coordinate_drawing, lumped_drawing
-from mbconstrained.page.drawing.paths import quaternions_of, rotated
+from mbconstrained.page.drawing import quaternions_of, rotated
 from mbconstrained.page.html import write_page
 from tests.page.browser import needs_chromium
 from tests.page.contents import positions

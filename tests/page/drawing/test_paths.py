@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from mbconstrained.page.animation.animation import Animation
-from mbconstrained.page.animation.keyframes import body_poses, key_frames
-from mbconstrained.page.drawing.bodies import Drawing, DrawnBody
-from mbconstrained.page.drawing.paths import Path, quaternions_of, rotated
+from mbconstrained.page.animation import Animation, body_poses, key_frames
+from mbconstrained.page.drawing import Drawing, DrawnBody, Path, quaternions_of, rotated
 
 
 def test_signs_are_chosen_so_that_neighbours_are_near():

@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from mbconstrained.page.animation.animation import Animation
-from mbconstrained.page.animation.figure import figure_data
-from mbconstrained.page.animation.keyframes import key_frames
-from mbconstrained.page.drawing.paths import Path
-from mbconstrained.page.drawing.robot_layout import BASE_PLATE, MOST_TRIANGLES, PAD, robot_drawing, simplified, solids_of
+from mbconstrained.page.animation import Animation, key_frames
+from mbconstrained.page.drawing import Path
+from mbconstrained.page.figure import figure_data
+from mbconstrained.scene.run.drawing import BASE_PLATE, MOST_TRIANGLES, PAD, robot_drawing, simplified, solids_of
 from tests.page.robots import Seen, Tie, four_bar, turned
 
 TIMES = np.linspace(0, 6, 121)

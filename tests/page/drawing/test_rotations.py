@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from mbconstrained.page.drawing.paths import after, matrix_of, quaternions_of, vector_of
+from mbconstrained.page.drawing import after, matrix_of, quaternions_of, vector_of
 
 AXES = np.random.default_rng(3).standard_normal((20, 3))
 ANGLES = (0.0, 1e-9, 0.5, 2.5, 2.8, 3.1, np.pi - 1e-9)

@@ -5,10 +5,9 @@ import base64
 import numpy as np
 import pytest
 
-from mbconstrained.page.animation.animation import Animation
-from mbconstrained.page.animation.figure import figure_data
-from mbconstrained.page.animation.keyframes import key_frames
-from mbconstrained.page.drawing.bodies import Drawing, DrawnBody, Solid
+from mbconstrained.page.animation import Animation, key_frames
+from mbconstrained.page.drawing import Drawing, DrawnBody, Solid
+from mbconstrained.page.figure import figure_data
 
 TETRAHEDRON = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3.0]])
 FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])

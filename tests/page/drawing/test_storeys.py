@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.page.drawing.automatic_drawing import coordinate_drawing, lumped_drawing
+from mbconstrained.page.automatic_drawing import coordinate_drawing, lumped_drawing
 from tests.scene.scenes import scene_of
 
 NAMES = ["floor 1", "floor 2", "roof"]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mbconstrained.models.lumped import LumpedModel
-from mbconstrained.page.drawing.automatic_drawing import lumped_drawing
+from mbconstrained.page.automatic_drawing import lumped_drawing
 
 
 def drawing_of(*gears, shafts=()):

@@ -10,7 +10,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from mbconstrained.page.plots.readings import BOUNDS, interpolation
+from mbconstrained.page.readings import BOUNDS, interpolation
 
 _SIGNS = {sign: digit for digit, sign in zip("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")}
 

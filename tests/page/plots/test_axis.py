@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mbconstrained.ground.errors import InputError
-from mbconstrained.page.plots.axis import MOST_DECADES, axis_of
+from mbconstrained.page.content import MOST_DECADES, axis_of
 
 ends = st.floats(-1e200, 1e200, allow_nan=False)
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from mbconstrained.page.animation.figure import PALETTE
 from mbconstrained.page.content import Curve, Plot
-from mbconstrained.page.plots.images import plot_image, plot_images
+from mbconstrained.page.figure import PALETTE
+from mbconstrained.page.plots import plot_image, plot_images
 from tests.page.contents import HOSTILE, phase_plane
 
 TIMES = np.linspace(0, 2, 50)

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from mbconstrained.analyses.motion_report import plots_of
 from mbconstrained.page.content import Curve, PageContent, Plot, TimeFunctions
 from mbconstrained.page.html import page_html, write_page
-from mbconstrained.page.plots.readings import BOUNDS, FEW_BREAKS, interpolation, linear_readings, readings_of
-from mbconstrained.page.plots.svg_plot import PlotFunctions
+from mbconstrained.page.plots import PlotFunctions
+from mbconstrained.page.readings import BOUNDS, FEW_BREAKS, interpolation, linear_readings, readings_of
 from mbconstrained.scene.run.scene import read_scene
 from tests.page.browser import needs_chromium
 from tests.page.plots.pages import StoredFunctions, certain, functions_of_data, functions_of_page, places_of_page, shown

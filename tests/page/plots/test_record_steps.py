@@ -8,8 +8,8 @@ import pytest
 import mbconstrained as mb
 from mbconstrained.analyses.motion_report import plots_of
 from mbconstrained.page.content import RecordResponse, TimeFunctions
-from mbconstrained.page.plots.record_steps import record_steps
-from mbconstrained.page.plots.svg_plot import PlotFunctions
+from mbconstrained.page.plots import PlotFunctions
+from mbconstrained.page.readings import record_steps
 from mbconstrained.scene.run.scene import read_scene
 from tests.page.browser import needs_chromium
 from tests.page.plots.pages import certain, functions_of_data
@@ -153,7 +153,7 @@ def test_functions_that_do_not_follow_from_the_motion_are_stored_by_panels():
     motion, record = motion_under(times, np.cos(7 * times)[None])
     cube = TimeFunctions(lambda t: motion(t) ** 3 + np.sin(t), record.knots, 1e-12, record)
     steps = record_steps(record, 0.0, times[-1])
-    from mbconstrained.page.plots.record_steps import record_readings
+    from mbconstrained.page.readings import record_readings
 
     assert record_readings(cube, steps, 0) is None
 

@@ -8,7 +8,7 @@ import pytest
 
 from mbconstrained.ground.errors import InputError
 from mbconstrained.page.content import MOST_SHOWN, Curve, Guide, Marks, Plot, TimeFunctions, curve_with_gaps
-from mbconstrained.page.plots.svg_plot import CELLS, FEW_CURVES, HELP, MOST_POINTS, PlotFunctions, plot_figures
+from mbconstrained.page.plots import CELLS, FEW_CURVES, HELP, MOST_POINTS, PlotFunctions, plot_figures
 from tests.page.contents import HOSTILE, phase_plane
 
 TIMES = np.linspace(0, 10, 11)

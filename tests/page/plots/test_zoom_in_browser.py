@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from mbconstrained.page.content import Curve, Marks, PageContent, Plot, TimeFunctions, curve_with_gaps
+from mbconstrained.page.content import Curve, Marks, PageContent, Plot, TimeFunctions, axis_of, curve_with_gaps
 from mbconstrained.page.html import write_page
-from mbconstrained.page.plots.axis import axis_of
 from tests.page.browser import needs_chromium
 
 pytestmark = needs_chromium

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from mbconstrained.analyses.formula import written
+from mbconstrained.analyses.formula import formula_of, written
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.scene.run.formula import formula_of
 from tests.scene.robots import press
 from tests.scene.scenes import MATRICES, OSCILLATOR, scene_of
 

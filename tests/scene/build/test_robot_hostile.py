@@ -7,8 +7,8 @@ import pytest
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.robot.description.urdf import LARGEST_URDF, MOST_LINKS
 from mbconstrained.scene.build.robot_file import read_robot
-from mbconstrained.scene.file.reading import LARGEST_SCENE
-from mbconstrained.scene.run.stage_costs import time_limit
+from mbconstrained.scene.file import LARGEST_SCENE
+from mbconstrained.scene.run.plan import time_limit
 from tests.scene.robots import SCENE, TOML, URDF, press
 from tests.scene.scenes import scene_of
 

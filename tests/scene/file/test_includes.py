@@ -3,7 +3,7 @@
 import pytest
 
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.scene.file.includes import DEEPEST_INCLUDE
+from mbconstrained.scene.file import DEEPEST_INCLUDE
 from mbconstrained.scene.run.scene import read_scene
 
 MAIN = """

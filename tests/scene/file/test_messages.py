@@ -5,7 +5,7 @@ import time
 import pytest
 
 from mbconstrained.ground.errors import SceneError, SingularPolynomialMatrix
-from mbconstrained.scene.file.messages import together
+from mbconstrained.scene.file import together
 from tests.scene.scenes import COEFFICIENTS, MATRICES, OSCILLATOR, scene_of
 
 TURNING = """

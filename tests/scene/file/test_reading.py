@@ -6,7 +6,7 @@ import random
 import pytest
 
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.scene.file.reading import DEEPEST_NAME, LARGEST_SCENE
+from mbconstrained.scene.file import DEEPEST_NAME, LARGEST_SCENE
 from mbconstrained.scene.run.scene import read_scene
 
 RNG = random.Random(20)

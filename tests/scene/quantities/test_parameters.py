@@ -6,9 +6,9 @@ import re
 import numpy as np
 import pytest
 
+from mbconstrained.analyses.formula import formula_of
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.ground.quantities import Expressed
-from mbconstrained.scene.run.formula import formula_of
 from mbconstrained.scene.run.scene import read_scene
 from mbconstrained.scene.schema.scene_schema import SceneFile
 from tests.scene.scenes import EXAMPLES, MATRICES, OSCILLATOR, scene_of

@@ -12,7 +12,7 @@ import pytest
 from mbconstrained.ground.errors import InputError
 from mbconstrained.ground.quantities import count_texts, expected, quantity
 from mbconstrained.ground.units import AMBIGUOUS, UNITS, instead_of, is_accepted, registry
-from mbconstrained.scene.file.messages import shown
+from mbconstrained.scene.file import shown
 
 # Definitions: 1 in = 25.4 mm, 1 lbf = 4.4482216152605 N, 1 t = 1000 kg, 1 rev = 2 pi rad.
 CONVERSIONS = [

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from mbconstrained.scene.run.aliasing import SMOOTH, aliasing_notices
+from mbconstrained.scene.run.result import SMOOTH, aliasing_notices
 from mbconstrained.scene.run.scene import read_scene
 from tests.scene.scenes import SLOW_AND_FAST
 

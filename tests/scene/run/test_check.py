@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from mbconstrained.scene.run.jumps import start_notices
+from mbconstrained.scene.run.result import start_notices
 from tests.scene.scenes import COEFFICIENTS, EXAMPLES, MATRICES, OSCILLATOR, scene_of
 
 LOAD = '[[model.mass]]\nname = "load"\nmass = 1\n'

@@ -6,11 +6,10 @@ import shutil
 import numpy as np
 import pytest
 
-from mbconstrained.analyses.formula import written
+from mbconstrained.analyses.formula import formula_of, parameters_text, written
 from mbconstrained.ground.errors import ContradictoryConstraints, InputError
-from mbconstrained.scene.run.formula import formula_of, parameters_text
+from mbconstrained.scene.run.plan import OutOfTime, time_limit
 from mbconstrained.scene.run.scene import read_scene
-from mbconstrained.scene.run.stage_costs import OutOfTime, time_limit
 from mbconstrained.scene.run.stages import plan_of
 from tests.exact.formulas.answers import c_values, python_values
 from tests.scene.scenes import COEFFICIENTS, EXAMPLES, MATRICES, OSCILLATOR, scene_of

@@ -10,8 +10,8 @@ import pinocchio as pin
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.robot.linearization.connection_forces import connection_forces
-from mbconstrained.robot.statics.balance import Balance
+from mbconstrained.robot.linearized import connection_forces
+from mbconstrained.robot.statics import Balance
 from mbconstrained.scene.run.scene import read_scene
 from tests.robot.test_wrenches import spatial_arm
 from tests.scene.robots import ROBOTS

@@ -8,8 +8,7 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.analyses.motion_report import plots_of
-from mbconstrained.scene.run.aliasing import aliasing_notices
-from mbconstrained.scene.run.result import Result
+from mbconstrained.scene.run.result import Result, aliasing_notices
 from mbconstrained.scene.run.scene import read_scene
 from tests.page.browser import needs_chromium
 from tests.scene.scenes import DRIVELINE, EXAMPLES

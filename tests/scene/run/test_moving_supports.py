@@ -131,7 +131,7 @@ def test_several_spectra_are_refused_with_what_to_do():
 
 @pytest.mark.parametrize("along", [(0, 0, 1), (1, 0, 0), (0, 1, 0)])
 def test_a_car_moves_along_what_the_drawing_says(tmp_path, along):
-    from mbconstrained.page.drawing.paths import matrix_of
+    from mbconstrained.page.drawing import matrix_of
 
     text = f"""[model]
 kind = "lumped"

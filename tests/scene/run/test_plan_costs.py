@@ -9,9 +9,8 @@ import sys
 
 import pytest
 
-from mbconstrained.scene.run.plan import Plan, Stage
+from mbconstrained.scene.run.plan import Cost, Plan, Stage
 from mbconstrained.scene.run.scene import read_scene
-from mbconstrained.scene.run.stage_costs import Cost
 from tests.scene.scenes import EXAMPLES, MATRICES, OSCILLATOR, scene_of
 
 PLAN = Plan(

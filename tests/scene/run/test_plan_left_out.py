@@ -18,7 +18,7 @@ pytestmark = pytest.mark.long  # a process for each scene, every call in it note
 #: Packages, and large parts of them, that a run may need or not.
 LIBRARIES = (
     "pint", "pinocchio", "coal", "collada", "trimesh", "meshcat", "sympy", "matplotlib", "scipy.optimize", "scipy.signal", "scipy.io",
-    "xarray", "pandas", "control", "typer", "rich", "IPython", "mbconstrained.page.html", "mbconstrained.scene.run.picture.animation",
+    "xarray", "pandas", "control", "typer", "rich", "IPython", "mbconstrained.page.html", "mbconstrained.scene.run.animation",
     "mbconstrained.exact", "mbconstrained.robot", "mbconstrained.studies",
 )  # fmt: skip
 
@@ -77,14 +77,12 @@ def computed(kind: str) -> str:
 
 
 WORK = {
-    "read the scene": Work("plain", None, "scene/file/reading.py:parse"),
+    "read the scene": Work("plain", None, "scene/file.py:parse"),
     "units": Work("all", "plain", "scene/quantities/units.py:registry", ("pint",)),
     "robot model (pinocchio)": Work("robot", "lumped", "scene/build/robot_file.py:robot_of", ("pinocchio", "coal")),
     "equilibrium": Work("robot", "lumped", "robot/posture_search.py:find_posture", ("mbconstrained.robot",)),
-    "robot meshes": Work("robot with meshes", "robot with unread meshes", "robot/description/mesh_files.py:read_mesh", MESHES_BY),
-    "collision geometry": Work(
-        "robot with collisions", "robot with unread meshes", "scene/run/picture/robot_drawing.py:RobotPicture._collision"
-    ),
+    "robot meshes": Work("robot with meshes", "robot with unread meshes", "robot/description/meshes.py:read_mesh", MESHES_BY),
+    "collision geometry": Work("robot with collisions", "robot with unread meshes", "scene/run/drawing.py:RobotPicture._collision"),
     "assemble the model": Work("plain", None, "scene/build/equations.py:equations_of"),
     "mechanical normal form": Work("normal form", "states", "mechanics/normal_form.py:mechanical_normal_form"),
     "dependent constraint rows": Work("all", "plain", "mechanics/constraints.py:_reduced"),
@@ -108,17 +106,15 @@ WORK = {
         "plain", "robot", "response/methods/proved.py:ProvedFunction.is_provable", ("mbconstrained.exact",)
     ),
     "certificate (python-flint)": Work("all", "lumped", "scene/run/certificate.py:certificate_of", ("mbconstrained.exact",)),
-    "symbols (sympy)": Work("formula", "lumped", "scene/run/formula.py:formula_of", ("sympy", "mbconstrained.exact")),
+    "symbols (sympy)": Work("formula", "lumped", "analyses/formula.py:formula_of", ("sympy", "mbconstrained.exact")),
     "frequency response": Work("frequency", "lumped", "frequency/frequency_response.py:evaluated"),
     "frequency page and files": Work("frequency page", "frequency", "analyses/frequency.py:Frequency.to_answer"),
-    "animation": Work(
-        "lumped", "still page", "page/animation/keyframes.py:key_frames", ("mbconstrained.scene.run.picture.animation",)
-    ),
+    "animation": Work("lumped", "still page", "page/animation.py:key_frames", ("mbconstrained.scene.run.animation",)),
     "CSV": Work("lumped", "plain", "analyses/run.py:RunAnswer.write_csv"),
     "npz": Work("lumped", "plain", "analyses/run.py:RunAnswer.write_npz"),
     "page": Work("still page", "plain", "page/html.py:page_html", ("mbconstrained.page.html",)),
     "other formats": Work(None, "all", "analyses/run.py:RunAnswer.write_formats"),
-    "plots as images (matplotlib)": Work("pictures", "all", "page/plots/images.py:plot_images", PICTURES),
+    "plots as images (matplotlib)": Work("pictures", "all", "page/plots.py:plot_images", PICTURES),
     "still picture (Chromium)": Work(None, "all", "page/photograph.py:photograph", ("mbconstrained.page.html",)),
 }
 

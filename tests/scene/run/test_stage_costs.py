@@ -9,8 +9,8 @@ import time
 
 import pytest
 
-from mbconstrained.scene.run import stage_costs
-from mbconstrained.scene.run.stage_costs import GROWTH, NOT_MEASURED, OWN_PEAK, Cost, Costs, memory_note
+from mbconstrained.scene.run import plan as stage_costs
+from mbconstrained.scene.run.plan import GROWTH, NOT_MEASURED, OWN_PEAK, Cost, Costs, memory_note
 
 SIZE = 64_000_000
 SLACK = SIZE // 8  # pages that come and go beside what is measured
@@ -25,7 +25,7 @@ def touch() -> None:
 
 #: In a process of its own: of one that has run many tests the kernel may take pages back while a lap is measured.
 LAPS = f"""
-from mbconstrained.scene.run.stage_costs import Costs
+from mbconstrained.scene.run.plan import Costs
 meter = Costs()
 def touch(): assert len(bytearray(b"x") * {SIZE}) == {SIZE}
 touch()

@@ -5,8 +5,8 @@ import time
 
 import pytest
 
-from mbconstrained.scene.run import stage_costs as module
-from mbconstrained.scene.run.stage_costs import OutOfTime, time_limit
+from mbconstrained.scene.run import plan as module
+from mbconstrained.scene.run.plan import OutOfTime, time_limit
 
 
 class Slow:

@@ -13,12 +13,10 @@ from pydantic import ValidationError
 from mbconstrained import cli
 from mbconstrained.cli import new
 from mbconstrained.ground.errors import InputError, SceneError
-from mbconstrained.page.drawing import bodies
+from mbconstrained.page import drawing
 from mbconstrained.scene.run.scene import read_scene
-from mbconstrained.scene.schema import drawing_tables, validation
-from mbconstrained.scene.schema.editors import robot_schema, scene_schema
-from mbconstrained.scene.schema.entry_types import Table
-from mbconstrained.scene.schema.scene_schema import SceneFile
+from mbconstrained.scene.schema.entry_types import KINDS_OF_ENTRIES, Table
+from mbconstrained.scene.schema.scene_schema import LinkKind, SceneFile, Shape, robot_schema, scene_schema
 from tests.scene.scenes import EXAMPLES, OSCILLATOR
 
 SCHEMA = SceneFile.model_json_schema()
@@ -48,15 +46,15 @@ def test_the_schema_of_scenes_is_complete():
 
 
 def test_drawing_knows_the_shapes_and_links_of_the_page():
-    assert (*get_args(drawing_tables.Shape), "solids") == get_args(bodies.Shape)  # solids come from a URDF, never from a scene
-    assert get_args(drawing_tables.LinkKind) == get_args(bodies.LinkKind)
+    assert (*get_args(Shape), "solids") == get_args(drawing.Shape)  # solids come from a URDF, never from a scene
+    assert get_args(LinkKind) == get_args(drawing.LinkKind)
 
 
 def test_kinds_in_messages_are_those_of_the_schema():
     for key in ("model", "force", "motion"):
         entry = SCHEMA["properties"][key]
         tagged = entry.get("items", entry)["discriminator"]["mapping"]
-        assert [f'"{kind}"' in validation.KINDS[key] for kind in tagged] == [True] * len(tagged)
+        assert [f'"{kind}"' in KINDS_OF_ENTRIES[key] for kind in tagged] == [True] * len(tagged)
 
 
 CHECK = Draft202012Validator(scene_schema())

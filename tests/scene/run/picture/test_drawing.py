@@ -5,9 +5,8 @@ import math
 import pytest
 
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.page.drawing.bodies import View
-from mbconstrained.page.drawing.paths import matrix_of
-from mbconstrained.scene.run.picture.shape_drawing import ShapeDrawing
+from mbconstrained.page.drawing import View, matrix_of
+from mbconstrained.scene.run.drawing import ShapeDrawing
 from tests.scene.robots import SCENE, press
 from tests.scene.scenes import COEFFICIENTS, MATRICES, OSCILLATOR, scene_of
 

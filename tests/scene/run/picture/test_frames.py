@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mbconstrained.scene.run.picture.animation import frames_of
+from mbconstrained.scene.run.animation import frames_of
 from mbconstrained.scene.run.scene import read_scene
 from tests.scene.scenes import SLOW_AND_FAST
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.page.animation.animation import Arrow
+from mbconstrained.page.animation import Arrow
 from mbconstrained.scene.run.scene import read_scene
 from tests.scene.robots import SCENE, press
 from tests.scene.scenes import EXAMPLES, MATRICES, OSCILLATOR, scene_of

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from mbconstrained.scene.run.picture.animation import MOST_POSES
-from mbconstrained.scene.run.picture.robot_drawing import VISIBLE, RobotPicture, drawing_of_robot
+from mbconstrained.scene.run.animation import MOST_POSES
+from mbconstrained.scene.run.drawing import VISIBLE, RobotPicture, drawing_of_robot
 from mbconstrained.scene.run.scene import read_scene
 from tests.scene.robots import SCENE, TOML, press
 from tests.scene.scenes import EXAMPLES, scene_of

@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio
 import pytest
 
-from mbconstrained.page.animation.animation import Arrow
+from mbconstrained.page.animation import Arrow
 from mbconstrained.page.content import PageContent
 from mbconstrained.page.html import page_html
 from mbconstrained.scene.run.scene import read_scene

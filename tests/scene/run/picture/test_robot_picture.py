@@ -7,12 +7,10 @@ import pytest
 
 from mbconstrained.analyses.modes import ModalAnalysis
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.page.animation.shapes import cycle
-from mbconstrained.page.drawing.robot_layout import BASE_PLATE, MOST_TRIANGLES
-from mbconstrained.scene.run.picture.robot_drawing import TURN, VISIBLE, RobotPicture, drawing_of_robot
-from mbconstrained.scene.run.picture.shape_drawing import ShapeDrawing
+from mbconstrained.page.animation import cycle
+from mbconstrained.scene.run.drawing import BASE_PLATE, MOST_TRIANGLES, TURN, VISIBLE, RobotPicture, ShapeDrawing, drawing_of_robot
 from mbconstrained.scene.run.scene import read_scene
-from mbconstrained.scene.schema.drawing_tables import DrawingTable
+from mbconstrained.scene.schema.scene_schema import DrawingTable
 from tests.page.drawing.test_robot_layout import sphere
 from tests.page.robots import Seen
 from tests.scene.robots import SCENE, TOML, URDF, press
@@ -122,7 +120,7 @@ def test_the_room_is_inverse_to_the_size_of_the_motion(tmp_path, size):
 
 
 def test_parts_are_made_once_for_each_visual(tmp_path, monkeypatch):
-    from mbconstrained.page.drawing import robot_layout as robot
+    from mbconstrained.scene.run import drawing as robot
 
     made, solid = [], robot.Solid
     monkeypatch.setattr(robot, "Solid", lambda *of, **more: made.append(of[0]) or solid(*of, **more))

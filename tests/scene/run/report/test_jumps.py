@@ -6,7 +6,7 @@ import pytest
 
 from mbconstrained.analyses.motion_report import eigenvalue_table
 from mbconstrained.ground.notices import Notice
-from mbconstrained.scene.run.jumps import folded
+from mbconstrained.scene.run.result import folded
 from mbconstrained.scene.run.scene import read_scene
 from tests.scene.scenes import COEFFICIENTS, EXAMPLES, OSCILLATOR, scene_of
 

@@ -1,0 +1,550 @@
+"""Plots: as inline SVG of the page, readable without scripts, and as images drawn by matplotlib for reports.
+
+The origin of the picture is the upper left corner of its axes; horizontal positions are in percent of their width and
+vertical ones in pixels. The curves lie in a square of ``CELLS`` by ``CELLS`` that is stretched over the axes, and are
+written in whole cells from point to point. The first of many curves are drawn here, the others by the page's script, which also
+draws the part of all of them that a zoomed plot shows: from the functions in ``readings.py``, which give it the values next to the
+names, too.
+
+Matplotlib is imported when an image is drawn, never before; its pyplot, which keeps figures in a global place, never.
+"""
+
+from __future__ import annotations
+
+import html
+import io
+import re
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from itertools import groupby, pairwise, zip_longest
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from .content import LEAST_SHARE, MOST_SHOWN, Axis, Curve, Marks, Plot, TimeFunctions, raised, shortened, superscript, typeset
+from .figure import PALETTE
+from .readings import Readings, RecordReadings, RecordSteps, linear_readings, readings_of, record_readings, record_steps
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+#: Height of the axes and of those of a large plot, px.
+HEIGHT, LARGE_HEIGHT = 214, 400
+
+#: Size of the square that the curves are written in, in cells.
+CELLS = 10_000
+
+#: A curve of more points than the picture has pixels is drawn by the lowest and highest value of each pixel column.
+MOST_POINTS = 2400
+
+#: With more curves than this the names can be searched, and all be shown or hidden at once.
+FEW_CURVES = 12
+
+#: Labels along an axis that fit on a phone.
+MOST_LABELS = 5
+
+#: Letters of a name along an axis.
+AXIS_NAME = 20
+
+#: Colours of curves in the style sheet, and patterns of dashes: one for each round through the colours.
+COLORS, DASHES = 6, 4
+
+#: Curves that differ by less than this share of the height coincide in the picture.
+COINCIDE = 1 / 200
+
+#: Shapes of marks, in px about their point.
+MARKS = {"circle": "M-4 0a4 4 0 1 0 8 0a4 4 0 1 0-8 0z", "cross": "M-4-4L4 4M-4 4L4-4", "diamond": "M0-5L5 0L0 5L-5 0z"}
+
+HELP = (
+    "To zoom into a plot turn the wheel, pinch, or press + and −; drag or press the arrow keys to move the part that is shown; "
+    "double-click or press 0 for the whole. A click on a name shows or hides its curve, a double click shows it alone."
+)
+
+
+class PlotFunctions:
+    """The functions behind the curves of a page, numbered as the page's script finds them."""
+
+    def __init__(self, plots: tuple[Plot, ...]):
+        drawn = [plot for plot in plots if plot.curves and len(plot.times) > 1]
+        self.sets: list[tuple[Readings | RecordReadings, ...]] = []
+        self.records: list[RecordSteps] = []
+        self._steps: dict[tuple, int | None] = {}
+        self._places: dict[tuple, tuple[int, int]] = {}
+        shared: dict[tuple, tuple[TimeFunctions, list[int]]] = {}
+        for plot in drawn:
+            own: dict[tuple, np.ndarray] = {}
+            for values, function in (each for curve in plot.curves for each in _functions(plot, curve)):
+                if function is None:
+                    own.setdefault((id(plot), id(values)), values)
+                    continue
+                functions, row = function
+                rows = shared.setdefault((id(functions), plot.times[0], plot.times[-1]), (functions, []))[1]
+                if row not in rows:
+                    rows.append(row)
+            if own:
+                self._places |= {key: (len(self.sets), row) for row, key in enumerate(own)}
+                self.sets.append((linear_readings(plot.times, np.array(list(own.values()))),))
+        for (key, start, end), (functions, rows) in shared.items():
+            self._places |= {(key, start, end, row): (len(self.sets), place) for place, row in enumerate(rows)}
+            self.sets.append(self._parts(_selected(functions, rows), float(start), float(end)))
+
+    def _parts(self, functions: TimeFunctions, start: float, end: float) -> tuple[Readings | RecordReadings, ...]:
+        """Readings by the steps of a record, with panels before and after them, or by panels alone."""
+        record = functions.record
+        if record is not None:
+            key = id(record), start, end
+            if key not in self._steps:
+                steps = record_steps(record, start, end)
+                self._steps[key] = None if steps is None else len(self.records)
+                self.records += [] if steps is None else [steps]
+            if (place := self._steps[key]) is not None:
+                steps = self.records[place]
+                if (middle := record_readings(functions, steps, place)) is not None:
+                    before = (readings_of(functions, start, steps.start, middle.largest),) if start < steps.start else ()
+                    after = (readings_of(functions, steps.end, end, middle.largest),) if steps.end < end else ()
+                    return (*before, middle, *after)
+        return (readings_of(functions, start, end),)
+
+    def places(self, plot: Plot, curve: Curve) -> list[tuple[int, int]]:
+        """Positions of the functions of a curve; in a phase plane first that along the horizontal axis."""
+        return [
+            self._places[id(plot), id(values)]
+            if function is None
+            else self._places[id(function[0]), plot.times[0], plot.times[-1], function[1]]
+            for values, function in _functions(plot, curve)
+        ]
+
+    def as_data(self) -> dict[str, list]:
+        return {
+            "records": [steps.as_data() for steps in self.records],
+            "sets": [[part.as_data() for part in parts] for parts in self.sets],
+        }
+
+
+def _functions(plot: Plot, curve: Curve) -> Iterator[tuple[np.ndarray, tuple[TimeFunctions, int] | None]]:
+    """Values and function of a curve along each axis that is not the time."""
+    if plot.across:
+        yield plot.along(curve), plot.across.function if curve.along is None else None
+    yield curve.values, curve.function
+
+
+def _selected(functions: TimeFunctions, rows: list[int]) -> TimeFunctions:
+    return replace(functions, at=lambda times: functions.at(times)[rows])
+
+
+def plot_figures(plots: tuple[Plot, ...], functions: PlotFunctions | None = None) -> str:
+    """All plots, in pairs side by side where the window is wide enough; large ones and those without a neighbour have the full width."""
+    functions, texts = functions or PlotFunctions(plots), []
+    for is_large, group in groupby(plots, lambda plot: plot.is_large):
+        own = list(group)
+        paired = 0 if is_large else len(own) - len(own) % 2
+        texts += [_figure(plot, functions, " wide" if i >= paired else "") for i, plot in enumerate(own)]
+    figures = "\n".join(texts)
+    note = f'\n<p class="note plot-help">{HELP}</p>' if functions.sets else ""
+    return f'<div class="plots">\n{figures}\n</div>{note}' if plots else ""
+
+
+def _figure(plot: Plot, functions: PlotFunctions, wide: str) -> str:
+    count, note, body = (
+        len(plot.curves),
+        f'\n<p class="note">{typeset(plot.note)}</p>' if plot.note else "",
+        '<p class="note">no curves</p>',
+    )
+    if count:
+        body = f"{_svg(plot)}\n{_legend(plot, functions)}"
+    if count > plot.shown:
+        note += f'\n<p class="note">{count} curves, {plot.shown} of them shown at first</p>'
+    return f'<figure class="plot-figure{wide}">\n<h2>{html.escape(plot.title)}</h2>\n{body}{note}\n</figure>'
+
+
+def _svg(plot: Plot) -> str:
+    """The picture alone; its data attributes describe the axes for the script."""
+    times, phase = plot.times, plot.across is not None
+    across, up = plot.axes
+    shown, height = plot.curves[: plot.shown], LARGE_HEIGHT if plot.is_large else HEIGHT
+    x, y = (
+        np.array([_cells(across, plot.along(curve)) for curve in shown]),
+        CELLS - np.array([_cells(up, curve.values) for curve in shown]),
+    )
+    right, upwards = map(html.escape, axis_titles(plot, across.exponent, up.exponent))
+    elements = [
+        f'<g class="ticks">\n{_grid(across, up, height)}\n{_guide_names(plot, across, up, height)}</g>',
+        *_guides(plot, across, up),
+        f'<text x="50%" y="{height + 38}" text-anchor="middle">{right}</text>',
+        f'<text transform="translate(-58 {height // 2}) rotate(-90)" text-anchor="middle">{upwards}</text>',
+    ]
+    if len(times) == 1:
+        elements += [
+            f'<circle class="{_classes(curve.color)}" cx="{100 * a[0] / CELLS:.2f}%" cy="{height * b[0] / CELLS:.1f}" r="3.5"/>'
+            for curve, a, b in zip(shown, x, y)
+        ]
+    else:
+        order = np.argsort(-np.ptp(y, axis=1), kind="stable")  # the smallest is drawn last, so that no larger one hides it
+        twins = _coinciding(np.hstack([x, y])[order])
+        paths = "\n".join(
+            _path(
+                number,
+                shown[number],
+                [plotted(x[number, a : b + 1], y[number, a : b + 1], phase=phase) for a, b in shown[number].parts],
+                twin,
+            )
+            for number, twin in zip(order.tolist(), twins)
+        )
+        elements.append(f'<svg class="curves" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">\n{paths}\n</svg>')
+    elements += _marks(plot, across, up, height)
+    over = "phase" if phase else html.escape(plot.variable)
+    variable = f' data-variable="{html.escape(plot.variable)}"' if phase and plot.variable != "time" else ""
+    variable += "" if plot.variable_unit is None else f' data-variable-unit="{html.escape(raised(plot.variable_unit))}"'
+    return (
+        f'<svg class="plot{" large" * plot.is_large}" role="img" tabindex="0" aria-label="{html.escape(_description(plot, plot.curves))}"'
+        f' data-start="{float(times[0])!r}" data-end="{float(times[-1])!r}" data-over="{over}"{variable}'
+        f" {_scale('across', across, plot.across_unit)} {_scale('up', up, plot.unit)}>\n" + "\n".join(elements) + "\n</svg>"
+    )
+
+
+def _coinciding(rows: np.ndarray) -> list[bool]:
+    """Which curves, in the order of drawing, coincide with an earlier one."""
+    near = COINCIDE * CELLS
+    return [any(np.abs(row - other).max() < near for other in rows[:i]) for i, row in enumerate(rows)]
+
+
+def _cells(axis: Axis, values: np.ndarray) -> np.ndarray:
+    return CELLS * axis.shares(values)
+
+
+def _scale(name: str, axis: Axis, unit: str) -> str:
+    """Data attributes for the script: ends of the axis, the power of ten of its labels, the kind of its scale, the unit."""
+    ends = f"{axis.low!r} {axis.high!r} {axis.exponent} {axis.scale}"
+    return f'data-{name}="{ends}" data-{name}-unit="{html.escape(shortened(raised(unit), AXIS_NAME))}"'
+
+
+def _grid(across: Axis, up: Axis, height: int) -> str:
+    """Lines and labels; every other horizontal label is left out where the window is narrow."""
+    lines = []
+    crowded = len(across.labels) > MOST_LABELS
+    for i, (x, label) in enumerate(zip(_cells(across, np.array(across.ticks)), across.labels)):
+        place, kind = f"{100 * x / CELLS:.2f}%", ' class="second"' if crowded and i % 2 else ""
+        lines.append(f'<line class="grid" x1="{place}" x2="{place}" y2="{height}"/>')
+        lines.append(f'<text{kind} x="{place}" y="{height + 18}" text-anchor="middle">{label}</text>')
+    for tick, y, label in zip(up.ticks, _cells(up, np.array(up.ticks)), up.labels):
+        down = height * (1 - y / CELLS)
+        lines.append(f'<line class="{"axis" if tick == 0 else "grid"}" x2="100%" y1="{down:.1f}" y2="{down:.1f}"/>')
+        lines.append(f'<text x="-8" y="{down + 4:.1f}" text-anchor="end">{label}</text>')
+    lines.append(f'<line class="axis" y2="{height}"/><line class="axis" x2="100%" y1="{height}" y2="{height}"/>')
+    return "\n".join(lines)
+
+
+def _guides(plot: Plot, across: Axis, up: Axis) -> list[str]:
+    """Bands and guide lines, in a separate picture with the view of the curves."""
+    lines = [
+        f'<rect class="band" x="{left:.0f}" width="{right - left:.0f}" height="{CELLS}"/>'
+        for left, right in (_cells(across, np.array(band)) for band in plot.bands)
+    ]
+    for guide in plot.guides:
+        if ends := guide.ends(across, up):
+            (a, b), (c, d) = ends
+            data = f"M{CELLS * a:.0f} {CELLS * (1 - b):.0f}L{CELLS * c:.0f} {CELLS * (1 - d):.0f}"
+            lines.append(f'<path class="guide {guide.kind}" d="{data}"/>')
+    if not lines:
+        return []
+    return [f'<svg class="guides" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">{"".join(lines)}</svg>']
+
+
+def _guide_names(plot: Plot, across: Axis, up: Axis, height: int) -> str:
+    """Names at the ends of the lines, below the point, at the lower edge above it."""
+    texts = []
+    for guide in plot.guides:
+        if guide.name and (ends := guide.ends(across, up)):
+            x, y = ends[1]
+            down, (anchor, away) = min(height * (1 - y) + 11, height - 3), ("start", 4) if x < LEAST_SHARE else ("end", -4)
+            place = f'x="{100 * x:.2f}%" y="{down:.1f}" dx="{away}" text-anchor="{anchor}"'
+            texts.append(f'<text class="guide-name" {place}>{html.escape(guide.name)}</text>\n')
+    return "".join(texts)
+
+
+def _marks(plot: Plot, across: Axis, up: Axis, height: int) -> Iterator[str]:
+    """Marks at their places, with their values for the script."""
+    for marks in plot.marks:
+        own = "" if marks.curve is None else f' data-curve="{marks.curve}"'
+        own += ' visibility="hidden"' * (marks.curve is not None and marks.curve >= plot.shown)
+        for point, text in zip_longest(marks.points.tolist(), marks.texts, fillvalue=""):
+            x, y = (float(axis.shares(value)) for axis, value in zip((across, up), point))
+            title = f"<title>{html.escape(text)}</title>" if text else ""
+            place = f'x="{100 * x:.2f}%" y="{height * (1 - y):.1f}" data-at="{point[0]!r} {point[1]!r}"'
+            yield f'<svg class="mark" {place}{own}>{_mark(plot, marks, title)}</svg>'
+
+
+def _mark(plot: Plot, marks: Marks, title: str = "") -> str:
+    color = "" if marks.curve is None else f" c{(plot.curves[marks.curve].color or 0) % COLORS}"
+    return f'<path class="{marks.shape}{color}" d="{MARKS[marks.shape]}">{title}</path>'
+
+
+def axis_titles(plot: Plot, across: int = 0, up: int = 0) -> tuple[str, str]:
+    """The titles of the axes, such as "displacement in 10⁻³ m"; a long name is shortened, the heading has all of it."""
+    rows = (plot.across_name, plot.across_unit, across), (plot.quantity or plot.title, plot.unit, up)
+    horizontal, vertical = (
+        " in ".join(filter(None, (shortened(name, AXIS_NAME), _measure(unit, power)))) for name, unit, power in rows
+    )
+    return horizontal, vertical
+
+
+def _measure(unit: str, exponent: int) -> str:
+    return " ".join(filter(None, (f"10{superscript(exponent)}" if exponent else "", shortened(raised(unit), AXIS_NAME))))
+
+
+def _description(plot: Plot, curves: tuple[Curve, ...]) -> str:
+    """A text alternative of the picture."""
+    horizontal, vertical = axis_titles(plot)
+    rows = [
+        f"{shortened(curve.name)}: from {values[0]:.3g} to {values[-1]:.3g}, lowest {values.min():.3g}, highest {values.max():.3g}"
+        for curve in curves[:MOST_SHOWN]
+        for values in (curve.values if curve.drawn is None else curve.values[curve.drawn],)
+        if len(values)
+    ]
+    unit = (plot.variable_unit or "s") if plot.across else plot.across_unit
+    along = f"{plot.times[0]:g} to {plot.times[-1]:g} {unit}".rstrip()
+    return f"{vertical} over {horizontal}, {along}. {'; '.join(rows)}.".replace("-", "−")
+
+
+def _path(number: int, curve: Curve, parts: list[np.ndarray], twin: bool) -> str:
+    """A curve from its first point in relative steps; a part begins at the end of the one before."""
+    data, last = "", np.zeros(2, dtype=int)
+    for cells in parts:
+        (x, y), steps = cells[:, 0] - last, np.diff(cells).T.tolist() or [[0, 0]]  # a single point is a dot
+        last = cells[:, -1]
+        data += f"{'m' if data else 'M'}{x} {y}l" + " ".join(f"{a} {b}" for a, b in steps).replace(" -", "-")
+    return f'<path class="{_classes(curve.color)}{" twin" if twin else ""}" data-number="{number}" d="{data}"/>'
+
+
+def _legend(plot: Plot, functions: PlotFunctions) -> str:
+    """Names, of lines as buttons that show and hide them, each with space for its value; of many curves with a search."""
+    rows, has_lines, curves = [], len(plot.times) > 1, plot.curves if len(plot.times) > 1 else plot.curves[: plot.shown]
+    for number, curve in enumerate(curves):
+        name, data = html.escape(curve.name), ""
+        entry = (
+            f'<svg width="26" height="8" aria-hidden="true"><path class="{_classes(curve.color)}" d="M1 4H25"/></svg>'
+            f"<span>{name}</span>"
+        )
+        if has_lines:
+            title = f' title="{name}"' if len(curve.name) > AXIS_NAME else ""
+            pressed = "true" if number < plot.shown else "false"
+            entry = f'<button type="button" aria-pressed="{pressed}"{title}>{entry}</button><span class="value"></span>'
+            data = f' data-function="{" ".join(f"{number} {row}" for number, row in functions.places(plot, curve))}"'
+            if curve.drawn is not None:
+                ends = " ".join(f"{float(plot.times[i])!r}" for part in curve.parts for i in part)
+                data += f' data-parts="{ends}"'
+        rows.append(f"<li{data}>{entry}</li>")
+    rows += [
+        f'<li class="of-marks"><svg width="26" height="12" viewBox="-13 -6 26 12" aria-hidden="true">{_mark(plot, replace(marks, curve=None))}</svg>'
+        f"<span>{html.escape(marks.name)}</span></li>"
+        for marks in {marks.name: marks for marks in plot.marks if marks.name}.values()
+    ]
+    choice = ""
+    if has_lines and len(curves) > FEW_CURVES:
+        choice = (
+            '<div class="choice"><input type="search" placeholder="find a name" aria-label="find a name">'
+            '<button type="button" data-choice="all">Show all</button><button type="button" data-choice="none">Hide all</button></div>\n'
+        )
+    return f'{choice}<ul class="legend{" many" if choice else ""}">{"".join(rows)}</ul>'
+
+
+def _classes(number: int) -> str:
+    """Classes of the style sheet: a colour, and another pattern of dashes for each further round through the colours."""
+    dashes = number // COLORS % DASHES
+    return f"curve c{number % COLORS}" + (f" d{dashes}" if dashes else "")
+
+
+def plotted(x: np.ndarray, y: np.ndarray, *, phase: bool) -> np.ndarray:
+    """The drawn points of a curve: all, or the extremes of each pixel column; of a phase plane evenly chosen ones."""
+    kept = np.linspace(0, len(x) - 1, min(len(x), MOST_POINTS)).round().astype(int) if phase else _kept(x, y)
+    return np.rint(np.array([x[kept], y[kept]])).astype(int)
+
+
+def _kept(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    if len(x) <= MOST_POINTS:
+        return np.arange(len(x))
+    edges = np.unique(np.searchsorted(x, np.linspace(x[0], x[-1], MOST_POINTS // 2 + 1)[:-1]).tolist() + [len(x)])
+    extremes = [(a + y[a:b].argmin(), a + y[a:b].argmax()) for a, b in pairwise(edges)]
+    return np.unique(np.concatenate([[0, len(x) - 1], np.ravel(extremes)]))
+
+
+#: Curves of an image: more are indistinct.
+MOST_CURVES = 24
+
+#: Size of an image without its legend, half a page of a report, and the height of a large one, inches.
+IMAGE_WIDTH, IMAGE_HEIGHT, LARGE_IMAGE_HEIGHT = 6.4, 3.1, 4.4
+
+#: For each round through the colours another pattern of dashes, in widths of the line; the first is solid.
+_DASHES = (None, (4, 2.2), (1.2, 2.2), (5, 2.2, 1.2, 2.2))
+
+#: Marks of matplotlib by shape.
+_MARKERS = {"circle": "o", "cross": "x", "diamond": "D"}
+
+#: Height of a row of the legend, width of the line before a name and of a letter, inches.
+_ROW, _SAMPLE, _LETTER = 0.19, 0.6, 0.075
+
+#: Colours of text, secondary text, lines, grid and warnings as in page.css, and a red and a grey for figures.
+INK, MUTED, LINE, GRID, WARN, RED, GREY = "#1c2530", "#5d6b79", "#b5c0ca", "#e8edf1", "#e69f00", "#c8102e", "#aab4be"
+
+#: Resolution of PNG files, dots per inch.
+DPI = 160
+
+_STYLE = {
+    "text.parse_math": False,  # "$x_1$" in a user's name is that name
+    "svg.fonttype": "none",  # text stays text
+    "svg.hashsalt": "mbconstrained",  # names within the SVG depend on what they name only
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],  # comes with matplotlib: the same picture everywhere
+    "font.size": 8.5,
+    "axes.titlesize": 9,
+    "axes.labelsize": 8.5,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "legend.fontsize": 8.5,
+    "text.color": INK,
+    "axes.titlecolor": INK,
+    "axes.labelcolor": MUTED,
+    "xtick.color": LINE,
+    "ytick.color": LINE,
+    "xtick.labelcolor": MUTED,
+    "ytick.labelcolor": MUTED,
+    "axes.edgecolor": LINE,
+    "axes.linewidth": 0.8,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": GRID,
+    "grid.linewidth": 0.8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.major.size": 3,
+    "ytick.major.size": 3,
+    "xtick.minor.size": 0,
+    "ytick.minor.size": 0,
+    "lines.linewidth": 1.4,
+    "legend.frameon": False,
+    "legend.handlelength": 2.6,
+}
+
+
+def new_axes() -> Axes:
+    """Axes in a new figure, for Matplotlib's interactive window or a notebook."""
+    from matplotlib import pyplot
+
+    return pyplot.figure(layout="constrained").add_subplot()
+
+
+def drawn_image(draw: Callable[[Figure], None], width: float, height: float, kind: Literal["svg", "png"]) -> bytes:
+    """An image in the style of the page, whatever settings the user has; the same content gives the same bytes.
+
+    >>> drawn_image(lambda figure: None, 1.0, 1.0, "png")[1:4]
+    b'PNG'
+    """
+    file, undated = io.BytesIO(), {"Date": None} if kind == "svg" else {"Software": None}
+    with page_style():
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(width, height), layout="constrained", facecolor="white")
+        FigureCanvasAgg(figure)
+        draw(figure)
+        figure.savefig(file, format=kind, dpi=DPI, metadata=undated)
+    return file.getvalue()
+
+
+@contextmanager
+def page_style() -> Iterator[None]:
+    """The style of the page as matplotlib's settings, whatever the user has set; restored afterwards."""
+    import matplotlib.style
+
+    with matplotlib.style.context(_STYLE, after_reset=True), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from")  # a box in the file; the page has the browser's fonts
+        yield
+
+
+def plot_images(plots: Iterable[Plot]) -> dict[str, Plot]:
+    """The plots that have curves, by unique names for their files, such as "angular-velocity".
+
+    >>> import numpy as np
+    >>> plots = [Plot("angular velocity", unit, np.array([0.0]), (Curve("a", np.array([1.0])),)) for unit in ("rad/s", "1")]
+    >>> list(plot_images(plots))
+    ['angular-velocity', 'angular-velocity-2']
+    """
+    images: dict[str, Plot] = {}
+    for plot in plots:
+        name = re.sub(r"[^\w]+", "-", plot.title).strip("-") or "plot"
+        count = sum(other.title == plot.title for other in images.values())
+        if plot.curves:
+            images[f"{name}-{count + 1}" if count else name] = plot
+    return images
+
+
+def plot_image(plot: Plot, kind: Literal["svg", "png"]) -> bytes:
+    """The image of a plot; of more curves than a page can show, as many as it can.
+
+    >>> import numpy as np
+    >>> plot_image(Plot("speed", "m/s", np.array([0.0, 1.0]), (Curve("cart", np.array([0.0, 2.0])),)), "png")[1:4]
+    b'PNG'
+    """
+    curves = plot.curves[: max(MOST_CURVES, plot.shown)]
+    longest = max(len(shortened(curve.name)) for curve in curves)
+    columns = min(len(curves), max(1, int((IMAGE_WIDTH - 0.3) / (_SAMPLE + _LETTER * longest))))
+    height = (LARGE_IMAGE_HEIGHT if plot.is_large else IMAGE_HEIGHT) + _ROW * -(
+        -(len(curves) + len({marks.name for marks in plot.marks if marks.name})) // columns
+    )
+    return drawn_image(lambda figure: _draw(figure, plot, curves, columns), IMAGE_WIDTH, height, kind)
+
+
+def _draw(figure: Figure, plot: Plot, curves: tuple[Curve, ...], columns: int) -> None:
+    axes = figure.add_subplot()
+    across, up = plot.axes
+    marker = "o" if len(plot.times) == 1 else ""
+    for curve in curves:
+        dashes = _DASHES[curve.color // len(PALETTE) % len(_DASHES)]
+        values = curve.values if curve.drawn is None else np.where(curve.drawn, curve.values, np.nan)
+        (line,) = axes.plot(plot.along(curve), values, label=shortened(curve.name), marker=marker)
+        line.set(color=PALETTE[curve.color % len(PALETTE)], linestyle="-" if dashes is None else (0, dashes))
+    axes.set(xscale=across.scale, yscale=up.scale)
+    axes.set_xlim(across.low, across.high)
+    axes.set_ylim(up.low, up.high)
+    axes.set_xticks(across.ticks, across.labels)
+    axes.set_yticks(up.ticks, up.labels)
+    axes.minorticks_off()
+    for guide in plot.guides:
+        if ends := guide.ends(across, up):
+            (line,) = axes.plot(*zip(*ends), transform=axes.transAxes, scalex=False, scaley=False)
+            if guide.kind == "grid":
+                line.set(color=LINE, linewidth=0.5, linestyle="--", zorder=0.8)
+            else:
+                line.set(color=RED if guide.kind == "limit" else MUTED, linewidth=0.9, zorder=1.5, clip_on=False)
+            x, y = ends[1]
+            text = axes.text(x, y, guide.name, color=MUTED, fontsize=6.5, transform=axes.transAxes)
+            text.set(ha="left" if x < LEAST_SHARE else "right", va="bottom" if y < LEAST_SHARE else "top")
+    for band in plot.bands:
+        axes.axvspan(*band, color=RED, alpha=0.12, linewidth=0)
+    named = set()
+    for marks in plot.marks:
+        if marks.curve is None or marks.curve < len(curves):
+            color = INK if marks.curve is None else PALETTE[(curves[marks.curve].color or 0) % len(PALETTE)]
+            label = marks.name if marks.name not in named else ""
+            named.add(marks.name)
+            style: dict[str, Any] = {
+                "marker": _MARKERS[marks.shape],
+                "linestyle": "none",
+                "markersize": 4,
+                "label": label or "_",
+                "clip_on": False,
+                "zorder": 3,
+            }
+            axes.plot(*marks.points.T, color=color, markerfacecolor="white", **style)
+    if 0.0 in up.ticks:
+        axes.axhline(0.0, color=LINE, linewidth=0.8, zorder=0.9)
+    xlabel, ylabel = axis_titles(plot, across.exponent, up.exponent)
+    axes.set(xlabel=xlabel, ylabel=ylabel)
+    axes.set_title(shortened(plot.title, 80), loc="left", fontsize=10, fontweight="bold", color=INK)
+    if len(curves) > 1 or plot.across is None or named - {""}:
+        figure.legend(loc="outside lower left", ncols=columns, labelcolor=INK, handlelength=2.2, columnspacing=1.6)
+    if len(plot.curves) > MOST_CURVES:
+        axes.set_title(f"the first {MOST_CURVES} of {len(plot.curves)} curves", loc="right", fontsize=8, color=MUTED)

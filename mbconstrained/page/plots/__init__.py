@@ -1,1 +1,0 @@
-"""Plots over time and phase planes: axes, inline SVG for the page, the accuracy of displayed values, images for reports."""

@@ -1,1 +1,0 @@
-"""Linearized robots: ``linearized`` has their equations of motion, from ``stiffness`` and ``inertia``; ``robot_parameters`` their derivatives."""

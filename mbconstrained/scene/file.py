@@ -1,0 +1,503 @@
+"""Scene files and the files that they include as plain tables, and messages with the place of an entry.
+
+An entry may come from the scene file, from a file that it includes, or from the command line; ``SceneName`` records which.
+
+Included files come first, in the order in which they are named, the including file last: arrays of tables grow, for everything
+else the last value counts. A file included by several others is read once. The robot.toml of a robot comes first of all: the table
+[robot] of a scene changes it for this scene.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ..ground.checks import nearest
+from ..ground.errors import InputError, SceneError, quoted, shown
+
+#: The origin of entries that the command line sets.
+ORIGIN = "--set"
+
+#: Problems listed in one message; the others are counted.
+MOST_PROBLEMS = 5
+
+Place = tuple  # of keys, and of numbers of entries from 1
+
+_PART = re.compile(r'\.?"([^"]+)"|\.?([^\s.\[\]:]+)|\[(\d+)\]')
+
+
+class EntryError(InputError):
+    """A wrong entry of a table, with the file of the entry.
+
+    Attributes:
+        key: of the entry.
+        other: the key of another entry of the table that contradicts it.
+    """
+
+    def __init__(self, message: str, key: str, other: str | None = None):
+        super().__init__(message)
+        self.key, self.other = key, other
+
+
+class SceneName(str):
+    """The name of a scene file, with the origins of the entries from other files.
+
+    Attributes:
+        origins: file and place there, by place in the merged tables; entries without an own origin share that of their table.
+        settings: names given with --set, by the places of the values that depend on them.
+
+    >>> name = SceneName("scene.toml", {("model", "mass", 2): ("base.toml", ("model", "mass", 1))})
+    >>> name.located('model.mass[2].mass: found -1')
+    ('base.toml', 'model.mass[1].mass: found -1')
+    >>> name.located("time.end: found -1")
+    ('scene.toml', 'time.end: found -1')
+    """
+
+    origins: Mapping[Place, tuple[str, Place]]
+    settings: Mapping[Place, Sequence[str]]
+
+    def __new__(cls, name: str, origins: Mapping[Place, tuple[str, Place]] | None = None, settings=None):
+        result = super().__new__(cls, name)
+        result.origins, result.settings = origins or {}, settings or {}
+        return result
+
+    def located(self, text: str, key: str | None = None, other: str | None = None) -> tuple[str, str]:
+        """The file that a message concerns, and the message with its location in that file.
+
+        Args:
+            text: begins with a place in the merged tables.
+            key: in the table at the place, if the message concerns this key.
+            other: another key of the table; its file is named where it differs from that of the key.
+
+        Returns:
+            The name of the file, and the text.
+        """
+        parts, ends = _parts(text)
+        if other is not None:
+            file = self.file_of((*parts, other))[0]
+            text += f" ({other} stands in {file})" if file != self.file_of((*parts, key))[0] else ""
+        whole = (*parts, key) if key is not None else tuple(parts)
+        for count in range(len(whole), 0, -1):
+            if whole[:count] in self.origins:
+                file, place = self.origins[whole[:count]]
+                shared = min(count, len(parts))
+                there, rest = written(place[: len(place) - count + shared]), text[ends[shared] :]
+                text = there + (rest.removeprefix("the file") if there else rest)
+                return file, text if file == ORIGIN else text + self._with_settings(whole)
+        return str(self), text + self._with_settings(whole)
+
+    def _with_settings(self, place: Place) -> str:
+        """The names given with --set on which the entry or table at a location depends."""
+        near = (names for other, names in self.settings.items() if all(a == b for a, b in zip(place, other)))
+        names = dict.fromkeys(name for each in near for name in each)
+        return f" (with {' and '.join(f'{ORIGIN} {name}' for name in names)})" if place and names else ""
+
+    def file_of(self, place: Place) -> tuple[str, Place]:
+        """The file of an entry, and its location there."""
+        for count in range(len(place), 0, -1):
+            if place[:count] in self.origins:
+                file, there = self.origins[place[:count]]
+                return file, (*there, *place[count:])
+        return str(self), place
+
+
+def _located(file_name: str, text: str, problem: Exception | None = None) -> tuple[str, str]:
+    """``SceneName.located``, also for a plain file name and problems with the attributes of an ``EntryError``."""
+    if not isinstance(file_name, SceneName):
+        return file_name, text
+    return file_name.located(text, getattr(problem, "key", None), getattr(problem, "other", None))
+
+
+@contextmanager
+def at(file_name: str, where: str = "") -> Iterator[None]:
+    """A context that adds the file and the location, if any, to the message of an InputError."""
+    try:
+        yield
+    except SceneError:
+        raise
+    except InputError as problem:
+        if str(problem).startswith(f"{file_name}, line "):
+            raise SceneError(str(problem)) from None
+        raise SceneError(": ".join(_located(file_name, f"{where}: {problem}" if where else str(problem), problem))) from None
+
+
+def together(file_name: str, problems: Sequence[str | tuple[str, Exception | None]], more: int = 0) -> str:
+    """One message for several problems."""
+    pairs = [(problem, None) if isinstance(problem, str) else problem for problem in problems]
+    located = list(dict.fromkeys(_located(file_name, *pair) for pair in pairs))
+    count = len(located) + more
+    if count == 1:
+        return ": ".join(located[0])
+    lines = [f"  {text}" if file == file_name else f"  {file}: {text}" for file, text in located[:MOST_PROBLEMS]]
+    if count > MOST_PROBLEMS:
+        lines.append(f"  and {count - MOST_PROBLEMS} more")
+    return "\n".join([f"{file_name}: {count} entries are wrong", *lines])
+
+
+def place(location: tuple, data) -> str:
+    """A location of pydantic in the notation of users.
+
+    >>> place(("model", "lumped", "mass", 1, "mass"), {"model": {"kind": "lumped", "mass": [{}, {"name": "cart"}]}})
+    'model.mass[2].mass (of "cart")'
+    """
+    text, owner, marked = "", "", None
+    for part in location:
+        if isinstance(data, dict) and data.get("kind") == part and data is not marked:
+            marked = data  # the tag by which pydantic chose the kind of table
+            continue
+        text += f"[{part + 1}]" if isinstance(part, int) else f"{'.' if text else ''}{part}"
+        data = _entry(data, part)
+        if isinstance(part, int) and isinstance(data, dict) and isinstance(data.get("name"), str):
+            owner = f" (of {shown(data['name'])})"
+    return (text or "the file") + owner
+
+
+def _entry(data, part):
+    if isinstance(data, dict):
+        return data.get(part)
+    return data[part] if isinstance(data, list) and isinstance(part, int) and part < len(data) else None
+
+
+def written(place: Place) -> str:
+    """A location in the notation of users.
+
+    >>> written(("model", "mass", 1, "mass"))
+    'model.mass[1].mass'
+    """
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
+
+
+def parts_of(text: str) -> Place:
+    """The keys and numbers of a location.
+
+    >>> parts_of("model.mass[1].mass"), parts_of('robot.joint_damping."crank pivot"')
+    (('model', 'mass', 1, 'mass'), ('robot', 'joint_damping', 'crank pivot'))
+    """
+    return tuple(_parts(text)[0])
+
+
+def _parts(text: str) -> tuple[list, list[int]]:
+    """Keys and numbers at the beginning of a text, and the position at which each ends."""
+    parts, ends = [], [0]
+    while text[:8] != "the file" and (match := _PART.match(text, ends[-1])):
+        parts.append(match[1] or match[2] or int(match[3]))
+        ends.append(match.end())
+    return parts, ends
+
+
+LARGEST_SCENE = 1_000_000  # bytes; larger matrices belong into files next to the scene
+DEEPEST_NAME = 40  # parts of a dotted name; tomllib needs quadratic time for longer ones
+_DOTTED = re.compile(rf"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){{{DEEPEST_NAME}}}""")
+
+
+class FileKind(NamedTuple):
+    """Texts about a kind of file: its minimal content, and what a too large one is."""
+
+    least: str
+    large: str
+
+
+SCENE = FileKind(
+    "a scene has at least [model] and [time]",
+    "which is no scene; keep large matrices in files (.npz, .mat, .mtx, .csv) next to it",
+)
+
+
+def read_text(path: Path, kind: FileKind = SCENE) -> str:
+    """The text of a scene file, or of another file in the same format."""
+    content = _content(path)
+    if len(content) > LARGEST_SCENE:
+        raise SceneError(f"{path.name}: the file has more than {LARGEST_SCENE:,} bytes, {kind.large}")
+    if not content.strip():
+        raise SceneError(f"{path.name}: the file is empty; {kind.least}")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        line = content.count(b"\n", 0, problem.start) + 1
+        raise SceneError(f"{path.name}: line {line} is not UTF-8 text; save the file with the encoding UTF-8") from None
+
+
+def _content(path: Path) -> bytes:
+    try:
+        if path.is_dir():
+            raise SceneError(f"{path.name or path}: this is a directory; give the scene file in it{_scenes_in(path)}")
+        if path.exists() and not path.is_file():
+            raise SceneError(f"{path.name}: this is not a file; give a scene file")
+        with open(path, "rb") as file:
+            return file.read(LARGEST_SCENE + 1)
+    except FileNotFoundError:
+        near = nearest(path.name, [other.name for other in path.parent.glob("*.toml")]) if path.parent.is_dir() else ""
+        raise SceneError(f"{path}: there is no such file{near}") from None
+    except SceneError:  # a ValueError as well
+        raise
+    except (OSError, ValueError) as problem:
+        reason = getattr(problem, "strerror", None) or str(problem)
+        raise SceneError(f"{quoted(str(path))}: the file cannot be read ({reason})") from None
+
+
+def _scenes_in(folder: Path) -> str:
+    names = sorted(path.name for path in folder.glob("*.toml"))[:5]
+    return f", e.g. {', '.join(names)}" if names else ""
+
+
+def parse(text: str, name: str) -> dict:
+    """The tables of a TOML text."""
+    if _DOTTED.search(text):
+        raise SceneError(f"{name}: a name of more than {DEEPEST_NAME} parts joined by dots; a scene nests far less")
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as problem:
+        raise SceneError(f"{name}: not a TOML file: {_readable(problem, text)}") from None
+    except ValueError:  # whole numbers of thousands of digits
+        raise SceneError(f"{name}: a number with far too many digits") from None
+    except RecursionError:
+        raise SceneError(f"{name}: arrays or tables are nested too deeply; a scene needs three or four levels") from None
+
+
+_TEXT = 'a text such as "3 N/mm" needs quotes'
+_MEANINGS = {  # messages of tomllib: their meaning to somebody who writes a scene
+    "Cannot overwrite a value": "a key is given twice",
+    "Expected newline or end of document after a statement": f"expected one value on the line; {_TEXT}",
+    "Invalid value": f"this is no value; {_TEXT}, an array needs its closing bracket",
+    "Invalid statement": 'expected [table], [[table]] or key = value, as in end = "5 s"',
+    "Expected '=' after a key in a key/value pair": 'expected = between a key and its value, as in end = "5 s"',
+    "Illegal character '\\n'": "a text ends with the quote that it begins with, on the same line",
+}
+_SIGNS = (  # the error of a line with this pattern
+    (r"[\u201c\u201d\u201e\u2018\u2019]", 'quotes must be straight, "…"'),
+    (r"=\s*[+-]?\d+,\d", "decimals have a point, as in 0.5"),
+    (r"^\s*(\[[A-Za-z_][\w.-]*|\[\[[A-Za-z_][\w.-]*\s*\]?)\s*$",
+     "a table ends with as many brackets as it begins with, [time], [[model.mass]]"),
+)  # fmt: skip
+
+
+_BOTH = "[{0}] and [[{0}]] stand in one file; write double brackets, [[{0}]], once for every entry"
+
+
+def _is_both(text: str, table: str) -> bool:
+    """Whether a table is used with single and with double brackets."""
+    name = rf"[ \t]*{re.escape(table)}[ \t]*"  # blanks of one line only: across empty lines each start would search all of them
+    heads = (rf"^[ \t]*{brackets}[ \t\r]*(#.*)?$" for brackets in (rf"\[{name}\]", rf"\[\[{name}\]\]"))
+    return all(re.search(head, text, re.MULTILINE) for head in heads)
+
+
+def _readable(problem: tomllib.TOMLDecodeError, text: str) -> str:
+    """The parser's sentence in plain words, with its line."""
+    if text.lstrip().startswith(("{", "<")):
+        return 'it looks like JSON or XML; a scene has tables, [model], and below them lines such as kind = "lumped"'
+    message, _, place = str(problem).partition(" (at ")
+    line = re.match(r"line (\d+)", place)  # or the end of the document
+    lines = text.split("\n")[: int(line[1])] if line else text.rstrip().split("\n")
+    if (head := re.fullmatch(r"\s*\[+([^\[\]]+)\]+\s*(#.*)?", lines[-1])) and _is_both(text, head[1].strip()):
+        return f"{_BOTH.format(head[1].strip())}; at {place.rstrip(')')}"
+    message = _MEANINGS.get(message, message)
+    if twice := re.fullmatch(r"Cannot declare \((.*)\) twice", message):
+        table = ".".join(re.findall("'([^']*)'", twice[1]))
+        message = f"the table [{table}] stands there twice; write it once"
+    message = next((words for sign, words in _SIGNS if re.search(sign, lines[-1])), message)
+    return f"{message}; at {place.rstrip(')')}, near {quoted(lines[-1].strip()[:60])}" if place else message
+
+
+def inside(folder: Path, name: str, rule: str, expected: str) -> Path:
+    """The path of a file in a folder."""
+    if not name or not name.isprintable():
+        raise InputError(f"found {shown(name)}; expected {expected}")
+    if Path(name).is_absolute():
+        raise InputError(f"found {shown(name)}, an absolute path; {rule}")
+    folder = folder.resolve()
+    try:
+        path = (folder / name).resolve()
+    except (OSError, RuntimeError):  # Python before 3.13 has the second for a circle of links
+        raise InputError(f"found {shown(name)}, which is a link that leads in a circle; name the file itself") from None
+    if not path.is_relative_to(folder):
+        raise InputError(f"found {shown(name)}, which leads out of the folder; {rule}")
+    return path
+
+
+ROBOT_FILE = "robot.toml"
+ROBOT_KIND = FileKind("a robot.toml has at least urdf", "which is no robot.toml; meshes lie in files of their own")
+
+MOST_FILES = 20  # that a scene includes, directly or not
+DEEPEST_INCLUDE = 5
+EXPECTED = 'expected names of scene files, e.g. include = ["materials.toml"]'
+INCLUDED = FileKind(
+    "leave out its name in include", "which is no scene; keep large matrices in files (.npz, .mat, .mtx, .csv) next to it"
+)
+BODIES = (("model", "mass"), ("model", "inertia"), ("model", "node"), ("drawing", "body"))
+MATRICES = ("mass", "damping", "stiffness", "A", "B", "C", "D", "descriptor")
+
+
+def read_tables(path: Path) -> tuple[dict, SceneName]:
+    """The tables of a scene and of the files that it includes, and its name with the origins of their entries."""
+    files = _Files(path)
+    files.read(path, ())
+    return files.together()
+
+
+def robot_path(name: str, folder: Path) -> Path:
+    """The robot.toml that a scene names."""
+    if not name or not name.isprintable() or Path(name).is_absolute():
+        raise InputError(f'found {shown(name)}; expected a folder relative to the scene, e.g. "../robots/four_bar"')
+    path = folder / name
+    if not path.exists():
+        raise InputError(f"found {shown(name)}; there is no such folder or file")
+    if not path.is_dir() and path.suffix != ".toml":
+        raise InputError(f"found {shown(name)}; expected the folder of a robot, or its {ROBOT_FILE}")
+    return path / ROBOT_FILE if path.is_dir() else path
+
+
+def robot_tables(path: Path) -> tuple[dict, str]:
+    """The tables of a robot.toml, and its name in messages."""
+    place = f"{path.absolute().parent.name}/{path.name}"
+    return parse(read_text(path, ROBOT_KIND), place), place
+
+
+def with_robot_file(data: dict, name: SceneName, folder: Path) -> SceneName:
+    """Merge the robot.toml of a scene into its table [robot], in place; entries of the scene take precedence."""
+    model, changes = data.get("model"), data.get("robot", {})
+    if not isinstance(model, dict) or model.get("kind") != "robot" or not isinstance(model.get("robot"), str):
+        return name
+    with at(name, "model.robot"):
+        path = robot_path(model["robot"], folder)
+    if not isinstance(changes, dict):
+        with at(name, "robot"):
+            raise InputError(f"found {shown(changes)}; expected a table, [robot], with changes of the {ROBOT_FILE}")
+    tables, file = robot_tables(path)
+    merged: dict = {}
+    own: dict[Place, tuple[str, Place]] = {}
+    changed: dict[Place, tuple[str, Place]] = {}
+    _merge(merged, tables, (), file, own)
+    _merge(merged, changes, (), "", changed)
+    data["robot"] = merged
+    origins = {("robot", *place): origin for place, origin in own.items()}
+    origins |= {("robot", *place): name.file_of(("robot", *there)) for place, (_, there) in changed.items()}
+    return SceneName(name, {**name.origins, **origins}, name.settings)
+
+
+def robot_name(name: SceneName, file: str) -> SceneName:
+    """The name of a robot.toml whose tables are those merged under [robot]."""
+    inside = ((place[1:], origin) for place, origin in name.origins.items() if place[0] == "robot" and len(place) > 1)
+    return SceneName(file, {place: origin for place, origin in inside if origin[0] != file})
+
+
+class _Files:
+    """The files of a scene, included ones before those that include them."""
+
+    def __init__(self, path: Path):
+        self.folder, self.main = path.parent, path.name
+        self.files: dict[Path, tuple[str, dict]] = {}  # by path: the name in messages, and the tables
+
+    def read(self, path: Path, includers: tuple[Path, ...]) -> None:
+        """Read a file after the files that it includes."""
+        name = self._name(path) if includers else self.main
+        data = parse(read_text(path, INCLUDED) if includers else read_text(path), name)
+        given = data.pop("include", [])
+        with at(name, "include"):
+            for other in self._others(path, given, (*includers, path.resolve())):
+                self.read(other, (*includers, path.resolve()))
+        if includers:
+            _lead_from(data, os.path.relpath(path.parent, self.folder))
+        self.files[path.resolve()] = name, data
+
+    def together(self) -> tuple[dict, SceneName]:
+        """The merged tables of all files."""
+        if len(self.files) == 1:
+            return next(iter(self.files.values()))[1], SceneName(self.main)
+        data: dict = {}
+        origins: dict[Place, tuple[str, Place]] = {}
+        for file_name, tables in self.files.values():
+            _merge(data, tables, (), file_name, origins)
+        name = SceneName(self.main, origins)
+        _check_bodies(data, name)
+        return data, name
+
+    def _name(self, path: Path) -> str:
+        return Path(os.path.relpath(path, self.folder)).as_posix()
+
+    def _others(self, path: Path, given, includers: tuple[Path, ...]):
+        """The files included by one, except those already read."""
+        given = [given] if isinstance(given, str) else given
+        if not isinstance(given, list):
+            raise InputError(f"found {shown(given)}; {EXPECTED}")
+        for entry in given:
+            other = _path(path.parent, entry)
+            if other.resolve() in includers:
+                circle = " → ".join(map(self._name, (*includers[includers.index(other.resolve()) :], other)))
+                raise InputError(f"found {shown(entry)}, which leads in a circle: {circle}; leave one of them out")
+            if len(includers) > DEEPEST_INCLUDE or len(self.files) >= MOST_FILES:
+                raise InputError(
+                    f"found {shown(entry)}; expected at most {MOST_FILES} files, included at most {DEEPEST_INCLUDE} deep"
+                )
+            if other.resolve() not in self.files:
+                yield other
+
+
+def _path(folder: Path, name) -> Path:
+    if not isinstance(name, str) or not name.isprintable() or not name.endswith(".toml") or Path(name).is_absolute():
+        raise InputError(f"found {shown(name)}; {EXPECTED}, relative to this file")
+    path = folder / name
+    if not path.is_file():
+        known = [other.name for other in path.parent.glob("*.toml")] if path.parent.is_dir() else []
+        raise InputError(f"found {shown(name)}, but there is no such file{nearest(path.name, known)}")
+    return path
+
+
+def _lead_from(data: dict, folder: str) -> None:
+    """Make the names of data files relative to the scene instead of their own file."""
+    model = data.get("model")
+    if folder == "." or not isinstance(model, dict):
+        return
+    for key in ("robot", *MATRICES):
+        if isinstance(model.get(key), str) and not model[key].lstrip().startswith("="):
+            model[key] = f"{folder}/{model[key]}"
+    for table in (*_tables(model.values()), *_tables(_list(data.get("force"))), *_list(model.get("coefficients"))):
+        if isinstance(table, dict) and isinstance(table.get("file"), str):
+            table["file"] = f"{folder}/{table['file']}"
+
+
+def _tables(values) -> list[dict]:
+    return [value for value in values if isinstance(value, dict)]
+
+
+def _list(value) -> list:
+    return value if isinstance(value, list) else []
+
+
+def _merge(into: dict, data: dict, place: Place, name: str, origins: dict) -> None:
+    for key, value in data.items():
+        here, old = (*place, key), into.get(key)
+        if isinstance(old, dict) and isinstance(value, dict):
+            _merge(old, value, here, name, origins)
+        elif _is_array_of_tables(old) and _is_array_of_tables(value):
+            for number in range(1, len(value) + 1):
+                origins[(*here, len(old) + number)] = (name, (*here, number))
+            into[key] = [*old, *value]
+        else:
+            into[key] = value
+            origins[here] = (name, here)
+
+
+def _is_array_of_tables(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(entry, dict) for entry in value)
+
+
+def _check_bodies(data: dict, name: SceneName) -> None:
+    """Raise an InputError for a body defined in two files."""
+    places: dict[tuple[str, str], tuple[str, Place]] = {}
+    for table, key in BODIES:
+        for number, entry in enumerate(_list(_entry(data.get(table), key)), 1):
+            body = _entry(entry, "name")
+            if not isinstance(body, str):
+                continue
+            file, place = name.file_of((table, key, number))
+            other, there = places.setdefault((table, body), (file, place))
+            if other != file:
+                raise SceneError(
+                    f"{file}: {written(place)} (of {shown(body)}): {other} has a body of this name too, {written(there)}; "
+                    "names must differ: leave one of them out, or call it otherwise"
+                )
