@@ -228,10 +228,10 @@ class Response(Exported, Presented):
 
     @property
     def _proved_function(self) -> ProvedFunction:
-        flow = self.method.flow
+        flow, rounding, exact = self.method.flow, self._rounding(), partial(getattr, self, "exact")
         bounded = flow is not None and flow.reduction.is_small
-        defects = [kind(flow, self._rounding()) for kind in (Defect, RefinedDefect)] if bounded else []
-        return ProvedFunction(self.solution.function, partial(getattr, self, "exact"), self.solution.finite_count, *defects)
+        defect, refined = (Defect(flow, rounding), RefinedDefect(flow, rounding)) if bounded else (None, None)
+        return ProvedFunction(self.solution.function, exact, self.solution.finite_count, defect, refined)
 
     def _rounding(self) -> Rounding | None:
         """Rounding errors of the equations relative to the data; None where they equal the data, or their elements in full."""
