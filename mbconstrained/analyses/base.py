@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
+from inspect import Parameter, Signature, getdoc, signature
+from keyword import iskeyword
 from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
@@ -174,7 +178,6 @@ class Analysis:
 
     Attributes:
         name: name of the command and of the table in a scene.
-        help: a sentence for the list of commands.
         settings: a table of the scene, whose entries are the options of the command.
         options: names of options that differ from their entries, by entry; None for entries without an option. Lists and tables are
             options, which may be repeated, where they are named here.
@@ -186,7 +189,6 @@ class Analysis:
     """
 
     name: ClassVar[str]
-    help: ClassVar[str]
     settings: ClassVar[type[Table] | None] = None
     options: ClassVar[Mapping[str, str | None]] = {}
     replaced: ClassVar[Mapping[str, tuple[str, ...]]] = {}
@@ -213,6 +215,33 @@ class Analysis:
         raise NotImplementedError
 
     @classmethod
+    @cache
+    def method(cls) -> Callable[..., Answer]:
+        """The method of a ``Scene`` that gives the answer; its signature and its documentation follow from the settings."""
+        schema = cls.settings.model_json_schema()["properties"] if cls.settings else {}
+        fields = {field.alias or name: field for name, field in cls.settings.model_fields.items()} if cls.settings else {}
+        names = {f"{key}_" if iskeyword(key) else key: key for key in fields}
+
+        def ask(scene: SceneData, **given) -> Answer:
+            return cls.answer(scene, **{names.get(key, key): _scene_value(value) for key, value in given.items()})
+
+        parameters = [one for one in signature(cls.answer).parameters.values() if one.kind is Parameter.KEYWORD_ONLY]
+        entries = []
+        for name, key in names.items():
+            parameters.append(Parameter(name, Parameter.KEYWORD_ONLY, default=fields[key].get_default()))
+            unit = re.search(r"'unit': '(.+?)'", str(schema[key]))
+            entries.append(
+                f"    {name}: {fields[key].description}{f' In {unit[1]}, or a text with a unit.' if unit and unit[1] != '1' else ''}"
+            )
+        ask.__signature__ = Signature([Parameter("self", Parameter.POSITIONAL_ONLY), *parameters])  # type: ignore[attr-defined]
+        ask.__name__, ask.__qualname__, ask.__module__ = cls.name, f"Scene.{cls.name}", cls.__module__
+        given = (
+            [f"What is not given is taken from the table [{cls.name}] of the scene.", "", "Args:", *entries, ""] if entries else []
+        )
+        ask.__doc__ = "\n".join([getdoc(cls) or "", "", *given, "Returns:", "    The ``Answer``."])
+        return ask
+
+    @classmethod
     def changed(cls, own: Table | None, given: Mapping[str, Any], file_name: str) -> Table:
         """The settings with other values; those that a given one replaces are left out.
 
@@ -225,6 +254,15 @@ class Analysis:
                 base.pop(other, None)
         only = type("Only", (Table,), {"__annotations__": {cls.name: cls.settings}})
         return getattr(validated({cls.name: {**base, **given}}, file_name, only), cls.name)
+
+
+def _scene_value(value):
+    """A value as it could stand in a scene file: arrays and tuples as lists, numbers of NumPy as those of Python."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [_scene_value(one) for one in value]
+    return {key: _scene_value(one) for key, one in value.items()} if isinstance(value, Mapping) else value
 
 
 def json_value(value):

@@ -157,7 +157,6 @@ class ModalAnalysis(Analysis):
     """
 
     name = "modes"
-    help = "List the modes of a scene, with shapes and energies."
     writes = False
 
     def __init__(self, scene: SceneData):

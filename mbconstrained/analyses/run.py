@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from ..page.animation.animation import Animation
     from ..page.content import Formulas, Plot
     from ..scene.run.certificate import Certificate
-    from ..scene.schema.entry_types import Table
     from .frequency import Frequency
 
 NOTHING_MOVES = "nothing moves: zero initial conditions and no excitation"
@@ -48,12 +47,11 @@ class Run(Analysis):
     """The motion of a scene, by the stages of its plan."""
 
     name = "run"
-    help = "Solve a scene and write its page, CSV and npz."
 
     @classmethod
-    def solve(cls, scene: Scene, settings: Table | None = None) -> RunAnswer:  # type: ignore[override]
-        """The answer; nothing is written."""
-        return run_scene(scene, None)
+    def answer(cls, scene: Scene, progress: Callable | None = None, *, folder: str | Path | None = None) -> RunAnswer:  # type: ignore[override]
+        """The answer, written into a folder unless it is None."""
+        return run_scene(scene, None if folder is None else Path(folder), progress)
 
 
 def run_scene(scene: Scene, folder: Path | None, progress: Callable[[Stage], None] | None = None) -> RunAnswer:

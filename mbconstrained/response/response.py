@@ -167,10 +167,10 @@ class Response(Exported, Presented):
         Raises:
             InputError: an unknown quantity.
         """
-        return type(self).presentation().plot(self, axes, quantity, **options)
+        return self._presentation().plot(self, axes, quantity, **options)
 
     def _repr_html_(self) -> str:
-        return super()._repr_html_() + type(self).presentation().picture(self)
+        return super()._repr_html_() + self._presentation().picture(self)
 
     def _summary(self) -> str:
         names, jumps = self.polynomial_matrix.coordinates, int(self.jump.any(axis=0).sum())

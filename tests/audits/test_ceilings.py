@@ -38,7 +38,6 @@ LINES = {
     "robot": 9283,
     "scene": 11449,
     "signals": 1792,
-    "studies": 8117,
 }
 
 #: So far may a room be below its ceiling before that must be lowered.
@@ -48,10 +47,7 @@ SLACK = 0.02
 LARGEST_CIRCLE = 1
 
 #: Classes that get a method from a file above them, as "class.method" in the package's __init__.
-INJECTED = {
-    "Presented.presentation",
-    "Studied.studies",
-}
+INJECTED: set[str] = set()
 
 #: Functions of the package that a call touches; bodies of modules and of classes, which imports run, are not functions (their code has no
 #: flag CO_OPTIMIZED, 1).

@@ -48,7 +48,6 @@ class Accuracy(Analysis):
     NAME.accuracy.html, .png and .json."""
 
     name = "accuracy"
-    help = "Error against run time, compared with other tools."
     settings = AccuracySettings
     formats = ("page", "images", "json")
     progress = "steps"

@@ -64,7 +64,6 @@ class Stability(Analysis):
     a warning."""
 
     name = "stability"
-    help = "Correct, expected and claimed digits over decades."
     settings = StabilitySettings
     formats = ("page", "images", "json")
     progress = "steps"

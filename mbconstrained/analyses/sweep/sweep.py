@@ -434,7 +434,6 @@ class ParameterSweep(Analysis):
     the results have the same bits. Writes NAME.sweep.html, .png, .json and .csv."""
 
     name = "sweep"
-    help = "Vary parameters: grids, Monte Carlo, statistics, Sobol indices."
     settings = SweepSettings
     options: ClassVar = {
         "parameters": "--vary", "keep": "--keep", "limits": "--limit", "correlation": "--correlation", "minimise": None, "maximise": None,
@@ -442,6 +441,7 @@ class ParameterSweep(Analysis):
     }  # fmt: skip
     formats = ("page", "images", "json", "csv")
     progress = "chunks of samples"
+    study = staticmethod(sweep)
 
     @classmethod
     def solve(cls, scene: Scene, settings: VaryTable | None) -> Answer:  # type: ignore[override]
