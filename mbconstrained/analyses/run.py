@@ -131,7 +131,7 @@ class RunAnswer(Result, Answer):
     def notices(self) -> tuple[Notice, ...]:
         """Notices on the answer, and doubts about it."""
         equations = self.scene.equations
-        notices = self.motion.equation_notices if self.system else with_units(self.motion, equations.coordinates)
+        notices = self.motion._equation_notices if self.system else with_units(self.motion, equations.coordinates)
         accuracy = (one for kind, estimate in self.error_estimates.items() for one in doubts_of(f"the {kind}", estimate))
         proved = self.certificate.notices if self.certificate else ()
         moves = np.ptp(self.values, axis=1).any() or any(notice.kind in (NoticeKind.JUMP, NoticeKind.IMPULSE) for notice in notices)
@@ -300,7 +300,7 @@ class RunAnswer(Result, Answer):
                 arrays[key] = np.array(self.curves(kind).names)
         if equations.has_outputs_among_coordinates:
             arrays["outputs"] = np.array(equations.control.outputs.names)
-        arrays |= self.motion.start_arrays()
+        arrays |= self.motion._start_arrays()
         pairs: dict[str, Any] = {"finite": self.finite_pair}
         if any(stage.name == "infinite pair" and stage.needed for stage in self.plan.stages):
             pairs["infinite"] = self.infinite_pair

@@ -131,3 +131,10 @@ def test_reference_calls_touch_no_more_functions(name):
     call, most = TOUCHED[name]
     done = subprocess.run([sys.executable, "-c", COUNT.format(call=call)], cwd=ROOT, capture_output=True, text=True, check=True)
     assert int(done.stdout.split()[-1]) <= most
+
+
+def test_a_motion_has_few_public_names():
+    import mbconstrained as mb
+
+    motion = mb.MechanicalSystem([[1.0]], stiffness=[[4.0]]).solve([1.0])
+    assert sum(not name.startswith("_") for name in dir(motion)) <= 40
