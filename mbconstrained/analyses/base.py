@@ -16,7 +16,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 
 from ..exchange.trajectories import csv_of, write_arrays
+from ..ground.checks import nearest, optional_package
 from ..ground.display import WIDTH, Displayed, TextTable, finite_or_none
+from ..ground.errors import InputError
 from ..ground.files import Replacements
 from ..ground.notices import Notice
 from ..page.content import PageContent, Plot
@@ -31,6 +33,9 @@ if TYPE_CHECKING:
 
 #: Rows of a table for a terminal, and on the page.
 MOST_ROWS, MOST_ROWS_OF_PAGE = 16, 200
+
+#: What ``Answer.write`` writes.
+FORMATS = ("page", "csv", "npz", "pictures", "images", "json", "text")
 
 #: Formats of pictures of plots.
 PICTURES: tuple[Literal["svg", "png"], ...] = ("svg", "png")
@@ -108,6 +113,31 @@ class Answer(Displayed):
         title = {"title": self.title} if self.name else {}  # runs of several models have titles of their own
         return {**title, **json_value(self.data), **{key: end[key] for key in self.keys}}
 
+    def to_xarray(self):
+        """The columns of the CSV files, or else the arrays of the npz file, as an ``xarray.Dataset`` with units as attributes.
+
+        Columns are over the first of their file, such as the frequency; where two files share a name, their endings are added.
+
+        Raises:
+            MissingPackage: xarray is not installed.
+
+        >>> import mbconstrained as mb
+        >>> answer = mb.read_scene("examples/tuned_mass_damper.toml").frequency()
+        >>> answer.to_xarray().sizes["frequency"] == len(answer.to_xarray().frequency)
+        True
+        """
+        xarray = optional_package("xarray", "to_xarray")
+        variables: dict[str, Any] = {}
+        for part, columns in self.columns().items():
+            heads = [(name.strip() + part, unit) for name, unit in map(_name_and_unit, columns)]
+            for (name, unit), values in zip(heads, columns.values()):
+                variables[name] = (heads[0][0], np.asarray(values), {"units": unit} if unit else {})
+        if not variables:
+            variables = {
+                name: (tuple(f"{name}_{axis}" for axis in range(np.ndim(array))), array) for name, array in self.arrays().items()
+            }
+        return xarray.Dataset(variables, attrs={"title": self.title, "source": self.source})
+
     def page(self) -> PageContent:
         """Figures, plots, tables, notices and facts as a page."""
         own: dict[str, Any] = {"tables": self.tables, "plots": tuple(self.plots()), "notices": self.notices, "facts": self.facts}
@@ -118,8 +148,8 @@ class Answer(Displayed):
 
     def write(
         self,
-        folder: Path,
-        formats: Iterable[str] = ("page", "csv", "npz"),
+        folder: str | Path,
+        formats: str | Iterable[str] = ("page", "csv", "npz"),
         viewer: Delivery = "inside",
         files: Replacements | None = None,
     ) -> list[Path]:
@@ -127,7 +157,7 @@ class Answer(Displayed):
 
         Args:
             folder: is created if it does not exist.
-            formats: some of "page", "csv", "npz", "pictures" (each plot as SVG and PNG by its title), "images" (all figures and plots
+            formats: one or some of "page", "csv", "npz", "pictures" (each plot as SVG and PNG by its title), "images" (all figures and plots
                 as PNG by their numbers), "json".
             viewer: location of the script of the 3-D viewer, see ``mbconstrained.page.html``.
             files: take their places together with others; None for these alone.
@@ -136,11 +166,16 @@ class Answer(Displayed):
             The paths.
 
         Raises:
+            InputError: an unknown format.
             OSError: they cannot be written; files that were there are unchanged.
         """
+        folder, formats = Path(folder), [formats] if isinstance(formats, str) else list(formats)
+        for one in formats:
+            if one not in FORMATS:
+                raise InputError(f"formats: found {one!r}{nearest(one, FORMATS)}; expected some of {', '.join(FORMATS)}")
         if files is None:
             with Replacements() as files:
-                return self.write(folder, formats, viewer, files)
+                return Answer.write(self, folder, formats, viewer, files)
         from ..page.html import write_page
         from ..page.plots.images import plot_image, plot_images
 
@@ -263,6 +298,16 @@ def _scene_value(value):
     if isinstance(value, (list, tuple)):
         return [_scene_value(one) for one in value]
     return {key: _scene_value(one) for key, one in value.items()} if isinstance(value, Mapping) else value
+
+
+def _name_and_unit(head: str) -> tuple[str, str]:
+    """Name and unit of a column.
+
+    >>> _name_and_unit("frequency (Hz)"), _name_and_unit("f(x)")
+    (('frequency ', 'Hz'), ('f(x)', ''))
+    """
+    name, bracket, unit = head.rpartition(" (")
+    return (f"{name} ", unit.removesuffix(")")) if bracket and unit.endswith(")") else (head, "")
 
 
 def json_value(value):

@@ -53,7 +53,7 @@ class Comparison(Analysis):
             (("time", time.text),),
             (_table(runs),),
             tuple(notice for run in runs.values() for notice in run.notices if notice.doubtful),
-            {"runs": {label: run.as_json() for label, run in runs.items()}},
+            {"runs": {label: run.to_dict() for label, run in runs.items()}},
             lambda: _plots(runs),
             keys=("files", "trusted"),
         )

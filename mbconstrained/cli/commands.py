@@ -126,7 +126,7 @@ def _run(
         loaded = loaded if moment is None else loaded.with_still(moment)
         with stage_progress() as progress:
             result = loaded.run(Path(out or Path("results") / loaded.name), progress)
-        show(json, result.as_json, lambda: result.blocks() if verbose else overview(result, line_width()))
+        show(json, result.to_dict, lambda: result.blocks() if verbose else overview(result, line_width()))
         return FINE if result.is_trusted else NOT_TRUSTED
 
     answer(scene, json, work, settings)
@@ -152,7 +152,7 @@ def _planned(scene: Scene, json: bool) -> None:
     from .printing import show
 
     plan = scene.plan()
-    show(json, lambda: {"title": scene.heading, "plan": plan.as_json()}, lambda: [scene.heading, plan.table()])
+    show(json, lambda: {"title": scene.heading, "plan": plan.to_list()}, lambda: [scene.heading, plan.table()])
 
 
 def _measured(scene: Scene, json: bool) -> int:
@@ -163,7 +163,7 @@ def _measured(scene: Scene, json: bool) -> int:
     with TemporaryDirectory(prefix="mbconstrained-") as folder, stage_progress() as progress:
         result = scene.run(folder, progress)
     plan, doubts = result.plan, [notice for notice in result.notices if notice.doubtful]
-    data: dict = {"title": scene.heading, "plan": plan.as_json(), "totals": plan.totals_as_json()}
+    data: dict = {"title": scene.heading, "plan": plan.to_list(), "totals": plan.totals_to_dict()}
     data |= {"notices": [notice.to_dict() for notice in doubts], "trusted": result.is_trusted}
     show(json, lambda: data, lambda: [scene.heading, *plan.cost_tables(), *map(str, doubts)])
     return FINE if result.is_trusted else NOT_TRUSTED

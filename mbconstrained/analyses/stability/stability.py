@@ -147,7 +147,7 @@ class StabilityReport:
             "verdict": self.sentences,
             "counts": counts,
             "machine": self.machine,
-            "sweeps": [sweep.as_json() for sweep in self.sweeps],
+            "sweeps": [sweep.to_dict() for sweep in self.sweeps],
         }
         notice = Notice(NoticeKind.ACCURACY, " ".join(self.sentences), doubtful=not self.is_trusted)
         tables = (digit_table(self), *reason_tables(self), *(() if self.of_scene else (gallery_table(self),)))

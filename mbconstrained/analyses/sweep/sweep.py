@@ -178,7 +178,7 @@ class Sweep(Displayed):
         if store is None:
             return Memory(*arguments)
         vary = {
-            "parameters": {name: one.as_data() for name, one in self.samples.variations.items()},
+            "parameters": {name: one.to_dict() for name, one in self.samples.variations.items()},
             "chunk": self.chunk,
             **self.table.model_dump(include={"method", "samples", "seed", "correlation"}),
         }
@@ -599,7 +599,7 @@ class SweepReport:
             "answered": int(result.answered.sum()),
             "method": result.table.method if samples.random else "given values",
             "seed": result.table.seed,
-            "parameters": {name: one.as_data() for name, one in samples.variations.items()},
+            "parameters": {name: one.to_dict() for name, one in samples.variations.items()},
             "figures": {
                 name: {"unit": result.figures[name].unit, **_summary_data(result.statistics(name), random)} for name in self.figures
             },

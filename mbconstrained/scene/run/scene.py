@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from ...mechanics.parameter import Parameter
     from ...mechanics.root_locus import RootLocus
     from ...mechanics.sensitivities import Sensitivities
+    from ...mechanics.system import MechanicalSystem
     from .plan import Plan
 
 
@@ -61,6 +62,17 @@ class Scene(SceneData):
 
         def __getattr__(self, name: str) -> Callable[..., Answer]:
             """The methods ``modes``, ``frequency``, ``shock`` ... of the analyses, which are set below."""
+
+    @property
+    def system(self) -> MechanicalSystem:
+        """The mechanical system of the model.
+
+        Raises:
+            InputError: the model is a state space or a transfer function.
+        """
+        if self.equations.system is None:
+            raise InputError("there is no mechanical system: that is a model of kind lumped, matrices or robot")
+        return self.equations.system
 
     def plan(self) -> Plan:
         """The possible stages of this scene, needed or not, each with its reason."""

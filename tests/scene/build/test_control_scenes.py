@@ -199,7 +199,7 @@ def test_the_plan_says_what_is_done(tmp_path):
 def test_the_zeros_of_the_equations_are_called_poles(tmp_path):
     result = scene_of(tmp_path, FRACTION).run()
     assert "Poles\n  no.  pole (1/s)" in result.summary() and "Zeros" not in result.summary()
-    data = json.loads(json.dumps(result.as_json(), allow_nan=False))
+    data = json.loads(json.dumps(result.to_dict(), allow_nan=False))
     assert data["transfer_functions"] == [
         {"input": "u", "output": "y", "dc_gain": 1.0, "zeros": [], "poles": [[-1, 0], [pytest.approx(-2), 0]], "gain": 2.0}
     ]
