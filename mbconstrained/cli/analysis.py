@@ -85,7 +85,7 @@ def command(analysis: type[Analysis]):
     reads_records, entries = hasattr(analysis, "of_record"), dict(_entries(analysis))
     options = {f"{name}_": _option(*entry) for name, entry in entries.items()}  # "from" is a word of Python's grammar
     options |= {name: _option(flag, kind, text) for name, (flag, kind, text) in RECORD.items()} if reads_records else {}
-    page_option = _option("--page", "", f"Write NAME.{analysis.name}.html too.")
+    page_option = _option("--page", bool, f"Write NAME.{analysis.name}.html too.")
     common: dict[str, tuple[Any, Any]] = {} if analysis.writes else {"page": page_option}
     common |= {"out": (Out, "")} | ({"plots": (Plots, False)} if analysis.writes else {})
     common |= {
