@@ -57,7 +57,7 @@ def test_the_mathematics_loads_nothing_heavy(statement):
 def test_help_loads_no_mathematics(options):
     statement = f"from mbconstrained import cli; sys.argv = ['mbconstrained', *{options}]; import io; out, sys.stdout = sys.stdout, io.StringIO()"
     loaded = loaded_by(f"{statement}\ntry: cli.main()\nexcept SystemExit as left: assert not left.code\nsys.stdout = out")
-    assert not loaded & {"numpy", "scipy", "pydantic", "flint", "rich"}
+    assert not loaded & {"numpy", "scipy", "flint", "rich"}
 
 
 def test_importing_leaves_out_the_parts_of_scipy_that_few_need():
