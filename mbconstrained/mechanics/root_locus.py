@@ -17,6 +17,9 @@ from ..polynomial.variation import BreakPoint, MatrixFamily, break_points, follo
 from .equations import EquationsOfMotion
 from .parameter import Parameter
 
+#: Parameters that a message lists.
+MOST_NAMES = 12
+
 #: Parts of the range at which matrices are compared with linear ones, nowhere symmetric.
 INNER = (0.29, 0.53, 0.83)
 
@@ -70,7 +73,8 @@ def root_locus(system: EquationsOfMotion, parameter: str | Parameter, values) ->
     if not isinstance(parameter, Parameter):
         known = {one.name: one for one in system.parameters()}
         if parameter not in known:
-            raise InputError(f'root_locus: there is no parameter "{parameter}"{nearest(str(parameter), list(known))}')
+            names = ", ".join(list(known)[:MOST_NAMES]) or "none"
+            raise InputError(f'root_locus: there is no parameter "{parameter}"{nearest(str(parameter), list(known))}; there are {names}')
         parameter = known[parameter]
     slope = parameter.matrices(system.size)
     base = np.array([system.stiffness, system.damping, system.mass]) - parameter.value * slope

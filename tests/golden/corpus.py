@@ -47,7 +47,7 @@ STUDIES = {
     "arm_workspace": (("sweep",),),
     "tuned_mass_damper_optimum": (("sweep", "--samples", "20"), ("optimise", "--minimise", "response peak")),
     "two_masses": (("compare", "examples/two_masses_position.toml"),),
-    "quarter_car": (("locus", "--vary", "cs=500..4000 N*s/m:21"),),
+    "quarter_car": (("locus", "--vary", "damper=500..4000 N*s/m:21"),),
 }
 
 #: Answers that depend on the load of the machine: the formula of this scene is given up after a time.

@@ -21,7 +21,7 @@ from mbconstrained.ground.notices import Notice
 from mbconstrained.page.animation.animation import Animation
 from mbconstrained.page.content import Curve, PageContent, Plot
 from mbconstrained.page.drawing.bodies import Drawing
-from mbconstrained.page.html import VIEWER_FILE, page_html, script_json, viewer_script
+from mbconstrained.page.html import _ANIMATION, _ASSETS, _PLOTS, VIEWER_FILE, page_html, script_json, viewer_script
 from tests.page.contents import HOSTILE, hostile_content, two_masses_content
 
 
@@ -220,3 +220,12 @@ def test_the_usual_speed_shows_the_motion_in_a_comfortable_time(duration, select
 def test_one_time_cannot_be_played():
     page = page_html(PageContent("t", animation=Animation(Drawing(()), ("x",), [0.5], [[1]]), plots=(Plot("p", "m", [0.5], ()),)))
     assert '<button type="button" id="play" disabled>' in page
+
+
+@pytest.mark.parametrize("last", ["run.js", "modes.js", "frequency.js"])
+def test_scripts_of_one_page_have_different_names_at_the_top(last):
+    """All scripts of a page share one scope, in which the later of two functions of one name is taken."""
+    scripts = ["theme.js", "numbers.js", *_PLOTS, *_ANIMATION, "overlay.js", "posing.js", last]
+    text = "\n".join((_ASSETS / name).read_text(encoding="utf-8") for name in scripts)
+    names = re.findall(r"^(?:async )?(?:function\*?|const|let|class) (\w+)", text, re.M)
+    assert sorted(name for name in set(names) if names.count(name) > 1) == []

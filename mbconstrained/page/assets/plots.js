@@ -21,7 +21,7 @@ class PlottedCurve {
     this.functions = plots.sets[places[places.length - 2]];
     this.row = places[places.length - 1];
     this.across = plot.phase ? { functions: plots.sets[places[0]], row: places[1] } : null;
-    this.parts = partsOf(entry.dataset.parts, [plot.start, plot.end]);
+    this.parts = rangesOf(entry.dataset.parts, [plot.start, plot.end]);
     this.look = entry.querySelector("path").getAttribute("class");
     this.dot = plot.add("circle", { class: this.look, r: 4, visibility: "hidden" });
     this.button.addEventListener("click", () => this.toggle());
@@ -439,7 +439,7 @@ class PlottedFigure {
 }
 
 // Stretches of times from a text of their ends; the whole where there is none.
-function partsOf(text, whole) {
+function rangesOf(text, whole) {
   if (text === undefined) return [whole];
   const ends = text.split(" ").map(Number);
   return Array.from({ length: ends.length / 2 }, (_, i) => [ends[2 * i], ends[2 * i + 1]]);

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, WithJsonSchema, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, WithJsonSchema, WrapValidator, model_validator
 
 from ...ground.checks import nearest
 from ...ground.errors import InputError, quoted, shown
@@ -85,8 +85,15 @@ def quantity_field(unit: str):
     text = EXPRESSION_SCHEMA if unit == "1" else QUANTITY_SCHEMA
     examples = ([] if unit == "1" else [KINDS[unit][1].strip('"')]) + ["=2*k"]
     schema = {"unit": unit, "examples": examples, "anyOf": [{"type": "number"}, text]}
-    # PlainValidator keeps an expression of parameters, which pydantic would convert to a float
-    return Annotated[float, PlainValidator(lambda value: quantity(value, unit)), WithJsonSchema(schema)]
+
+    def number(value, check: Callable[[float], float]):
+        """The number in SI, within the bounds of its field; an expression of parameters as it is, which pydantic would convert to a float."""
+        result = quantity(value, unit)
+        if isinstance(result, (int, float)):
+            check(result)
+        return result
+
+    return Annotated[float, WrapValidator(number), WithJsonSchema(schema)]
 
 
 Number = quantity_field("1")

@@ -79,6 +79,10 @@ def _choice(value, known: str) -> str:
     return f"found {shown(value)}; expected {known}{hint}"
 
 
+def _limit(context: dict, key: str) -> str:
+    return f"{context.get(key, 0):g}"
+
+
 def _expectation(kind: str, context: dict) -> str:
     return {
         "list_type": "expected an array [ … ]",
@@ -94,8 +98,8 @@ def _expectation(kind: str, context: dict) -> str:
         "string_too_long": f"expected at most {context.get('max_length')} letters",
         "too_short": f"expected at least {context.get('min_length')} entries",
         "too_long": f"expected at most {context.get('max_length')} entries",
-        "greater_than": f"expected more than {context.get('gt')}",
-        "less_than": f"expected less than {context.get('lt')}",
-        "greater_than_equal": f"expected at least {context.get('ge')}",
-        "less_than_equal": f"expected at most {context.get('le')}",
+        "greater_than": f"expected more than {_limit(context, 'gt')}",
+        "less_than": f"expected less than {_limit(context, 'lt')}",
+        "greater_than_equal": f"expected at least {_limit(context, 'ge')}",
+        "less_than_equal": f"expected at most {_limit(context, 'le')}",
     }.get(kind, "")

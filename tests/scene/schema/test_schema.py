@@ -1,5 +1,6 @@
 """The schema as editors will get it: complete, described, closed."""
 
+import contextlib
 import json
 import tomllib
 from pathlib import Path
@@ -7,14 +8,16 @@ from typing import get_args
 
 import pytest
 from jsonschema import Draft202012Validator
+from pydantic import ValidationError
 
 from mbconstrained import cli
 from mbconstrained.cli import new
-from mbconstrained.ground.errors import SceneError
+from mbconstrained.ground.errors import InputError, SceneError
 from mbconstrained.page.drawing import bodies
 from mbconstrained.scene.run.scene import read_scene
 from mbconstrained.scene.schema import drawing_tables, validation
 from mbconstrained.scene.schema.editors import robot_schema, scene_schema
+from mbconstrained.scene.schema.entry_types import Table
 from mbconstrained.scene.schema.scene_schema import SceneFile
 from tests.scene.scenes import EXAMPLES, OSCILLATOR
 
@@ -157,3 +160,25 @@ def test_what_is_wrong_with_a_value_is_said_in_words_of_the_project(tmp_path, ke
             assert "scene.toml" in text and "nput should" not in text and "alid string" not in text, text
             assert "found" in text or "expected" in text, text
     assert refused >= 4
+
+
+def test_bounds_of_fields_are_checked():
+    """Every bound that a table declares refuses the number beyond it, whatever the type of the field."""
+    accepted = []
+    for table in tables_below(Table):
+        for name, field in table.model_fields.items():
+            for bound in field.metadata:
+                for key, beyond in (("gt", -1), ("ge", -1), ("lt", 1), ("le", 1)):
+                    if hasattr(bound, key):
+                        with contextlib.suppress(ValidationError, InputError):
+                            table.__pydantic_validator__.validate_assignment(
+                                table.model_construct(), name, getattr(bound, key) + beyond
+                            )
+                            accepted.append(f"{table.__name__}.{name}")
+    assert accepted == []
+
+
+def tables_below(table):
+    for one in table.__subclasses__():
+        yield one
+        yield from tables_below(one)
