@@ -74,7 +74,9 @@ def root_locus(system: EquationsOfMotion, parameter: str | Parameter, values) ->
         known = {one.name: one for one in system.parameters()}
         if parameter not in known:
             names = ", ".join(list(known)[:MOST_NAMES]) or "none"
-            raise InputError(f'root_locus: there is no parameter "{parameter}"{nearest(str(parameter), list(known))}; there are {names}')
+            raise InputError(
+                f'root_locus: there is no parameter "{parameter}"{nearest(str(parameter), list(known))}; there are {names}'
+            )
         parameter = known[parameter]
     slope = parameter.matrices(system.size)
     base = np.array([system.stiffness, system.damping, system.mass]) - parameter.value * slope

@@ -6,12 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ...exchange.matrices import full_matrix, read_matrix
 from ...ground.errors import InputError
 from ...ground.quantities import LARGEST, LEAST
 from ..file.reading import inside
 from ..quantities.coordinates import force_value
-from .record_file import record_in_si
 
 
 def _data_file(folder: Path, name: str) -> Path:
@@ -24,6 +22,8 @@ def entries_of(source, folder: Path) -> np.ndarray:
     """The entries of a matrix, with expressions of parameters unevaluated."""
     if isinstance(source, np.ndarray):
         return source
+    from ...exchange.matrices import full_matrix, read_matrix
+
     matrix = full_matrix(read_matrix(_data_file(folder, source.file), source.array), source.file)
     sizes = np.abs(matrix[matrix != 0])
     if sizes.size and not (LEAST <= sizes.min() and sizes.max() <= LARGEST):
@@ -33,6 +33,8 @@ def entries_of(source, folder: Path) -> np.ndarray:
 
 def record_of(source, unit: str | None, folder: Path) -> tuple[np.ndarray, np.ndarray]:
     """A record in a file."""
+    from .record_file import record_in_si
+
     keys = ("column", "time", "time_unit", "step", "header", "array", "factor")
     given = {key: getattr(source, key) for key in keys if getattr(source, key) is not None}
     offset = force_value(source.offset, unit, what="offset")

@@ -109,7 +109,7 @@ def test_as_many_zeros_as_poles_and_more(tmp_path):
 def test_a_constant_gain(tmp_path):
     result = scene_of(tmp_path, FRACTION.replace("[1, 3, 2]", "[4]")).run()
     assert result.values[0] == pytest.approx(np.full(5, 0.25), rel=1e-15)
-    assert "There are none" in result.summary()
+    assert "none: the model is static" in result.summary()
 
 
 def test_a_state_space_from_a_state(tmp_path):
