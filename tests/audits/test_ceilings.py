@@ -30,14 +30,14 @@ LINES = {
     "frequency": 5328,
     "ground": 2067,
     "linalg": 4553,
-    "mechanics": 10855,
+    "mechanics": 10861,
     "models": 1347,
     "page": 5469,
     "papers": 317,
     "polynomial": 2898,
     "response": 5003,
     "robot": 9283,
-    "scene": 9467,
+    "scene": 9469,
     "signals": 1735,
 }
 
