@@ -1,114 +1,174 @@
-"""Closed-form motion of constrained multibody models. The public names, nothing else; heavy things late."""
+"""Closed-form motion of constrained multibody models: the public names, each imported when it is first used."""
 
 from __future__ import annotations
 
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from .control.matrix_fraction import matrix_fraction_response
-from .control.state_space import StateSpace, StateSpaceResponse
-from .control.transfer_function import TransferFunctionResponse, transfer_function_response
-from .ground.display import Presented, Studied
-from .ground.errors import (
-    ContradictoryConstraints,
-    IllConditioned,
-    InputError,
-    MbconstrainedError,
-    MissingPackage,
-    NoNormalForm,
-    NotUnique,
-    Overflow,
-    SceneError,
-    SingularPolynomialMatrix,
-)
-from .ground.notices import Notice, NoticeKind
-from .mechanics.constraints import Constraint
-from .mechanics.element_matrix import ElementMatrix
-from .mechanics.energy import EnergyParts
-from .mechanics.modes import Modes
-from .mechanics.motion import Motion
-from .mechanics.normal_form import NormalForm, mechanical_normal_form
-from .mechanics.system import MechanicalSystem
-from .models.lumped import LumpedModel
-from .polynomial.jordan_pairs import FinitePair, InfinitePair, JordanPairs
-from .polynomial.polynomial_matrix import PolynomialMatrix
-from .response.admissible import Admissibility, admissible
-from .response.events import Event
-from .response.response import Response
-from .response.solve import solve
-from .signals.approximated import Approximation, approximated
-from .signals.bohl import BohlFunction
-from .signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
-from .signals.inputs import harmonic, impulse, power, pulse, ramp, sampled, step, term, zero
-
 if TYPE_CHECKING:
-    from . import exact
+    from . import exact as exact
+    from .analyses.base import Answer as Answer
+    from .analyses.python_models import show as show
+    from .analyses.sweep.optimisation import Optimum as Optimum
+    from .analyses.sweep.sweep import Sweep as Sweep
+    from .analyses.sweep.sweep import SweepResult as SweepResult
+    from .control.matrix_fraction import matrix_fraction_response as matrix_fraction_response
+    from .control.state_space import StateSpace as StateSpace
+    from .control.state_space import StateSpaceResponse as StateSpaceResponse
+    from .control.transfer_function import TransferFunctionResponse as TransferFunctionResponse
+    from .control.transfer_function import transfer_function_response as transfer_function_response
+    from .exact.enclosure.exact_response import ExactResponse as ExactResponse
+    from .exact.enclosure.intervals import Enclosure as Enclosure
+    from .exact.symbolic.response.symbolic_response import SymbolicResponse as SymbolicResponse
+    from .exact.symbolic.response.symbolic_response import solve_symbolically as solve_symbolically
+    from .exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix as SymbolicPolynomialMatrix
+    from .exchange.matrices import read_matrix as read_matrix
+    from .exchange.universal import Geometry as Geometry
+    from .frequency.frequency_response import FrequencyResponse as FrequencyResponse
+    from .frequency.frequency_response import frequency_response as frequency_response
+    from .frequency.random.random_response import RandomResponse as RandomResponse
+    from .frequency.random.random_response import octave_bands as octave_bands
+    from .frequency.random.spectra import Spectrum as Spectrum
+    from .frequency.random.spectra import dryden as dryden
+    from .frequency.random.spectra import kanai_tajimi as kanai_tajimi
+    from .frequency.random.spectra import psd as psd
+    from .frequency.random.spectra import rational_spectrum as rational_spectrum
+    from .frequency.random.spectra import road_profile as road_profile
+    from .frequency.random.spectra import white_noise as white_noise
+    from .frequency.shock.response_spectrum import ShockResponseSpectrum as ShockResponseSpectrum
+    from .frequency.shock.response_spectrum import shock_response_spectrum as shock_response_spectrum
+    from .ground.errors import ContradictoryConstraints as ContradictoryConstraints
+    from .ground.errors import IllConditioned as IllConditioned
+    from .ground.errors import InputError as InputError
+    from .ground.errors import MbconstrainedError as MbconstrainedError
+    from .ground.errors import MissingPackage as MissingPackage
+    from .ground.errors import NoNormalForm as NoNormalForm
+    from .ground.errors import NotUnique as NotUnique
+    from .ground.errors import Overflow as Overflow
+    from .ground.errors import SceneError as SceneError
+    from .ground.errors import SingularPolynomialMatrix as SingularPolynomialMatrix
+    from .ground.notices import Notice as Notice
+    from .ground.notices import NoticeKind as NoticeKind
+    from .mechanics.constraints import Constraint as Constraint
+    from .mechanics.element_matrix import ElementMatrix as ElementMatrix
+    from .mechanics.energy import EnergyParts as EnergyParts
+    from .mechanics.family import Family as Family
+    from .mechanics.family import family as family
+    from .mechanics.harmonic_response import SteadyState as SteadyState
+    from .mechanics.modes import Modes as Modes
+    from .mechanics.motion import Motion as Motion
+    from .mechanics.motions import Motions as Motions
+    from .mechanics.normal_form import NormalForm as NormalForm
+    from .mechanics.normal_form import mechanical_normal_form as mechanical_normal_form
+    from .mechanics.parameter import Parameter as Parameter
+    from .mechanics.rotating import Campbell as Campbell
+    from .mechanics.rotating import CriticalSpeed as CriticalSpeed
+    from .mechanics.sensitivities import Sensitivities as Sensitivities
+    from .mechanics.system import MechanicalSystem as MechanicalSystem
+    from .models.lumped import LumpedModel as LumpedModel
+    from .polynomial.jordan_pairs import FinitePair as FinitePair
+    from .polynomial.jordan_pairs import InfinitePair as InfinitePair
+    from .polynomial.jordan_pairs import JordanPairs as JordanPairs
+    from .polynomial.polynomial_matrix import PolynomialMatrix as PolynomialMatrix
+    from .response.admissible import Admissibility as Admissibility
+    from .response.admissible import admissible as admissible
+    from .response.events import Event as Event
+    from .response.response import Response as Response
+    from .response.solve import Responses as Responses
+    from .response.solve import solve as solve
+    from .robot.connections import BodySpring as BodySpring
+    from .robot.connections import Bushing as Bushing
+    from .robot.connections import Loop as Loop
+    from .robot.connections import PointMotion as PointMotion
+    from .robot.description.urdf import Payload as Payload
+    from .robot.flexible_joint import FlexibleJoint as FlexibleJoint
+    from .robot.flexible_joint import Motor as Motor
+    from .robot.linearized import LinearizedRobot as LinearizedRobot
+    from .robot.robot import Robot as Robot
+    from .robot.statics import Posture as Posture
+    from .robot.tangent import JointGear as JointGear
+    from .scene.build.data_files import Record as Record
+    from .scene.build.data_files import read_record as read_record
+    from .scene.build.robot_file import read_robot as read_robot
+    from .scene.quantities.variations import linspace as linspace
+    from .scene.run.scene import Scene as Scene
+    from .scene.run.scene import read_scene as read_scene
+    from .signals.approximated import Approximation as Approximation
+    from .signals.approximated import approximated as approximated
+    from .signals.bohl import BohlFunction as BohlFunction
+    from .signals.impulsive import ImpulsiveLoad as ImpulsiveLoad
+    from .signals.impulsive import ImpulsiveSmooth as ImpulsiveSmooth
+    from .signals.inputs import harmonic as harmonic
+    from .signals.inputs import impulse as impulse
+    from .signals.inputs import power as power
+    from .signals.inputs import pulse as pulse
+    from .signals.inputs import ramp as ramp
+    from .signals.inputs import sampled as sampled
+    from .signals.inputs import step as step
+    from .signals.inputs import term as term
+    from .signals.inputs import zero as zero
 
-#: Names of what most do without, imported when they are first asked for: exact answers bring sympy or python-flint, robots
-#: their own half of the models.
-_LATE = {
-    "Enclosure": "exact.enclosure.intervals",
-    "ExactResponse": "exact.enclosure.exact_response",
-    "SymbolicPolynomialMatrix": "exact.symbolic.symbolic_matrix",
-    "SymbolicResponse": "exact.symbolic.response.symbolic_response",
-    "frequency_response": "frequency.frequency_response",
-    "solve_symbolically": "exact.symbolic.response.symbolic_response",
-    "BodySpring": "robot.connections",
-    "Bushing": "robot.connections",
-    "FlexibleJoint": "robot.flexible_joint",
-    "JointGear": "robot.tangent",
-    "Payload": "robot.description.urdf",
-    "Motor": "robot.flexible_joint",
-    "FrequencyResponse": "frequency.frequency_response",
-    "RandomResponse": "frequency.random.random_response",
-    "Spectrum": "frequency.random.spectra",
-    "dryden": "frequency.random.spectra",
-    "kanai_tajimi": "frequency.random.spectra",
-    "octave_bands": "frequency.random.random_response",
-    "psd": "frequency.random.spectra",
-    "ShockResponseSpectrum": "frequency.shock.response_spectrum",
-    "shock_response_spectrum": "frequency.shock.response_spectrum",
-    "rational_spectrum": "frequency.random.spectra",
-    "road_profile": "frequency.random.spectra",
-    "white_noise": "frequency.random.spectra",
-    "LinearizedRobot": "robot.linearized",
-    "Loop": "robot.connections",
-    "Motions": "mechanics.motions",
-    "Family": "mechanics.family",
-    "family": "mechanics.family",
-    "Parameter": "mechanics.parameter",
-    "Sensitivities": "mechanics.sensitivities",
-    "PointMotion": "robot.connections",
-    "Posture": "robot.statics",
-    "Responses": "response.solve",
-    "Campbell": "mechanics.rotating",
-    "CriticalSpeed": "mechanics.rotating",
-    "SteadyState": "mechanics.harmonic_response",
-    "Robot": "robot.robot",
-    "Geometry": "exchange.universal",
-    "Record": "scene.build.data_files",
-    "Optimum": "analyses.sweep.optimisation",
-    "Sweep": "analyses.sweep.sweep",
-    "SweepResult": "analyses.sweep.sweep",
-    "linspace": "scene.quantities.variations",
-    "read_matrix": "exchange.matrices",
-    "read_record": "scene.build.data_files",
-    "read_robot": "scene.build.robot_file",
-    "read_scene": "scene.run.scene",
-    "show": "analyses.python_models",
+#: The public names by the files that define them; the imports above are those of type checkers.
+_NAMES = {
+    "analyses.base": "Answer",
+    "analyses.python_models": "show",
+    "analyses.sweep.optimisation": "Optimum",
+    "analyses.sweep.sweep": "Sweep SweepResult",
+    "control.matrix_fraction": "matrix_fraction_response",
+    "control.state_space": "StateSpace StateSpaceResponse",
+    "control.transfer_function": "TransferFunctionResponse transfer_function_response",
+    "exact.enclosure.exact_response": "ExactResponse",
+    "exact.enclosure.intervals": "Enclosure",
+    "exact.symbolic.response.symbolic_response": "SymbolicResponse solve_symbolically",
+    "exact.symbolic.symbolic_matrix": "SymbolicPolynomialMatrix",
+    "exchange.matrices": "read_matrix",
+    "exchange.universal": "Geometry",
+    "frequency.frequency_response": "FrequencyResponse frequency_response",
+    "frequency.random.random_response": "RandomResponse octave_bands",
+    "frequency.random.spectra": "Spectrum dryden kanai_tajimi psd rational_spectrum road_profile white_noise",
+    "frequency.shock.response_spectrum": "ShockResponseSpectrum shock_response_spectrum",
+    "ground.errors": "ContradictoryConstraints IllConditioned InputError MbconstrainedError MissingPackage NoNormalForm NotUnique Overflow SceneError SingularPolynomialMatrix",
+    "ground.notices": "Notice NoticeKind",
+    "mechanics.constraints": "Constraint",
+    "mechanics.element_matrix": "ElementMatrix",
+    "mechanics.energy": "EnergyParts",
+    "mechanics.family": "Family family",
+    "mechanics.harmonic_response": "SteadyState",
+    "mechanics.modes": "Modes",
+    "mechanics.motion": "Motion",
+    "mechanics.motions": "Motions",
+    "mechanics.normal_form": "NormalForm mechanical_normal_form",
+    "mechanics.parameter": "Parameter",
+    "mechanics.rotating": "Campbell CriticalSpeed",
+    "mechanics.sensitivities": "Sensitivities",
+    "mechanics.system": "MechanicalSystem",
+    "models.lumped": "LumpedModel",
+    "polynomial.jordan_pairs": "FinitePair InfinitePair JordanPairs",
+    "polynomial.polynomial_matrix": "PolynomialMatrix",
+    "response.admissible": "Admissibility admissible",
+    "response.events": "Event",
+    "response.response": "Response",
+    "response.solve": "Responses solve",
+    "robot.connections": "BodySpring Bushing Loop PointMotion",
+    "robot.description.urdf": "Payload",
+    "robot.flexible_joint": "FlexibleJoint Motor",
+    "robot.linearized": "LinearizedRobot",
+    "robot.robot": "Robot",
+    "robot.statics": "Posture",
+    "robot.tangent": "JointGear",
+    "scene.build.data_files": "Record read_record",
+    "scene.build.robot_file": "read_robot",
+    "scene.quantities.variations": "linspace",
+    "scene.run.scene": "Scene read_scene",
+    "signals.approximated": "Approximation approximated",
+    "signals.bohl": "BohlFunction",
+    "signals.impulsive": "ImpulsiveLoad ImpulsiveSmooth",
+    "signals.inputs": "harmonic impulse power pulse ramp sampled step term zero",
 }
+_FILES = {name: file for file, names in _NAMES.items() for name in names.split()}
 
-
-def _presentation():
-    return import_module(".analyses.python_models", __name__)
-
-
-def _studies(name: str):
-    return import_module(".analyses.run" if name == "run" else f".analyses.sweep.{name}", __name__)
-
-
-Presented.presentation = staticmethod(_presentation)
-Studied.studies = staticmethod(_studies)
+__all__ = ["exact", *_FILES]  # noqa: PLE0604  (names of the table)
+__all__.sort()
 
 
 def __getattr__(name: str):
@@ -116,113 +176,11 @@ def __getattr__(name: str):
         return import_module("importlib.metadata").version("mbconstrained")
     if name == "exact":
         return import_module(".exact", __name__)
-    if name not in _LATE:
+    if name not in _FILES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f".{_LATE[name]}", __name__), name)
+    globals()[name] = value = getattr(import_module(f".{_FILES[name]}", __name__), name)
+    return value
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_LATE, "exact", "__version__"})
-
-
-__all__ = [
-    "Admissibility",
-    "Approximation",
-    "BodySpring",
-    "BohlFunction",
-    "Bushing",
-    "Campbell",
-    "Constraint",
-    "ContradictoryConstraints",
-    "CriticalSpeed",
-    "ElementMatrix",
-    "Enclosure",
-    "EnergyParts",
-    "Event",
-    "ExactResponse",
-    "Family",
-    "FinitePair",
-    "FlexibleJoint",
-    "FrequencyResponse",
-    "Geometry",
-    "IllConditioned",
-    "ImpulsiveLoad",
-    "ImpulsiveSmooth",
-    "InfinitePair",
-    "InputError",
-    "JointGear",
-    "JordanPairs",
-    "LinearizedRobot",
-    "Loop",
-    "LumpedModel",
-    "MbconstrainedError",
-    "MechanicalSystem",
-    "MissingPackage",
-    "Modes",
-    "Motion",
-    "Motions",
-    "Motor",
-    "NoNormalForm",
-    "NormalForm",
-    "NotUnique",
-    "Notice",
-    "NoticeKind",
-    "Optimum",
-    "Overflow",
-    "Parameter",
-    "Payload",
-    "PointMotion",
-    "PolynomialMatrix",
-    "Posture",
-    "RandomResponse",
-    "Record",
-    "Response",
-    "Responses",
-    "Robot",
-    "SceneError",
-    "Sensitivities",
-    "ShockResponseSpectrum",
-    "SingularPolynomialMatrix",
-    "Spectrum",
-    "StateSpace",
-    "StateSpaceResponse",
-    "SteadyState",
-    "Sweep",
-    "SweepResult",
-    "SymbolicPolynomialMatrix",
-    "SymbolicResponse",
-    "TransferFunctionResponse",
-    "admissible",
-    "approximated",
-    "dryden",
-    "exact",
-    "family",
-    "frequency_response",
-    "harmonic",
-    "impulse",
-    "kanai_tajimi",
-    "linspace",
-    "matrix_fraction_response",
-    "mechanical_normal_form",
-    "octave_bands",
-    "power",
-    "psd",
-    "pulse",
-    "ramp",
-    "rational_spectrum",
-    "read_matrix",
-    "read_record",
-    "read_robot",
-    "read_scene",
-    "road_profile",
-    "sampled",
-    "shock_response_spectrum",
-    "show",
-    "solve",
-    "solve_symbolically",
-    "step",
-    "term",
-    "transfer_function_response",
-    "white_noise",
-    "zero",
-]
+    return sorted({*globals(), *__all__, "__version__"})

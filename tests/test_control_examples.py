@@ -128,7 +128,7 @@ def test_a_scene_of_such_a_model_is_refused_with_the_same_words(tmp_path):
 @pytest.mark.parametrize("name", ["transfer_function", "identified", "unseen_mass", "descriptor"])
 def test_transfer_functions_are_told_as_data(name):
     result = run(name)
-    data = json.loads(json.dumps(result.as_json(), allow_nan=False))
+    data = json.loads(json.dumps(result.to_dict(), allow_nan=False))
     for entry in data["transfer_functions"]:
         s = 0.3 + 0.7j
         zeros, poles = ([complex(*pair) for pair in entry[key]] for key in ("zeros", "poles"))

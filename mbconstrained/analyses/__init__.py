@@ -9,27 +9,28 @@ from __future__ import annotations
 
 from importlib import import_module
 
-#: The analyses by name: the modules that declare them.
+#: The analyses by name: the module that declares each, and its sentence in the list of commands, which needs no import.
 ANALYSES = {
-    "modes": "modes",
-    "frequency": "frequency",
-    "random": "random",
-    "shock": "shock",
-    "sensitivity": "sensitivity",
-    "mac": "mac",
-    "campbell": "campbell",
-    "locus": "locus",
-    "path": "path",
-    "formula": "formula",
-    "compare": "compare",
-    "accuracy": "accuracy.accuracy",
-    "stability": "stability.stability",
-    "sweep": "sweep.sweep",
-    "optimise": "sweep.optimisation",
+    "run": ("run", "Solve a scene and write its page, CSV and npz."),
+    "modes": ("modes", "List the modes of a scene, with shapes and energies."),
+    "frequency": ("frequency", "Frequency response: peaks, antiresonances, Bode plots."),
+    "random": ("random", "Random vibration: RMS values, spectra, expected largest values."),
+    "shock": ("shock", "Peaks under a shock, shock response spectra."),
+    "sensitivity": ("sensitivity", "Derivatives of frequencies and damping, sorted by influence."),
+    "mac": ("mac", "Which modes of two scenes are the same: modal assurance criterion."),
+    "campbell": ("campbell", "Critical speeds, whirl, stability and unbalance response of a rotor."),
+    "locus": ("locus", "Root locus: eigenvalues over a parameter, with break points."),
+    "path": ("path", "Frequencies of a robot along a path of one of its points."),
+    "formula": ("formula", "The formula of each coordinate, with parameters as symbols."),
+    "compare": ("compare", "Run scenes, or one with several values, and overlay their curves."),
+    "accuracy": ("accuracy.accuracy", "Error against run time, compared with other tools."),
+    "stability": ("stability.stability", "Correct, expected and claimed digits over decades."),
+    "sweep": ("sweep.sweep", "Vary parameters: grids, Monte Carlo, statistics, Sobol indices."),
+    "optimise": ("sweep.optimisation", "Find the values of parameters that make a figure least or largest."),
 }
 
 
 def load(name: str):
     """The analysis of this name; its module is imported then."""
-    module = import_module(f".{ANALYSES[name]}", __name__)
+    module = import_module(f".{ANALYSES[name][0]}", __name__)
     return next(one for one in vars(module).values() if getattr(one, "name", None) == name and isinstance(one, type))

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
+from inspect import Parameter, Signature, getdoc, signature
+from keyword import iskeyword
 from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
@@ -12,7 +16,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 
 from ..exchange.trajectories import csv_of, write_arrays
+from ..ground.checks import nearest, optional_package
 from ..ground.display import WIDTH, Displayed, TextTable, finite_or_none
+from ..ground.errors import InputError
 from ..ground.files import Replacements
 from ..ground.notices import Notice
 from ..page.content import PageContent, Plot
@@ -26,6 +32,9 @@ if TYPE_CHECKING:
 
 #: Rows of a table for a terminal, and on the page.
 MOST_ROWS, MOST_ROWS_OF_PAGE = 16, 200
+
+#: What ``Answer.write`` writes.
+FORMATS = ("page", "csv", "npz", "pictures", "images", "json", "text")
 
 #: Formats of pictures of plots.
 PICTURES: tuple[Literal["svg", "png"], ...] = ("svg", "png")
@@ -103,6 +112,31 @@ class Answer(Displayed):
         title = {"title": self.title} if self.name else {}  # runs of several models have titles of their own
         return {**title, **json_value(self.data), **{key: end[key] for key in self.keys}}
 
+    def to_xarray(self):
+        """The columns of the CSV files, or else the arrays of the npz file, as an ``xarray.Dataset`` with units as attributes.
+
+        Columns are over the first of their file, such as the frequency; where two files share a name, their endings are added.
+
+        Raises:
+            MissingPackage: xarray is not installed.
+
+        >>> import mbconstrained as mb
+        >>> answer = mb.read_scene("examples/tuned_mass_damper.toml").frequency()
+        >>> answer.to_xarray().sizes["frequency"] == len(answer.to_xarray().frequency)
+        True
+        """
+        xarray = optional_package("xarray", "to_xarray")
+        variables: dict[str, Any] = {}
+        for part, columns in self.columns().items():
+            heads = [(name.strip() + part, unit) for name, unit in map(_name_and_unit, columns)]
+            for (name, unit), values in zip(heads, columns.values()):
+                variables[name] = (heads[0][0], np.asarray(values), {"units": unit} if unit else {})
+        if not variables:
+            variables = {
+                name: (tuple(f"{name}_{axis}" for axis in range(np.ndim(array))), array) for name, array in self.arrays().items()
+            }
+        return xarray.Dataset(variables, attrs={"title": self.title, "source": self.source})
+
     def page(self) -> PageContent:
         """Figures, plots, tables, notices and facts as a page."""
         own: dict[str, Any] = {"tables": self.tables, "plots": tuple(self.plots()), "notices": self.notices, "facts": self.facts}
@@ -113,8 +147,8 @@ class Answer(Displayed):
 
     def write(
         self,
-        folder: Path,
-        formats: Iterable[str] = ("page", "csv", "npz"),
+        folder: str | Path,
+        formats: str | Iterable[str] = ("page", "csv", "npz"),
         viewer: Delivery = "inside",
         files: Replacements | None = None,
     ) -> list[Path]:
@@ -122,7 +156,7 @@ class Answer(Displayed):
 
         Args:
             folder: is created if it does not exist.
-            formats: some of "page", "csv", "npz", "pictures" (each plot as SVG and PNG by its title), "images" (all figures and plots
+            formats: one or some of "page", "csv", "npz", "pictures" (each plot as SVG and PNG by its title), "images" (all figures and plots
                 as PNG by their numbers), "json".
             viewer: location of the script of the 3-D viewer, see ``mbconstrained.page.html``.
             files: take their places together with others; None for these alone.
@@ -131,11 +165,16 @@ class Answer(Displayed):
             The paths.
 
         Raises:
+            InputError: an unknown format.
             OSError: they cannot be written; files that were there are unchanged.
         """
+        folder, formats = Path(folder), [formats] if isinstance(formats, str) else list(formats)
+        for one in formats:
+            if one not in FORMATS:
+                raise InputError(f"formats: found {one!r}{nearest(one, FORMATS)}; expected some of {', '.join(FORMATS)}")
         if files is None:
             with Replacements() as files:
-                return self.write(folder, formats, viewer, files)
+                return Answer.write(self, folder, formats, viewer, files)
         from ..page.html import write_page
         from ..page.plots import plot_image, plot_images
 
@@ -173,7 +212,6 @@ class Analysis:
 
     Attributes:
         name: name of the command and of the table in a scene.
-        help: a sentence for the list of commands.
         settings: a table of the scene, whose entries are the options of the command.
         options: names of options that differ from their entries, by entry; None for entries without an option. Lists and tables are
             options, which may be repeated, where they are named here.
@@ -185,7 +223,6 @@ class Analysis:
     """
 
     name: ClassVar[str]
-    help: ClassVar[str]
     settings: ClassVar[type[Table] | None] = None
     options: ClassVar[Mapping[str, str | None]] = {}
     replaced: ClassVar[Mapping[str, tuple[str, ...]]] = {}
@@ -212,6 +249,33 @@ class Analysis:
         raise NotImplementedError
 
     @classmethod
+    @cache
+    def method(cls) -> Callable[..., Answer]:
+        """The method of a ``Scene`` that gives the answer; its signature and its documentation follow from the settings."""
+        schema = cls.settings.model_json_schema()["properties"] if cls.settings else {}
+        fields = {field.alias or name: field for name, field in cls.settings.model_fields.items()} if cls.settings else {}
+        names = {f"{key}_" if iskeyword(key) else key: key for key in fields}
+
+        def ask(scene: SceneData, **given) -> Answer:
+            return cls.answer(scene, **{names.get(key, key): _scene_value(value) for key, value in given.items()})
+
+        parameters = [one for one in signature(cls.answer).parameters.values() if one.kind is Parameter.KEYWORD_ONLY]
+        entries = []
+        for name, key in names.items():
+            parameters.append(Parameter(name, Parameter.KEYWORD_ONLY, default=fields[key].get_default()))
+            unit = re.search(r"'unit': '(.+?)'", str(schema[key]))
+            entries.append(
+                f"    {name}: {fields[key].description}{f' In {unit[1]}, or a text with a unit.' if unit and unit[1] != '1' else ''}"
+            )
+        ask.__signature__ = Signature([Parameter("self", Parameter.POSITIONAL_ONLY), *parameters])  # type: ignore[attr-defined]
+        ask.__name__, ask.__qualname__, ask.__module__ = cls.name, f"Scene.{cls.name}", cls.__module__
+        given = (
+            [f"What is not given is taken from the table [{cls.name}] of the scene.", "", "Args:", *entries, ""] if entries else []
+        )
+        ask.__doc__ = "\n".join([getdoc(cls) or "", "", *given, "Returns:", "    The ``Answer``."])
+        return ask
+
+    @classmethod
     def changed(cls, own: Table | None, given: Mapping[str, Any], file_name: str) -> Table:
         """The settings with other values; those that a given one replaces are left out.
 
@@ -224,6 +288,25 @@ class Analysis:
                 base.pop(other, None)
         only = type("Only", (Table,), {"__annotations__": {cls.name: cls.settings}})
         return getattr(validated({cls.name: {**base, **given}}, file_name, only), cls.name)
+
+
+def _scene_value(value):
+    """A value as it could stand in a scene file: arrays and tuples as lists, numbers of NumPy as those of Python."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [_scene_value(one) for one in value]
+    return {key: _scene_value(one) for key, one in value.items()} if isinstance(value, Mapping) else value
+
+
+def _name_and_unit(head: str) -> tuple[str, str]:
+    """Name and unit of a column.
+
+    >>> _name_and_unit("frequency (Hz)"), _name_and_unit("f(x)")
+    (('frequency ', 'Hz'), ('f(x)', ''))
+    """
+    name, bracket, unit = head.rpartition(" (")
+    return (f"{name} ", unit.removesuffix(")")) if bracket and unit.endswith(")") else (head, "")
 
 
 def json_value(value):

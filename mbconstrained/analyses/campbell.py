@@ -63,7 +63,6 @@ class CampbellDiagram(Analysis):
     """
 
     name = "campbell"
-    help = "Critical speeds, whirl, stability and unbalance response of a rotor."
     settings = CampbellTable
     options: ClassVar = {"orders": "--order"}
     formats = ("page", "images", "json")

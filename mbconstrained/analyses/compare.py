@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,16 +27,23 @@ class Comparison(Analysis):
     """
 
     name = "compare"
-    help = "Run scenes, or one with several values, and overlay their curves."
     formats = ("page",)
 
     @classmethod
-    def of_runs(cls, scenes: Mapping[str, Scene], folder: Path) -> tuple[Answer, list[Path]]:
-        """The answer of scenes by the names of their folders, into which each writes its files, and these."""
+    def answer(cls, scene: Scene, progress: Any = None, *, others: Sequence[Scene] = ()) -> Answer:  # type: ignore[override]
+        """The answer of a scene and others; nothing is written."""
+        scenes = (scene, *others)
+        names = [one.name for one in scenes]
+        labels = [f"{name} {names[:i].count(name) + 1}" if names.count(name) > 1 else name for i, name in enumerate(names)]
+        return cls.of_runs(dict(zip(labels, scenes)), None)[0]
+
+    @classmethod
+    def of_runs(cls, scenes: Mapping[str, Scene], folder: Path | None) -> tuple[Answer, list[Path]]:
+        """The answer of scenes by the names of their folders, into which each writes its files, and these; without a folder none."""
         time = next(iter(scenes.values())).table.time
         runs: dict[str, Any] = {}
         for label, scene in scenes.items():
-            runs[label] = replace(scene, table=scene.table.model_copy(update={"time": time})).run(folder / label)
+            runs[label] = replace(scene, table=scene.table.model_copy(update={"time": time})).run(folder and folder / label)
         *first, last = runs
         answer = Answer(
             "compare",
@@ -46,7 +53,7 @@ class Comparison(Analysis):
             (("time", time.text),),
             (_table(runs),),
             tuple(notice for run in runs.values() for notice in run.notices if notice.doubtful),
-            {"runs": {label: run.as_json() for label, run in runs.items()}},
+            {"runs": {label: run.to_dict() for label, run in runs.items()}},
             lambda: _plots(runs),
             keys=("files", "trusted"),
         )

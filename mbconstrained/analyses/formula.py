@@ -169,7 +169,6 @@ class FormulaOfMotion(Analysis):
     """
 
     name = "formula"
-    help = "The formula of each coordinate, with parameters as symbols."
     settings = FormulaOptions
     options: ClassVar = {"coordinates": "--coordinates"}
     formats = ("text",)

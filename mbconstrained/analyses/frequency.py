@@ -274,7 +274,6 @@ class Frequency(Analysis):
     """
 
     name = "frequency"
-    help = "Frequency response: peaks, antiresonances, Bode plots."
     settings = FrequencyTable
     options: ClassVar = {"inputs": "--input", "outputs": "--output"}
     replaced: ClassVar = {"from": ("frequencies",), "to": ("frequencies",)}

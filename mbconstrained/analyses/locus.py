@@ -44,7 +44,6 @@ class Locus(Analysis):
     """
 
     name = "locus"
-    help = "Root locus: eigenvalues over a parameter, with break points."
     settings = ParameterOfLocus
     options: ClassVar = {"vary": "--vary"}
     formats = ("page", "images", "json")

@@ -43,7 +43,6 @@ class ModalAssurance(Analysis):
     """
 
     name = "mac"
-    help = "Which modes of two scenes are the same: modal assurance criterion."
     settings = ModesOfTwoScenes
 
     @classmethod

@@ -157,7 +157,6 @@ class ModalAnalysis(Analysis):
     """
 
     name = "modes"
-    help = "List the modes of a scene, with shapes and energies."
     writes = False
 
     def __init__(self, scene: SceneData):
@@ -182,9 +181,9 @@ class ModalAnalysis(Analysis):
             {
                 "source": scene.table.source,
                 **(posture_json(robot) if robot else {}),
-                "coordinates": self.coordinates.as_json(),
+                "coordinates": self.coordinates.to_list(),
                 "modes": [line.data() for line in self.lines],
-                **({"effective_masses": masses.as_json()} if masses else {}),
+                **({"effective_masses": masses.to_dict()} if masses else {}),
             },
             texts=tuple(self._texts()),
             most_rows=None,

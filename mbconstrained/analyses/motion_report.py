@@ -239,7 +239,7 @@ def _evidence_table(result: Result, of_model: Sequence[tuple[str, str, str]]) ->
     """Error estimates, residuals and rank gaps: the accuracy of the answer."""
     equations, motion = result.scene.equations, result.motion
     proved: tuple[str, ...] = ("displacement", "velocity", "acceleration") if getattr(motion, "is_proved", False) else ()
-    proved += ("reaction",) if proved and motion.is_decided_exactly else ()
+    proved += ("reaction",) if proved and motion._is_decided_exactly else ()
     bound, estimate = (
         "proved bound of the error over the largest value, at each time",
         "largest error over largest value, over all times",

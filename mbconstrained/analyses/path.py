@@ -29,7 +29,6 @@ class RobotPath(Analysis):
     """
 
     name = "path"
-    help = "Frequencies of a robot along a path of one of its points."
     settings = PathTable
     options: ClassVar = {"body": None}
     formats = ("page", "images", "json")

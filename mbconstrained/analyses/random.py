@@ -42,7 +42,6 @@ class Random(Analysis):
     """
 
     name = "random"
-    help = "Random vibration: RMS values, spectra, expected largest values."
     settings = RandomTable
 
     @classmethod

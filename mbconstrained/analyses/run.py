@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..exchange.trajectories import Curves, write_arrays, write_csv, write_trajectories
+from ..exchange.trajectories import Curves, dataset_of, write_arrays, write_csv, write_trajectories
 from ..ground.checks import counted
 from ..ground.display import WIDTH, TextTable, table_text, wrapped
 from ..ground.errors import InputError, MbconstrainedError
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from ..page.animation import Animation
     from ..page.content import Formulas, Plot
     from ..scene.run.certificate import Certificate
-    from ..scene.schema.entry_types import Table
     from .frequency import Frequency
 
 NOTHING_MOVES = "nothing moves: zero initial conditions and no excitation"
@@ -45,12 +44,11 @@ class Run(Analysis):
     """The motion of a scene, by the stages of its plan."""
 
     name = "run"
-    help = "Solve a scene and write its page, CSV and npz."
 
     @classmethod
-    def solve(cls, scene: Scene, settings: Table | None = None) -> RunAnswer:  # type: ignore[override]
-        """The answer; nothing is written."""
-        return run_scene(scene, None)
+    def answer(cls, scene: Scene, progress: Callable | None = None, *, folder: str | Path | None = None) -> RunAnswer:  # type: ignore[override]
+        """The answer, written into a folder unless it is None."""
+        return run_scene(scene, None if folder is None else Path(folder), progress)
 
 
 def run_scene(scene: Scene, folder: Path | None, progress: Callable[[Stage], None] | None = None) -> RunAnswer:
@@ -130,7 +128,7 @@ class RunAnswer(Result, Answer):
     def notices(self) -> tuple[Notice, ...]:
         """Notices on the answer, and doubts about it."""
         equations = self.scene.equations
-        notices = self.motion.equation_notices if self.system else with_units(self.motion, equations.coordinates)
+        notices = self.motion._equation_notices if self.system else with_units(self.motion, equations.coordinates)
         accuracy = (one for kind, estimate in self.error_estimates.items() for one in doubts_of(f"the {kind}", estimate))
         proved = self.certificate.notices if self.certificate else ()
         moves = np.ptp(self.values, axis=1).any() or any(notice.kind in (NoticeKind.JUMP, NoticeKind.IMPULSE) for notice in notices)
@@ -219,10 +217,10 @@ class RunAnswer(Result, Answer):
         lists = ["\n".join([title, *(f"  {line}" for line in lines)]) for title, lines in parts if lines]
         return [self.heading, *self.tables, *lists, f"Plan: {self.plan.totals()}"]
 
-    def as_json(self) -> dict:
-        """The answer as plain data."""
-        end = {"plan": self.plan.as_json(), "totals": self.plan.totals_as_json()}
-        return self.to_dict(self.files) | end
+    def to_dict(self, files: Sequence[Path] | None = None) -> dict:
+        """The answer as plain data, numbers in SI, with the plan and its costs; ``files`` are those written by default."""
+        end = {"plan": self.plan.to_list(), "totals": self.plan.totals_to_dict()}
+        return super().to_dict(self.files if files is None else files) | end
 
     @property
     def data(self) -> dict[str, Any]:
@@ -230,8 +228,8 @@ class RunAnswer(Result, Answer):
         equations, motion = self.scene.equations, self.motion
         return {
             "source": self.source,
-            **equations.as_json(self),
-            "coordinates": equations.coordinates.as_json(),
+            **equations.to_dict(self),
+            "coordinates": equations.coordinates.to_list(),
             "constraints": [
                 {"name": row.name, "level": row.level, "value": row.value if row.signal is None else "prescribed"}
                 for row in (self.system.rows if self.system else ())
@@ -257,7 +255,7 @@ class RunAnswer(Result, Answer):
             "error_estimate": self.error_estimate,
             "error_estimates": self.error_estimates,
             "evidence": [{"name": item.name, "value": item.value, "text": item.text} for item in motion.evidence],
-            **({"certificate": self.certificate.as_json()} if self.certificate else {}),
+            **({"certificate": self.certificate.to_dict()} if self.certificate else {}),
         }
 
     def _eigenvalues(self) -> Iterator[tuple[complex, int, dict]]:
@@ -299,7 +297,7 @@ class RunAnswer(Result, Answer):
                 arrays[key] = np.array(self.curves(kind).names)
         if equations.has_outputs_among_coordinates:
             arrays["outputs"] = np.array(equations.control.outputs.names)
-        arrays |= self.motion.start_arrays()
+        arrays |= self.motion._start_arrays()
         needed = {stage.name for stage in self.plan.needed}
         pairs = {name: getattr(self, f"{name}_pair") for name in ("finite", "infinite") if f"{name} pair" in needed}
         return arrays | {f"{name}_{key}": getattr(pair, key) for name, pair in pairs.items() for key in "CJB"}
@@ -332,22 +330,40 @@ class RunAnswer(Result, Answer):
         """Write curves, jumps, impulses and the Jordan pairs as NumPy arrays; the path is that of ``write_page``."""
         return self._written("npz", path, lambda path: write_arrays(path, self.arrays(), ".npz"))
 
+    def to_xarray(self):
+        """The curves of every kind over time and name, as an ``xarray.Dataset`` with units."""
+        return dataset_of(self.times, [self.curves(kind) for kind in self.kinds], self._more_arrays())
+
+    def columns(self) -> dict[str, dict[str, np.ndarray]]:
+        """The curves in the units of [output], as in the CSV file."""
+        curves = {head: values for block in self._all_shown for head, values in zip(block.heads, block.values)}
+        return {"": {"time (s)": self.times, **curves}}
+
     def write(  # type: ignore[override]
-        self, path: str | Path, *, excel: bool = False, geometry: Geometry | None = None, binary: bool = True
-    ) -> Path:
+        self,
+        path: str | Path,
+        formats: str | Iterable[str] | None = None,
+        *,
+        excel: bool = False,
+        geometry: Geometry | None = None,
+        binary: bool = True,
+    ) -> Path | list[Path]:
         """Write the curves in the format that the ending of the path names: .csv, .npz, .mat, .nc, .zarr, .uff or .unv.
 
         Args:
-            path: path of the file.
+            path: path of the file; with ``formats`` that of a folder.
+            formats: as in ``Answer.write``.
             excel, geometry, binary: as in ``Motion.write``.
 
         Returns:
-            The path.
+            The path; the paths of several formats.
 
         Raises:
             InputError: another ending, or an option of another format.
             MissingPackage: xarray for .nc, xarray and zarr for .zarr, pyuff for universal files.
         """
+        if formats is not None:
+            return super().write(path, formats)
         ending, arrays = Path(path).suffix.lower(), self._more_arrays()
         if ending == ".npz":
             return self.write_npz(path)

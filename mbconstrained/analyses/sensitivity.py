@@ -39,7 +39,6 @@ class Sensitivity(Analysis):
     """
 
     name = "sensitivity"
-    help = "Derivatives of frequencies and damping, sorted by influence."
     settings = VariedNames
     options: ClassVar = {"to": "--to"}
     writes = False

@@ -48,7 +48,6 @@ class Shock(Analysis):
     """
 
     name = "shock"
-    help = "Peaks under a shock, shock response spectra."
     settings = ShockTable
     options: ClassVar = {"damping_ratio": "--damping", "quality_factor": "--quality"}
     replaced: ClassVar = {

@@ -49,7 +49,7 @@ class Timing:
         """Timing of two successive runs, repeat by repeat."""
         return Timing(tuple(one + two for one, two in zip(self.seconds, other.seconds)))
 
-    def as_json(self) -> dict:
+    def to_dict(self) -> dict:
         low, high = self.quartiles
         return {"median": self.median, "lower_quartile": low, "upper_quartile": high, "repeats": len(self.seconds)}
 

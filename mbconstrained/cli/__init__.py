@@ -27,8 +27,6 @@ def main() -> None:
 @cache
 def application() -> typer.Typer:
     """The application with all commands, in the order of the help."""
-    from . import new
     from .commands import app
 
-    new.add_to(app)
     return app

@@ -7,7 +7,6 @@ import typing
 from contextlib import nullcontext
 from json import dumps
 from pathlib import Path
-from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
@@ -56,19 +55,28 @@ class Commands(TyperGroup):
     def list_commands(self, ctx) -> list[str]:
         """Names of all commands, with the analyses after the run."""
         names = super().list_commands(ctx)
-        place = names.index("run") + 1
-        return [*names[:place], *ANALYSES, *names[place:]]
+        place = names.index("run")
+        return [*names[:place], *ANALYSES, *names[place + 1 :]]
+
+    def format_commands(self, ctx, formatter) -> None:
+        """List the commands with a sentence each; no analysis is loaded."""
+        with formatter.section("Commands"):
+            rows = [
+                (name, ANALYSES[name][1] if name in ANALYSES else self.commands[name].short_help)
+                for name in self.list_commands(ctx)
+            ]
+            formatter.write_dl(rows)
 
     def get_command(self, ctx, cmd_name: str):
         """The command of this name, or None."""
-        if cmd_name not in ANALYSES:
+        if cmd_name in self.commands or cmd_name not in ANALYSES:
             return super().get_command(ctx, cmd_name)
         from . import compare
 
         analysis = load(cmd_name)
         alone = typer.Typer(add_completion=False, rich_markup_mode=None, context_settings=dict(self.context_settings))
         function_of = compare.command if hasattr(analysis, "of_runs") else command
-        alone.command(analysis.name, short_help=analysis.help)(function_of(analysis))
+        alone.command(analysis.name, short_help=ANALYSES[cmd_name][1])(function_of(analysis))
         return typer.main.get_command(alone)
 
 
@@ -77,7 +85,7 @@ def command(analysis: type[Analysis]):
     reads_records, entries = hasattr(analysis, "of_record"), dict(_entries(analysis))
     options = {f"{name}_": _option(*entry) for name, entry in entries.items()}  # "from" is a word of Python's grammar
     options |= {name: _option(flag, kind, text) for name, (flag, kind, text) in RECORD.items()} if reads_records else {}
-    page_option = _option("--page", "", f"Write NAME.{analysis.name}.html too.")
+    page_option = _option("--page", bool, f"Write NAME.{analysis.name}.html too.")
     common: dict[str, tuple[Any, Any]] = {} if analysis.writes else {"page": page_option}
     common |= {"out": (Out, "")} | ({"plots": (Plots, False)} if analysis.writes else {})
     common |= {
@@ -237,6 +245,8 @@ def _progress(counted: str):
 
 
 def _check_writable(folder: Path) -> None:
+    from tempfile import TemporaryFile
+
     with TemporaryFile(dir=next(one for one in (folder, *folder.absolute().parents) if one.exists())):
         pass
 

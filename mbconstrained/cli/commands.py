@@ -1,4 +1,4 @@
-"""The commands run, plan and check; each imports what it needs when it is called."""
+"""The commands run, plan, check, new and schema; each imports what it needs when it is called."""
 
 from __future__ import annotations
 
@@ -7,8 +7,22 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..analyses import ANALYSES
 from .analysis import Commands
-from .answer import FINE, NOT_TRUSTED, Compress, Json, Out, ScenePath, Settings, SharedViewer, answer, viewer_of
+from .answer import (
+    COMMAND_WRONG,
+    FINE,
+    NOT_TRUSTED,
+    Compress,
+    Json,
+    Out,
+    ScenePath,
+    Settings,
+    SharedViewer,
+    answer,
+    leave,
+    viewer_of,
+)
 
 if TYPE_CHECKING:
     from ..scene.run.scene import Scene
@@ -83,7 +97,7 @@ def _group(
     pass
 
 
-@app.command("run", short_help="Solve a scene and write its page, CSV and npz.")
+@app.command("run", short_help=ANALYSES["run"][1])
 def _run(
     scene: ScenePath,
     out: Out = "",
@@ -112,7 +126,7 @@ def _run(
         loaded = loaded if moment is None else loaded.with_still(moment)
         with stage_progress() as progress:
             result = loaded.run(Path(out or Path("results") / loaded.name), progress)
-        show(json, result.as_json, lambda: result.blocks() if verbose else overview(result, line_width()))
+        show(json, result.to_dict, lambda: result.blocks() if verbose else overview(result, line_width()))
         return FINE if result.is_trusted else NOT_TRUSTED
 
     answer(scene, json, work, settings)
@@ -138,7 +152,7 @@ def _planned(scene: Scene, json: bool) -> None:
     from .printing import show
 
     plan = scene.plan()
-    show(json, lambda: {"title": scene.heading, "plan": plan.as_json()}, lambda: [scene.heading, plan.table()])
+    show(json, lambda: {"title": scene.heading, "plan": plan.to_list()}, lambda: [scene.heading, plan.table()])
 
 
 def _measured(scene: Scene, json: bool) -> int:
@@ -149,7 +163,7 @@ def _measured(scene: Scene, json: bool) -> int:
     with TemporaryDirectory(prefix="mbconstrained-") as folder, stage_progress() as progress:
         result = scene.run(folder, progress)
     plan, doubts = result.plan, [notice for notice in result.notices if notice.doubtful]
-    data: dict = {"title": scene.heading, "plan": plan.as_json(), "totals": plan.totals_as_json()}
+    data: dict = {"title": scene.heading, "plan": plan.to_list(), "totals": plan.totals_to_dict()}
     data |= {"notices": [notice.to_dict() for notice in doubts], "trusted": result.is_trusted}
     show(json, lambda: data, lambda: [scene.heading, *plan.cost_tables(), *map(str, doubts)])
     return FINE if result.is_trusted else NOT_TRUSTED
@@ -192,3 +206,56 @@ def _moment(still: str) -> float | None:
     if browser() is None:
         raise typer.BadParameter(f"{NONE_INSTALLED}; install one, or leave it out", param_hint="--still")
     return time
+
+
+@app.command("new", short_help="Write a template of a scene, a comment on every line.")
+def _new(
+    file: Annotated[str, typer.Argument(metavar="FILE", help="The scene to write, a .toml; never one that is there.")] = "",
+    template: Annotated[
+        str, typer.Option("--template", metavar="NAME", help="Which; left out: the one that FILE is named after, or two-masses.")
+    ] = "",
+    listed: Annotated[bool, typer.Option("--list", help="List the templates.")] = False,
+) -> None:
+    """Write a scene from a template, in which a comment explains every line.
+
+    A file that is there is never overwritten. Change the values, and ask mbconstrained check whether all is right."""
+    from .new import template_table, write_template
+    from .printing import show_text
+
+    if not (listed or file):
+        raise typer.BadParameter("give the name of the scene to write, e.g. two-masses.toml, or --list", param_hint="FILE")
+
+    def work() -> int | None:
+        if listed:
+            show_text(template_table())
+            return None
+        try:
+            written = write_template(Path(file), template)
+        except FileExistsError as problem:
+            typer.echo(f"{problem.filename}: there is such a file already, and it is left as it is; give another name", err=True)
+            return COMMAND_WRONG
+        show_text(written)
+        return None
+
+    leave(file, False, work)
+
+
+@app.command("schema", short_help="Print the JSON Schema of scenes for editors.")
+def _schema(
+    out: Annotated[str, typer.Option("--out", metavar="FILE", help="Write into a file instead of printing.")] = "",
+    robot: Annotated[bool, typer.Option("--robot", help="The schema of a robot.toml instead of that of a scene.")] = False,
+) -> None:
+    """Print the JSON Schema of scenes, or of a robot.toml: every key with description and unit, for completion and checks."""
+    from ..scene.schema.scene_schema import EDITORS, schema_text
+    from .printing import show_text
+
+    def work() -> None:
+        if not out:
+            return show_text(schema_text(robot=robot))
+        from ..ground.files import replacing
+
+        with replacing(Path(out)) as temporary:
+            temporary.write_text(schema_text(robot=robot) + "\n", encoding="utf-8")
+        show_text(EDITORS.format(file=Path(out).as_posix(), name=Path(out).name, what="robot.toml" if robot else "scene"))
+
+    leave(Path(out).name or "schema", False, work)

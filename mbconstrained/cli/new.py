@@ -1,75 +1,14 @@
-"""The commands new and schema: templates of scenes, in which a comment explains every line, and the JSON Schemas for editors."""
+"""Templates of scenes, in which a comment explains every line."""
 
 from __future__ import annotations
 
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from ..ground.checks import nearest
 from ..ground.display import TextTable, table_text
 from ..ground.errors import InputError, quoted, shown
 from ..scene.schema.scene_schema import ROBOT_SCHEMA_FILE, SCHEMA_FILE
-from .answer import COMMAND_WRONG, leave
-
-
-def add_to(app: typer.Typer) -> None:
-    """Give the command line the two commands."""
-    app.command("new", short_help="Write a template of a scene, a comment on every line.")(_new)
-    app.command("schema", short_help="Print the JSON Schema of scenes for editors.")(_schema)
-
-
-def _new(
-    file: Annotated[str, typer.Argument(metavar="FILE", help="The scene to write, a .toml; never one that is there.")] = "",
-    template: Annotated[
-        str, typer.Option("--template", metavar="NAME", help="Which; left out: the one that FILE is named after, or two-masses.")
-    ] = "",
-    listed: Annotated[bool, typer.Option("--list", help="List the templates.")] = False,
-) -> None:
-    """Write a scene from a template, in which a comment explains every line.
-
-    A file that is there is never overwritten. Change the values, and ask mbconstrained check whether all is right."""
-    from .printing import show_text
-
-    if not (listed or file):
-        raise typer.BadParameter("give the name of the scene to write, e.g. two-masses.toml, or --list", param_hint="FILE")
-
-    def work() -> int | None:
-        if listed:
-            show_text(template_table())
-            return None
-        try:
-            written = write_template(Path(file), template)
-        except FileExistsError as problem:
-            typer.echo(f"{problem.filename}: there is such a file already, and it is left as it is; give another name", err=True)
-            return COMMAND_WRONG
-        show_text(written)
-        return None
-
-    leave(file, False, work)
-
-
-def _schema(
-    out: Annotated[str, typer.Option("--out", metavar="FILE", help="Write into a file instead of printing.")] = "",
-    robot: Annotated[bool, typer.Option("--robot", help="The schema of a robot.toml instead of that of a scene.")] = False,
-) -> None:
-    """Print the JSON Schema of scenes, or of a robot.toml: every key with description and unit, for completion and checks."""
-    from ..scene.schema.scene_schema import EDITORS, schema_text
-    from .printing import show_text
-
-    def work() -> None:
-        if not out:
-            return show_text(schema_text(robot=robot))
-        from ..ground.files import replacing
-
-        with replacing(Path(out)) as temporary:
-            temporary.write_text(schema_text(robot=robot) + "\n", encoding="utf-8")
-        show_text(EDITORS.format(file=Path(out).as_posix(), name=Path(out).name, what="robot.toml" if robot else "scene"))
-
-    leave(Path(out).name or "schema", False, work)
-
 
 DEFAULT = "two-masses"
 ROBOT = "pendulum"  # the files next to the template of a robot are named after it

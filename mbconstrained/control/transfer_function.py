@@ -521,7 +521,7 @@ class TransferFunctionResponse(Response):
         return (*self.fraction.notices, *_growth_left_out(self.fraction), *response_notices(self))
 
     @cached_property
-    def moved(self) -> tuple[Response, ...]:
+    def _moved(self) -> tuple[Response, ...]:
         """Solutions of the problem with data perturbed by about a rounding error, also with exact series at first."""
         if isinstance(self.gamma, ImpulsiveSmooth):
             return moved_responses(self)

@@ -28,6 +28,14 @@ def api() -> str:
     return "\n\n".join(f"## {title}\n\n" + "\n\n".join(map(_directive, group)) for title, group in groups.items())
 
 
+def methods() -> str:
+    """The methods of a scene that answer an analysis, each with its question."""
+    from mbconstrained.analyses import ANALYSES
+    from mbconstrained.scene.run.scene import METHOD_NAMES
+
+    return "\n".join(f"| `{METHOD_NAMES.get(name, name)}` | {help} |" for name, (_, help) in ANALYSES.items())
+
+
 def _directive(name: str) -> str:
     value = getattr(mb, name)
     kind, options = ("autoclass", ":members:\n") if inspect.isclass(value) else ("autofunction", "")
@@ -174,6 +182,7 @@ def _unit(unit) -> str:
 GENERATED = {
     "units": units,
     "api": api,
+    "methods": methods,
     "notices": notices,
     "exceptions": exceptions,
     "commands": commands,

@@ -247,7 +247,7 @@ class Exported:
         """
         times, names, _, units = _curves(self, times, empty=True)
         curves = []
-        for kind in checked_kinds(kinds, self.kinds):
+        for kind in checked_kinds(kinds, self._kinds):
             order, whole = RATES.index(kind), _whole(self)
             titles = tuple(derivative_name(units.get(name, ""), order) for name in names)
             rates = tuple(rate_unit(units[name], order) if name in units else "" for name in names)
@@ -255,9 +255,9 @@ class Exported:
         return tuple(curves)
 
     #: Kinds that ``trajectories`` and ``write`` accept.
-    kinds: ClassVar[tuple[str, ...]] = RATES
+    _kinds: ClassVar[tuple[str, ...]] = RATES
 
-    def start_arrays(self) -> dict[str, np.ndarray]:
+    def _start_arrays(self) -> dict[str, np.ndarray]:
         """Arrays by name: initial and jump (q, r), impulses (P, r); event_times (E,), event_jumps, event_impulses where there are."""
         return {"initial": self.initial, **_arrays_of_jumps(self.jump, self.impulses, self.events)}
 
@@ -290,7 +290,7 @@ class Exported:
         """
         curves = self.trajectories(times, kinds)
         times = real_array(times, "times", shape=(None,))
-        return write_trajectories(path, times, curves, self.start_arrays(), excel=excel, geometry=geometry, binary=binary)
+        return write_trajectories(path, times, curves, self._start_arrays(), excel=excel, geometry=geometry, binary=binary)
 
 
 def _curves(x, times, empty: bool = False) -> tuple[np.ndarray, tuple[str, ...], np.ndarray, dict[str, str]]:

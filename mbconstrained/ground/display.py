@@ -5,12 +5,12 @@ from __future__ import annotations
 import html
 import math
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from itertools import zip_longest
 from pathlib import Path
 from textwrap import TextWrapper
-from typing import Any, ClassVar
 
 from .errors import InputError
 from .notices import Notice
@@ -76,11 +76,12 @@ class Displayed:
 class Presented(Displayed):
     """A public object with a static page.
 
-    Pages are made by rooms that import this one: the package's own first file sets ``presentation``, which imports them when
-    a page is asked for.
+    Pages are made by a room above this one, which is looked up by its name when a page is requested.
     """
 
-    presentation: ClassVar[Callable[[], Any]]
+    @staticmethod
+    def _presentation():
+        return import_module(f"{__package__.partition('.')[0]}.analyses.python_models")
 
     def write_page(self, path, **options) -> Path:
         """Write the static HTML page with animation, plots and tables.
@@ -98,7 +99,7 @@ class Presented(Displayed):
         Raises:
             InputError: an unknown kind of curve, an end that is no positive number, wrong entries of the drawing.
         """
-        return type(self).presentation().write_page(self, path, **options)
+        return self._presentation().write_page(self, path, **options)
 
     def view(self, height: int = 700, **options):
         """The page in a frame, for notebooks.
@@ -110,34 +111,7 @@ class Presented(Displayed):
         Returns:
             An object that a notebook shows as the page.
         """
-        return type(self).presentation().view(self, height, **options)
-
-
-class Studied(Displayed):
-    """A public object of studies; the package's ``__init__`` sets ``studies``."""
-
-    studies: ClassVar[Callable[[str], Any]]
-
-    def sweep(self, parameters=None, **options):
-        """A study of many samples of parameters, which ``run`` computes.
-
-        >>> import mbconstrained as mb
-        >>> scene = mb.read_scene("examples/tuned_mass_damper.toml")
-        >>> study = scene.sweep({"zeta": mb.linspace(0.1, 0.2, 3)}, keep=["response peaks"])
-        >>> study, study.run().values("response peak")[:, 0].round(7).tolist()
-        (Sweep(tuned_mass_damper, 3 samples of zeta), [7.13e-05, 6.64e-05, 8.38e-05])
-        """
-        return type(self).studies("sweep").sweep(self, parameters, **options)
-
-    def optimise(self, parameters=None, **options):
-        """Minimise or maximise a scalar quantity over parameters between bounds.
-
-        >>> import mbconstrained as mb
-        >>> scene = mb.read_scene("examples/tuned_mass_damper.toml")
-        >>> round(scene.optimise({"zeta": "0.1..0.2"}, minimise="response peak machine by machine").parameters["zeta"], 4)
-        0.1339
-        """
-        return type(self).studies("optimisation").optimise(self, parameters, **options)
+        return self._presentation().view(self, height, **options)
 
 
 def notice_table(notices: Sequence[Notice]) -> TextTable:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..control.state_space import StateSpace
 from ..ground.coordinate_units import force_unit, rate_unit
 from .channels import Channel, channels, chosen_by_name, coordinate_channels, row_channels
 from .equations import EquationsOfMotion
+
+if TYPE_CHECKING:
+    from ..control.state_space import StateSpace
 
 #: Suffixes of states and outputs of a coordinate: x, x', x''.
 RATES = ("", " velocity", " acceleration")
@@ -88,6 +90,8 @@ def to_state_space(
     units = dict(zip(states, [*unit_of_states, *(force_unit(row.unit) for row in rows)]))
     units |= {one.name: one.unit for one in (*named_inputs, *chosen)}
     input_names, output_names = [one.name for one in named_inputs], [one.name for one in chosen]
+    from ..control.state_space import StateSpace
+
     return StateSpace(J, B, C, None, E, states, input_names, output_names, units)
 
 

@@ -447,7 +447,17 @@ class EquationsOfMotion(Displayed):
         """The system's own force and another, as a function of time or a constant vector."""
         if force is None:
             return self.force
+        if isinstance(force, Mapping) and any(isinstance(one, ImpulsiveSmooth) for one in force.values()):
+            return sum((self._row_signal(name, one) for name, one in force.items()), self.force)
         return self.force + self._signal(force if isinstance(force, ImpulsiveSmooth) else step(self._vector(force, "force")))
+
+    def _row_signal(self, name: str, force) -> ImpulsiveSmooth:
+        """A force on one coordinate: a function of time with one row, or a number."""
+        if not isinstance(force, ImpulsiveSmooth):
+            return step(self._vector({name: force}, "force"))
+        if force.size != 1:
+            raise InputError(f"force of {name}: found {force.size} rows; expected one, as of mb.step(5.0)")
+        return force.mapped(self._vector({name: 1.0}, "force")[:, None])
 
     def _signal(self, signal: ImpulsiveSmooth) -> ImpulsiveSmooth:
         if signal.size != self.size:

@@ -16,7 +16,7 @@ from scipy.linalg import lapack
 
 from ..exchange.trajectories import write_arrays
 from ..exchange.universal import UNIVERSAL, Geometry, write_modes
-from ..ground.checks import counted, whole_number
+from ..ground.checks import counted, nearest, whole_number
 from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Presented, TextTable, notice_table
 from ..ground.errors import InputError
@@ -163,7 +163,17 @@ class Modes(Presented, Sequence):
         return len(self.modes)
 
     def __getitem__(self, index):
-        """A ``Mode``; for a slice ``Modes``."""
+        """A ``Mode``; for a slice ``Modes``; for the name of a coordinate its part of the shapes of the oscillating modes, shape (m,).
+
+        >>> from mbconstrained import MechanicalSystem
+        >>> modes = MechanicalSystem([[1.0, 0], [0, 1.0]], stiffness=[[2.0, -1], [-1, 2.0]], names=["cart", "load"]).modes()
+        >>> bool(np.isclose(abs(modes["cart"][0]), abs(modes["load"][0])))
+        True
+        """
+        if isinstance(index, str):
+            if index not in self.names:
+                raise InputError(f'modes: there is no coordinate "{index}"{nearest(index, self.names)}')
+            return self.shapes[self.names.index(index)]
         if not isinstance(index, slice):
             return self.modes[index]
         return Modes(self.modes[index], self.names, polynomial_matrix=self.polynomial_matrix, system=self.system)

@@ -220,7 +220,7 @@ class Motion(SystemMotion, Response):
     system: EquationsOfMotion
     applied: ImpulsiveSmooth
 
-    kinds = (*RATES, "reaction")
+    _kinds = (*RATES, "reaction")
 
     def trajectories(self, times, kinds: Sequence[str] = RATES[:1]) -> tuple[Curves, ...]:
         """Curves of the motion at given times, reactions (multipliers of the constraint rows) included.
@@ -272,19 +272,19 @@ class Motion(SystemMotion, Response):
     @cached_property
     def reaction_function(self) -> BohlFunction:
         """lambda for t > 0 in closed form, k rows."""
-        return self.reaction_of(self)
+        return self._reaction_of(self)
 
-    def reaction_of(self, response: Response) -> BohlFunction:
+    def _reaction_of(self, response: Response) -> BohlFunction:
         """Return the reaction function of another response of the system to the same forces."""
         function = reaction_function(self.system, response, self.applied)
-        if response is not self or not self.is_decided_exactly:
+        if response is not self or not self._is_decided_exactly:
             return function
         return ProvedFunction(function, partial(getattr, self, "_exact_reaction"), self.solution.finite_count, None)
 
     @cached_property
     def _constraint_loads(self) -> tuple[ImpulsiveLoad, ...]:
         loads = reaction_impulses(self.system, self, self.applied)
-        if not self.is_decided_exactly:
+        if not self._is_decided_exactly:
             return loads
         none = np.zeros((len(self.initial), len(self.system.rows)))
         events = [proved_event(self._exact_reaction, Event(load.time, none, load.impulses), none) for load in loads]
@@ -388,7 +388,7 @@ class Motion(SystemMotion, Response):
 
         def view(x: Response) -> BohlFunction:
             total = order + (own or 0)
-            function = x.function if own is not None else self.reaction_of(x)
+            function = x.function if own is not None else self._reaction_of(x)
             return function.derivative(total) if total else function
 
         return error_estimate(self, times, view)
@@ -398,11 +398,11 @@ class Motion(SystemMotion, Response):
     def notices(self) -> tuple[Notice, ...]:
         """Violated rows, jumps, impulses, drift and doubtful decisions, with names and units; of a robot also a motion that is too
         large for linear equations."""
-        return (*self.equation_notices, *self.system.range_notices(self))
+        return (*self._equation_notices, *self.system.range_notices(self))
 
     @cached_property
     @within_float64()
-    def equation_notices(self) -> tuple[Notice, ...]:
+    def _equation_notices(self) -> tuple[Notice, ...]:
         """Notices on the equations, except on the range in which they represent the model."""
         at_start = (Event(0.0, self.jump, self.impulses), ImpulsiveLoad(0.0, self.constraint_impulses))
         return (
@@ -434,7 +434,7 @@ class Motion(SystemMotion, Response):
 def motion_of(system: EquationsOfMotion, start: np.ndarray, applied: ImpulsiveSmooth, rank_tolerance, request: Request) -> Motion:
     """The motion from x(0-), x'(0-) in the rows of start, shape (2, n), under all forces, n rows."""
     form = system.constrained_form()
-    x = Response.solved(Problem.checked(form.polynomial_matrix, start, form.force(applied), rank_tolerance), request)
+    x = Response._solved(Problem.checked(form.polynomial_matrix, start, form.force(applied), rank_tolerance), request)
     return Motion(x.problem, x.solution, system, applied)
 
 

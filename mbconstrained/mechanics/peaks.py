@@ -64,7 +64,7 @@ class EffectiveMasses(Displayed):
         note = "oscillations without damping, by frequency; all: of all motions relative to the base; in brackets: the share up to here"
         return TextTable("Effective modal masses", ("mode", "Hz", *titles), tuple(rows), note)
 
-    def as_json(self) -> dict:
+    def to_dict(self) -> dict:
 
         return {
             "directions": list(self.directions),

@@ -102,7 +102,8 @@ class MechanicalSystem(EquationsOfMotion):
         Args:
             displacement, velocity: x and x' at 0-, shape (n,), or a mapping from names to numbers, zero for the others. Of
                 shape (S, n): S motions at once; what is given only once is common to them.
-            force: f in addition to the system's own, as an ImpulsiveSmooth with n rows or a constant vector; or S of them.
+            force: f in addition to the system's own, as an ImpulsiveSmooth with n rows, a constant vector, or a mapping from names to
+                numbers and to functions of one row, such as {"cart": mb.step(5.0)}; or S of them.
             rank_tolerance: see ``mbconstrained.solve``. Arrays only.
             count: the number of modes of lowest frequency in the motion, 50 by default. Sparse matrices only.
             evaluations: see ``mbconstrained.solve``; the motion of sparse matrices is always evaluated by its modes.

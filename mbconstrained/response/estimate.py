@@ -372,15 +372,15 @@ def _phase(function: BohlFunction, times: np.ndarray, largest: float) -> float:
 def _estimate_by_trials(x: SolvedProblem, times: np.ndarray, values: np.ndarray, largest: float, view) -> float:
     """Error estimate from perturbed problems, for the values at these times, relative to the largest of all."""
     function = view(x)
-    change = max(_largest_change(lambda other=other: view(other)(times) - values, largest) for other in x.moved)
-    written = 0.0 if x.written is None else _largest_change(lambda: view(x.written)(times) - values, largest)
+    change = max(_largest_change(lambda other=other: view(other)(times) - values, largest) for other in x._moved)
+    written = 0.0 if x._written is None else _largest_change(lambda: view(x._written)(times) - values, largest)
     change = max(change, written if written > ROUNDED_FREE * largest else 0.0)
     summed = EPS * summands(function, times) / largest
     safety = PRECISE_SAFETY if x.solution.is_precise else SAFETY
     estimate = _relative_to_truth(max(safety * (change / largest), _phase(function, times, largest), summed))
     if x.solution.has_clear_ranks:
         return max(estimate, LEAST)
-    other = x.decided_otherwise
+    other = x._decided_otherwise
     if other is None:
         return max(estimate, UNCLEAR_ERROR)
     return max(estimate, LEAST, _relative_to_truth(_largest_change(lambda: view(other)(times) - values, largest) / largest))

@@ -55,7 +55,7 @@ class Response(Exported, Presented):
     solution: PairSolution | ReducedSolution
 
     @classmethod
-    def solved(cls, problem: Problem, request: Request = Request()) -> Response:
+    def _solved(cls, problem: Problem, request: Request = Request()) -> Response:
         """Return the solution of a problem by the method chosen for it.
 
         Args:
@@ -76,7 +76,7 @@ class Response(Exported, Presented):
             return Response(problem, PairSolution.of(problem, method, A.jordan_pairs(problem.rank_tolerance)))
 
     @classmethod
-    def by_pairs(cls, pairs: JordanPairs, initial: np.ndarray, force: ImpulsiveSmooth) -> Response:
+    def _by_pairs(cls, pairs: JordanPairs, initial: np.ndarray, force: ImpulsiveSmooth) -> Response:
         """Return the solution from given pairs, complete values at 0- of shape (q, r) and force.
 
         Args:
@@ -130,10 +130,10 @@ class Response(Exported, Presented):
     def _events(self) -> tuple[Event, ...]:
         """The event at t = 0, with or without jumps, and the later ones."""
         events = Event(0.0, self.solution.jump, self.solution.impulses), *self.solution.events
-        return tuple(proved_event(self.exact, event, self.initial) for event in events) if self.is_decided_exactly else events
+        return tuple(proved_event(self.exact, event, self.initial) for event in events) if self._is_decided_exactly else events
 
     @cached_property
-    def kinks(self) -> tuple[Event, ...]:
+    def _kinks(self) -> tuple[Event, ...]:
         """Events at which the excitation is continuous and its slope jumps, as between the samples of a record."""
         return kinks_of(self.events, self.force)
 
@@ -143,16 +143,16 @@ class Response(Exported, Presented):
         return isinstance(self.function, ProvedFunction) and self.function.is_provable
 
     @cached_property
-    def doubts(self) -> tuple[Notice, ...]:
+    def _doubts(self) -> tuple[Notice, ...]:
         """Equations and values at 0+ that the float64 solution satisfies to less than half of the digits."""
         return tuple(unsatisfied(self))
 
     @cached_property
-    def is_decided_exactly(self) -> bool:
+    def _is_decided_exactly(self) -> bool:
         """Whether float64 leaves a doubt about a rank or a residual that the exact engine settles, with its jumps and impulses."""
-        if self.unproved or self.method.flow is not None:
+        if self._unproved or self.method.flow is not None:
             return False
-        return bool(self.doubts or any(notice.doubtful for notice in self.solution.notices)) and self.is_proved
+        return bool(self._doubts or any(notice.doubtful for notice in self.solution.notices)) and self.is_proved
 
     def plot(self, axes=None, quantity: str = "displacement", **options):
         """Draw the curves of a quantity over time with Matplotlib.
@@ -168,10 +168,10 @@ class Response(Exported, Presented):
         Raises:
             InputError: an unknown quantity.
         """
-        return type(self).presentation().plot(self, axes, quantity, **options)
+        return self._presentation().plot(self, axes, quantity, **options)
 
     def _repr_html_(self) -> str:
-        return super()._repr_html_() + type(self).presentation().picture(self)
+        return super()._repr_html_() + self._presentation().picture(self)
 
     def _summary(self) -> str:
         names, jumps = self.polynomial_matrix.coordinates, int(self.jump.any(axis=0).sum())
@@ -215,14 +215,14 @@ class Response(Exported, Presented):
     def function(self) -> BohlFunction:
         """The regular part as a Bohl function C e^{J t} v, of a small model with values that are proved (``response.methods.proved``)."""
         with within_float64():
-            return self.solution.function if self.unproved else self._proved_function
+            return self.solution.function if self._unproved else self._proved_function
 
     def __getstate__(self) -> dict:
         """State for pickling without exact solutions, whose numbers cannot be pickled: they are computed again."""
         return {name: value for name, value in self.__dict__.items() if not name.startswith("exact")}
 
     @cached_property
-    def unproved(self) -> str:
+    def _unproved(self) -> str:
         """The reason why the values are not proved to be accurate; empty where they are."""
         return unproved(self.problem)
 
@@ -242,7 +242,7 @@ class Response(Exported, Presented):
         return Rounding(tuple(lost), np.zeros(A.size))
 
     @property
-    def coupling(self) -> float:
+    def _coupling(self) -> float:
         """The largest entry of the transformation that separates the modes."""
         return self.solution.coupling
 
@@ -301,7 +301,7 @@ class Response(Exported, Presented):
         order = whole_number(order, "order")
         return error_estimate(self, times, lambda x: x.derivative(order) if order else x.function)
 
-    def estimates_without_trials(self, times: np.ndarray) -> np.ndarray | None:
+    def _estimates_without_trials(self, times: np.ndarray) -> np.ndarray | None:
         """Return estimates of max |error| / max |x| at some times; None where they require solutions of perturbed problems."""
         return errors_at(self.solution.function, times)
 
@@ -345,18 +345,18 @@ class Response(Exported, Presented):
         return enclosure.with_notices(structure_notices(self.solution.finite_count, self.exact))
 
     @cached_property
-    def moved(self) -> tuple[Response, ...]:
+    def _moved(self) -> tuple[Response, ...]:
         """Solutions of the problem with data perturbed by about a rounding error (``response.estimate``)."""
         return moved_responses(self)
 
     @cached_property
-    def written(self) -> Response | None:
+    def _written(self) -> Response | None:
         """The solution for the given data, where entries counted as zero at s = 0 (``response.estimate``)."""
         as_written = self.solution.as_written
-        return None if as_written is None else Response.by_pairs(as_written, self.initial, self.force)
+        return None if as_written is None else Response._by_pairs(as_written, self.initial, self.force)
 
     @cached_property
-    def decided_otherwise(self) -> Response | None:
+    def _decided_otherwise(self) -> Response | None:
         """The solution with the alternative rank, where a rank decision dropped entries near its bound.
 
         None where no decision is in doubt, or a value that was kept is, or that solution is in doubt itself.
@@ -364,7 +364,7 @@ class Response(Exported, Presented):
         if self.problem.rank_tolerance is not None or not self.solution.dropped_near_bound:
             return None
         try:
-            other = Response.solved(replace(self.problem, rank_tolerance=0.0), Request(self.method.evaluations))
+            other = Response._solved(replace(self.problem, rank_tolerance=0.0), Request(self.method.evaluations))
             return None if any(notice.doubtful for notice in other.notices) else other
         except MbconstrainedError:
             return None
@@ -397,4 +397,4 @@ def start_after(initial: np.ndarray, jump: np.ndarray) -> np.ndarray:
 def moved_responses(x: Response) -> tuple[Response, ...]:
     """Solutions of the problem of x with its data perturbed by about a rounding error."""
     request = Request(x.method.evaluations)
-    return tuple(Response.solved(x.problem.moved(seed), request) for seed in range(TRIALS))
+    return tuple(Response._solved(x.problem.moved(seed), request) for seed in range(TRIALS))

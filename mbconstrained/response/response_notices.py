@@ -46,7 +46,7 @@ def remaining_notices(x: SolvedProblem) -> tuple[Notice, ...]:
 
     A rank of a small model that the exact data have not keeps its notice, which names the entry that decides.
     """
-    notices, doubts = x.solution.notices, x.doubts
+    notices, doubts = x.solution.notices, x._doubts
     ranks = any(notice.doubtful and notice.kind == NoticeKind.RANK for notice in notices)
     if (doubts or any(notice.doubtful for notice in notices)) and x.is_proved:
         return tuple(notice for notice in notices if not notice.doubtful)
@@ -56,7 +56,7 @@ def remaining_notices(x: SolvedProblem) -> tuple[Notice, ...]:
             replace(one, text=one.text + evidence, doubtful=False) if one.kind == NoticeKind.RANK else one for one in notices
         )
         ranks = False
-    if ranks and not x.unproved:
+    if ranks and not x._unproved:
         from ..exact.enclosure.exact_response import deciding_entry
 
         entry = deciding_entry(x.polynomial_matrix)
@@ -75,7 +75,7 @@ def _without_digits(x: SolvedProblem) -> Iterator[Notice]:
     Where only late values are so, those of a motion that rounding errors excite and that grows, it is no doubt of the earlier ones.
     """
     function = x.solution.function
-    if not x.unproved or not len(function.blocks):
+    if not x._unproved or not len(function.blocks):
         return
     rates = np.abs(zeros_of(function.blocks))
     moving = rates[rates > 0]
@@ -83,7 +83,7 @@ def _without_digits(x: SolvedProblem) -> Iterator[Notice]:
         return
     times = np.clip(np.geomspace(1.0 / moving.max(), 10.0 / moving.min(), ESTIMATED_TIMES), *TESTED_RANGE)
     try:
-        errors = x.estimates_without_trials(times)
+        errors = x._estimates_without_trials(times)
     except (Overflow, IllConditioned):
         return
     if errors is None:
@@ -99,7 +99,7 @@ def _without_digits(x: SolvedProblem) -> Iterator[Notice]:
 
 def _change_by_ranks(x: SolvedProblem) -> float | None:
     """Change of the values by the alternative rank decision, relative to the largest of each coordinate; None where unknown."""
-    other = x.decided_otherwise
+    other = x._decided_otherwise
     if other is None:
         return None
     times = x.solution.sums(1)[0]
@@ -145,21 +145,21 @@ def _later(x: SolvedProblem):
 
 def without_kinks(x: SolvedProblem) -> list[Event]:
     """The events after t = 0, except kinks of the excitation."""
-    kinks = {event.time for event in x.kinks}
+    kinks = {event.time for event in x._kinks}
     return [event for event in x.events if event.time not in kinks]
 
 
 def kink_notices(x: SolvedProblem, jump_text: Callable[[int, int, float], str]) -> Iterator[Notice]:
     """One notice on all kinks of the excitation after t = 0, with the largest jump of each derivative."""
-    if x.kinks:
-        largest = np.abs([event.jump for event in x.kinks]).max(axis=0)
+    if x._kinks:
+        largest = np.abs([event.jump for event in x._kinks]).max(axis=0)
         order = next(k for k, row in enumerate(largest) if row.any())
         ranked = sorted(np.flatnonzero(largest[order]), key=lambda i: -largest[order, i])
         texts = [jump_text(i, order, largest[order, i]) for i in ranked[:MOST_KINK_NAMES]]
         more = f" and {len(ranked) - len(texts)} others by less" if len(ranked) > len(texts) else ""
-        times = f"at {len(x.kinks)} times from t = {x.kinks[0].time:.6g} s to t = {x.kinks[-1].time:.6g} s"
-        when = times if len(x.kinks) > 1 else f"at t = {x.kinks[0].time:.6g} s"
-        most = "at most " if len(x.kinks) > 1 else ""
+        times = f"at {len(x._kinks)} times from t = {x._kinks[0].time:.6g} s to t = {x._kinks[-1].time:.6g} s"
+        when = times if len(x._kinks) > 1 else f"at t = {x._kinks[0].time:.6g} s"
+        most = "at most " if len(x._kinks) > 1 else ""
         yield Notice(
             NoticeKind.KINK, f"{when} the slope of the excitation jumps, its value does not: {most}the {', the '.join(texts)}{more}"
         )
@@ -289,7 +289,7 @@ def unsatisfied(x: SolvedProblem) -> Iterator[Notice]:
             noise = noise + own @ rounding + (uncertainty + (x.problem.rank_tolerance or 0.0) * own) @ np.abs(values)
         broken = (np.abs(residual) > np.maximum(EPS**0.5 * terms, noise)) & (terms > 0)
         lost = [(np.abs(off) > np.maximum(EPS**0.5 * size, rounding)) & (size > 0) for off, size, rounding in starts]
-        if x.unproved and (broken.any() or any(row.any() for row in lost)):
+        if x._unproved and (broken.any() or any(row.any() for row in lost)):
             moved = _moved_by_rounding(x, times)
             broken &= np.abs(residual) > sum(np.abs(coefficient) @ change for coefficient, change in zip(A.coefficients, moved))
             lost = [row & (np.abs(off) > change[:, 0]) for row, (off, *_), change in zip(lost, starts, moved)]
@@ -316,7 +316,7 @@ def _moved_by_rounding(x: SolvedProblem, times: np.ndarray) -> list[np.ndarray]:
     """
     count = x.polynomial_matrix.degree + 1
     try:
-        sums = [one.solution.sums(count, times) for one in x.moved]
+        sums = [one.solution.sums(count, times) for one in x._moved]
     except Overflow:
         return [np.zeros((x.polynomial_matrix.size, len(times)))] * count
     return [NOISE_SAFETY * np.ptp([rows[order] @ states for _, rows, states, _ in sums], axis=0) for order in range(count)]

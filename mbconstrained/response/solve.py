@@ -164,7 +164,7 @@ class Responses(Displayed):
         return (self[index] for index in range(len(self)))
 
     def _solved(self, initial: np.ndarray, force: ImpulsiveSmooth) -> Response:
-        return Response.solved(Problem(self.polynomial_matrix, initial, force, self.rank_tolerance), self.request)
+        return Response._solved(Problem(self.polynomial_matrix, initial, force, self.rank_tolerance), self.request)
 
     def __call__(self, times) -> np.ndarray:
         """Return all responses at a time (-> shape (S, r)) or at times (T,) (-> (S, r, T)); t = 0 means 0+.
@@ -241,7 +241,7 @@ class Responses(Displayed):
                 if first.method.flow is not None:
                     jumps[members] = first.method.flow.jumps(self.initial[members])
                     continue
-                if first.is_decided_exactly:
+                if first._is_decided_exactly:
                     for member in members:
                         jumps[member], impulses[member] = self[int(member)].jump, self[int(member)].impulses
                     continue
@@ -404,7 +404,7 @@ def solve(
     request = Request(evaluations)
     if _is_family(initial, force):
         return solve_many(checked_matrix(A), initial, force, rank_tolerance, request)
-    return Response.solved(Problem.checked(A, initial, force, rank_tolerance), request)
+    return Response._solved(Problem.checked(A, initial, force, rank_tolerance), request)
 
 
 def _is_family(initial, force) -> bool:

@@ -175,9 +175,9 @@ def harmonic(
 
 
 def _vector(value) -> np.ndarray:
-    if np.ndim(value) == 0 and not isinstance(value, str):
-        raise InputError(f"vector: found {value!r}; expected a list with one number for each row, e.g. [1.0, 0.0]")
-    return real_array(value, "vector", shape=(None,))
+    """The vector; a number is one row."""
+    number = np.ndim(value) == 0 and value is not None and not isinstance(value, str)
+    return real_array([value] if number else value, "vector", shape=(None,))
 
 
 def _chain(coefficients, diagonal, power, origin) -> ImpulsiveSmooth:

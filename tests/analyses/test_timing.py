@@ -10,7 +10,7 @@ from mbconstrained.analyses.timing import Timing, duration, machine, timed, with
 def test_median_and_quartiles():
     timing = Timing((4.0, 1.0, 2.0, 3.0, 100.0))
     assert timing.median == 3.0 and timing.quartiles == (2.0, 4.0)
-    assert timing.as_json() == {"median": 3.0, "lower_quartile": 2.0, "upper_quartile": 4.0, "repeats": 5}
+    assert timing.to_dict() == {"median": 3.0, "lower_quartile": 2.0, "upper_quartile": 4.0, "repeats": 5}
     assert Timing((2.0,)).quartiles == (2.0, 2.0)
 
 

@@ -49,8 +49,15 @@ def loaded_by(statement: str) -> set[str]:
 )
 def test_the_mathematics_loads_nothing_heavy(statement):
     loaded = loaded_by(statement)
-    assert "numpy" in loaded
+    assert ("numpy" in loaded) == ("solve" in statement)
     assert not loaded & set(HEAVY)
+
+
+@pytest.mark.parametrize("options", [["--help"], ["run", "--help"]])
+def test_help_loads_no_mathematics(options):
+    statement = f"from mbconstrained import cli; sys.argv = ['mbconstrained', *{options}]; import io; out, sys.stdout = sys.stdout, io.StringIO()"
+    loaded = loaded_by(f"{statement}\ntry: cli.main()\nexcept SystemExit as left: assert not left.code\nsys.stdout = out")
+    assert not loaded & {"numpy", "scipy", "flint", "rich"}
 
 
 def test_importing_leaves_out_the_parts_of_scipy_that_few_need():

@@ -96,5 +96,8 @@ def test_a_function_as_force_is_answered():
 
 def test_a_quantity_in_python_is_answered():
     model = mb.LumpedModel()
-    with pytest.raises(mb.InputError, match="found .2 kg.; expected a number in SI units without quotes; texts with units belong"):
-        model.mass("b", "2 kg")
+    model.mass("b", "2 kg")
+    model.spring("ground", "b", 8.0)
+    assert model.assemble().mass.item() == 2.0
+    with pytest.raises(mb.InputError, match="found .2 N.; expected a number in SI units without quotes; texts with units belong"):
+        mb.step("2 N")

@@ -74,7 +74,7 @@ def fitting_start(system: mb.MechanicalSystem, seed: int = 0) -> tuple[np.ndarra
 
 def general(x: Response) -> Response:
     """The answer to the same problem through the pencil of A(s)."""
-    return Response.by_pairs(x.polynomial_matrix.jordan_pairs(), x.initial, x.force)
+    return Response._by_pairs(x.polynomial_matrix.jordan_pairs(), x.initial, x.force)
 
 
 def difference(found, expected) -> float:

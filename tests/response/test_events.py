@@ -262,7 +262,7 @@ def test_kinks_of_a_record_are_one_sentence():
     model.prescribe("road", mb.sampled(np.arange(11.0), [np.append(0.0, np.arange(10.0) % 3 + 1)]))
     motion = model.assemble().solve()
     kinds = [notice.kind for notice in motion.notices]
-    assert [event.time for event in motion.events] == [3.0, 4.0, 6.0, 7.0, 9.0, 10.0] and len(motion.kinks) == 5
+    assert [event.time for event in motion.events] == [3.0, 4.0, 6.0, 7.0, 9.0, 10.0] and len(motion._kinks) == 5
     assert kinds.count("kink") == 1 and all("t = 10 s" in n.text or "t = 0" in n.text for n in motion.notices if n.kind == "jump")
     (kink,) = (notice.text for notice in motion.notices if notice.kind == "kink")
     assert "at 5 times from t = 3 s to t = 9 s" in kink and "velocity of road by 3 m/s" in kink
@@ -274,4 +274,4 @@ def test_steps_and_impulses_are_no_kinks():
     model = mb.LumpedModel()
     model.node("rod")
     model.prescribe("rod", f)
-    assert [event.time for event in model.assemble().solve().kinks] == [1.0]
+    assert [event.time for event in model.assemble().solve()._kinks] == [1.0]

@@ -55,7 +55,7 @@ def test_the_two_ways_to_solve_agree_between_the_samples_too(count):
     start = np.zeros((2, COUNT))
     start[0] = np.sin(np.arange(COUNT))
     asked = np.union1d(np.append(times, times[:-1] + 0.4 * np.diff(times)), [1e-5, times[-1] + 3.0])
-    reduced, general = mb.solve(A, start, force), Response.by_pairs(A.jordan_pairs(), start, force)
+    reduced, general = mb.solve(A, start, force), Response._by_pairs(A.jordan_pairs(), start, force)
     for one, other in ((reduced, general), (reduced.derivative(1), general.derivative(1))):
         assert np.abs(one(asked) - other(asked)).max() <= 1e-12 * np.abs(other(asked)).max()
 

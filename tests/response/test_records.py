@@ -107,7 +107,7 @@ def test_values_and_derivatives_are_those_of_the_general_route(order):
     force = mb.sampled(knots, samples_on((3, 20), knots)) + steady
     start = RANDOM.normal(size=(2, COUNT))
     asked = np.sort(RANDOM.uniform(0.0, 1.3 * knots[-1], 300))
-    ways = mb.solve(A, start, force), Response.by_pairs(A.jordan_pairs(), start, force)
+    ways = mb.solve(A, start, force), Response._by_pairs(A.jordan_pairs(), start, force)
     found, known = (x.derivative(order)(asked) for x in ways)
     assert np.abs(found - known).max() <= 1e-12 * np.abs(known).max()
 
@@ -150,7 +150,7 @@ def test_coordinates_without_mass_follow_a_record_too():
     A, knots = mb.PolynomialMatrix([K, C, M]), 0.3 * np.arange(200)
     force = mb.sampled(knots, samples_on((5, COUNT - 2), knots))
     asked = np.concatenate([knots, knots[:-1] + 0.11, [70.0]])
-    x, known = mb.solve(A, force=force), Response.by_pairs(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
+    x, known = mb.solve(A, force=force), Response._by_pairs(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
     for _ in range(2):
         assert np.abs(x(knots) - known[:, :200]).max() <= 1e-12 * np.abs(known).max()
         assert np.abs(x(asked) - known).max() <= 1e-12 * np.abs(known).max()
@@ -163,7 +163,7 @@ def test_a_record_that_is_coarse_beside_the_motion_is_evaluated_in_parts_of_its_
     x, asked = mb.solve(A, force=force), np.append(np.linspace(0.0, 101 * gap, 77), knots)
     pieces = record_of(x.function.flow)
     assert (pieces and pieces.parts) == parts
-    known = Response.by_pairs(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
+    known = Response._by_pairs(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
     assert np.abs(x(asked) - known).max() <= 1e-11 * np.abs(known).max()
 
 
@@ -200,7 +200,7 @@ def test_pauses_between_records_are_gone_through_freely():
     force, asked = mb.sampled(knots, values), np.array([10.0, 31.5, 31.7, 400.0, 899.9, 900.0, 905.0, 931.6, 2000.0])
     x = mb.solve(A, force=force)
     assert record_of(x.function.flow).long.sum() == 2
-    known = Response.by_pairs(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
+    known = Response._by_pairs(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
     assert np.abs(x(asked) - known).max() <= 1e-11 * np.abs(known).max()
 
 
@@ -214,7 +214,7 @@ def test_a_free_chain_is_pushed_along():
     x, asked = mb.solve(A, start, force), np.concatenate([knots, knots[:-1] + 0.11, [70.0]])
     if hasattr(x.function, "flow"):
         assert len(record_of(x.function.flow).modes.rest) == 2
-    for known in (Response.by_pairs(A.jordan_pairs(), start, force)(asked), x(asked)):
+    for known in (Response._by_pairs(A.jordan_pairs(), start, force)(asked), x(asked)):
         assert np.abs(x(asked) - known).max() <= 1e-11 * np.abs(known).max()
         assert np.allclose(np.diag(M) @ known, (0.3 * np.diag(M).sum() * asked) + momentum(force, asked), rtol=1e-10, atol=1e-9)
 
@@ -251,6 +251,6 @@ def test_any_knots_any_times(seed, begin, jumps):
     (A, pairs), force = chain_with_pairs(), mb.sampled(times, values)
     before, after = (np.nextafter(knots[9:12], end) for end in (0, 99))
     asked = np.concatenate([random.uniform(0, 1.2 * knots[-1], 20), knots[::7], before, after])
-    x, general = mb.solve(A, force=force), Response.by_pairs(pairs, np.zeros((2, COUNT)), force)
+    x, general = mb.solve(A, force=force), Response._by_pairs(pairs, np.zeros((2, COUNT)), force)
     assert record_of(x.function.flow) is not None
     assert np.abs(x(asked) - general(asked)).max() <= 1e-12 * np.abs(general(asked)).max()

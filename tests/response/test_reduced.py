@@ -68,7 +68,7 @@ def answers():
         if (model, force) not in found:
             system = MODELS[model]
             x = system.solve(*fitting_start(system), forces(system.size)[force])
-            found[model, force] = (x, Response.by_pairs(pairs[model], x.initial, x.force))
+            found[model, force] = (x, Response._by_pairs(pairs[model], x.initial, x.force))
         return found[model, force]
 
     return answer
@@ -314,4 +314,4 @@ def test_pairs_notices_and_evidence_are_there():
     assert len(x.pairs.finite.zeros) > 0
     assert x.notices == ()
     assert [item.name for item in x.evidence] == ["condition"]
-    assert x.coupling >= 0
+    assert x._coupling >= 0

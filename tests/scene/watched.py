@@ -45,7 +45,7 @@ def main() -> None:
 
     scene = read_scene(sys.argv[1])
     result = scene.run(sys.argv[2])
-    result.summary(), result.as_json()
+    result.summary(), result.to_dict()
     sys.setprofile(None)
     taken = [stage.name for stage in result.plan.needed]
     print(json.dumps({"taken": taken, "called": sorted(called), "loaded": sorted(sys.modules)}))

@@ -84,6 +84,10 @@ def test_a_frequency_in_hz_is_that_of_whole_periods():
     assert mb.term(V, frequency_hz=2)(0.3) == pytest.approx(f(0.3))
 
 
+def test_a_number_is_one_row():
+    assert np.array_equal(mb.step(2.0)([1.0, 3.0]), mb.step([2.0])([1.0, 3.0]))
+
+
 def test_one_row_of_samples_is_a_list():
     assert np.array_equal(mb.sampled([0, 1], [1, 2])(0.5), mb.sampled([0, 1], [[1, 2]])(0.5))
 
@@ -91,7 +95,7 @@ def test_one_row_of_samples_is_a_list():
 @pytest.mark.parametrize(
     "make, text",
     [
-        (lambda: mb.step(1.0), "vector: found .*; expected a list with one number for each row"),
+        (lambda: mb.step(None), "vector"),
         (lambda: mb.step([[1.0]]), "vector: expected shape any, found 1 x 1"),
         (lambda: mb.step([np.nan]), "vector: the entry at .* is nan"),
         (lambda: mb.step([1j]), "vector: complex numbers found"),

@@ -47,7 +47,6 @@ class Accuracy(Analysis):
     NAME.accuracy.html, .png and .json."""
 
     name = "accuracy"
-    help = "Error against run time, compared with other tools."
     settings = AccuracySettings
     formats = ("page", "images", "json")
     progress = "steps"
@@ -155,18 +154,18 @@ class AccuracyReport:
             "reference_error": self.reference.error_bound,
             "machine": self.machine,
             "clock": suitable_clock(states_of(self.problem)).name,
-            "reduction": self.reduction and self.reduction.as_json(),
+            "reduction": self.reduction and self.reduction.to_dict(),
             "fastest": [{"error": error, "one_run": one, "further_evaluation": more} for error, one, more in self.fastest],
-            "runs": [self._run_as_json(run) for run in self.runs],
+            "runs": [self._run_to_dict(run) for run in self.runs],
         }
         return Answer("accuracy", name, title, source, self.facts, tables, doubts, data, plots=diagram)
 
-    def _run_as_json(self, run: Measurement) -> dict:
+    def _run_to_dict(self, run: Measurement) -> dict:
         head = {"method": run.method.name, "setting": run.setting.label, "is_ours": run.method.is_ours}
         if run.failure:
             return {**head, "failure": run.failure}
         times = {"set_up": run.set_up, "evaluation": run.evaluation, "further_evaluation": run.further}
-        return {**head, "error": run.error, **{name: time.as_json() for name, time in times.items()}, **self.ratios(run)}
+        return {**head, "error": run.error, **{name: time.to_dict() for name, time in times.items()}, **self.ratios(run)}
 
 
 def accuracy_report(

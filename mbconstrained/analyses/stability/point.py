@@ -105,7 +105,7 @@ class Point:
             return f"only {self.right:.1f} digits are right, the estimate claims {self.claimed:.1f}, without a warning"
         return {"refused": self.refused, "warned": "; ".join(self.warnings), "not judged": self.unknown}.get(self.verdict, "")
 
-    def as_json(self) -> dict:
+    def to_dict(self) -> dict:
 
         derived = {name: getattr(self, name) for name in ("right", "expected", "claimed", "verdict")}
         data = {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(self).items()} | derived

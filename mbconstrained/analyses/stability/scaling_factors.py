@@ -162,6 +162,6 @@ class ScalingSweep:
         """The points whose answer was compared with exact arithmetic."""
         return tuple(point for point in self.points if point.right is not None)
 
-    def as_json(self) -> dict:
+    def to_dict(self) -> dict:
         texts = {name: value for name, value in asdict(replace(self, points=())).items() if isinstance(value, str)}
-        return {**texts, "broken": list(self.broken), "points": [point.as_json() for point in self.points]}
+        return {**texts, "broken": list(self.broken), "points": [point.to_dict() for point in self.points]}

@@ -62,7 +62,6 @@ class Stability(Analysis):
     a warning."""
 
     name = "stability"
-    help = "Correct, expected and claimed digits over decades."
     settings = StabilitySettings
     formats = ("page", "images", "json")
     progress = "steps"
@@ -146,7 +145,7 @@ class StabilityReport:
             "verdict": self.sentences,
             "counts": counts,
             "machine": self.machine,
-            "sweeps": [sweep.as_json() for sweep in self.sweeps],
+            "sweeps": [sweep.to_dict() for sweep in self.sweeps],
         }
         notice = Notice(NoticeKind.ACCURACY, " ".join(self.sentences), doubtful=not self.is_trusted)
         tables = (digit_table(self), *reason_tables(self), *(() if self.of_scene else (gallery_table(self),)))

@@ -253,13 +253,13 @@ class Optimisation(Analysis):
     A population of samples finds the region, a simplex refines the best of them. Writes NAME.optimise.html, .png and .json."""
 
     name = "optimise"
-    help = "Find the values of parameters that make a figure least or largest."
     settings = VaryTable
     options: ClassVar = {
         "parameters": "--vary", "method": None, "samples": None, "chunk": None
     }  # fmt: skip
     formats = ("page", "images", "json")
     progress = "generations"
+    optimum = staticmethod(optimise)
 
     @classmethod
     def answer(cls, scene: Scene, progress: Callable | None = None, **given) -> Answer:  # type: ignore[override]

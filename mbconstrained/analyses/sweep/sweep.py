@@ -176,7 +176,7 @@ class Sweep(Displayed):
         if store is None:
             return Memory(*arguments)
         vary = {
-            "parameters": {name: one.as_data() for name, one in self.samples.variations.items()},
+            "parameters": {name: one.to_dict() for name, one in self.samples.variations.items()},
             "chunk": self.chunk,
             **self.table.model_dump(include={"method", "samples", "seed", "correlation"}),
         }
@@ -432,7 +432,6 @@ class ParameterSweep(Analysis):
     the results have the same bits. Writes NAME.sweep.html, .png, .json and .csv."""
 
     name = "sweep"
-    help = "Vary parameters: grids, Monte Carlo, statistics, Sobol indices."
     settings = SweepSettings
     options: ClassVar = {
         "parameters": "--vary", "keep": "--keep", "limits": "--limit", "correlation": "--correlation", "minimise": None, "maximise": None,
@@ -440,6 +439,7 @@ class ParameterSweep(Analysis):
     }  # fmt: skip
     formats = ("page", "images", "json", "csv")
     progress = "chunks of samples"
+    study = staticmethod(sweep)
 
     @classmethod
     def solve(cls, scene: Scene, settings: VaryTable | None) -> Answer:  # type: ignore[override]
@@ -597,7 +597,7 @@ class SweepReport:
             "answered": int(result.answered.sum()),
             "method": result.table.method if samples.random else "given values",
             "seed": result.table.seed,
-            "parameters": {name: one.as_data() for name, one in samples.variations.items()},
+            "parameters": {name: one.to_dict() for name, one in samples.variations.items()},
             "figures": {
                 name: {"unit": result.figures[name].unit, **_summary_data(result.statistics(name), random)} for name in self.figures
             },

@@ -124,9 +124,9 @@ class SpectralTransfer:
         sizes = self.harmonic.sizes if self.harmonic.imaginary is None else None
         doubts = np.zeros(len(p))
         for k, A in enumerate(np.abs(coefficients) if sizes is None else sizes):
-            i, j = np.nonzero(A)
-            for part in np.array_split(np.arange(len(p)), -(-len(p) * len(i) // MOST_TERMS) or 1):
-                doubts[part] += A[i, j] @ np.abs((p[part] ** k * Y[part].T[i] * X[j][:, part]).real)
+            row, column = np.nonzero(A)
+            for part in np.array_split(np.arange(len(p)), -(-len(p) * len(row) // MOST_TERMS) or 1):
+                doubts[part] += A[row, column] @ np.abs((p[part] ** k * Y[part].T[row] * X[column][:, part]).real)
         steps = {value: -residuals[of == number].mean() for number, value in enumerate(upper)}
         errors = {value: float(EPS * doubts[of == number].max()) for number, value in enumerate(upper)}
         keys = [complex(value.real, abs(value.imag)) for value in values]

@@ -197,9 +197,9 @@ class ControlEquations(Equations):
         form = [_form_table(self.control)] if self.control.form is not None else []
         return ModelTables(first=[_transfer_table(self.control), *form])
 
-    def as_json(self, result: Any) -> dict:
+    def to_dict(self, result: Any) -> dict:
         control = self.control
-        data: dict[str, Any] = {key: getattr(control, key).as_json() for key in ("inputs", "outputs")}
+        data: dict[str, Any] = {key: getattr(control, key).to_list() for key in ("inputs", "outputs")}
         data["transfer_functions"] = [
             {"input": u, "output": y, "dc_gain": _dc_gain(control, u, y, G), **_transfer_json(G)} for u, y, G in control.transfers
         ]

@@ -164,7 +164,7 @@ class Equations:
         """Tables on the model, next to those of the motion."""
         return ModelTables()
 
-    def as_json(self, result: Any) -> dict:
+    def to_dict(self, result: Any) -> dict:
         return {}
 
     # Decisions on stages and requests.

@@ -108,7 +108,7 @@ class RobotEquations(Equations):
             evidence.append(("linear motion: residual", f"{motion.deviation:.2g}", f"{meaning}{reached}"))
         return ModelTables((), [_extremes_table(result)], posture_tables(self.robot_scene), evidence)
 
-    def as_json(self, result: Any) -> dict:
+    def to_dict(self, result: Any) -> dict:
         return posture_json(self.robot_scene) | {"forces": _extremes(result)}
 
     @property

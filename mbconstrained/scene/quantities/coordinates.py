@@ -55,7 +55,7 @@ class Coordinates:
         units = (self.shown.of(unit)[0] for unit in self.units)
         return ", ".join(name if unit == "1" else f"{name} ({unit})" for name, unit in zip(self.names, units))
 
-    def as_json(self) -> list[dict[str, str]]:
+    def to_list(self) -> list[dict[str, str]]:
         return [{"name": name, "unit": unit} for name, unit in zip(self.names, self.units)]
 
     def derivative_unit(self, index: int, order: int) -> str:

@@ -47,7 +47,7 @@ class Values:
         """Lowest and highest value."""
         return min(self.values), max(self.values)
 
-    def as_data(self) -> dict:
+    def to_dict(self) -> dict:
         return {"values": list(self.values), "unit": self.unit}
 
 
@@ -104,7 +104,7 @@ class Distribution:
         low, high = self.inverse(np.array([0.0, 1.0] if self.kind == "uniform" else [0.05, 0.95])).tolist()
         return low, high
 
-    def as_data(self) -> dict:
+    def to_dict(self) -> dict:
         limits = [None if math.isinf(end) else end for end in (self.low, self.high)]
         return {"distribution": self.kind, "parameters": [self.first, self.second], "truncated": limits, "unit": self.unit}
 

@@ -91,7 +91,7 @@ class Certificate:
         cells = tuple((c.name, c.kind, c.digits, c.error_at_most, with_unit(c.largest, c.unit)) for c in self.curves)
         return TextTable("Proved digits", ("coordinate", "of its", "digits", "error at most", "largest value"), cells, note)
 
-    def as_json(self) -> dict:
+    def to_dict(self) -> dict:
         curves = [
             {"name": c.name, "kind": c.kind, "digits": c.digits, "error_bound": c.bound, "largest": c.largest} for c in self.curves
         ]

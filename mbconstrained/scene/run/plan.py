@@ -220,14 +220,14 @@ class Plan:
         """The plan with the costs of stages by name."""
         return Plan(tuple(replace(stage, cost=costs.get(stage.name, stage.cost)) for stage in self.stages))
 
-    def as_json(self) -> list[dict]:
+    def to_list(self) -> list[dict]:
         return [
             {"name": stage.name, "taken": stage.needed, "reason": stage.reason, "seconds": stage.seconds, "memory": stage.memory}
             | ({"part_of": stage.part_of} if stage.part_of else {})
             for stage in self.stages
         ]
 
-    def totals_as_json(self) -> dict:
+    def totals_to_dict(self) -> dict:
         """The cost of all stages as plain data."""
         return {"taken": len(self.needed), "left_out": len(self.left_out), **vars(self.total)}
 

@@ -658,7 +658,7 @@ class Result:
         parts = (part for kind in (*self.kinds, *watched) for part in PARTS.get(kind, (kind,)))
         kinds = [kind for kind in dict.fromkeys(parts) if kind != "reaction" or self._has_rows]
         views = {kind: methodcaller("derivative", order) for kind, order in ORDERS.items()}
-        views["reaction"] = getattr(self.motion, "reaction_of", None)
+        views["reaction"] = getattr(self.motion, "_reaction_of", None)
         estimates = {kind: error_estimate(self.motion, self.times, views[kind]) for kind in kinds}
         of_output = self.scene.equations.output_error_estimate(self.times) if "output" in self.kinds else None
         return estimates if of_output is None else {**estimates, "output": of_output}

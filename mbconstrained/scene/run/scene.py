@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from types import MethodType
 from typing import TYPE_CHECKING, Any
 
-from ...ground.display import Studied
+from ...analyses import ANALYSES, load
 from ...ground.errors import InputError
 from ...ground.quantities import count_texts
 from ...ground.units import registry
@@ -22,17 +23,27 @@ from ..schema.entry_types import validated
 from ..schema.scene_schema import SceneFile
 from .plan import Costs
 from .scene_data import SceneData
+from .stages import plan_of
 
 if TYPE_CHECKING:
+    from ...analyses.base import Answer
     from ...mechanics.parameter import Parameter
     from ...mechanics.root_locus import RootLocus
     from ...mechanics.sensitivities import Sensitivities
+    from ...mechanics.system import MechanicalSystem
     from .plan import Plan
 
 
 @dataclass(frozen=True, repr=False)
-class Scene(SceneData, Studied):
-    """A scene that was read, validated and assembled, but not solved.
+class Scene(SceneData):
+    """A scene that was read, validated and assembled, but not solved; ``read_scene`` gives one.
+
+    Every analysis is a method: ``scene.modes()``, ``scene.frequency(...)``, ``scene.shock(...)``. It takes the entries of its table in
+    scene files by name, numbers in SI or texts with units, and gives an ``Answer``; what is not given stands in the table.
+
+    >>> scene = read_scene("examples/two_masses.toml")
+    >>> scene.modes()
+    Answer(modes of two_masses)
 
     Attributes:
         path: the file.
@@ -45,9 +56,25 @@ class Scene(SceneData, Studied):
         file_name: of the file, in messages; it knows what comes from other files.
     """
 
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Callable[..., Answer]:
+            """The methods ``modes``, ``frequency``, ``shock`` ... of the analyses, which are set below."""
+
+    @property
+    def system(self) -> MechanicalSystem:
+        """The mechanical system of the model.
+
+        Raises:
+            InputError: the model is a state space or a transfer function.
+        """
+        if self.equations.system is None:
+            raise InputError("there is no mechanical system: that is a model of kind lumped, matrices or robot")
+        return self.equations.system
+
     def plan(self) -> Plan:
         """The possible stages of this scene, needed or not, each with its reason."""
-        return type(self).studies("run").plan_of(self)
+        return plan_of(self)
 
     def named_parameters(self) -> Iterator[Parameter]:
         """The [parameters] with the derivatives of the equations, for ``MechanicalSystem.sensitivities``.
@@ -124,6 +151,47 @@ class Scene(SceneData, Studied):
         unit = self.parameters.units[name]
         return root_locus_of(name, unit, values, lambda value: with_value(value).equations.system, slope)
 
+    def sweep(self, parameters: Mapping[str, Any] | None = None, **options) -> Any:
+        """A study of many samples of parameters, which its method ``run`` computes.
+
+        Args:
+            parameters: values, ranges or distributions by name, added to those of the table [vary].
+            options: other entries of the table [vary] by name.
+
+        Returns:
+            The ``Sweep``.
+
+        Raises:
+            InputError: a parameter that the scene does not use, an unknown quantity to keep.
+
+        >>> import mbconstrained as mb
+        >>> scene = mb.read_scene("examples/tuned_mass_damper.toml")
+        >>> study = scene.sweep({"zeta": mb.linspace(0.1, 0.2, 3)}, keep=["response peaks"])
+        >>> study, study.run().values("response peak")[:, 0].round(7).tolist()
+        (Sweep(tuned_mass_damper, 3 samples of zeta), [7.13e-05, 6.64e-05, 8.38e-05])
+        """
+        return load("sweep").study(self, parameters, **options)
+
+    def optimise(self, parameters: Mapping[str, Any] | None = None, **options) -> Any:
+        """Minimise or maximise a scalar quantity over parameters between bounds.
+
+        Args:
+            parameters: ranges by name, added to those of the table [vary].
+            options: ``minimise`` or ``maximise``, the name of the quantity; ``seed`` of the random numbers.
+
+        Returns:
+            The ``Optimum``.
+
+        Raises:
+            InputError: no quantity or several, a parameter without a range.
+
+        >>> import mbconstrained as mb
+        >>> scene = mb.read_scene("examples/tuned_mass_damper.toml")
+        >>> round(scene.optimise({"zeta": "0.1..0.2"}, minimise="response peak machine by machine").parameters["zeta"], 4)
+        0.1339
+        """
+        return load("optimise").optimum(self, parameters, **options)
+
     def run(self, folder: str | Path | None = None, progress=None) -> Any:
         """Solve the scene by the stages of its plan, each of which is measured.
 
@@ -139,7 +207,26 @@ class Scene(SceneData, Studied):
         Raises:
             MbconstrainedError: the equations have no answer, or none within the range of float64.
         """
-        return type(self).studies("run").run_scene(self, None if folder is None else Path(folder), progress)
+        return load("run").answer(self, progress, folder=folder)
+
+
+class Question:
+    """The method of a scene that answers an analysis, whose module is imported when the method is first used."""
+
+    def __init__(self, name: str):
+        self.name = name
+
+    def __get__(self, scene: Scene | None, owner: type):
+        function = load(self.name).method()
+        return function if scene is None else MethodType(function, scene)
+
+
+#: Names of methods that differ from those of their analyses: the attribute ``path`` is the file.
+METHOD_NAMES = {"path": "robot_path"}
+
+for _name in ANALYSES:
+    if not hasattr(Scene, METHOD_NAMES.get(_name, _name)):
+        setattr(Scene, METHOD_NAMES.get(_name, _name), Question(_name))
 
 
 def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> Scene:

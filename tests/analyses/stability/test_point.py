@@ -213,7 +213,7 @@ def test_a_point_is_plain_data_with_a_reason():
     ]
     assert [point.verdict for point in points] == ["right", "wrong", "warned", "refused"]
     for point in points:
-        assert json.loads(json.dumps(point.as_json(), allow_nan=False))["verdict"] == point.verdict
+        assert json.loads(json.dumps(point.to_dict(), allow_nan=False))["verdict"] == point.verdict
     assert points[0].reason == "" and points[3].reason == "no motion" and points[2].reason == points[2].warnings[0]
     assert points[1].reason.startswith("only 0.0 digits are right, the estimate claims 14.")
 

@@ -109,7 +109,7 @@ def test_as_many_zeros_as_poles_and_more(tmp_path):
 def test_a_constant_gain(tmp_path):
     result = scene_of(tmp_path, FRACTION.replace("[1, 3, 2]", "[4]")).run()
     assert result.values[0] == pytest.approx(np.full(5, 0.25), rel=1e-15)
-    assert "There are none" in result.summary()
+    assert "none: the model is static" in result.summary()
 
 
 def test_a_state_space_from_a_state(tmp_path):
@@ -199,7 +199,7 @@ def test_the_plan_says_what_is_done(tmp_path):
 def test_the_zeros_of_the_equations_are_called_poles(tmp_path):
     result = scene_of(tmp_path, FRACTION).run()
     assert "Poles\n  no.  pole (1/s)" in result.summary() and "Zeros" not in result.summary()
-    data = json.loads(json.dumps(result.as_json(), allow_nan=False))
+    data = json.loads(json.dumps(result.to_dict(), allow_nan=False))
     assert data["transfer_functions"] == [
         {"input": "u", "output": "y", "dc_gain": 1.0, "zeros": [], "poles": [[-1, 0], [pytest.approx(-2), 0]], "gain": 2.0}
     ]

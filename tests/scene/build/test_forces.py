@@ -138,7 +138,7 @@ def test_the_page_shows_them(tmp_path):
 
 def test_programs_get_all_of_them(tmp_path):
     result = events_scene(tmp_path)
-    data = json.loads(json.dumps(result.as_json()))
+    data = json.loads(json.dumps(result.to_dict()))
     assert [event["time"] for event in data["events"]] == [0.25, 0.5, 0.75]
     assert data["events"][0]["jump"] == [[2.0, 0.0], [0.0, 0.0]]
     with np.load(result.write_npz(tmp_path / "result.npz")) as arrays:
@@ -166,7 +166,7 @@ def test_of_thousands_the_first_are_listed_and_kinks_are_counted(tmp_path, steps
     assert len(summary.splitlines()) < 80
     assert ("The first 20 of" in summary) == steps
     assert ("at 1999 times" in " ".join(summary.split())) == (not steps)
-    assert len(result.as_json()["events"]) == len(result.motion.events) == 2000
+    assert len(result.to_dict()["events"]) == len(result.motion.events) == 2000
     assert result.is_trusted
 
 

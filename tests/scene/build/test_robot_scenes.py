@@ -109,12 +109,12 @@ def test_what_the_posture_tells_is_in_every_form(tmp_path):
     summary, page = result.summary(), result.write_page(tmp_path / "a.html").read_text("utf-8")
     for text in ("Posture", "Forces of loops and springs at rest", "equilibrium: residual", "equilibrium: loops", "with load"):
         assert text in summary and text in page
-    data = json.loads(json.dumps(result.as_json(), allow_nan=False))
+    data = json.loads(json.dumps(result.to_dict(), allow_nan=False))
     assert data["robot"] == {"name": "press", "title": "Press", "source": "tests", "licence": "MIT"}
     posture = data["posture"]
     assert set(posture) == {"joints", "torques", "reactions", "ground_reactions", "residual", "loop_error"}
     assert set(posture["torques"]) == {"slide"} and len(posture["reactions"]["pin"]) == 6 and posture["residual"] < 1e-9
-    assert "robot" not in scene_of(tmp_path, OSCILLATOR).run().as_json()
+    assert "robot" not in scene_of(tmp_path, OSCILLATOR).run().to_dict()
     assert "Press; tests; licence MIT" in page
 
 

@@ -150,7 +150,7 @@ def test_feet_that_lift_off_during_the_motion_are_counted_with_the_worst(tmp_pat
     """Against the extremes and the curves of the same run."""
     result = soft(tmp_path, size)
     found = [notice.text for notice in result.notices if "the ground would have to pull" in notice.text]
-    least = {leg: result.as_json()["forces"][f"{leg} foot"]["normal"][0] for leg in LEGS}
+    least = {leg: result.to_dict()["forces"][f"{leg} foot"]["normal"][0] for leg in LEGS}
     pulling = [leg for leg in LEGS if least[leg] < 0]
     assert len(pulling) == (4 if size == 400.0 else 0) and len(found) == bool(pulling)
     if pulling:

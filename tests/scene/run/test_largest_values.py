@@ -36,13 +36,13 @@ def test_sweeps_and_runs_have_the_largest_values_of_the_closed_form(driveline):
     ]
     study = scene.sweep({"coupling": mb.linspace("12 kN*m/rad", "14 kN*m/rad", 3)}, keep=keep).run()
     assert [study.values(name)[0] for name in keep[:3]] == pytest.approx(list(LARGEST.values()), rel=1e-8)
-    data = {(one["name"], one["of"]): one for one in scene.run().as_json()["largest"]}
+    data = {(one["name"], one["of"]): one for one in scene.run().to_dict()["largest"]}
     for name, kept in zip(names, keep):
         assert data[name, "angular velocity"]["largest"] == pytest.approx(study.values(kept)[0], rel=1e-11)
     assert data["coupling", "torque"]["largest"] == pytest.approx(study.values("largest coupling")[0], rel=1e-11)
     assert data["gear", "reaction"]["largest"] == pytest.approx(study.values("largest reaction of gear")[0], rel=1e-11)
     assert study.values("peak velocity of engine").tolist() == study.values(keep[0]).tolist()
-    json.dumps(scene.run().as_json(), allow_nan=False)
+    json.dumps(scene.run().to_dict(), allow_nan=False)
 
 
 def test_the_absorber_at_low_damping():
@@ -56,7 +56,7 @@ def test_the_absorber_at_low_damping():
 def test_accelerations_and_energies(driveline):
     """The acceleration at 0+ is the torque's amplitude over the inertia; energies have their own extrema."""
     result = driveline(DRIVELINE.replace('["velocity", "reaction"]', '["acceleration", "energy"]')).run()
-    data = {(one["name"], one["of"]): one for one in result.as_json()["largest"]}
+    data = {(one["name"], one["of"]): one for one in result.to_dict()["largest"]}
     assert data["engine", "angular acceleration"]["largest"] == pytest.approx(300 / 2.5, rel=1e-12)
     t = np.linspace(0, 0.1, 200_001)
     kinetic = result.motion.energy(t).kinetic

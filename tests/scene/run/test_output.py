@@ -146,6 +146,6 @@ def test_an_answer_beyond_the_range_of_numbers_leaves_earlier_output(tmp_path):
 @pytest.mark.parametrize("name", sorted(path.stem for path in EXAMPLES.glob("*.toml")))
 def test_every_example_can_be_told_as_data(name):
     result = read_scene(EXAMPLES / f"{name}.toml").run()
-    data = json.loads(json.dumps(result.as_json(), allow_nan=False))
+    data = json.loads(json.dumps(result.to_dict(), allow_nan=False))
     assert data["trusted"] is True
     assert sum(len(data[key]) for key in ("coordinates", "eigenvalues", "evidence", "plan")) > 10

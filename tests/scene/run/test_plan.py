@@ -153,7 +153,7 @@ def test_what_is_left_out_is_not_called(tmp_path, monkeypatch):
         monkeypatch.setattr(owner, name, property(forbidden))
     scene = constrained(tmp_path, "acceleration", "[output]\npage = false\nnpz = false")
     result = scene.run(tmp_path / "out")
-    assert result.summary() and result.as_json()
+    assert result.summary() and result.to_dict()
     assert [path.name for path in result.files] == ["scene.csv"]
 
 
@@ -186,7 +186,7 @@ from mbconstrained import read_scene
 scene = read_scene({path!r})
 plan = scene.plan()
 result = scene.run({folder!r})
-result.summary(), result.as_json()
+result.summary(), result.to_dict()
 print(*(name for name in sys.modules if name.split(".")[0] in
     ("pinocchio", "sympy", "meshcat", "matplotlib", "pandas", "typer", "rich", "IPython")
     or name.startswith("mbconstrained.page") or name == "pint"))

@@ -27,7 +27,7 @@ def test_totals_are_those_of_the_stages():
     assert (PLAN.total.seconds, PLAN.total.peak) == (1.0, 107_000_000)
     assert PLAN.total.memory == 7_000_000  # the first began at 100 MB
     assert PLAN.totals() == "3 stages in 1 s, 7.0 MB of memory; 1 left out"
-    assert PLAN.totals_as_json() == {"taken": 3, "left_out": 1, "seconds": 1.0, "memory": 7_000_000, "peak": 107_000_000}
+    assert PLAN.totals_to_dict() == {"taken": 3, "left_out": 1, "seconds": 1.0, "memory": 7_000_000, "peak": 107_000_000}
 
 
 def test_memory_that_is_not_measured_is_a_dash():
@@ -84,8 +84,8 @@ def test_a_page_that_is_asked_for_afterwards_has_the_plan_of_a_page(tmp_path):
 def test_a_run_tells_totals_in_one_line_and_as_data(tmp_path):
     result = scene_of(tmp_path, OSCILLATOR).run(tmp_path)
     assert result.summary().splitlines()[-1] == f"Plan: {result.plan.totals()}"
-    data = result.as_json()
-    assert data["totals"] == result.plan.totals_as_json()
+    data = result.to_dict()
+    assert data["totals"] == result.plan.totals_to_dict()
     assert all({"seconds", "memory"} <= set(stage) for stage in data["plan"])
     assert result.plan.page_table().rows
 

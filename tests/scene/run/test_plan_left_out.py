@@ -90,7 +90,7 @@ WORK = {
     "scaling and staircase": Work("plain", None, "linalg/staircase.py:split_pencil"),
     "finite pair": Work("plain", None, "polynomial/jordan_pairs.py:JordanPairs.finite"),
     "infinite pair": Work("all", "free and held", "polynomial/jordan_pairs.py:JordanPairs.infinite"),
-    "response": Work("plain", None, "response/response.py:Response.solved"),
+    "response": Work("plain", None, "response/response.py:Response._solved"),
     "displacements": Work("plain", None, computed("displacement")),
     "outputs": Work("normal form", "normal form alone", computed("output")),
     "velocities": Work("lumped", "plain", computed("velocity")),
