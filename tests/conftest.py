@@ -20,13 +20,13 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when NumPy is first i
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 SLOW = [HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large]
-settings.register_profile("same", derandomize=True, database=None, max_examples=24, deadline=None, suppress_health_check=SLOW)
+settings.register_profile("same", derandomize=True, database=None, max_examples=12, deadline=None, suppress_health_check=SLOW)
 settings.register_profile("search", max_examples=500, deadline=None, print_blob=True, suppress_health_check=SLOW)
 settings.load_profile("same")
 
 
 #: Of a test with more cases than this the default run takes so many, spread over all of them; the others are long.
-CASES = 6
+CASES = 5
 
 
 def pytest_collection_modifyitems(items):

@@ -14,7 +14,7 @@ FAR = 64
 QUANTITIES = ("displacement", "velocity", "acceleration")
 
 
-def some(count, several=100):
+def some(count, several=40):
     """Seeds, those beyond the first in the long run alone."""
     return [*range(count), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(count, several))]
 
