@@ -138,7 +138,7 @@ def test_a_response_is_shown_in_one_line():
     assert repr(x) == "Response(2 coordinates: x1, x2; 0 jumps and 0 impulses at t = 0; 1 event later)"
     jumping = mb.solve(mb.PolynomialMatrix([np.eye(8), np.eye(8, k=1)]), np.ones((1, 8)))
     assert repr(jumping) == "Response(8 coordinates: x1, x2, x3, x4, x5, x6, ...; 8 jumps and 7 impulses at t = 0; 0 events later)"
-    assert repr(x.solution.function.series).startswith("Series(2 rows, ") and "array" not in repr(x.function)
+    assert "array" not in repr(x.function)
 
 
 @given(st.integers(0, 10**6))

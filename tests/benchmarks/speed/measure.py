@@ -87,7 +87,7 @@ class Measured:
             return {"name": self.name, "failure": self.failure}
         parts = ("set_up", "evaluation", "one_run", "warming", "further")
         return {"name": self.name, "error": self.error if isfinite(self.error) else None, "threads": self.threads} | {
-            part: getattr(self, part).as_json() for part in parts
+            part: getattr(self, part).to_dict() for part in parts
         }
 
 

@@ -56,7 +56,7 @@ class SetUp:
         if self.failure:
             return plain | {"failure": self.failure}
         parts = ("set_up", "decomposition", "further", "bare")
-        return plain | {part: getattr(self, part).as_json() for part in parts}
+        return plain | {part: getattr(self, part).to_dict() for part in parts}
 
 
 def set_ups(effort: Effort, largest: int) -> list[Callable[[], SetUp]]:
