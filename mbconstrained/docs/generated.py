@@ -75,14 +75,14 @@ def _option(parameter) -> str:
 
 def scene() -> str:
     """The tables and keys of a scene file."""
-    from ..scene.schema.scene_schema import scene_schema
+    from mbconstrained.scene.schema.scene_schema import scene_schema
 
     return "\n\n".join(_tables(scene_schema()))
 
 
 def robot() -> str:
     """The tables and keys of a robot.toml."""
-    from ..scene.schema.scene_schema import robot_schema
+    from mbconstrained.scene.schema.scene_schema import robot_schema
 
     return "\n\n".join(_tables(robot_schema()))
 
