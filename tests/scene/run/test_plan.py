@@ -250,9 +250,11 @@ def test_the_way_to_find_values_is_told_with_its_cost(tmp_path, masses, more, wa
 
 
 def test_the_plan_names_the_method_of_the_run(tmp_path):
-    """A start that fits goes by the reduced equations, an impulse by the Jordan pairs; the plan says so before."""
+    """A start that fits and an impulse on a mass go by the reduced equations, jumps of constraints by the pairs; the plan says so before."""
     hit = OSCILLATOR + '[[force]]\ncoordinate = "cart"\nkind = "impulse"\nvalue = "1 N*s"\n'
-    for text, pair in ((OSCILLATOR, "the eigenvalues; the motion comes from"), (hit, "the motion for t > 0")):
+    link = (EXAMPLES / "rigid_link.toml").read_text(encoding="utf-8")
+    reduced = "the eigenvalues; the motion comes from"
+    for text, pair in ((OSCILLATOR, reduced), (hit, reduced), (link, "the motion for t > 0")):
         scene = scene_of(tmp_path, text)
         reasons = {stage.name: stage.reason for stage in scene.plan().stages}
         assert reasons["finite pair"].startswith(pair)
