@@ -252,6 +252,8 @@ class Analysis:
     @cache
     def method(cls) -> Callable[..., Answer]:
         """The method of a ``Scene`` that gives the answer; its signature and its documentation follow from the settings."""
+        from ..scene.schema.scene_schema import SceneFile
+
         schema = cls.settings.model_json_schema()["properties"] if cls.settings else {}
         fields = {field.alias or name: field for name, field in cls.settings.model_fields.items()} if cls.settings else {}
         names = {f"{key}_" if iskeyword(key) else key: key for key in fields}
@@ -269,9 +271,12 @@ class Analysis:
             )
         ask.__signature__ = Signature([Parameter("self", Parameter.POSITIONAL_ONLY), *parameters])  # type: ignore[attr-defined]
         ask.__name__, ask.__qualname__, ask.__module__ = cls.name, f"Scene.{cls.name}", cls.__module__
-        given = (
-            [f"What is not given is taken from the table [{cls.name}] of the scene.", "", "Args:", *entries, ""] if entries else []
+        table = (
+            [f"What is not given is taken from the table [{cls.name}] of the scene.", ""]
+            if cls.name in SceneFile.model_fields
+            else []
         )
+        given = [*table, "Args:", *entries, ""] if entries else []
         ask.__doc__ = "\n".join([getdoc(cls) or "", "", *given, "Returns:", "    The ``Answer``."])
         return ask
 

@@ -73,9 +73,8 @@ class ModalAssurance(Analysis):
 
         def plots() -> Iterator[Plot]:
             numbers = np.arange(1, len(g) + 1)
-            edges = np.array(
-                [numbers - 0.5, np.nextafter(numbers + 0.5, 0.0)]
-            ).T.ravel()  # a step for each mode: nothing is between them
+            # a step for each mode, next to the following one
+            edges = np.array([numbers - 0.5, np.nextafter(numbers + 0.5, 0.0)]).T.ravel()
             curves = (
                 Curve(f"mode {i + 1}, {number_text(f[i])} Hz", np.repeat(mac[i], 2), i) for i in range(min(len(f), MOST_CURVES))
             )
@@ -83,23 +82,19 @@ class ModalAssurance(Analysis):
             yield Plot(title, "", edges, tuple(curves), across_unit="", quantity="MAC", variable="mode number")
 
         arrays = {"frequencies_hz": f, "other_frequencies_hz": g, "mac": mac, "coordinates": np.array(common)}
+        shapes = {f"{other.name}, {number_text(g[j])} Hz, mode {j + 1}": mac[:, j] for j in range(len(g))}
         return Answer(
-            "mac",
-            scene.name,
-            f"{scene.title} and {other.title}",
-            scene.table.source,
-            (("coordinates", ", ".join(common)),),
-            (TextTable("Modes of both scenes", columns, tuple(rows)),),
-            distinct(scene.notices, other.notices, own),
-            {**arrays, "pairs": partners + 1},
-            plots,
-            lambda: {
-                "": {
-                    "frequency (Hz)": f,
-                    **{f"{other.name}, {number_text(g[j])} Hz, mode {j + 1}": mac[:, j] for j in range(len(g))},
-                }
-            },
-            lambda: arrays,
+            kind="mac",
+            name=scene.name,
+            title=f"{scene.title} and {other.title}",
+            source=scene.table.source,
+            facts=(("coordinates", ", ".join(common)),),
+            tables=(TextTable("Modes of both scenes", columns, tuple(rows)),),
+            notices=distinct(scene.notices, other.notices, own),
+            data={**arrays, "pairs": partners + 1},
+            plots=plots,
+            columns=lambda: {"": {"frequency (Hz)": f, **shapes}},
+            arrays=lambda: arrays,
         )
 
 
