@@ -47,7 +47,7 @@ def small(K=SPRING, C=NONE, M=IDENTITY, force=None, initial=((1.0, -2.0), (0.5, 
 
 PAIR_PROBLEMS = {
     "a rank tolerance is given": small(rank_tolerance=1e-9),
-    "the force contains Dirac impulses": small(force=mb.impulse([1.0, 0.0])),
+    "the force contains Dirac impulses": small(force=mb.impulse([1.0, 0.0]) + mb.ramp([0.0, 1.0])),
     "the force restarts at 40 times": small(force=mb.sampled(np.arange(41.0), np.outer([1.0, 0.0], np.sin(np.arange(41.0))))),
     "A(s) has degree 3": Problem.checked(mb.PolynomialMatrix([[[1.0]]] * 4)),
     "the initial values or a jump of the force do not satisfy the algebraic equations": Problem.checked(
