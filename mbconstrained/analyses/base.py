@@ -21,10 +21,10 @@ from ..ground.display import WIDTH, Displayed, TextTable, finite_or_none
 from ..ground.errors import InputError
 from ..ground.files import Replacements
 from ..ground.notices import Notice
-from ..page.content import PageContent, Plot
 from ..scene.schema.entry_types import Table, validated
 
 if TYPE_CHECKING:
+    from ..page.content import PageContent, Plot
     from ..page.html import Delivery
     from ..scene.run.scene_data import SceneData
     from ..scene.schema.scene_schema import OutputTable
@@ -139,6 +139,8 @@ class Answer(Displayed):
 
     def page(self) -> PageContent:
         """Figures, plots, tables, notices and facts as a page."""
+        from ..page.content import PageContent
+
         own: dict[str, Any] = {"tables": self.tables, "plots": tuple(self.plots()), "notices": self.notices, "facts": self.facts}
         own["figures"] = tuple(picture.on_page() for picture in self.figures())
         own |= self.on_page()

@@ -1,8 +1,7 @@
-"""The tables and plots of a motion: tables as texts with units, for the terminal and the page alike."""
+"""The tables of a motion, as texts with units, for the terminal and the page alike."""
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
@@ -10,23 +9,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..exchange.trajectories import Curves
 from ..ground.coordinate_units import rate_unit
 from ..ground.display import TextTable, number_text, with_unit
-from ..ground.tolerances import NOT_DRAWN
 from ..mechanics.energy import EnergyShares
-from ..page.content import Curve, Plot, raised, shortened
-from ..page.readings import drawn_times
 from ..response.events import Event
 from ..response.response_notices import counts
 from ..scene.quantities.coordinates import Coordinates
 from ..scene.quantities.output_units import OutputUnits
-from ..scene.run.result import ORDERS, ReportedImpulse, Result, forces_of_rows, impulses_of, jumps_of
+from ..scene.run.result import ReportedImpulse, Result, forces_of_rows, impulses_of, jumps_of
 from ..signals.impulsive import ImpulsiveLoad
 
 if TYPE_CHECKING:
     from ..mechanics.system import MechanicalSystem
-    from ..page.content import TimeFunctions
     from ..scene.build.control_model import ControlScene
     from ..scene.run.certificate import Certificate
     from .frequency import Frequency
@@ -251,72 +245,3 @@ def _evidence_table(result: Result, of_model: Sequence[tuple[str, str, str]]) ->
     ]
     evidence = [(item.name, f"{item.value:.2g}", item.text) for item in motion.evidence]
     return TextTable("Evidence", ("what", "value", "meaning"), (*estimates, *evidence, *of_model))
-
-
-# Plots.
-
-#: Most phase planes on a page: the first are drawn, [output] coordinates selects others.
-MOST_PLANES = 12
-
-
-def plots_of(result: Result) -> tuple[Plot, ...]:
-    """The requested plots, in the order of the scene."""
-    output = result.scene.table.output
-    kinds = [*output.plots, *(["quantity"] if output.quantity else [])]
-    plots = [
-        plot for kind in kinds for plot in (_phase_planes(result) if kind == "phase" else _plots(result, result.shown_curves(kind)))
-    ]
-    count = Counter(plot.title for plot in plots)
-    return tuple(_with_unit(plot) if count[plot.title] > 1 else plot for plot in plots)
-
-
-def _with_unit(plot: Plot) -> Plot:
-    """The plot with a unique title: with its unit, or for pure numbers with the names of the curves."""
-    source = raised(plot.unit) or shortened(", ".join(curve.name for curve in plot.curves))
-    return replace(plot, title=f"{plot.title} ({source})", quantity=plot.quantity or plot.title)
-
-
-def _plots(result: Result, curves: Curves) -> list[Plot]:
-    """One plot for each unit: curves in m and in rad share no axis."""
-    groups: dict[tuple[str, str], list[Curve]] = {}
-    functions = result.time_functions(curves.kind)
-    times = _drawn_times(result, functions, curves.units)
-    values = functions.at(times)
-    for i in _wanted(result, curves):
-        curve = Curve(curves.names[i], values[i], i, (functions, i))
-        groups.setdefault((curves.titles[i], curves.units[i]), []).append(curve)
-    return [Plot(title, _shown(unit), times, tuple(drawn)) for (title, unit), drawn in groups.items()]
-
-
-def _drawn_times(result: Result, functions: TimeFunctions, units: Sequence[str]) -> np.ndarray:
-    return drawn_times(functions, float(result.times[0]), float(result.times[-1]), units)
-
-
-def _wanted(result: Result, curves: Curves) -> list[int]:
-    wanted = result.scene.table.output.coordinates if curves.kind in ORDERS else None
-    return [i for i, name in enumerate(curves.names) if wanted is None or name in wanted]
-
-
-def _phase_planes(result: Result) -> list[Plot]:
-    """The velocity over the displacement of each coordinate that moves."""
-    places, rates = result.shown_curves("displacement"), result.shown_curves("velocity")
-    functions = [result.time_functions(curves.kind) for curves in (places, rates)]
-    times = np.union1d(*(_drawn_times(result, each, own.units) for each, own in zip(functions, (places, rates))))
-    along, up = (each.at(times) for each in functions)
-    moving = [i for i in _wanted(result, places) if np.ptp(places.values[i]) > NOT_DRAWN * np.abs(places.values[i]).max()]
-    return [
-        Plot(
-            f"phase plane of {places.names[i]}",
-            _shown(rates.units[i]),
-            times,
-            (Curve(places.names[i], up[i], i, (functions[1], i)),),
-            across=Curve(places.titles[i], along[i], function=(functions[0], i)),
-            across_unit=_shown(places.units[i]),
-            quantity=rates.titles[i],
-        )
-        for i in moving[:MOST_PLANES]
-    ]
-
-
-def _shown(unit: str) -> str:
-    return "" if unit == "1" else unit

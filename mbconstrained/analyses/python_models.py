@@ -165,7 +165,7 @@ def plot(motion: Response, axes=None, quantity: str = "displacement", **options)
 def picture(motion: Response) -> str:
     """The displacements as SVG, for notebooks."""
     from ..page.plots import plot_image
-    from .motion_report import plots_of
+    from .motion_plots import plots_of
 
     images = (plot_image(each, "svg").decode() for each in plots_of(result_of(motion)))
     return "".join(image[image.index("<svg") :] for image in images)  # without the head of an XML file

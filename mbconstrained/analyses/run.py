@@ -17,20 +17,19 @@ from ..ground.display import WIDTH, TextTable, table_text, wrapped
 from ..ground.errors import InputError, MbconstrainedError
 from ..ground.files import Replacements
 from ..ground.notices import Notice, NoticeKind, distinct, doubts_of
-from ..page.content import PageContent
 from ..response.response_notices import counts
 from ..scene.run.plan import Costs, Plan, Stage
 from ..scene.run.result import Result, aliasing_notices, folded, with_units
 from ..scene.run.scene import Scene
 from ..scene.run.stages import is_animated, plan_of, steps_of, still, too_large_for_formula
 from .base import PICTURES, Analysis, Answer, formats_of
-from .motion_report import plots_of, tables_of
+from .motion_report import tables_of
 
 if TYPE_CHECKING:
     from ..exact.closed_form import ClosedForm
     from ..exchange.universal import Geometry
     from ..page.animation import Animation
-    from ..page.content import Formulas, Plot
+    from ..page.content import Formulas, PageContent, Plot
     from ..scene.run.certificate import Certificate
     from .frequency import Frequency
 
@@ -267,15 +266,19 @@ class RunAnswer(Result, Answer):
 
     def plots(self) -> Iterable[Plot]:
         """The requested plots, in the order of the scene."""
+        from .motion_plots import plots_of
+
         return plots_of(self)
 
     def page(self) -> PageContent:
         """Animation, plots, tables, notices and facts."""
+        from ..page.content import PageContent
+
         return PageContent(
             title=self.title,
             source=self.source,
             animation=self.animation if is_animated(self.scene) else None,
-            plots=plots_of(self),
+            plots=tuple(self.plots()),
             frequencies=self.tables[0],
             tables=(*self.tables[1:], self.scene.plan().page_table()),
             notices=self.table_notices,
@@ -392,7 +395,7 @@ class RunAnswer(Result, Answer):
         with self.writing_together():
             return [
                 self._written(kind, folder / f"{self.name}.{name}.{kind}", _bytes_writer(plot_image(plot, kind)))
-                for name, plot in plot_images(plots_of(self)).items()
+                for name, plot in plot_images(tuple(self.plots())).items()
                 for kind in PICTURES
             ]
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbconstrained.analyses.motion_report import plots_of
+from mbconstrained.analyses.motion_plots import plots_of
 from mbconstrained.page.content import Curve, PageContent, Plot, TimeFunctions
 from mbconstrained.page.html import page_html, write_page
 from mbconstrained.page.plots import PlotFunctions

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.analyses.motion_report import plots_of
+from mbconstrained.analyses.motion_plots import plots_of
 from mbconstrained.page.content import RecordResponse, TimeFunctions
 from mbconstrained.page.plots import PlotFunctions
 from mbconstrained.page.readings import record_steps

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.analyses.motion_report import plots_of
+from mbconstrained.analyses.motion_plots import plots_of
 from mbconstrained.scene.run.result import Result, aliasing_notices
 from mbconstrained.scene.run.scene import read_scene
 from tests.page.browser import needs_chromium

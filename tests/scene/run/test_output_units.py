@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from mbconstrained.analyses.motion_report import plots_of
+from mbconstrained.analyses.motion_plots import plots_of
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.scene.quantities.output_units import OutputUnits, output_units
 from tests.scene.scenes import OSCILLATOR, scene_of

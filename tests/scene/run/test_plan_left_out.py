@@ -78,7 +78,7 @@ def computed(kind: str) -> str:
 
 WORK = {
     "read the scene": Work("plain", None, "scene/file.py:parse"),
-    "units": Work("all", "plain", "scene/quantities/units.py:registry", ("pint",)),
+    "units": Work("all", "plain", "ground/units.py:registry", ("pint",)),
     "robot model (pinocchio)": Work("robot", "lumped", "scene/build/robot_file.py:robot_of", ("pinocchio", "coal")),
     "equilibrium": Work("robot", "lumped", "robot/posture_search.py:find_posture", ("mbconstrained.robot",)),
     "robot meshes": Work("robot with meshes", "robot with unread meshes", "robot/description/meshes.py:read_mesh", MESHES_BY),

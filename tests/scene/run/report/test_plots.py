@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from mbconstrained.analyses.motion_report import MOST_PLANES, plots_of
+from mbconstrained.analyses.motion_plots import MOST_PLANES, plots_of
 from mbconstrained.cli.commands import app
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.scene.run.scene import read_scene

@@ -1,0 +1,85 @@
+"""The plots of a motion, of curves in the units of [output]; a run without a page needs none of them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..exchange.trajectories import Curves
+from ..ground.tolerances import NOT_DRAWN
+from ..page.content import Curve, Plot, raised, shortened
+from ..page.readings import drawn_times
+from ..scene.run.result import ORDERS, Result
+
+if TYPE_CHECKING:
+    from ..page.content import TimeFunctions
+
+#: Most phase planes on a page: the first are drawn, [output] coordinates selects others.
+MOST_PLANES = 12
+
+
+def plots_of(result: Result) -> tuple[Plot, ...]:
+    """The requested plots, in the order of the scene."""
+    output = result.scene.table.output
+    kinds = [*output.plots, *(["quantity"] if output.quantity else [])]
+    plots = [
+        plot for kind in kinds for plot in (_phase_planes(result) if kind == "phase" else _plots(result, result.shown_curves(kind)))
+    ]
+    count = Counter(plot.title for plot in plots)
+    return tuple(_with_unit(plot) if count[plot.title] > 1 else plot for plot in plots)
+
+
+def _with_unit(plot: Plot) -> Plot:
+    """The plot with a unique title: with its unit, or for pure numbers with the names of the curves."""
+    source = raised(plot.unit) or shortened(", ".join(curve.name for curve in plot.curves))
+    return replace(plot, title=f"{plot.title} ({source})", quantity=plot.quantity or plot.title)
+
+
+def _plots(result: Result, curves: Curves) -> list[Plot]:
+    """One plot for each unit: curves in m and in rad share no axis."""
+    groups: dict[tuple[str, str], list[Curve]] = {}
+    functions = result.time_functions(curves.kind)
+    times = _drawn_times(result, functions, curves.units)
+    values = functions.at(times)
+    for i in _wanted(result, curves):
+        curve = Curve(curves.names[i], values[i], i, (functions, i))
+        groups.setdefault((curves.titles[i], curves.units[i]), []).append(curve)
+    return [Plot(title, _shown(unit), times, tuple(drawn)) for (title, unit), drawn in groups.items()]
+
+
+def _drawn_times(result: Result, functions: TimeFunctions, units: Sequence[str]) -> np.ndarray:
+    return drawn_times(functions, float(result.times[0]), float(result.times[-1]), units)
+
+
+def _wanted(result: Result, curves: Curves) -> list[int]:
+    wanted = result.scene.table.output.coordinates if curves.kind in ORDERS else None
+    return [i for i, name in enumerate(curves.names) if wanted is None or name in wanted]
+
+
+def _phase_planes(result: Result) -> list[Plot]:
+    """The velocity over the displacement of each coordinate that moves."""
+    places, rates = result.shown_curves("displacement"), result.shown_curves("velocity")
+    functions = [result.time_functions(curves.kind) for curves in (places, rates)]
+    times = np.union1d(*(_drawn_times(result, each, own.units) for each, own in zip(functions, (places, rates))))
+    along, up = (each.at(times) for each in functions)
+    moving = [i for i in _wanted(result, places) if np.ptp(places.values[i]) > NOT_DRAWN * np.abs(places.values[i]).max()]
+    return [
+        Plot(
+            f"phase plane of {places.names[i]}",
+            _shown(rates.units[i]),
+            times,
+            (Curve(places.names[i], up[i], i, (functions[1], i)),),
+            across=Curve(places.titles[i], along[i], function=(functions[0], i)),
+            across_unit=_shown(places.units[i]),
+            quantity=rates.titles[i],
+        )
+        for i in moving[:MOST_PLANES]
+    ]
+
+
+def _shown(unit: str) -> str:
+    return "" if unit == "1" else unit
