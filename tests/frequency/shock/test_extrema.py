@@ -49,8 +49,8 @@ def test_no_dense_sample_lies_beyond(seed):
     x = mb.MechanicalSystem(M, C[0], K[0]).solve(rng.normal(size=len(M)), rng.normal(size=len(M)), load(rng, len(M), end))
     for kind in KINDS:
         found, function = x.peaks(end, kind), x.derivative(KINDS.index(kind)) if kind != "displacement" else x.function
-        function = getattr(function, "rough", function)
-        knots = function.restarts.knots[function.restarts.knots <= end]
+        knots = getattr(function, "rough", function).restarts.knots
+        knots = knots[knots <= end]
         near = [np.minimum(knot + end * np.geomspace(1e-9, 1, 100), end) for knot in knots]
         values = function(np.unique(np.concatenate([np.linspace(0, end, 8001), *near])))
         size, margin = np.abs(values).max(axis=1), found.extrema.margin
