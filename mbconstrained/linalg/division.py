@@ -129,9 +129,9 @@ PRODUCT_ERROR = 64 * EPS**2
 HALVES = 2.0**27 + 1
 
 
-def accurate_product(left: np.ndarray, right: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """left @ right as its rounded value and the rounding error."""
-    return _product(_slices(left, 1), _slices(right, 0))
+def accurate_product(left: np.ndarray, right: np.ndarray, slices: int = SLICES) -> tuple[np.ndarray, np.ndarray]:
+    """left @ right as its rounded value and the rounding error; more slices keep entries that are smaller in their row or column."""
+    return _product(_slices(left, 1, slices), _slices(right, 0, slices))
 
 
 def accurately_solved(matrix: Matrix, right: Matrix) -> Matrix:
@@ -169,10 +169,10 @@ def congruence(shapes: np.ndarray, matrix: np.ndarray) -> np.ndarray:
     return sum(_product(rows, _slices(high, 0))) + shapes.T @ low
 
 
-def _slices(matrix: np.ndarray, axis: int) -> list[np.ndarray]:
+def _slices(matrix: np.ndarray, axis: int, count: int = SLICES) -> list[np.ndarray]:
     """Slices that add up to the matrix, of so few bits relative to the largest entry along an axis that their products are exact."""
     bits, result, rest = math.ceil((53 + math.log2(max(matrix.shape[axis], 2))) / 2), [], matrix
-    for _ in range(SLICES - 1):
+    while rest.any() and len(result) < count - 1:
         size = np.abs(rest).max(axis=axis, keepdims=True, initial=0.0)
         shift = np.ldexp(1.0, np.frexp(size)[1] + bits)
         result.append((rest + shift) - shift)
@@ -182,16 +182,28 @@ def _slices(matrix: np.ndarray, axis: int) -> list[np.ndarray]:
 
 def _product(left: list[np.ndarray], right: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """The sum of the products of slices, as a matrix and its rounding error."""
-    pairs = sorted(product(range(SLICES), repeat=2), key=sum)  # the largest terms first
+    pairs = sorted(product(range(len(left)), range(len(right))), key=sum)  # the largest terms first
 
     def add(sums, pair):
-        (high, low), term = sums, left[pair[0]] @ right[pair[1]]
-        total = high + term
-        part = total - high
-        return total, low + ((high - (total - part)) + (term - part))
+        total, error = sum_with_error(sums[0], left[pair[0]] @ right[pair[1]])
+        return total, sums[1] + error
 
     zero = np.zeros((left[0].shape[0], right[0].shape[1]))
     return reduce(add, pairs, (zero, zero))
+
+
+def sum_with_error(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """a + b rounded, and the rounding error (Knuth)."""
+    total = a + b
+    part = total - a
+    return total, (a - (total - part)) + (b - part)
+
+
+def product_with_error(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """a * b rounded, entry by entry, and the rounding error (Dekker 1971)."""
+    total = a * b
+    (large, small), (other, rest) = _halves(a), _halves(b)
+    return total, ((large * other - total) + large * rest + small * other) + small * rest
 
 
 def exact_product(row: np.ndarray, matrix: np.ndarray) -> np.ndarray:
@@ -204,9 +216,8 @@ def exact_product(row: np.ndarray, matrix: np.ndarray) -> np.ndarray:
     for column in np.flatnonzero((row != 0) @ (matrix != 0)):
         used = np.flatnonzero((row != 0) & (matrix[:, column] != 0))
         (left, unit), (right, other) = _scaled(row[used]), _scaled(matrix[used, column])
-        terms = left * right
-        (a, b), (c, d) = _halves(left), _halves(right)
-        total = math.fsum([*terms, *(((a * c - terms) + a * d + b * c) + b * d)])
+        terms, errors = product_with_error(left, right)
+        total = math.fsum([*terms, *errors])
         result[column] = math.ldexp(total, unit + other)
     return result
 

@@ -13,6 +13,7 @@ from ...ground.errors import Overflow
 from ...ground.tolerances import CLUSTER_SAFETY, EPS, FORM_ROUNDING, LIGHT_DAMPING, NOISE_SAFETY, SPECTRAL_ACCURACY, UNDAMPED
 from ...ground.tolerances import STEP_AGREEMENT as MARGIN
 from ...linalg import precise
+from ...linalg.division import accurate_product, product_with_error, sum_with_error
 from ...polynomial.structure import FiniteZero
 from ..frequency_response import NOISE
 from ..harmonic import Harmonic
@@ -22,8 +23,8 @@ from .spectral_matrix import SpectralMatrix
 #: Terms of rounding errors of the entries that are computed at once.
 MOST_TERMS = 1 << 20
 
-#: Numbers are split into halves of their digits by a product with this one, matrices into at most so many parts.
-SPLIT, MOST_PARTS = 2.0**27 + 1, 8
+#: Slices of matrices whose small entries count beside large ones of their rows.
+MOST_SLICES = 8
 
 # H(f) with refined poles: the real part of a pole near the axis is the damping, and needs its own relative accuracy.
 
@@ -210,7 +211,7 @@ def _bilinear(coefficients: np.ndarray, X: np.ndarray, Y: np.ndarray, p: np.ndar
     """y_k^T A(p_k) x_k in twice the digits of float64, shape (K,)."""
     total: tuple[_Doubled, _Doubled] = (np.zeros((2, len(p))), np.zeros((2, len(p))))
     for A in coefficients[::-1]:
-        u, v = _doubled_product(A, X.real), _doubled_product(A, X.imag)
+        u, v = (np.array(accurate_product(A, part, MOST_SLICES)) for part in (X.real, X.imag))
         yr, yi = Y.real.T, Y.imag.T
         re, im = total
         total = (
@@ -225,22 +226,14 @@ def _bilinear(coefficients: np.ndarray, X: np.ndarray, Y: np.ndarray, p: np.ndar
 _Doubled = np.ndarray
 
 
-def _sum_with_error(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    total = a + b
-    part = total - a
-    return total, (a - (total - part)) + (b - part)
-
-
 def _plus(one: _Doubled, other: _Doubled) -> _Doubled:
-    total, error = _sum_with_error(one[0], other[0])
-    return np.array(_sum_with_error(total, error + (one[1] + other[1])))
+    total, error = sum_with_error(one[0], other[0])
+    return np.array(sum_with_error(total, error + (one[1] + other[1])))
 
 
 def _times(one: _Doubled, factor: np.ndarray) -> _Doubled:
-    (a, b), (c, d) = (((large := SPLIT * x - (SPLIT * x - x)), x - large) for x in (one[0], factor))
-    product = one[0] * factor
-    error = ((a * c - product) + a * d + b * c) + b * d
-    return np.array(_sum_with_error(product, error + one[1] * factor))
+    product, error = product_with_error(one[0], factor)
+    return np.array(sum_with_error(product, error + one[1] * factor))
 
 
 def _total(values: _Doubled) -> _Doubled:
@@ -250,30 +243,6 @@ def _total(values: _Doubled) -> _Doubled:
         pairs = _plus(values[:, :half], values[:, half : 2 * half])
         values = np.concatenate([pairs, values[:, 2 * half :]], axis=1)
     return values[:, 0]
-
-
-def _doubled_product(A: np.ndarray, X: np.ndarray) -> _Doubled:
-    """A X of parts of A and X that have so few digits that BLAS makes no rounding error (Ozaki et al., Numer. Algorithms 59, 2012)."""
-    digits = (53 - int(np.ceil(np.log2(max(len(X), 2))))) // 2
-    parts = sorted(
-        ((i + j, one, other) for i, one in enumerate(_parts(A, 1, digits)) for j, other in enumerate(_parts(X, 0, digits))),
-        key=lambda term: -term[0],
-    )
-    total = np.zeros((2, len(A), X.shape[1]))
-    for _, one, other in parts:
-        total = _plus(total, np.array([one @ other, np.zeros(total.shape[1:])]))
-    return total
-
-
-def _parts(matrix: np.ndarray, axis: int, digits: int) -> list[np.ndarray]:
-    """Matrices whose sum is this one, each of so many binary digits below the largest entry of a row or column."""
-    result = []
-    while matrix.any() and len(result) < MOST_PARTS:
-        largest = np.abs(matrix).max(axis=axis, keepdims=True)
-        shift = np.ldexp(0.75, np.frexp(largest)[1] + 54 - digits)
-        result.append((matrix + shift) - shift)
-        matrix = matrix - result[-1]
-    return result
 
 
 # Integrals of f^k H(f) S(f) H(f)^H over all positive frequencies, in closed form near poles and exactly by Gauss's rule elsewhere.
