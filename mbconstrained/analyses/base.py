@@ -234,12 +234,12 @@ class Analysis:
     writes: ClassVar[bool] = True
 
     @classmethod
-    def solve(cls, scene: SceneData, settings: Table | None) -> Answer:
-        """The answer; a pure function of the scene and of the settings."""
+    def solve(cls, scene: Any, settings: Any) -> Answer:
+        """The answer; a pure function of the scene and of the settings, whose types each analysis states."""
         raise NotImplementedError
 
     @classmethod
-    def answer(cls, scene: SceneData, progress: Callable | None = None, **given) -> Answer:
+    def answer(cls, scene: Any, progress: Callable | None = None, **given) -> Answer:
         """The answer of a scene with some settings in the place of those in its table, by the names of its entries."""
         own = getattr(scene.table, cls.name, None)
         reported = {"progress": progress} if progress else {}

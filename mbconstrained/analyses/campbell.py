@@ -68,7 +68,7 @@ class CampbellDiagram(Analysis):
     formats = ("page", "images", "json")
 
     @classmethod
-    def solve(cls, scene: Scene, settings: CampbellTable | None) -> Answer:  # type: ignore[override]
+    def solve(cls, scene: Scene, settings: CampbellTable | None) -> Answer:
         """The answer of a scene with a rotor.
 
         Raises:
@@ -83,15 +83,15 @@ class CampbellDiagram(Analysis):
             notices.append(Notice(NoticeKind.UNSTABLE, text))
         facts = (("speeds", own.range_text), ("stability", own.stability_text), ("spectra", str(own.diagram.evaluations)))
         return Answer(
-            "campbell",
-            scene.name,
-            f"{scene.heading}: over the speed",
-            scene.table.source,
-            facts,
-            tuple(own.tables()),
-            tuple(notices),
-            {"title": scene.heading, **own.data()},
-            own.plots,
+            kind="campbell",
+            name=scene.name,
+            title=f"{scene.heading}: over the speed",
+            source=scene.table.source,
+            facts=facts,
+            tables=tuple(own.tables()),
+            notices=tuple(notices),
+            data={"title": scene.heading, **own.data()},
+            plots=own.plots,
             most_rows=None,
             keys=(),
         )

@@ -30,7 +30,7 @@ class Comparison(Analysis):
     formats = ("page",)
 
     @classmethod
-    def answer(cls, scene: Scene, progress: Any = None, *, others: Sequence[Scene] = ()) -> Answer:  # type: ignore[override]
+    def answer(cls, scene: Scene, progress: Any = None, *, others: Sequence[Scene] = ()) -> Answer:  # type: ignore[override]  # it has no settings
         """The answer of a scene and others; nothing is written."""
         scenes = (scene, *others)
         names = [one.name for one in scenes]
@@ -46,15 +46,15 @@ class Comparison(Analysis):
             runs[label] = replace(scene, table=scene.table.model_copy(update={"time": time})).run(folder and folder / label)
         *first, last = runs
         answer = Answer(
-            "compare",
-            "",
-            f"{', '.join(first)} and {last}",
-            "Runs compared",
-            (("time", time.text),),
-            (_table(runs),),
-            tuple(notice for run in runs.values() for notice in run.notices if notice.doubtful),
-            {"runs": {label: run.to_dict() for label, run in runs.items()}},
-            lambda: _plots(runs),
+            kind="compare",
+            name="",
+            title=f"{', '.join(first)} and {last}",
+            source="Runs compared",
+            facts=(("time", time.text),),
+            tables=(_table(runs),),
+            notices=tuple(notice for run in runs.values() for notice in run.notices if notice.doubtful),
+            data={"runs": {label: run.to_dict() for label, run in runs.items()}},
+            plots=lambda: _plots(runs),
             keys=("files", "trusted"),
         )
         return answer, [path for run in runs.values() for path in run.files]

@@ -175,7 +175,7 @@ class FormulaOfMotion(Analysis):
     progress = "steps"
 
     @classmethod
-    def solve(cls, scene: Scene, settings: FormulaOptions | None, progress: Callable[[str], None] | None = None) -> Answer:  # type: ignore[override]
+    def solve(cls, scene: Scene, settings: FormulaOptions | None, progress: Callable[[str], None] | None = None) -> Answer:
         """The answer of a scene whose formula can be written.
 
         Raises:
@@ -192,14 +192,14 @@ class FormulaOfMotion(Analysis):
         text = written(form, own.language, digits)
         parts = [form.title, text, "\n".join(notes)] if own.language == "text" else [text]
         return Answer(
-            "formula",
-            scene.name,
-            scene.title,
-            scene.table.source,
-            (),
-            (),
-            scene.notices,
-            records(form, digits),
+            kind="formula",
+            name=scene.name,
+            title=scene.title,
+            source=scene.table.source,
+            facts=(),
+            tables=(),
+            notices=scene.notices,
+            data=records(form, digits),
             keys=(),
             text="\n\n".join(filter(None, parts)),
         )

@@ -286,7 +286,7 @@ class Frequency(Analysis):
         self.system: MechanicalSystem | None = None if control else scene.equations.system
 
     @classmethod
-    def solve(cls, scene: SceneData, settings: FrequencyTable | None) -> Answer:  # type: ignore[override]
+    def solve(cls, scene: SceneData, settings: FrequencyTable | None) -> Answer:
         """The answer of any scene."""
         return cls(scene, settings).to_answer()
 
@@ -455,18 +455,18 @@ class Frequency(Analysis):
         scene, response = self.scene, self.response
         zeros = self._antiresonance_table()
         return Answer(
-            "frequency",
-            scene.name,
-            scene.title,
-            scene.table.source,
-            tuple(self._facts()),
-            (self.peak_table(wide=False), *zeros),
-            self.notices,
-            self._data(),
-            self._plots,
-            lambda: {"": dict(self._columns())},
-            lambda: arrays_of(response),
-            scene.heading,
+            kind="frequency",
+            name=scene.name,
+            title=scene.title,
+            source=scene.table.source,
+            facts=tuple(self._facts()),
+            tables=(self.peak_table(wide=False), *zeros),
+            notices=self.notices,
+            data=self._data(),
+            plots=self._plots,
+            columns=lambda: {"": dict(self._columns())},
+            arrays=lambda: arrays_of(response),
+            heading=scene.heading,
             on_page=lambda: {"tables": (self.peak_table(), *zeros), "animation": self.deflections()},
         )
 

@@ -49,7 +49,7 @@ class Locus(Analysis):
     formats = ("page", "images", "json")
 
     @classmethod
-    def solve(cls, scene: Scene, settings: ParameterOfLocus | None) -> Answer:  # type: ignore[override]
+    def solve(cls, scene: Scene, settings: ParameterOfLocus | None) -> Answer:
         """The answer of a scene with mass, damping and stiffness.
 
         Raises:
@@ -76,15 +76,15 @@ class Locus(Analysis):
             "stability_limits": locus.stability_limits,
         }
         return Answer(
-            "locus",
-            scene.name,
-            f"{scene.heading}: root locus over {locus.name}",
-            scene.table.source,
-            tuple(facts),
-            (*([locus.table()] if locus.break_points else []), _branches(locus)),
-            scene.notices,
-            data,
-            lambda: (_plot(locus, low, high),),
+            kind="locus",
+            name=scene.name,
+            title=f"{scene.heading}: root locus over {locus.name}",
+            source=scene.table.source,
+            facts=tuple(facts),
+            tables=(*([locus.table()] if locus.break_points else []), _branches(locus)),
+            notices=scene.notices,
+            data=data,
+            plots=lambda: (_plot(locus, low, high),),
             most_rows=None,
             keys=(),
         )

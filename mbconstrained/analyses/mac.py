@@ -46,7 +46,7 @@ class ModalAssurance(Analysis):
     settings = ModesOfTwoScenes
 
     @classmethod
-    def solve(cls, scene: Scene, settings: ModesOfTwoScenes | None) -> Answer:  # type: ignore[override]
+    def solve(cls, scene: Scene, settings: ModesOfTwoScenes | None) -> Answer:
         """The answer of two scenes with mass and stiffness.
 
         Raises:

@@ -171,14 +171,14 @@ class ModalAnalysis(Analysis):
         masses = self.effective_masses
         tables = (masses.table(),) if masses else ()
         return Answer(
-            "modes",
-            scene.name,
-            scene.title,
-            scene.table.source,
-            (),
-            (*(posture_tables(robot)[:1] if robot else ()), self.table(), *tables),
-            self.notices,
-            {
+            kind="modes",
+            name=scene.name,
+            title=scene.title,
+            source=scene.table.source,
+            facts=(),
+            tables=(*(posture_tables(robot)[:1] if robot else ()), self.table(), *tables),
+            notices=self.notices,
+            data={
                 "source": scene.table.source,
                 **(posture_json(robot) if robot else {}),
                 "coordinates": self.coordinates.to_list(),

@@ -34,7 +34,7 @@ class RobotPath(Analysis):
     formats = ("page", "images", "json")
 
     @classmethod
-    def solve(cls, scene: Scene, settings: PathTable | None) -> Answer:  # type: ignore[override]
+    def solve(cls, scene: Scene, settings: PathTable | None) -> Answer:
         """The answer of a scene with a robot.
 
         Raises:
@@ -67,15 +67,15 @@ class RobotPath(Analysis):
             "unreachable": [{"place": i + 1, "distance": float(along.distances[i])} for i in along.unreachable],
         }
         return Answer(
-            "path",
-            scene.name,
-            f"{scene.heading}: along the path of {settings.body}",
-            scene.table.source,
-            (("path", _summary(along)),),
-            (along.table, *([table] if missed else [])),
-            distinct(scene.notices, along.notices, doubts),
-            data,
-            lambda: (_plot(along),) if along.frequencies_hz.shape[1] else (),
+            kind="path",
+            name=scene.name,
+            title=f"{scene.heading}: along the path of {settings.body}",
+            source=scene.table.source,
+            facts=(("path", _summary(along)),),
+            tables=(along.table, *([table] if missed else [])),
+            notices=distinct(scene.notices, along.notices, doubts),
+            data=data,
+            plots=lambda: (_plot(along),) if along.frequencies_hz.shape[1] else (),
             most_rows=None,
             keys=("notices",),
         )

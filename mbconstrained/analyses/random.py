@@ -45,7 +45,7 @@ class Random(Analysis):
     settings = RandomTable
 
     @classmethod
-    def solve(cls, scene: Scene, settings: RandomTable | None) -> Answer:  # type: ignore[override]
+    def solve(cls, scene: Scene, settings: RandomTable | None) -> Answer:
         """The answer of a scene with mass, damping and stiffness.
 
         Raises:
@@ -57,17 +57,17 @@ class Random(Analysis):
         damping = system.damping_notices(any(entry.of != "force" for entry in settings.input)) if system is not None else ()
         inputs = zip(response.inputs, response.spectra.spectra)
         return Answer(
-            "random",
-            scene.name,
-            scene.title,
-            scene.table.source,
-            (
+            kind="random",
+            name=scene.name,
+            title=scene.title,
+            source=scene.table.source,
+            facts=(
                 *(("input", f"{name}: {spectrum.of}, {spectrum.name}") for name, spectrum in inputs),
                 ("error estimate", f"{response.error_estimate.max(initial=0.0):.2g} of each variance"),
             ),
-            (own.table(settings.duration),),
-            distinct(scene.notices, scene.equations.form_notices, damping, response.notices),
-            {
+            tables=(own.table(settings.duration),),
+            notices=distinct(scene.notices, scene.equations.form_notices, damping, response.notices),
+            data={
                 "quantity": response.quantity,
                 "inputs": response.inputs,
                 "outputs": response.outputs,
@@ -78,10 +78,10 @@ class Random(Analysis):
                 "infinite": response.infinite,
                 "error_estimate": response.error_estimate,
             },
-            own.plots,
-            lambda: {"": own.columns()},
-            own.arrays,
-            scene.heading,
+            plots=own.plots,
+            columns=lambda: {"": own.columns()},
+            arrays=own.arrays,
+            heading=scene.heading,
         )
 
 

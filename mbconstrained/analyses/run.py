@@ -45,7 +45,7 @@ class Run(Analysis):
     name = "run"
 
     @classmethod
-    def answer(cls, scene: Scene, progress: Callable | None = None, *, folder: str | Path | None = None) -> RunAnswer:  # type: ignore[override]
+    def answer(cls, scene: Scene, progress: Callable | None = None, *, folder: str | Path | None = None) -> RunAnswer:  # type: ignore[override]  # it has no settings
         """The answer, written into a folder unless it is None."""
         return run_scene(scene, None if folder is None else Path(folder), progress)
 
@@ -342,7 +342,7 @@ class RunAnswer(Result, Answer):
         curves = {head: values for block in self._all_shown for head, values in zip(block.heads, block.values)}
         return {"": {"time (s)": self.times, **curves}}
 
-    def write(  # type: ignore[override]
+    def write(  # type: ignore[override]  # a path names one format, as of motions; a folder with formats is that of all answers
         self,
         path: str | Path,
         formats: str | Iterable[str] | None = None,

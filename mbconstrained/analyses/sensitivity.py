@@ -62,7 +62,7 @@ class Sensitivity(Analysis):
         }
 
     @classmethod
-    def solve(cls, scene: SceneData, settings: VariedNames | None) -> Answer:  # type: ignore[override]
+    def solve(cls, scene: SceneData, settings: VariedNames | None) -> Answer:
         """The answer of a scene with a mechanical system.
 
         Raises:
@@ -70,14 +70,14 @@ class Sensitivity(Analysis):
         """
         self = cls(scene, (settings and settings.to) or ())
         return Answer(
-            "sensitivity",
-            scene.name,
-            scene.title,
-            scene.table.source,
-            (),
-            tuple(self.tables()),
-            scene.notices,
-            self._data(),
+            kind="sensitivity",
+            name=scene.name,
+            title=scene.title,
+            source=scene.table.source,
+            facts=(),
+            tables=tuple(self.tables()),
+            notices=scene.notices,
+            data=self._data(),
             heading=scene.heading,
             most_rows=None,
             keys=("notices",),

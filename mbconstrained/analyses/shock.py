@@ -55,7 +55,7 @@ class Shock(Analysis):
     }  # fmt: skip
 
     @classmethod
-    def solve(cls, scene: Scene, settings: ShockTable | None) -> Answer:  # type: ignore[override]
+    def solve(cls, scene: Scene, settings: ShockTable | None) -> Answer:
         """The answer of a scene with mass, damping and stiffness.
 
         Raises:
@@ -116,17 +116,17 @@ def _answer(name, title, source, part: _Spectrum | None, every: tuple[Peaks, ...
         arrays |= {f"{peaks.quantity}_{key}": getattr(own, key) for key in ("maximum", "maximum_time", "minimum", "minimum_time")}
         arrays[f"{peaks.quantity}_names"] = np.array(peaks.names)
     return Answer(
-        "shock",
-        name,
-        title,
-        source,
-        (*(() if part is None else part.facts()), *facts),
-        (*(() if part is None else (part.table(),)), *(peaks.table(units.of) for peaks in every)),
-        notices,
-        {"spectrum": None if part is None else part.data(), "peaks": rows},
-        tuple if part is None else part.plots,
-        lambda: columns,
-        lambda: arrays,
+        kind="shock",
+        name=name,
+        title=title,
+        source=source,
+        facts=(*(() if part is None else part.facts()), *facts),
+        tables=(*(() if part is None else (part.table(),)), *(peaks.table(units.of) for peaks in every)),
+        notices=notices,
+        data={"spectrum": None if part is None else part.data(), "peaks": rows},
+        plots=tuple if part is None else part.plots,
+        columns=lambda: columns,
+        arrays=lambda: arrays,
     )
 
 

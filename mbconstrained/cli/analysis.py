@@ -83,19 +83,7 @@ class Commands(TyperGroup):
 def command(analysis: type[Analysis]):
     """The function that typer makes a command of: its signature and help follow from the declaration."""
     reads_records, entries = hasattr(analysis, "of_record"), dict(_entries(analysis))
-    options = {f"{name}_": _option(*entry) for name, entry in entries.items()}  # "from" is a word of Python's grammar
-    options |= {name: _option(flag, kind, text) for name, (flag, kind, text) in RECORD.items()} if reads_records else {}
-    page_option = _option("--page", bool, f"Write NAME.{analysis.name}.html too.")
-    common: dict[str, tuple[Any, Any]] = {} if analysis.writes else {"page": page_option}
-    common |= {"out": (Out, "")} | ({"plots": (Plots, False)} if analysis.writes else {})
-    common |= {
-        "shared_viewer": (SharedViewer, False),
-        "compress": (Compress, False),
-        "settings": (Settings, None),
-        "json": (Json, False),
-    }
-    if is_text := analysis.formats == ("text",):
-        common = {"out": (File, ""), "settings": (Settings, None), "json": (Json, False)}
+    is_text = analysis.formats == ("text",)
 
     def run(source: str, out: str, settings, json: bool, shared_viewer: bool = False, compress: bool = False, **given) -> None:
         page, plots = given.pop("page", None), given.pop("plots", False)
@@ -157,19 +145,32 @@ def command(analysis: type[Analysis]):
             raise typer.BadParameter("values are set in a scene; this is a record", param_hint="--set")
         leave(Path(source).name, json, lambda: write(*_of_record(analysis, Path(source), chosen, reading)))
 
-    place: Any = (
-        (OptionalScene, "") if analysis.without_scene else (Source if reads_records else ScenePath, inspect.Parameter.empty)
-    )
-    parameters = [("source", *place)]
-    parameters += [(name, kind, default) for name, (kind, default) in {**options, **common}.items()]
-    run.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+    run.__signature__ = inspect.Signature(  # type: ignore[attr-defined]  # functions have it only once it is set
         [
             inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind)
-            for name, kind, default in parameters
+            for name, (kind, default) in _parameters(analysis, entries).items()
         ]
     )
     run.__doc__, run.__name__ = inspect.getdoc(analysis), analysis.name
     return run
+
+
+def _parameters(analysis: type[Analysis], entries: dict) -> dict[str, tuple[Any, Any]]:
+    """The parameters of a command by name: annotations for typer, and defaults."""
+    place: tuple[Any, Any] = (Source if hasattr(analysis, "of_record") else ScenePath, inspect.Parameter.empty)
+    result = {"source": (OptionalScene, "") if analysis.without_scene else place}
+    result |= {f"{name}_": _option(*entry) for name, entry in entries.items()}  # "from" is a word of Python's grammar
+    if hasattr(analysis, "of_record"):
+        result |= {name: _option(flag, kind, text) for name, (flag, kind, text) in RECORD.items()}
+    if analysis.formats == ("text",):
+        return result | {"out": (File, ""), "settings": (Settings, None), "json": (Json, False)}
+    if not analysis.writes:
+        result["page"] = _option("--page", bool, f"Write NAME.{analysis.name}.html too.")
+    result["out"] = (Out, "")
+    if analysis.writes:
+        result["plots"] = (Plots, False)
+    result |= {"shared_viewer": (SharedViewer, False), "compress": (Compress, False)}
+    return result | {"settings": (Settings, None), "json": (Json, False)}
 
 
 def _entries(analysis: type[Analysis]):

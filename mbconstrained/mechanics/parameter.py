@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 import numpy as np
 
-from ..ground.checks import real_number
+from ..ground.checks import nearest, real_number
 from ..ground.errors import InputError
 from ..ground.tolerances import DIFFERENCE_STEP, EPS
 from ..linalg.division import is_symmetric
 from .constraints import ConstraintRow
+
+#: Parameters that a message lists.
+MOST_NAMES = 12
 
 MATRICES = ("stiffness", "damping", "mass", "force")
 
@@ -150,6 +153,19 @@ def _of_parts(name: str, value: float, parts: Mapping[str, np.ndarray]) -> Param
     """A parameter from derivatives of the entries of the equations."""
     K, C, M, force = (parts[key] for key in MATRICES)
     return Parameter(name, value, K, C, M, force, {key: (row[:-1], row[-1]) for key, row in parts.items() if key not in MATRICES})
+
+
+def parameter_named(parameters: Sequence[Parameter], name: str) -> Parameter:
+    """The parameter of this name.
+
+    Raises:
+        InputError: an unknown name.
+    """
+    known = {one.name: one for one in parameters}
+    if name not in known:
+        names = ", ".join(list(known)[:MOST_NAMES]) or "none"
+        raise InputError(f'there is no parameter "{name}"{nearest(str(name), list(known))}; there are {names}')
+    return known[name]
 
 
 def entry_parameters(system: Assembled) -> Iterator[Parameter]:

@@ -8,17 +8,14 @@ from functools import cache
 
 import numpy as np
 
-from ..ground.checks import counted, nearest, real_array
+from ..ground.checks import counted, real_array
 from ..ground.display import Displayed, TextTable, number_text
-from ..ground.errors import InputError
+from ..ground.errors import InputError, named
 from ..ground.threads import short_work
 from ..ground.tolerances import NEWTON_STEP, noise_of
 from ..polynomial.variation import BreakPoint, MatrixFamily, break_points, followed, stability_limits
 from .equations import EquationsOfMotion
-from .parameter import Parameter
-
-#: Parameters that a message lists.
-MOST_NAMES = 12
+from .parameter import Parameter, parameter_named
 
 #: Parts of the range at which matrices are compared with linear ones, nowhere symmetric.
 INNER = (0.29, 0.53, 0.83)
@@ -71,13 +68,8 @@ def root_locus(system: EquationsOfMotion, parameter: str | Parameter, values) ->
     """The root locus of a system over a parameter on which its matrices depend linearly."""
     system._refuse_sparse("root_locus")
     if not isinstance(parameter, Parameter):
-        known = {one.name: one for one in system.parameters()}
-        if parameter not in known:
-            names = ", ".join(list(known)[:MOST_NAMES]) or "none"
-            raise InputError(
-                f'root_locus: there is no parameter "{parameter}"{nearest(str(parameter), list(known))}; there are {names}'
-            )
-        parameter = known[parameter]
+        with named("root_locus"):
+            parameter = parameter_named(system.parameters(), parameter)
     slope = parameter.matrices(system.size)
     base = np.array([system.stiffness, system.damping, system.mass]) - parameter.value * slope
     V = _basis(system, parameter)

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.linalg
 
 from ..exact.splitting import Branch, Splitting, splitting
-from ..ground.checks import counted, nearest
+from ..ground.checks import counted
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.notices import Notice, doubts_of
@@ -24,7 +24,7 @@ from .constraints import Constraint
 from .equations import EquationsOfMotion
 from .harmonic_response import frequency_response
 from .modes import Mode, Modes
-from .parameter import Parameter
+from .parameter import Parameter, parameter_named
 from .random_excitation import random_response
 
 if TYPE_CHECKING:
@@ -371,11 +371,7 @@ class Sensitivities(Displayed):
         Raises:
             InputError: an unknown name.
         """
-        if name not in self.names:
-            raise InputError(
-                f'there is no parameter "{name}"{nearest(str(name), self.names)}; there are {", ".join(self.names[:12])}'
-            )
-        return self.parameters[self.names.index(name)]
+        return parameter_named(self.parameters, name)
 
     @cached_property
     def _form(self) -> MultiplierForm:

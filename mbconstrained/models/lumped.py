@@ -289,9 +289,8 @@ class LumpedModel(Displayed):
 class BranchRows:
     """The springs or the dampers of a model with n coordinates, one a row."""
 
-    incidence: (
-        np.ndarray | csr_array
-    )  # B, -1 at the start, 1 at the end, nothing for the ground, or the radii of gears, shape (p, n)
+    #: B, -1 at the start, 1 at the end, nothing for the ground, or the radii of gears, shape (p, n).
+    incidence: np.ndarray | csr_array
     constants: np.ndarray  # stiffness or damping, all positive, shape (p,)
     rest: np.ndarray  # elongation without force, shape (p,); zero for dampers
     names: tuple[str, ...]  # names of the elements

@@ -386,8 +386,8 @@ _MARKERS = {"circle": "o", "cross": "x", "diamond": "D"}
 #: Height of a row of the legend, width of the line before a name and of a letter, inches.
 _ROW, _SAMPLE, _LETTER = 0.19, 0.6, 0.075
 
-#: Colours of text, secondary text, lines, grid and warnings as in page.css, and a red and a grey for figures.
-INK, MUTED, LINE, GRID, WARN, RED, GREY = "#1c2530", "#5d6b79", "#b5c0ca", "#e8edf1", "#e69f00", "#c8102e", "#aab4be"
+#: Colours of text, secondary text, lines and grid as in page.css, and a red and a grey for figures.
+INK, MUTED, LINE, GRID, RED, GREY = "#1c2530", "#5d6b79", "#b5c0ca", "#e8edf1", "#c8102e", "#aab4be"
 
 #: Resolution of PNG files, dots per inch.
 DPI = 160

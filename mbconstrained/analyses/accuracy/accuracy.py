@@ -52,7 +52,7 @@ class Accuracy(Analysis):
     progress = "steps"
 
     @classmethod
-    def solve(cls, scene: Scene, settings: AccuracySettings | None, progress: Progress = no_progress) -> Answer:  # type: ignore[override]
+    def solve(cls, scene: Scene, settings: AccuracySettings | None, progress: Progress = no_progress) -> Answer:
         """The answer of a scene."""
         seconds = (settings or AccuracySettings()).seconds
         return accuracy_report(problem_of(scene), seconds=seconds, progress=progress).answer(scene.name, scene.table.source)
@@ -158,7 +158,17 @@ class AccuracyReport:
             "fastest": [{"error": error, "one_run": one, "further_evaluation": more} for error, one, more in self.fastest],
             "runs": [self._run_to_dict(run) for run in self.runs],
         }
-        return Answer("accuracy", name, title, source, self.facts, tables, doubts, data, plots=diagram)
+        return Answer(
+            kind="accuracy",
+            name=name,
+            title=title,
+            source=source,
+            facts=self.facts,
+            tables=tables,
+            notices=doubts,
+            data=data,
+            plots=diagram,
+        )
 
     def _run_to_dict(self, run: Measurement) -> dict:
         head = {"method": run.method.name, "setting": run.setting.label, "is_ours": run.method.is_ours}

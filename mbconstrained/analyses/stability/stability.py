@@ -68,7 +68,7 @@ class Stability(Analysis):
     without_scene = ("systems",)
 
     @classmethod
-    def solve(cls, scene: Scene, settings: StabilitySettings | None, progress: Progress = no_progress) -> Answer:  # type: ignore[override]
+    def solve(cls, scene: Scene, settings: StabilitySettings | None, progress: Progress = no_progress) -> Answer:
         """The answer of a scene."""
         table = settings or StabilitySettings()
         return scene_report(scene, table.decades, table.step, progress).answer(scene.name)
@@ -151,15 +151,15 @@ class StabilityReport:
         tables = (digit_table(self), *reason_tables(self), *(() if self.of_scene else (gallery_table(self),)))
         maps = (heat_map("Digits right", self.sweeps),) if self.of_scene else ()
         return Answer(
-            "stability",
-            name,
-            f"Numerical stability: {self.title}",
-            "",
-            tuple(self.machine.items()),
-            tables,
-            (notice,),
-            data,
-            lambda: digit_plots(self.sweeps),
+            kind="stability",
+            name=name,
+            title=f"Numerical stability: {self.title}",
+            source="",
+            facts=tuple(self.machine.items()),
+            tables=tables,
+            notices=(notice,),
+            data=data,
+            plots=lambda: digit_plots(self.sweeps),
             figures=lambda: maps,
             most_rows=None,
         )

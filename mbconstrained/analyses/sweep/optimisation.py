@@ -112,14 +112,14 @@ class Optimum(Displayed):
             "history": self.history,
         }
         return Answer(
-            "optimise",
-            scene.name,
-            f"{scene.title}: {name} {'minimised' if self.sign > 0 else 'maximised'}",
-            scene.table.source,
-            ((name, f"{value}, instead of {before} in the file, by {self.evaluations} samples"), *machine().items()),
-            (TextTable("Best values", ("parameter", "best", "from", "to"), tuple(rows)),),
-            (*scene.notices, *(Notice(NoticeKind.ACCURACY, text) for text in texts)),
-            data,
+            kind="optimise",
+            name=scene.name,
+            title=f"{scene.title}: {name} {'minimised' if self.sign > 0 else 'maximised'}",
+            source=scene.table.source,
+            facts=((name, f"{value}, instead of {before} in the file, by {self.evaluations} samples"), *machine().items()),
+            tables=(TextTable("Best values", ("parameter", "best", "from", "to"), tuple(rows)),),
+            notices=(*scene.notices, *(Notice(NoticeKind.ACCURACY, text) for text in texts)),
+            data=data,
             plots=lambda: _plots(self, unit, factor),
         )
 
@@ -262,7 +262,7 @@ class Optimisation(Analysis):
     optimum = staticmethod(optimise)
 
     @classmethod
-    def answer(cls, scene: Scene, progress: Callable | None = None, **given) -> Answer:  # type: ignore[override]
+    def answer(cls, scene: Scene, progress: Callable | None = None, **given) -> Answer:
         """The answer of a scene with some settings in the place of those in [vary], and parameters in addition to them."""
         return optimise(scene, given.pop("parameters", None), **given, progress=progress).answer()
 

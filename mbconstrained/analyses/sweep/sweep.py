@@ -442,14 +442,14 @@ class ParameterSweep(Analysis):
     study = staticmethod(sweep)
 
     @classmethod
-    def solve(cls, scene: Scene, settings: VaryTable | None) -> Answer:  # type: ignore[override]
+    def solve(cls, scene: Scene, settings: VaryTable | None) -> Answer:
         """The answer of a scene."""
         return cls.answer(
             scene, **({} if settings is None else {name: getattr(settings, name) for name in settings.model_fields_set})
         )
 
     @classmethod
-    def answer(cls, scene: Scene, progress: Progress | None = None, **given) -> Answer:  # type: ignore[override]
+    def answer(cls, scene: Scene, progress: Progress | None = None, **given) -> Answer:
         """The answer of a scene with some settings in the place of those in [vary], and parameters in addition to them."""
         running: dict[str, Any] = {key: str(given.pop(key)) for key in ("store", "dask") if key in given}
         running |= {key: given.pop(key) for key in ("workers", "sample_timeout") if given.get(key)}
@@ -619,15 +619,15 @@ class SweepReport:
         }
         title = f"{scene.title}: {counted(len(result), 'sample')}"
         return Answer(
-            "sweep",
-            scene.name,
-            title,
-            scene.table.source,
-            self.facts,
-            self.tables,
-            self.notices,
-            data,
-            SweepPictures(result, self.figures, self.units).bands,
+            kind="sweep",
+            name=scene.name,
+            title=title,
+            source=scene.table.source,
+            facts=self.facts,
+            tables=self.tables,
+            notices=self.notices,
+            data=data,
+            plots=SweepPictures(result, self.figures, self.units).bands,
             columns=lambda: {"": result._columns()},
             figures=cache(self.pictures),
             on_page=self.animated,

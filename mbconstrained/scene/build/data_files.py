@@ -233,7 +233,6 @@ def entries_of(source, folder: Path) -> np.ndarray:
     """The entries of a matrix, with expressions of parameters unevaluated."""
     if isinstance(source, np.ndarray):
         return source
-
     matrix = full_matrix(read_matrix(_data_file(folder, source.file), source.array), source.file)
     sizes = np.abs(matrix[matrix != 0])
     if sizes.size and not (LEAST <= sizes.min() and sizes.max() <= LARGEST):
@@ -243,7 +242,6 @@ def entries_of(source, folder: Path) -> np.ndarray:
 
 def record_of(source, unit: str | None, folder: Path) -> tuple[np.ndarray, np.ndarray]:
     """A record in a file."""
-
     keys = ("column", "time", "time_unit", "step", "header", "array", "factor")
     given = {key: getattr(source, key) for key in keys if getattr(source, key) is not None}
     offset = force_value(source.offset, unit, what="offset")

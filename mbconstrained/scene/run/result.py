@@ -26,7 +26,7 @@ from ...ground.display import number_text
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import NOT_DRAWN
 from ...linalg.blocks import block_slices, zeros_of
-from ...mechanics.modes import Conservation, Kind, Mode, Modes, cleaned
+from ...mechanics.modes import Conservation, Mode, Modes, cleaned, kind_of
 from ...mechanics.motion import DELTAS
 from ...response.admissible import admissible
 from ...response.estimate import error_estimate
@@ -684,15 +684,7 @@ def in_units(curves: Curves, units: OutputUnits) -> Curves:
 
 def _mode_of(zero, size: int) -> Mode:
     value = cleaned(complex(zero.value), zero.multiplicity, Conservation(passive=False, lossless=False))
-    return Mode(_kind_of(value), value, zero.multiplicity, np.zeros((size, 0)))
-
-
-def _kind_of(value: complex) -> Kind:
-    if value == 0:
-        return "offset"
-    if value.real > 0:
-        return "growth"
-    return "oscillation" if value.imag else "decay"
+    return Mode(kind_of(value), value, zero.multiplicity, np.zeros((size, 0)))
 
 
 def _meaning_of(value: complex, multiplicity: int) -> str:
