@@ -12,6 +12,7 @@ SAME_ARITHMETIC = 1e-6
 @pytest.mark.parametrize("scene", scenes())
 def test_answers_are_those_of_the_corpus(scene):
     """On another processor exit codes and texts: shapes of repeated eigenvalues, zeros, and lines next to peaks follow its rounding."""
-    same = {library.get("architecture") for library in threadpoolctl.threadpool_info()} == {FROZEN_ON}
+    libraries = threadpoolctl.threadpool_info()  # those of threads have no arithmetic of their own
+    same = {library["architecture"] for library in libraries if library["internal_api"] == "openblas"} == {FROZEN_ON}
     different = {key: value for key, value in differences(scene).items() if value > SAME_ARITHMETIC}
     assert not {key: value for key, value in different.items() if same or key.endswith((": exit", ": texts"))}
