@@ -34,7 +34,7 @@ LINES = {
     "models": 1377,
     "page": 4907,
     "polynomial": 2958,
-    "response": 5504,
+    "response": 5499,
     "robot": 9019,
     "scene": 9208,
     "signals": 1734,

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
 from operator import attrgetter
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -45,7 +45,7 @@ class ProvedFunction(BohlFunction):
     """matrix @ x^(order) of a small model.
 
     Attributes:
-        rough: the function in float64.
+        rough: the function in float64; any Bohl function without a defect, which bounds functions of reduced equations only.
         exact: returns the exact response that x belongs to.
         order: order of the derivative.
         matrix: shape (p, r); None for x itself.
@@ -54,7 +54,7 @@ class ProvedFunction(BohlFunction):
         refined: the same of sums of refined modes.
     """
 
-    rough: BohlFunction
+    rough: FlowFunction
     exact: Callable[[], ExactResponse]
     finite_count: int
     order: int
@@ -72,11 +72,6 @@ class ProvedFunction(BohlFunction):
     size = property(attrgetter("rough.size"))
     state_count = property(attrgetter("rough.state_count"))
     summed_from = property(attrgetter("rough.summed_from"))
-
-    @property
-    def _sums(self) -> FlowFunction:
-        """The function in float64 where a defect bounds its error: one of reduced equations."""
-        return cast("FlowFunction", self.rough)
 
     @property
     def is_provable(self) -> bool:
@@ -106,14 +101,14 @@ class ProvedFunction(BohlFunction):
     def _sums_of_modes(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values, and the indices of the times at which they are not guaranteed to ``PROVED_ACCURACY``."""
         if (whole := self._in_whole_pieces) is None:
-            values = self._sums.by_modes(times)
+            values = self.rough.by_modes(times)
             return values, np.flatnonzero(~self._surely(values, times))
-        values = whole._sums.by_modes(times)
+        values = whole.rough.by_modes(times)
         places = np.flatnonzero(~whole._surely(values, times, KEPT_ACCURACY))
         if not len(places):
             return values, places
         right = whole._surely(values[:, places], times[places])
-        better = self._sums.by_modes(times[places])
+        better = self.rough.by_modes(times[places])
         sure = self._surely(better, times[places])
         values[:, places[sure]] = better[:, sure]
         return values, places[~(sure | right)]
@@ -123,13 +118,13 @@ class ProvedFunction(BohlFunction):
         """The function without first moments of later forces, which take longer than the rest; None where no force is delayed."""
         if (whole := self.defect.in_whole_pieces) is None:
             return None
-        rough = self._sums.of(whole.flow)
+        rough = self.rough.of(whole.flow)
         return ProvedFunction(rough, self.exact, self.finite_count, whole, None, self.order, self.matrix)
 
     def _surely(self, values: np.ndarray, times: np.ndarray, accuracy: float = PROVED_ACCURACY) -> np.ndarray:
         """Which sums of modes are guaranteed to this accuracy relative to the largest value."""
         allowed = accuracy * np.maximum(values.max(axis=0), -values.min(axis=0))
-        return self.defect.allows(self._sums.place, self._sums.order, times, allowed)
+        return self.defect.allows(self.rough.place, self.rough.order, times, allowed)
 
     def _begun(self, values: np.ndarray, times: np.ndarray, doubtful: np.ndarray) -> np.ndarray:
         """Replace values at the first doubtful times by the Taylor series, and return the indices that remain doubtful."""
@@ -138,9 +133,9 @@ class ProvedFunction(BohlFunction):
         if not len(early):
             return doubtful
         begun = values[:, early]
-        replace(start, bounds=None).replace(begun, times[early], self._sums.output, lambda: np.zeros(0))
+        replace(start, bounds=None).replace(begun, times[early], self.rough.output, lambda: np.zeros(0))
         values[:, early] = begun
-        bound = self.defect.of_series(self._sums.place, self._sums.order, times[early])
+        bound = self.defect.of_series(self.rough.place, self.rough.order, times[early])
         right = bound <= PROVED_ACCURACY * np.abs(values[:, early]).max(axis=0)
         return np.setdiff1d(doubtful, early[right])
 
@@ -149,7 +144,7 @@ class ProvedFunction(BohlFunction):
         if not len(doubtful) or (modes := self.refined) is None or modes.refined is None:
             return doubtful
         with np.errstate(all="ignore"):
-            better, sure = modes.proved(self._sums.place, self._sums.order, times[doubtful], REFINED_ACCURACY)
+            better, sure = modes.proved(self.rough.place, self.rough.order, times[doubtful], REFINED_ACCURACY)
         values[:, doubtful[sure]] = better[:, sure]
         return doubtful[~sure]
 
