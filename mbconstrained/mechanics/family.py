@@ -146,17 +146,9 @@ class Family(Displayed):
         loads = [B[:n] - K @ motions] + [-(D @ motions), -(M @ motions)] * bool(motions.any())
         return StackedTransfer(self.poles.of(at), C[:, :n], motions, tuple(loads), harmonic.power, np.asarray(levels, dtype=int))
 
-    def is_free(self, shapes: np.ndarray, of: Literal["stiffness", "damping"]) -> np.ndarray:
-        """Which systems have no springs, or no dampers, that resist some motions, up to rounding errors of the entries.
-
-        Args:
-            shapes: displacements that satisfy the constraints, shape (n, z).
-            of: the matrices to check.
-
-        Returns:
-            Truth values, shape (S,).
-        """
-        V, matrices = self.base.position_form().null_space, getattr(self, of)
+    def _is_free(self, shapes: np.ndarray, matrices: np.ndarray) -> np.ndarray:
+        """Which systems have no springs, or no dampers, that resist some motions, up to rounding errors of the entries, shape (S,)."""
+        V = self.base.position_form().null_space
         noise = noise_of(np.abs(V.T) @ np.abs(matrices) @ np.abs(shapes))
         return (np.abs(V.T @ (matrices @ shapes)) <= noise).all(axis=(1, 2))
 
@@ -169,7 +161,61 @@ class Family(Displayed):
         Raises:
             SingularPolynomialMatrix: the motion of a system is not determined.
         """
-        return _modes_of_all(self)
+        count, n, stacks = len(self), self.base.size, []
+        waiting = np.ones(count, dtype=bool)
+        if (poles := self.poles) is not None:
+            stacks.append(_Stack(poles, poles.serve & (poles.value_errors <= PROVED_ACCURACY).all(axis=1), np.zeros((0, n))))
+            waiting &= ~stacks[0].serve
+        if waiting.sum() > 1 and (freed := self._free_stack(waiting)):
+            stacks.append(freed)
+            waiting &= ~freed.serve
+        alone = {place: self[place].modes() for place in np.flatnonzero(waiting).tolist()}
+        drift = sum(row.order for row in self.base.rows)
+        stacks = [one for one in stacks if one.serve.any()]
+        width = max([0, *(len(modes.eigenvalues) for modes in alone.values()), *(one.count + drift for one in stacks)])
+        values, errors = np.full((count, width), np.nan, dtype=complex), np.full((count, width), np.nan)
+        shapes = np.full((count, n, width), np.nan, dtype=complex)
+        for one in stacks:
+            one.sort_into(values, errors, shapes, drift)
+        for place, modes in alone.items():
+            counts, own = [mode.multiplicity for mode in modes], modes.eigenvalues
+            values[place, : len(own)], errors[place, : len(own)] = own, np.repeat(np.maximum(modes.residuals, EPS), counts)
+            for column, (mode, i) in enumerate((mode, i) for mode, number in zip(modes, counts) for i in range(number)):
+                if mode.shapes.size:
+                    shapes[place, :, column] = mode.shapes[:, min(i, mode.shapes.shape[1] - 1)]
+        return FamilyModes(self, values, shapes, errors, np.array(sorted(alone), dtype=int))
+
+    def _free_stack(self, waiting: np.ndarray) -> _Stack | None:
+        """Systems with the free motions of the first of those that wait: free bodies, or one motion that dampers alone resist.
+
+        Whether a motion is free is a decision on rank, which is made for that system; for the others it is seen whether springs
+        and dampers act against it. A pole of theirs that is not clearly none of the zeros leaves a system out.
+        """
+        if self.poles is None:
+            return None
+        free, staying = rest_shapes(self[int(waiting.argmax())].position_form().polynomial_matrix)
+        if np.iscomplexobj(free) or np.iscomplexobj(staying):
+            return None
+        if free.shape[1] and not staying.shape[1]:
+            waiting = waiting & self._is_free(free, self.stiffness) & self._is_free(free, self.damping)
+            equations = self.equations.without_rigid_motions(free)
+            if not (waiting & equations.serve).any():
+                return None
+            poles = stacked_poles(equations, *self.matrices(slice(None)))
+            serve = waiting & poles.serve & (poles.value_errors <= PROVED_ACCURACY).all(axis=1)
+            bodies = free.shape[1]
+            return _Stack(poles, serve, np.array([free[:, min(i, bodies - 1)] for i in range(2 * bodies)]))
+        if staying.shape[1] != 1 or free.shape[1] or (resting := self.equations.with_resting_motion(staying)) is None:
+            return None
+        equations, doubt = resting
+        units = np.broadcast_to(np.eye(equations.K.shape[1]), equations.K.shape)
+        poles = stacked_poles(replace(equations, T=units), equations.M, equations.C, equations.K)
+        zero = ((poles.values == 0) | (poles.value_errors >= 1.0)) & (poles.weights == 1)  # not farther from 0 than their errors
+        errors = poles.value_errors + doubt[:, None]
+        clear = (errors <= PROVED_ACCURACY) | zero
+        serve = waiting & self._is_free(staying, self.stiffness) & poles.serve & clear.all(axis=1) & (zero.sum(axis=1) == 1)
+        weights, shapes = np.where(zero, 0.0, poles.weights), equations.T @ poles.shapes
+        return _Stack(replace(poles, value_errors=errors, weights=weights, shapes=shapes), serve, staying.T)
 
     def solve(self, displacement=None, velocity=None, force=None) -> FamilyMotion:
         """The motions of all systems from values at 0-, under the same force.
@@ -324,38 +370,6 @@ class FamilyModes(Displayed):
         return chosen[:, : int(oscillates.sum(axis=1).max(initial=0))]
 
 
-def _modes_of_all(family: Family) -> FamilyModes:
-    """The modes of all systems."""
-    count, stacks = len(family), [one for one in (_regular_stack(family),) if one]
-    waiting = ~np.any([np.zeros(count, dtype=bool), *(one.serve for one in stacks)], axis=0)
-    if waiting.sum() > 1 and (freed := _free_stack(family, waiting)):
-        stacks.append(freed)
-        waiting &= ~freed.serve
-    alone = {place: family[place].modes() for place in np.flatnonzero(waiting).tolist()}
-    drift = sum(row.order for row in family.base.rows)
-    width = max([0, *(len(modes.eigenvalues) for modes in alone.values())])
-    width = max([width, *(one.count + drift for one in stacks if one.serve.any())])
-    values = np.full((count, width), np.nan, dtype=complex)
-    errors, shapes = np.full((count, width), np.nan), np.full((count, family.base.size, width), np.nan, dtype=complex)
-    for one in stacks:
-        if one.serve.any():
-            _sort_into(values, errors, shapes, one, drift)
-    for place, modes in alone.items():
-        own = modes.eigenvalues
-        values[place, : len(own)], errors[place, : len(own)] = (
-            own,
-            np.repeat(np.maximum(modes.residuals, EPS), [mode.multiplicity for mode in modes]),
-        )
-        repeated = [
-            mode.shapes[:, [min(i, mode.shapes.shape[1] - 1)]] if mode.shapes.size else np.full((family.base.size, 1), np.nan)
-            for mode in modes
-            for i in range(mode.multiplicity)
-        ]
-        if repeated:
-            shapes[place, :, : len(own)] = np.hstack(repeated)
-    return FamilyModes(family, values, shapes, errors, np.array(sorted(alone), dtype=int))
-
-
 @dataclass(frozen=True, eq=False)
 class _Stack:
     """Poles of systems that the stacked method serves, and the shapes of their eigenvalues 0, one for each."""
@@ -369,73 +383,26 @@ class _Stack:
         """The largest number of their eigenvalues."""
         return int((self.poles.weights[self.serve] > 0).sum(axis=1).max()) + len(self.zeros)
 
-
-def _regular_stack(family: Family) -> _Stack | None:
-    """The systems without eigenvalues 0 but those of drift."""
-    poles = family.poles
-    if poles is None:
-        return None
-    return _Stack(poles, poles.serve & (poles.value_errors <= PROVED_ACCURACY).all(axis=1), np.zeros((0, family.base.size)))
-
-
-def _free_stack(family: Family, waiting: np.ndarray) -> _Stack | None:
-    """Systems with the free motions of the first of those that wait: free bodies, or one motion that dampers alone resist.
-
-    Whether a motion is free is a decision on rank, which is made for that system; for the others it is seen whether springs
-    and dampers act against it. A pole of theirs that is not clearly none of the zeros leaves a system out.
-    """
-    if family.poles is None:
-        return None
-    reference = family[int(waiting.argmax())]
-    free, staying = rest_shapes(reference.position_form().polynomial_matrix)
-    if np.iscomplexobj(free) or np.iscomplexobj(staying):
-        return None
-    if free.shape[1] and not staying.shape[1]:
-        waiting = waiting & family.is_free(free, "stiffness") & family.is_free(free, "damping")
-        equations = family.equations.without_rigid_motions(free)
-        if not (waiting & equations.serve).any():
-            return None
-        poles = stacked_poles(equations, *family.matrices(slice(None)))
-        serve = waiting & poles.serve & (poles.value_errors <= PROVED_ACCURACY).all(axis=1)
-        bodies = free.shape[1]
-        return _Stack(poles, serve, np.array([free[:, min(i, bodies - 1)] for i in range(2 * bodies)]))
-    if staying.shape[1] != 1 or free.shape[1]:
-        return None
-    resting = family.equations.with_resting_motion(staying)
-    if resting is None:
-        return None
-    equations, doubt = resting
-    units = np.broadcast_to(np.eye(equations.K.shape[1]), equations.K.shape)
-    poles = stacked_poles(replace(equations, T=units), equations.M, equations.C, equations.K)
-    zero = ((poles.values == 0) | (poles.value_errors >= 1.0)) & (poles.weights == 1)  # not farther from 0 than their errors
-    errors = poles.value_errors + doubt[:, None]
-    clear = (errors <= PROVED_ACCURACY) | zero
-    serve = waiting & family.is_free(staying, "stiffness") & poles.serve & clear.all(axis=1) & (zero.sum(axis=1) == 1)
-    weights, shapes = np.where(zero, 0.0, poles.weights), equations.T @ poles.shapes
-    poles = replace(poles, value_errors=errors, weights=weights, shapes=shapes)
-    return _Stack(poles, serve, staying.T)
-
-
-def _sort_into(values, errors, shapes, stack: _Stack, drift: int) -> None:
-    """The poles of the systems that serve, ascending by modulus after eigenvalues 0, their shapes with largest entry 1."""
-    poles, serve = stack.poles, stack.serve
-    own = np.where(poles.weights > 0, poles.values, np.inf)
-    order = np.argsort(np.abs(own), axis=1, kind="stable")
-    ordered = np.take_along_axis(own, order, axis=1)
-    absent = ~np.isfinite(ordered.real)
-    ordered[absent] = np.nan
-    sizes = np.take_along_axis(poles.value_errors, order, axis=1)
-    sizes[absent] = np.nan
-    X = np.take_along_axis(poles.shapes, order[:, None, :], axis=2)
-    largest = np.take_along_axis(X, np.abs(X).argmax(axis=1)[:, None, :], axis=1)
-    with np.errstate(all="ignore"):
-        X = np.where(absent[:, None, :], np.nan, X / largest)
-    begin = drift + len(stack.zeros)
-    columns, present = slice(begin, drift + stack.count), stack.count - len(stack.zeros)
-    values[serve, :begin], errors[serve, :drift], errors[serve, drift:begin] = 0.0, 0.0, EPS
-    values[serve, columns], errors[serve, columns] = ordered[serve, :present], sizes[serve, :present]
-    shapes[serve, :, drift:begin] = stack.zeros.T
-    shapes[serve, :, columns] = X[serve][:, :, :present]
+    def sort_into(self, values: np.ndarray, errors: np.ndarray, shapes: np.ndarray, drift: int) -> None:
+        """The poles of the systems that serve, ascending by modulus after eigenvalues 0, their shapes with largest entry 1."""
+        poles, serve = self.poles, self.serve
+        own = np.where(poles.weights > 0, poles.values, np.inf)
+        order = np.argsort(np.abs(own), axis=1, kind="stable")
+        ordered = np.take_along_axis(own, order, axis=1)
+        absent = ~np.isfinite(ordered.real)
+        ordered[absent] = np.nan
+        sizes = np.take_along_axis(poles.value_errors, order, axis=1)
+        sizes[absent] = np.nan
+        X = np.take_along_axis(poles.shapes, order[:, None, :], axis=2)
+        largest = np.take_along_axis(X, np.abs(X).argmax(axis=1)[:, None, :], axis=1)
+        with np.errstate(all="ignore"):
+            X = np.where(absent[:, None, :], np.nan, X / largest)
+        begin = drift + len(self.zeros)
+        columns, present = slice(begin, drift + self.count), self.count - len(self.zeros)
+        values[serve, :begin], errors[serve, :drift], errors[serve, drift:begin] = 0.0, 0.0, EPS
+        values[serve, columns], errors[serve, columns] = ordered[serve, :present], sizes[serve, :present]
+        shapes[serve, :, drift:begin] = self.zeros.T
+        shapes[serve, :, columns] = X[serve][:, :, :present]
 
 
 def one_by_one(places: np.ndarray, count: int, limit: float = PROVED_ACCURACY) -> tuple[Notice, ...]:
@@ -510,13 +477,6 @@ class FamilyMotion(Displayed):
 
         The estimate is a multiple of the differences, at some times, that moving each entry of M, C and K by its rounding error makes, and moving the
         generator by the rounding errors of squarings: stiff directions leave the others fewer digits.
-
-        Args:
-            times: in s, a number or shape (T,).
-            order: 0 for x, 1 for x'.
-
-        Returns:
-            Shapes (S, n, T) or (S, n), (S,), and places.
         """
         times = evaluation_times(times)
         own, count = np.unique(times.reshape(-1)), len(self)
@@ -547,17 +507,7 @@ class FamilyMotion(Displayed):
         """The largest and the smallest values of each system over a span of time, none missed (``frequency.shock.extrema``).
 
         Each system's flow is decoupled; where its values are not those of the family at some times, the system is solved by itself.
-
-        Args:
-            span: first and last time in s.
-            order: 0 for x, 1 for x', 2 for x''.
-            combinations: of the coordinates, shape (p, n); by default each one.
-
-        Returns:
-            One for each system.
-
-        Raises:
-            Overflow: a value leaves the range of float64.
+        The order is 0 for x, 1 for x', 2 for x''; combinations of the coordinates have the shape (p, n), by default each one.
 
         >>> from mbconstrained import family
         >>> motions = family([[1.0]], None, [[[4.0]], [[9.0]]]).solve(velocity=[6.0])
@@ -571,13 +521,7 @@ class FamilyMotion(Displayed):
     def root_mean_squares(
         self, span: tuple[float, float], order: int = 0, combinations: np.ndarray | None = None
     ) -> list[RootMeanSquares]:
-        """The RMS values of each system over a span of time, by integrals of the closed form.
-
-        Args:
-            span, order, combinations: as in ``extrema``.
-
-        Returns:
-            One for each system.
+        """The RMS values of each system over a span of time, by integrals of the closed form; arguments as of ``extrema``.
 
         >>> from mbconstrained import family
         >>> motions = family([[1.0]], None, [[[4.0]], [[9.0]]]).solve(velocity=[6.0])
