@@ -121,19 +121,11 @@ class ConstraintRow:
     signal: ImpulsiveSmooth | None = field(default=None, repr=False)
 
     def right_side(self, order: int) -> BohlFunction:
-        """Right-hand side of the row for a x^(order), t > 0: the derivative of b of order ``order`` minus the order of the row.
-
-        Args:
-            order: order of the derivative of x, at least that of the row.
-
-        Returns:
-            A function with one row, in the unit of the row per s^order.
-        """
+        """The right-hand side for a x^(order), t > 0, the order at least that of the row: a derivative of b."""
         constant = step([self.value if order == self.order else 0.0]).smooth
         return constant if self.signal is None else constant + self.signal.derivative(order - self.order)
 
     def constraint(self) -> Constraint:
-        """The row as a separate constraint."""
         doubt = np.atleast_2d(self.uncertainty + np.zeros(len(self.coefficients)))
         value = self.value if self.signal is None else self.signal
         return Constraint(np.atleast_2d(self.coefficients), self.level, value, self.name, self.unit, doubt)
@@ -205,6 +197,16 @@ def right_sides(rows: Sequence[ConstraintRow]) -> ImpulsiveSmooth | None:
     column = np.eye(len(rows))
     varying = [row.signal.mapped(column[:, [place]]) for place, row in enumerate(rows) if row.signal is not None]
     return sum(varying[1:], varying[0]) if varying else None
+
+
+def with_multipliers(matrices: Sequence[np.ndarray], rows: np.ndarray, orders: Sequence[int], sign: int = -1) -> list[np.ndarray]:
+    """[M s^2 + C s + K, sign A^T; A s^order, 0] from K, C, M: each row in the matrix of its order, the forces of the rows next to K."""
+    k, n = rows.shape
+    stacked = [np.pad(matrix, (0, k)) for matrix in matrices]
+    stacked[0][:n, n:] = sign * rows.T
+    for place, order in enumerate(orders, n):
+        stacked[order][place, :n] = rows[place - n]
+    return stacked
 
 
 def _unit(coefficients, units) -> str:

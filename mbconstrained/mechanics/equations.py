@@ -478,7 +478,6 @@ class EquationsOfMotion(Displayed):
         return vector
 
     def _uncertainty(self, given: Mapping) -> tuple[np.ndarray, ...]:
-        """Uncertainties of K, C and M."""
         known, shape = ("stiffness", "damping", "mass"), (self.size, self.size)
         for name in given:
             if name not in known:

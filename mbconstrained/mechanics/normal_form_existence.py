@@ -57,7 +57,6 @@ class StateSpaceData:
 
 
 def state_space_data(A, B, C, D, descriptor) -> StateSpaceData:
-    """Validate the matrices."""
     A = real_array(A, "A", shape=(None, None))
     n = len(A)
     if n != A.shape[1]:
@@ -172,11 +171,6 @@ class ScaledPencil:
         input_space, noise = _input_space(F, B, known)
         return replace(self, A=A, F=F, B=B, input_space=input_space, input_space_noise=noise, known=known)
 
-    @property
-    def without_weak(self) -> ScaledPencil:
-        """The pencil with the weak entries set to zero."""
-        return replace(self, A=np.where(self.weak, 0.0, self.A), weak=np.zeros_like(self.weak))
-
 
 def scaled_pencil(data: StateSpaceData) -> ScaledPencil:
     """Choose the units; without F, set entries to zero that are rounding errors relative to others of their row and column."""
@@ -290,22 +284,17 @@ class Margin:
 
     @property
     def relative(self) -> float:
-        """The distance relative to A."""
         return self.distance / self.size if self.size else 0.0
 
     @property
     def holds(self) -> bool:
-        """Whether the condition is satisfied."""
         return self.rank == self.needed
 
     @property
     def clear(self) -> bool:
-        """Whether the decision is clear."""
-        return (
-            self.ratio >= CLEAR_KEPT
-            if self.holds
-            else self.ratio <= CLEAR_DROPPED and self.bound <= FAR_FROM_EIGENVALUE * self.size
-        )
+        if self.holds:
+            return self.ratio >= CLEAR_KEPT
+        return self.ratio <= CLEAR_DROPPED and self.bound <= FAR_FROM_EIGENVALUE * self.size
 
 
 @dataclass(frozen=True)
@@ -327,10 +316,7 @@ class NormalFormExistence:
             return (*replace(self, rests_on=0).notices, Notice(NoticeKind.RANK, text, doubtful=True))
         rate = self.eigenvalues.eigenvalue
         where = "" if rate is None else f" at lambda = {rate:.6g}"
-        named = (
-            ("rank [B, A B] = 2 p", self.inputs),
-            (f"rank [A - lambda I, B] >= n/2 + p{where}", self.eigenvalues),
-        )
+        named = ("rank [B, A B] = 2 p", self.inputs), (f"rank [A - lambda I, B] >= n/2 + p{where}", self.eigenvalues)
         return tuple(
             Notice(
                 NoticeKind.RANK,
@@ -354,7 +340,7 @@ def existence(pair: ScaledPencil) -> NormalFormExistence:
     if not pair.weak.any():
         return margins
     try:
-        _margins(pair.without_weak)
+        _margins(replace(pair, A=np.where(pair.weak, 0.0, pair.A), weak=np.zeros_like(pair.weak)))
     except NoNormalForm:
         return replace(margins, rests_on=int(pair.weak.sum()))
     return margins
@@ -431,7 +417,11 @@ def _refined(value: float, constant, linear) -> tuple[float, np.ndarray]:
     if values[count - 1] > FAR_FROM_EIGENVALUE * values[0]:
         return best
     for _ in range(REFINEMENTS):
-        left = _left_vectors(constant - value * linear)[:, count - 1 :].T
+        try:
+            left = scipy.linalg.svd(constant - value * linear, full_matrices=False)[0]
+        except np.linalg.LinAlgError:  # the fast algorithm may not converge for many equal singular values, the slow one does
+            left = scipy.linalg.svd(constant - value * linear, full_matrices=False, lapack_driver="gesvd")[0]
+        left = left[:, count - 1 :].T
         along = left @ linear
         value = float(np.vdot(along, left @ constant) / np.vdot(along, along))
         values = scipy.linalg.svdvals(constant - value * linear)
@@ -439,13 +429,6 @@ def _refined(value: float, constant, linear) -> tuple[float, np.ndarray]:
             break
         best = value, values
     return best
-
-
-def _left_vectors(matrix) -> np.ndarray:
-    try:
-        return scipy.linalg.svd(matrix, full_matrices=False)[0]
-    except np.linalg.LinAlgError:  # the fast algorithm may not converge for many equal singular values, the slow one does
-        return scipy.linalg.svd(matrix, full_matrices=False, lapack_driver="gesvd")[0]
 
 
 def _no_form(name: str, text: str, margin: Margin, pair: ScaledPencil) -> NoNormalForm:

@@ -112,7 +112,6 @@ def _linear(at: Callable[[float], np.ndarray], low: float, high: float) -> Matri
 
 
 def locus_of(name: str, unit: str, values, family: MatrixFamily) -> RootLocus:
-    """The root locus of a family."""
     values = _ascending(values)
     with short_work(2 * len(family.pattern)):
         branches = followed(family, values)

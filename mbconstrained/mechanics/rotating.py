@@ -16,7 +16,7 @@ from typing import TypeVar
 import numpy as np
 import scipy.linalg
 
-from ..ground.checks import counted, nearest, real_array, real_number
+from ..ground.checks import counted, real_array, real_number
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.threads import short_work
@@ -31,7 +31,6 @@ Rotor = TypeVar("Rotor", bound=EquationsOfMotion)
 
 
 def at_speed(system: Rotor, speed: float) -> Rotor:
-    """The rotor at a constant speed."""
     speed = real_number(speed, "speed")
     check_rotor(system, speed)
     stiffness, damping, mass = system.given
@@ -246,11 +245,7 @@ class Campbell(Displayed):
 
 
 def direction(whirl: float) -> str:
-    """Name of the whirl direction for a value of ``Campbell.whirl``.
-
-    >>> direction(0.5), direction(-1.0), direction(1e-12)
-    ('forward', 'backward', 'planar')
-    """
+    """Name of the whirl direction for a value of ``Campbell.whirl``."""
     return "planar" if abs(whirl) <= EPS**0.5 else "forward" if whirl > 0 else "backward"
 
 
@@ -267,7 +262,6 @@ def whirl_of(system: EquationsOfMotion, shapes: np.ndarray) -> np.ndarray:
 
 
 def campbell(system: EquationsOfMotion, speeds) -> Campbell:
-    """The eigenvalues over the speed."""
     speeds = real_array(speeds, "speeds", shape=(None,))
     if len(speeds) < 2 or not (np.diff(speeds) > 0).all():
         raise InputError(
@@ -442,7 +436,6 @@ class UnbalanceResponse(Displayed):
 
 
 def unbalance_response(system: EquationsOfMotion, speeds, unbalance=None, order: float = 1.0) -> UnbalanceResponse:
-    """The steady states over the speed."""
     speeds = real_array(speeds, "speeds", shape=(None,))
     order = real_number(order, "order", positive=True)
     if len(speeds) < 2 or not (np.diff(speeds) > 0).all() or speeds[0] < 0:
@@ -460,14 +453,11 @@ def _unbalance(system: EquationsOfMotion, given) -> np.ndarray:
         if system.unbalance is None:
             raise InputError("unbalance: the system has none; give it in kg m, complex, one number for each coordinate or by name")
         return system.unbalance
-    if isinstance(given, Mapping):
-        for name in given:
-            if name not in system.names:
-                raise InputError(f'unbalance: there is no coordinate "{name}"{nearest(name, system.names)}')
-        given = [given.get(name, 0.0) for name in system.names]
-    values = np.asarray(given)
-    parts = (real_array(part, "unbalance", shape=(system.size,)) for part in (values.real, values.imag))
-    real, imaginary = parts
+    parts = (
+        {name: part(one) for name, one in given.items()} if isinstance(given, Mapping) else part(given)
+        for part in (np.real, np.imag)
+    )
+    real, imaginary = (system._vector(part, "unbalance") for part in parts)
     return real + 1j * imaginary
 
 
@@ -517,7 +507,7 @@ def _peaks(steady: SteadyStates, speeds: np.ndarray, critical: list[CriticalSpee
     for pole in poles:
         places = places[np.abs(places - pole) > NEWTON_STEP * pole]
     growth = np.array([steady.growth(place) for place in places.tolist()])
-    for j, (name, unit) in enumerate(zip(system.names, (system.units[name] for name in system.names))):
+    for j, (name, unit) in enumerate(system.units.items()):
         for (a, low), (b, high) in pairwise(zip(places.tolist(), growth[:, j])):
             if not (low > 0 > high):
                 continue

@@ -20,7 +20,7 @@ from ..ground.threads import short_work
 from ..ground.tolerances import EPS, REFINEMENT_STEPS, SHOWN_INFLUENCE, SPLITTING_ROUNDING, noise_of
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import step
-from .constraints import Constraint
+from .constraints import Constraint, with_multipliers
 from .equations import EquationsOfMotion
 from .harmonic_response import frequency_response
 from .modes import Mode, Modes
@@ -58,13 +58,13 @@ class MultiplierForm:
         """The multiplier form of a system with every row at position level."""
         scale = float(max(np.abs(system.stiffness).max(), np.abs(system.mass).max()))
         rows = scale * system.constraint_matrix
-        matrices = np.array([system.stiffness, system.damping, system.mass])
-        return MultiplierForm(_bordered_by(matrices, rows), system.size, scale)
+        matrices = system.stiffness, system.damping, system.mass
+        return MultiplierForm(np.array(with_multipliers(matrices, rows, [0] * len(rows))), system.size, scale)
 
     def slope(self, system: EquationsOfMotion, parameter: Parameter) -> Slope:
         """The derivatives of the multiplier form with respect to a parameter."""
         rows, _ = parameter.constraint_rows(system)
-        matrices = _bordered_by(parameter.matrices(system.size), self.scale * rows)
+        matrices = np.array(with_multipliers(parameter.matrices(system.size), self.scale * rows, [0] * len(rows)))
         power, row, column = np.nonzero(matrices)
         return Slope(power, row, column, matrices[power, row, column], len(matrices[0]))
 
@@ -115,14 +115,6 @@ class Slope:
         result = np.zeros(self.size, dtype=vector.dtype)
         np.add.at(result, self.row, self.entry * value**self.power * vector[self.column])
         return result
-
-
-def _bordered_by(matrices: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """[P, -A^T; A, 0] of each matrix, the rows with the first alone."""
-    result = np.pad(matrices, [(0, 0), (0, len(rows)), (0, len(rows))])
-    size = matrices.shape[1]
-    result[0, size:, :size], result[0, :size, size:] = rows, -rows.T
-    return result
 
 
 def _value(coefficients: np.ndarray, value) -> np.ndarray:
@@ -222,7 +214,6 @@ def _eigenvalues(matrix: np.ndarray, phase: complex) -> np.ndarray:
 
 
 def _condition(matrix: np.ndarray, phase: complex) -> float:
-    """Condition number of the eigenvectors."""
     return 1.0 if len(matrix) == 1 or _is_hermitian(matrix / phase) else float(np.linalg.cond(np.linalg.eig(matrix)[1]))
 
 
@@ -239,7 +230,6 @@ class ModeDerivatives:
 def mode_derivatives(
     system: EquationsOfMotion, mode: Mode, form: MultiplierForm, slopes: Sequence[Slope], doubts: Sequence[Slope | None]
 ) -> ModeDerivatives:
-    """The derivatives of one mode."""
     count, shapes = mode.multiplicity, mode.shapes
     if not shapes.shape[1]:
         return ModeDerivatives(mode, ((STAYS,) * count,) * len(slopes), {}, (0.0,) * len(slopes))
@@ -594,7 +584,6 @@ def _entry(value: float) -> str:
 
 
 def sensitivities(system: EquationsOfMotion, parameters=None) -> Sensitivities:
-    """The sensitivities of a system to all parameters, or to selected ones."""
     system._refuse_sparse("sensitivities")
     given = [parameters] if isinstance(parameters, (str, Parameter)) else parameters
     own = [one for one in given or () if isinstance(one, Parameter)]
@@ -634,7 +623,6 @@ def dual_system(system: EquationsOfMotion, parameter: Parameter) -> EquationsOfM
 
 
 def derivative_names(names: Sequence[str], parameter: Parameter) -> tuple[str, ...]:
-    """The names of the derivatives."""
     return tuple(f"d({name})/d({parameter.name})" for name in names)
 
 

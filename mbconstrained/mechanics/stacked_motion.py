@@ -46,11 +46,9 @@ class StackedFlow:
         return replace(self, output=output)
 
     def mapped(self, matrix: np.ndarray) -> StackedFlow:
-        """matrix @ x."""
         return replace(self, output=matrix @ self.output)
 
     def of(self, place: int) -> StackedFlow:
-        """The flow of one model."""
         one = slice(place, place + 1)
         return replace(self, generator=self.generator[one], output=self.output[one], start=self.start[one])
 

@@ -43,7 +43,6 @@ class StackedPoles:
 
 
 def stacked_poles(equations: StackedEquations, M: np.ndarray, C: np.ndarray, K: np.ndarray) -> StackedPoles:
-    """The poles of all models."""
     chunks = (slice(begin, begin + TOGETHER) for begin in range(0, len(K), TOGETHER))
     parts = [dict(vars(_refined(_part(equations.of(at)), M[at], C[at], K[at]))) for at in chunks]
     width = max(part["values"].shape[1] for part in parts)

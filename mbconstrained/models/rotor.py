@@ -236,7 +236,6 @@ class RotorTerms:
 
 
 def rotor_terms(elements: Sequence[Element], names: Sequence[str]) -> RotorTerms | None:
-    """The terms of all rotors, bearings and unbalances."""
     own = [element for element in elements if isinstance(element, (Rotor, Bearing, Unbalance))]
     if not own:
         return None
