@@ -262,7 +262,13 @@ def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRow
     own = reduced[kept]
     margins = own.size[range(len(kept)), pivots] / (NOISE_SAFETY * own.noise[range(len(kept)), pivots])
     notices = [_redundant(rows, place, reduced.data[place, size:]) for place in range(len(rows)) if place not in kept]
-    notices += [_doubtful(rows[place], margin) for place, margin in zip(kept, margins) if margin < CLEAR_KEPT]
+    for place, margin in zip(kept, margins):
+        if margin < CLEAR_KEPT:
+            text = (
+                f'constraint "{rows[place].name}" ({rows[place].level} level) is almost a combination of other rows: the rest of it is only '
+                f"{margin:.3g} times its rounding error; it was kept"
+            )
+            notices.append(Notice(NoticeKind.RANK, text, doubtful=True))
     null_space, motions = _null_space(own.data[:, :size], pivots, scale)
     independent = tuple(rows[place] for place in kept)
     return IndependentRows(independent, matrix[kept], uncertainty[kept], null_space, motions, tuple(pivots), tuple(notices))
@@ -358,12 +364,3 @@ def _is_nearly_dependent(rows, factors: np.ndarray) -> bool:
         return False
     terms = whole[:, None] * np.array([row.coefficients for row in rows], dtype=np.longdouble)
     return bool((np.abs(terms.sum(axis=0)) > DOUBTFUL_SUM[0] * EPS * np.abs(terms).sum(axis=0)).any())
-
-
-def _doubtful(row: ConstraintRow, margin: float) -> Notice:
-    return Notice(
-        NoticeKind.RANK,
-        f'constraint "{row.name}" ({row.level} level) is almost a combination of other rows: the rest of it is only '
-        f"{margin:.3g} times its rounding error; it was kept",
-        doubtful=True,
-    )

@@ -448,16 +448,14 @@ class EquationsOfMotion(Displayed):
         if force is None:
             return self.force
         if isinstance(force, Mapping) and any(isinstance(one, ImpulsiveSmooth) for one in force.values()):
-            return sum((self._row_signal(name, one) for name, one in force.items()), self.force)
+            total = self.force
+            for name, one in force.items():
+                signal = one if isinstance(one, ImpulsiveSmooth) else step([real_number(one, f"force of {name}")])
+                if signal.size != 1:
+                    raise InputError(f"force of {name}: found {signal.size} rows; expected one, as of mb.step(5.0)")
+                total = total + signal.mapped(self._vector({name: 1.0}, "force")[:, None])
+            return total
         return self.force + self._signal(force if isinstance(force, ImpulsiveSmooth) else step(self._vector(force, "force")))
-
-    def _row_signal(self, name: str, force) -> ImpulsiveSmooth:
-        """A force on one coordinate: a function of time with one row, or a number."""
-        if not isinstance(force, ImpulsiveSmooth):
-            return step(self._vector({name: force}, "force"))
-        if force.size != 1:
-            raise InputError(f"force of {name}: found {force.size} rows; expected one, as of mb.step(5.0)")
-        return force.mapped(self._vector({name: 1.0}, "force")[:, None])
 
     def _signal(self, signal: ImpulsiveSmooth) -> ImpulsiveSmooth:
         if signal.size != self.size:

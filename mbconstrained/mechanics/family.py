@@ -28,7 +28,7 @@ from .modes import Modes, rest_shapes
 from .motion import Motion
 from .stacked_equations import StackedEquations, stacked_equations
 from .stacked_motion import StackedFlow, stacked_flow
-from .stacked_poles import TOGETHER, StackedPoles, StackedTransfer, stacked_poles
+from .stacked_poles import StackedPoles, StackedTransfer, in_parts, stacked_poles
 from .system import MechanicalSystem
 
 
@@ -135,16 +135,17 @@ class Family(Displayed):
         """M, C and K of some systems, or of one."""
         return self.mass[at], self.damping[at], self.stiffness[at]
 
-    def _transfer(self, at: slice, harmonic: Harmonic, levels) -> StackedTransfer | None:
-        """Transfer functions of some systems for a harmonic response; None where poles do not give it."""
+    def _transfers(self, harmonic: Harmonic, levels) -> Iterator[tuple[slice, StackedTransfer]]:
+        """Transfer functions for a harmonic response, of some systems at a time; none where poles do not give it."""
         base, n = self.base, self.base.size
         B, C = harmonic.inputs, harmonic.outputs
         if self.poles is None or B.shape[0] != n + len(base.rows) or C[:, n:].any() or harmonic.imaginary is not None:
-            return None
-        M, D, K = self.matrices(at)
-        motions = base.multiplier_map.T @ B[n:]
-        loads = [B[:n] - K @ motions] + [-(D @ motions), -(M @ motions)] * bool(motions.any())
-        return StackedTransfer(self.poles.of(at), C[:, :n], motions, tuple(loads), harmonic.power, np.asarray(levels, dtype=int))
+            return
+        motions, orders = base.multiplier_map.T @ B[n:], np.asarray(levels, dtype=int)
+        for at in in_parts(len(self)):
+            M, D, K = self.matrices(at)
+            loads = [B[:n] - K @ motions] + [-(D @ motions), -(M @ motions)] * bool(motions.any())
+            yield at, StackedTransfer(self.poles.of(at), C[:, :n], motions, tuple(loads), harmonic.power, orders)
 
     def _is_free(self, shapes: np.ndarray, matrices: np.ndarray) -> np.ndarray:
         """Which systems have no springs, or no dampers, that resist some motions, up to rounding errors of the entries, shape (S,)."""
@@ -258,12 +259,9 @@ class Family(Displayed):
         values = np.empty((len(self), len(names[1]), len(names[0]), len(frequencies)), dtype=complex)
         errors = np.full((len(self), len(names[1]), len(names[0])), np.inf)
         at_level = quantity in BY_POLES and not any(row.order for row in self.base.rows)
-        for begin in range(0, len(self) if at_level else 0, TOGETHER):
-            at = slice(begin, begin + TOGETHER)
-            transfer = self._transfer(at, first.harmonic, np.zeros(len(first.inputs)))
-            if transfer is not None:
-                values[at], absolute = transfer(2j * np.pi * frequencies)
-                errors[at] = np.where(transfer.poles.serve[:, None, None], _relative(values[at], absolute), np.inf)
+        for at, transfer in self._transfers(first.harmonic, np.zeros(len(first.inputs))) if at_level else ():
+            values[at], absolute = transfer(2j * np.pi * frequencies)
+            errors[at] = np.where(transfer.poles.serve[:, None, None], _relative(values[at], absolute), np.inf)
         alone = np.flatnonzero(~(errors <= LINE_ACCURACY).all(axis=(1, 2)))
         for place in alone.tolist():
             H = first if not place else self[place].frequency_response(frequencies, *names, quantity, relative_to=relative_to)
@@ -292,11 +290,8 @@ class Family(Displayed):
         spectra = first.spectra
         if not (first.infinite or spectra.longest_delay or options.get("modal_damping") is not None):
             levels = [KINDS[spectrum.of] or 0 for spectrum in spectra.spectra]
-            for begin in range(0, count, TOGETHER):
-                at = slice(begin, begin + TOGETHER)
-                transfer = self._transfer(at, first.harmonic, levels)
-                if transfer is not None:
-                    squares[at], errors[at] = _variances(transfer, spectra)
+            for at, transfer in self._transfers(first.harmonic, levels):
+                squares[at], errors[at] = _variances(transfer, spectra)
         served = (errors <= STACKED_VARIANCE * squares).all(axis=1)
         with np.errstate(all="ignore"):
             rms, relative = np.sqrt(squares), errors / (2 * squares) + EPS
@@ -484,8 +479,7 @@ class FamilyMotion(Displayed):
         values, errors = np.empty((count, len(places), len(own))), np.full(count, np.inf)
         served, every = self._served, max(1, len(own) // TRIAL_TIMES)
         some = slice((len(own) - 1) % every if len(own) else 0, None, every)  # the last time among them
-        for begin in range(0, count if served is not None and len(own) else 0, TOGETHER):
-            at = slice(begin, begin + TOGETHER)
+        for at in in_parts(count if served is not None and len(own) else 0):
             with np.errstate(all="ignore"):
                 values[at] = self._flow(at).derivative(order)(own)[:, places]
                 size = np.abs(values[at]).max(axis=(1, 2))
@@ -539,8 +533,7 @@ class FamilyMotion(Displayed):
         matrix = own if combinations is None else real_array(combinations, "combinations", shape=(None, self.family.base.size))
         result: list[Any] = [None] * count
         some = np.linspace(*span, TRIAL_TIMES)
-        for begin in range(0, count if served is not None else 0, TOGETHER):
-            at = slice(begin, begin + TOGETHER)
+        for at in in_parts(count if served is not None else 0):
             with np.errstate(all="ignore"):
                 flow, *moved = (one.derivative(order).mapped(matrix) for one in (self._flow(at), *self._moved_flows(at)))
                 values = flow(some)
@@ -552,7 +545,7 @@ class FamilyMotion(Displayed):
                 try:
                     function = one.function()
                     if np.abs(function(some) - values[place]).max() <= LOCATED * size[place]:
-                        result[begin + place] = what(function, lambda times, one=one: one(times)[0])
+                        result[at.start + place] = what(function, lambda times, one=one: one(times)[0])
                 except MbconstrainedError:
                     continue  # solved by itself, which has its own reasons
         for place in [place for place, own in enumerate(result) if own is None]:

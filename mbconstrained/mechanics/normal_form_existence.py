@@ -87,15 +87,10 @@ def _inputs(B, n) -> np.ndarray:
         )
     columns = null_columns(Noisy.rounded(B))
     if columns.decision.rank < B.shape[1]:
-        raise InputError(f"B: {_dependence(columns.null.data[0])}; the inputs must be independent: leave one out, or combine them")
+        *others, last = [str(place + 1) for place in np.flatnonzero(columns.null.data[0])]
+        text = f"columns {', '.join(others)} and {last} depend on each other" if others else f"column {last} is zero"
+        raise InputError(f"B: {text}; the inputs must be independent: leave one out, or combine them")
     return B
-
-
-def _dependence(combination) -> str:
-    involved = [str(place + 1) for place in np.flatnonzero(combination)]
-    if len(involved) == 1:
-        return f"column {involved[0]} is zero"
-    return f"columns {', '.join(involved[:-1])} and {involved[-1]} depend on each other"
 
 
 def _outputs(C, D, n, p):
@@ -183,10 +178,10 @@ def _explicit(A, B) -> ScaledPencil:
     equation = 1 / (state * rate)
     scaled_B = equation[:, None] * kept_B * inputs
     dropped = int((kept_A != A).sum() + (kept_B != B).sum())
-    scaled_A = equation[:, None] * kept_A * state
-    return ScaledPencil(
-        scaled_A, np.eye(len(A)), scaled_B, scaled_B, scaled_B, EPS, equation, state, inputs, rate, True, dropped, _weak(kept_A)
-    )
+    scaled_A, size = equation[:, None] * kept_A * state, np.abs(kept_A)
+    small = size <= ROUNDED_COUPLING * np.minimum(size.max(axis=1, keepdims=True), size.max(axis=0))
+    weak, units = (size > 0) & small & _on_no_cycle(kept_A), (equation, state, inputs, rate)
+    return ScaledPencil(scaled_A, np.eye(len(A)), scaled_B, scaled_B, scaled_B, EPS, *units, True, dropped, weak)
 
 
 def _descriptor(A, B, F) -> ScaledPencil:
@@ -209,12 +204,6 @@ def _input_space(F, B, known: float = EPS) -> tuple[np.ndarray, float]:
     U, lengths, _ = np.linalg.svd(B)
     _, values, rows = np.linalg.svd(U[:, p:].T @ F)
     return rows[n - p :].T, float(known * (lengths[0] / lengths[-1]) * np.linalg.norm(F) / values[-1])
-
-
-def _weak(A) -> np.ndarray:
-    size = np.abs(A)
-    small = size <= ROUNDED_COUPLING * np.minimum(size.max(axis=1, keepdims=True), size.max(axis=0))
-    return (size > 0) & small & _on_no_cycle(A)
 
 
 def _without_rounding(A, B):

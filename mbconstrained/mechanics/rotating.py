@@ -16,14 +16,14 @@ from typing import TypeVar
 import numpy as np
 import scipy.linalg
 
-from ..ground.checks import counted, real_array, real_number
+from ..ground.checks import counted, real_number
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.threads import short_work
 from ..ground.tolerances import EPS, NEWTON_STEP, noise_of
 from ..polynomial.variation import FamilyPart, MatrixFamily, followed, located, refined_values, stability_limits
 from .equations import EquationsOfMotion
-from .parameter import Parameter
+from .parameter import Parameter, ascending
 
 # The equations of a rotor at constant speed W, M x'' + (C + W G) x' + (K + W N) x = f, with speed-dependent bearings.
 
@@ -262,11 +262,7 @@ def whirl_of(system: EquationsOfMotion, shapes: np.ndarray) -> np.ndarray:
 
 
 def campbell(system: EquationsOfMotion, speeds) -> Campbell:
-    speeds = real_array(speeds, "speeds", shape=(None,))
-    if len(speeds) < 2 or not (np.diff(speeds) > 0).all():
-        raise InputError(
-            f"speeds: found {len(speeds)} values; expected two or more, ascending, in rad/s, e.g. numpy.linspace(0, 1000, 101)"
-        )
+    speeds = ascending(speeds, "speeds", ", in rad/s, e.g. numpy.linspace(0, 1000, 101)")
     check_rotor(system, *speeds[[0, -1]])
     family, V = rotor_family(system)
     with short_work(2 * system.size):
@@ -436,10 +432,10 @@ class UnbalanceResponse(Displayed):
 
 
 def unbalance_response(system: EquationsOfMotion, speeds, unbalance=None, order: float = 1.0) -> UnbalanceResponse:
-    speeds = real_array(speeds, "speeds", shape=(None,))
-    order = real_number(order, "order", positive=True)
-    if len(speeds) < 2 or not (np.diff(speeds) > 0).all() or speeds[0] < 0:
-        raise InputError(f"speeds: found {len(speeds)} values; expected two or more, ascending, at least 0, in rad/s")
+    order, wanted = real_number(order, "order", positive=True), ", at least 0, in rad/s"
+    speeds = ascending(speeds, "speeds", wanted)
+    if speeds[0] < 0:
+        raise InputError(f"speeds: found {speeds[0]:g}; expected two or more, ascending{wanted}")
     check_rotor(system, *speeds[[0, -1]])
     steady = SteadyStates(system, _unbalance(system, unbalance), order)
     with short_work(2 * system.size):

@@ -64,7 +64,7 @@ class MultiplierForm:
     def slope(self, system: EquationsOfMotion, parameter: Parameter) -> Slope:
         """The derivatives of the multiplier form with respect to a parameter."""
         rows, _ = parameter.constraint_rows(system)
-        matrices = np.array(with_multipliers(parameter.matrices(system.size), self.scale * rows, [0] * len(rows)))
+        matrices = np.array(with_multipliers([*parameter.matrices(system.size)], self.scale * rows, [0] * len(rows)))
         power, row, column = np.nonzero(matrices)
         return Slope(power, row, column, matrices[power, row, column], len(matrices[0]))
 
@@ -77,7 +77,7 @@ class MultiplierForm:
 
     def at(self, value) -> np.ndarray:
         """L(s)."""
-        return _value(self.base, value)
+        return self.base[0] + value * (self.base[1] + value * self.base[2])
 
     def derivative(self, value) -> np.ndarray:
         """L'(s)."""
@@ -117,10 +117,6 @@ class Slope:
         return result
 
 
-def _value(coefficients: np.ndarray, value) -> np.ndarray:
-    return coefficients[0] + value * (coefficients[1] + value * coefficients[2])
-
-
 class Eigenspace:
     """A simple or semisimple eigenvalue with its g shapes and the bordered system of their derivatives.
 
@@ -139,7 +135,7 @@ class Eigenspace:
         self.vectors = shapes.astype(np.clongdouble) @ np.linalg.inv(shapes[self.places])
         self._factor()
         for _ in range(REFINEMENT_STEPS):
-            step, _ = self.solved(np.pad(-_value(form.base, self.value) @ self.vectors, [(0, count), (0, 0)]))
+            step, _ = self.solved(np.pad(-form.at(self.value) @ self.vectors, [(0, count), (0, 0)]))
             self.vectors, change = self.vectors + step[:-count], step[-count:]
             self.value = self.value + change.trace() / count
             self._factor()

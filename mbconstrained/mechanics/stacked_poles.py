@@ -8,6 +8,7 @@ pole. What is left of the equations, with the rounding errors of its terms, boun
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -42,9 +43,13 @@ class StackedPoles:
         return StackedPoles(*(getattr(self, each.name)[members] for each in fields(self)))
 
 
+def in_parts(count: int) -> Iterator[slice]:
+    """The places of models that are computed together."""
+    return (slice(begin, begin + TOGETHER) for begin in range(0, count, TOGETHER))
+
+
 def stacked_poles(equations: StackedEquations, M: np.ndarray, C: np.ndarray, K: np.ndarray) -> StackedPoles:
-    chunks = (slice(begin, begin + TOGETHER) for begin in range(0, len(K), TOGETHER))
-    parts = [dict(vars(_refined(_part(equations.of(at)), M[at], C[at], K[at]))) for at in chunks]
+    parts = [dict(vars(_refined(equations.of(at), M[at], C[at], K[at]))) for at in in_parts(len(K))]
     width = max(part["values"].shape[1] for part in parts)
     names = [field.name for field in fields(StackedPoles)]  # each leaves the parts as it is joined, so that memory holds it once
     return StackedPoles(*(np.concatenate([_padded(part.pop(name), name, width) for part in parts]) for name in names))
@@ -56,12 +61,6 @@ def _padded(array: np.ndarray, name: str, width: int) -> np.ndarray:
     if axis is None or array.shape[axis] == width:
         return array
     return np.pad(array, [(0, width - array.shape[axis] if i == axis else 0) for i in range(array.ndim)])
-
-
-def _part(equations: StackedEquations) -> tuple[StackedEquations, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Equations of some models with values, weights, shapes and left vectors in the coordinates q, before refinement."""
-    oscillating = _symmetric(equations) if equations.is_symmetric else None
-    return equations, *(oscillating or _general(equations))
 
 
 def _symmetric(equations: StackedEquations) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None:
@@ -145,9 +144,9 @@ def _general(equations: StackedEquations) -> tuple[np.ndarray, np.ndarray, np.nd
     return chosen, weights, np.concatenate([X[:, :m], X[:, 2 * m :]], axis=1), np.take_along_axis(left, order[:, :, None], axis=1)
 
 
-def _refined(part, M: np.ndarray, C: np.ndarray, K: np.ndarray) -> StackedPoles:
+def _refined(equations: StackedEquations, M: np.ndarray, C: np.ndarray, K: np.ndarray) -> StackedPoles:
     """The poles after a Newton step with their error estimates, shapes and left vectors in the coordinates x."""
-    equations, s, weights, X, rows = part
+    s, weights, X, rows = (_symmetric(equations) if equations.is_symmetric else None) or _general(equations)
     with np.errstate(all="ignore"):
         slope = _forms(rows, X, 2 * s, equations.M) + _forms(rows, X, 1.0, equations.C)
         rows = rows / slope[:, :, None]

@@ -185,17 +185,19 @@ class QuadraticPencil:
 
     def applied(self, s: complex, x: np.ndarray) -> np.ndarray:
         """P(s) x."""
-        static, damping, inertia = (_product(part, x) for part in (self.pencil.stiffness, self.pencil.damping, self.pencil.mass))
+        static, damping, inertia = self._forces(x)
         return static + s * (damping + s * inertia)
+
+    def _forces(self, x: np.ndarray) -> list[np.ndarray]:
+        return [_product(part, x) for part in (self.pencil.stiffness, self.pencil.damping, self.pencil.mass)]
 
     def slope(self, s: complex, x: np.ndarray) -> np.ndarray:
         """(2 s M + C) x."""
         return _product(self.pencil.damping, x) + 2 * s * _product(self.pencil.mass, x)
 
     def residual(self, s: complex, x: np.ndarray) -> Residual:
-        size = np.abs(x)
-        terms = sum(abs(s) ** power * (part @ size) for power, part in enumerate(self._sizes))
-        static, damping, inertia = (_product(part, x) for part in (self.pencil.stiffness, self.pencil.damping, self.pencil.mass))
+        terms = sum(abs(s) ** power * (part @ np.abs(x)) for power, part in enumerate(self._sizes))
+        static, damping, inertia = self._forces(x)
         left = balanced(self.pencil, static + s * (damping + s * inertia))
         norms = (np.linalg.norm(part) for part in (left, terms, s**2 * inertia, s * damping))
         return Residual(left, *map(float, norms))

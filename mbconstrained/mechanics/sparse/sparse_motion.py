@@ -85,16 +85,6 @@ class ModeSpace:
         return (self.modal_forces(momentum) + self.times_generator(self.modal_forces((pencil.mass @ displacement)[:, None])))[:, 0]
 
 
-def mode_space(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
-    """The space of undamped modes, or of the damped modes computed from them."""
-    if asymmetry(pencil.damping)[0]:
-        raise InputError(
-            "damping: it is not symmetric; the motion of large sparse systems needs symmetric damping; its modes can be had, and "
-            "the motion of a small system given as arrays"
-        )
-    return _modal_space(pencil, undamped) if is_modal(pencil, undamped) else _of_pairs(pencil, undamped)
-
-
 def _modal_space(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
     X, count, soft = undamped.vectors, len(undamped.values), np.abs(undamped.values) <= SOFT * abs(undamped.shift)
     rates = modal_rates(pencil, undamped)
@@ -311,18 +301,15 @@ class StaticCorrection:
 
     def _outside(self, x: np.ndarray) -> np.ndarray:
         """x without the kept modes: rounding along them is large near resonance."""
-        if not self.space.modal:
-            return x
-        X = self.space.shapes
-        weighed = self.pencil.mass @ x
-        return x - (X @ (X.T @ weighed.real) + 1j * (X @ (X.T @ weighed.imag)))
+        return x - self._kept(self.pencil.mass @ x) if self.space.modal else x
 
     def _residual(self, forces: np.ndarray) -> np.ndarray:
         """Forces without their part on the kept modes, which is rounding error here."""
-        if not self.space.modal:
-            return forces
+        return forces - self.pencil.mass @ self._kept(forces) if self.space.modal else forces
+
+    def _kept(self, forces: np.ndarray) -> np.ndarray:
         X = self.space.shapes
-        return forces - self.pencil.mass @ (X @ (X.T @ forces.real) + 1j * (X @ (X.T @ forces.imag)))
+        return X @ (X.T @ forces.real) + 1j * (X @ (X.T @ forces.imag))
 
 
 # The energy outside of the kept modes: that of a free motion of the whole system, so that it never grows.
@@ -536,7 +523,12 @@ def sparse_motion(system: EquationsOfMotion, start: np.ndarray, applied: Impulsi
         applied = applied + step(-(system.stiffness @ offset))
     displacement, velocity = _free_start(pencil, start, offset)
     undamped = undamped_modes(pencil, count)
-    space = mode_space(pencil, undamped)
+    if asymmetry(pencil.damping)[0]:
+        raise InputError(
+            "damping: it is not symmetric; the motion of large sparse systems needs symmetric damping; its modes can be had, and "
+            "the motion of a small system given as arrays"
+        )
+    space = (_modal_space if is_modal(pencil, undamped) else _of_pairs)(pencil, undamped)
     left = StaticCorrection(pencil, undamped, space)
     smooth = applied.smooth
     forces = np.asarray(pencil.basis.T @ smooth.coefficients)
