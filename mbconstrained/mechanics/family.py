@@ -306,8 +306,40 @@ class Family(Displayed):
 # The modes of a family of systems: eigenvalues and shapes from the stacked poles, of some systems one by one.
 
 
+class FamilyAnswer(Displayed):
+    """Answers of S systems, with relative error estimates and the places of those that were solved one by one."""
+
+    family: Family
+    error_estimate: np.ndarray
+    alone: np.ndarray
+    what: str
+    values_of: str
+    limit = PROVED_ACCURACY
+
+    def __len__(self) -> int:
+        return len(self.family)
+
+    def _summary(self) -> str:
+        return f"{self.what} of {counted(len(self.family), 'system')}"
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        return (notice_table(self.notices),)
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """Notices on systems that were solved one by one and on inaccurate values; values at a pole on the imaginary axis are infinite."""
+        some = f"{counted(len(self.alone), 'system')} of {len(self.family)}"
+        text = f"{some} solved one by one: another structure than the first, or an estimate above {self.limit:g}"
+        doubts = doubts_of(f"{self.values_of} of a system", np.nanmax(self._errors, initial=0.0))
+        return (*((Notice(NoticeKind.ACCURACY, text),) if len(self.alone) else ()), *doubts)
+
+    @property
+    def _errors(self) -> np.ndarray:
+        return self.error_estimate
+
+
 @dataclass(frozen=True, repr=False, eq=False)
-class FamilyModes(Displayed):
+class FamilyModes(FamilyAnswer):
     """The modes of S systems; ``modes[3]`` are the ``Modes`` of one, with kinds, energies and tables.
 
     Attributes:
@@ -324,23 +356,10 @@ class FamilyModes(Displayed):
     error_estimate: np.ndarray
     alone: np.ndarray
 
-    def _summary(self) -> str:
-        return f"modes of {counted(len(self.family), 'system')}"
-
-    def _tables(self) -> tuple[TextTable, ...]:
-        return (notice_table(self.notices),)
-
-    def __len__(self) -> int:
-        return len(self.family)
+    what, values_of = "modes", "the eigenvalues"
 
     def __getitem__(self, index: int) -> Modes:
         return self.family[index].modes()
-
-    @property
-    def notices(self) -> tuple[Notice, ...]:
-        """Notices on systems that were solved one by one and on inaccurate eigenvalues."""
-        worst = np.nanmax(self.error_estimate, initial=0.0)
-        return (*one_by_one(self.alone, len(self.family)), *doubts_of("the eigenvalues of a system", worst))
 
     @property
     def natural_frequencies(self) -> np.ndarray:
@@ -398,14 +417,6 @@ class _Stack:
         values[serve, columns], errors[serve, columns] = ordered[serve, :present], sizes[serve, :present]
         shapes[serve, :, drift:begin] = self.zeros.T
         shapes[serve, :, columns] = X[serve][:, :, :present]
-
-
-def one_by_one(places: np.ndarray, count: int, limit: float = PROVED_ACCURACY) -> tuple[Notice, ...]:
-    """A notice of systems that stacks of matrices do not serve."""
-    if not len(places):
-        return ()
-    text = f"{counted(len(places), 'system')} of {count} solved one by one: another structure than the first, or an estimate above {limit:g}"
-    return (Notice(NoticeKind.ACCURACY, text),)
 
 
 # The motions of a family of systems, functions of time, by stacked matrix exponentials, of some systems one by one.
@@ -624,7 +635,7 @@ BY_POLES = ("receptance", "mobility", "accelerance", "transmissibility")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class FamilyFrequencyResponse(Displayed):
+class FamilyFrequencyResponse(FamilyAnswer):
     """H(i w) of S systems.
 
     Attributes:
@@ -648,17 +659,8 @@ class FamilyFrequencyResponse(Displayed):
     units: np.ndarray
     alone: np.ndarray
 
-    def _summary(self) -> str:
-        return f"{self.quantity} of {counted(len(self.family), 'system')}"
-
-    def _tables(self) -> tuple[TextTable, ...]:
-        return (notice_table(self.notices),)
-
-    @property
-    def notices(self) -> tuple[Notice, ...]:
-        """Notices on systems solved one by one and on inaccurate values; values at a pole on the imaginary axis are infinite."""
-        worst = self.error_estimate.max(initial=0.0, where=np.isfinite(self.error_estimate))
-        return (*one_by_one(self.alone, len(self.family), LINE_ACCURACY), *doubts_of("the responses of a system", worst))
+    what, values_of, limit = property(lambda self: self.quantity), "the responses", LINE_ACCURACY
+    _errors = property(lambda self: np.where(np.isfinite(self.error_estimate), self.error_estimate, 0.0))
 
 
 def _relative(values: np.ndarray, absolute: np.ndarray) -> np.ndarray:
@@ -683,7 +685,7 @@ NEAR = 2.0
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class FamilyRandomResponse(Displayed):
+class FamilyRandomResponse(FamilyAnswer):
     """RMS values of S systems; ``response[3]`` is the ``RandomResponse`` of one.
 
     Attributes:
@@ -704,57 +706,30 @@ class FamilyRandomResponse(Displayed):
     alone: np.ndarray
     excitation: tuple
 
-    def _summary(self) -> str:
-        return f"RMS values of {counted(len(self.family), 'system')}"
-
-    def _tables(self) -> tuple[TextTable, ...]:
-        return (notice_table(self.notices),)
-
-    def __len__(self) -> int:
-        return len(self.family)
+    what, values_of, limit = "RMS values", "RMS values", STACKED_VARIANCE
 
     def __getitem__(self, index: int) -> RandomResponse:
         arguments, options = self.excitation
         return self.family[index].random_response(*arguments, **options)
 
-    @property
-    def notices(self) -> tuple[Notice, ...]:
-        """Notices on systems that were solved one by one and on inaccurate finite values."""
-        worst = self.error_estimate.max(initial=0.0, where=np.isfinite(self.rms))
-        return (*one_by_one(self.alone, len(self.family), STACKED_VARIANCE), *doubts_of("RMS values of a system", worst))
 
+def _panels(corners: np.ndarray, low: float, high: float) -> Iterator[tuple[float, float, float, bool]]:
+    """Both ends of panels between corners in Hz, none wider than an octave, a frequency in the pieces of the spectra, and False.
 
-@dataclass(frozen=True)
-class _Panel:
-    """Frequencies between two ends; of the tail to infinity the variable is 1/f."""
-
-    lower: float  # lower, upper: in Hz, of the tail in s
-    upper: float
-    middle: float  # a frequency in the pieces of the spectra
-    is_tail: bool = False  # whether it reaches infinity
-
-    @property
-    def nodes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Frequencies and weights of Gauss's rule."""
-        half = (self.upper - self.lower) / 2
-        own = self.lower + half + half * NODES
-        return (1 / own, half * WEIGHTS / own**2) if self.is_tail else (own, half * WEIGHTS)
-
-
-def _panels(corners: np.ndarray, low: float, high: float) -> Iterator[_Panel]:
-    """Between corners, none wider than an octave; the first from 0 ends below all poles, the tail begins beyond them."""
+    The first from 0 ends below all poles. The tail to infinity begins beyond them: its variable is 1/f, and it has True.
+    """
     for a, b in pairwise(corners.tolist()):
         middle = a + 1.0 if np.isinf(b) else (a + b) / 2
         if np.isinf(b):
             b = max(2 * high, 2 * a)
-            yield _Panel(0.0, 1 / b, middle, is_tail=True)
+            yield 0.0, 1 / b, middle, True
         if a == 0:
             first = min(low / 2, b)
-            yield _Panel(0.0, first, middle)
+            yield 0.0, first, middle, False
             a = first
         if b > a:
             edges = np.geomspace(a, b, int(np.ceil(np.log2(b / a) - FORM_ROUNDING * EPS)) + 1)
-            yield from (_Panel(one, two, middle) for one, two in pairwise([a, *edges[1:-1].tolist(), b]))
+            yield from ((one, two, middle, False) for one, two in pairwise([a, *edges[1:-1].tolist(), b]))
 
 
 def _variances(transfer: StackedTransfer, spectra: SpectralMatrix) -> tuple[np.ndarray, np.ndarray]:
@@ -767,17 +742,18 @@ def _variances(transfer: StackedTransfer, spectra: SpectralMatrix) -> tuple[np.n
     damped = poles.serve & np.where(present, poles.values.real < -LINE_ACCURACY * np.abs(poles.values), True).all(axis=1)
     if not sizes.size or not damped.any():
         return np.full((count, p), np.nan), np.full((count, p), np.inf)
-    panels = list(_panels(spectra.corners, sizes.min(), sizes.max()))
-    middles = np.array([np.nan if one.is_tail else (one.lower + one.upper) / 2 for one in panels])
-    halves = np.array([(one.upper - one.lower) / 2 for one in panels])
-    for middle in {one.middle for one in panels}:
+    lower, upper, inside, is_tail = map(np.array, zip(*_panels(spectra.corners, sizes.min(), sizes.max())))
+    middles, halves = np.where(is_tail, np.nan, (lower + upper) / 2), (upper - lower) / 2
+    own_nodes, own_weights = lower[:, None] + halves[:, None] + np.multiply.outer(halves, NODES), np.multiply.outer(halves, WEIGHTS)
+    nodes = np.where(is_tail[:, None], 1 / own_nodes, own_nodes)
+    weights = np.where(is_tail[:, None], own_weights / own_nodes**2, own_weights).ravel()
+    for middle in set(inside.tolist()):
         others = np.array([one for one in spectra.singularities(middle) if one], dtype=complex)
         if (np.abs(middles[:, None] - others) < NEAR * halves[:, None]).any():
             return np.full((count, p), np.nan), np.full((count, p), np.inf)
-    nodes, weights = (np.concatenate(each) for each in zip(*(one.nodes for one in panels)))
-    S = np.concatenate([spectra(one.nodes[0], one.middle) for one in panels], axis=2)
+    S = np.concatenate([spectra(own, middle) for own, middle in zip(nodes, inside.tolist())], axis=2)
     with np.errstate(all="ignore"):
-        H, doubt = transfer(2j * np.pi * nodes)
+        H, doubt = transfer(2j * np.pi * nodes.ravel())
         weighted = np.einsum("ijf,sajf->saif", S, H.conj())
         total = ((H * weighted).sum(axis=2).real * weights).sum(axis=2)
         spread = np.einsum("ijf,sajf->saif", np.abs(S), doubt)
@@ -787,13 +763,13 @@ def _variances(transfer: StackedTransfer, spectra: SpectralMatrix) -> tuple[np.n
         member, pole, panel = np.nonzero(np.abs(f[:, :, None] - middles) < NEAR * halves)
         at = f[member, pole]
         own = np.empty((len(S), len(S), len(at)), dtype=complex)
-        for middle in {one.middle for one in panels}:
-            chosen = np.array([one.middle == middle for one in panels])[panel]
+        for middle in set(inside.tolist()):
+            chosen = (inside == middle)[panel]
             own[:, :, chosen] = spectra(at[chosen], middle)
         r = np.einsum("xai,ijx,xaj->xa", residues[member, :, :, pole], own, mirrored[member, :, :, pole].conj())
-        lower, upper = (np.array([getattr(one, name) for one in panels])[panel] for name in ("lower", "upper"))
-        grid = nodes.reshape(len(panels), -1)[panel] - at.real[:, None]
-        share = weights.reshape(len(panels), -1)[panel] / (grid**2 + at.imag[:, None] ** 2)
+        lower, upper = lower[panel], upper[panel]
+        grid = nodes[panel] - at.real[:, None]
+        share = weights.reshape(nodes.shape)[panel] / (grid**2 + at.imag[:, None] ** 2)
         height = np.abs(at.imag)
         logarithm = np.log(((upper - at.real) ** 2 + height**2) / ((lower - at.real) ** 2 + height**2)) / 2
         angle = np.arctan2((upper - lower) * height, height**2 + (upper - at.real) * (lower - at.real))
