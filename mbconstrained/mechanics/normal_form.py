@@ -456,19 +456,14 @@ def mechanical_normal_form(A, B, C=None, D=None, descriptor=None, method: str = 
     return form
 
 
-def _in_given_units(rows_of: Callable[[ScaledPencil], np.ndarray]) -> Callable[[ScaledPencil], np.ndarray]:
-    """The rows X^T in the given units, from a method that works in the units of the pair."""
-
-    def rows(pair: ScaledPencil) -> np.ndarray:
-        own_rows, p = rows_of(pair), len(pair.input)
-        own_rows[len(own_rows) - p :] *= pair.input[:, None] / pair.rate
-        return own_rows * pair.equation
-
-    return rows
+def _in_given_units(pair: ScaledPencil, rows: np.ndarray) -> np.ndarray:
+    """The rows X^T in the given units, from those in the units of the pair."""
+    rows[len(rows) - len(pair.input) :] *= pair.input[:, None] / pair.rate
+    return rows * pair.equation
 
 
 METHODS: dict[str, Callable[[ScaledPencil], np.ndarray]] = {
     "extension": well_conditioned_rows,
-    "null space": _in_given_units(lambda pair: null_space_rows(pair.A, pair.F, pair.through)),
-    "kronecker": _in_given_units(lambda pair: kronecker_rows(pair.A, pair.F, pair.B)),
+    "null space": lambda pair: _in_given_units(pair, null_space_rows(pair.A, pair.F, pair.through)),
+    "kronecker": lambda pair: _in_given_units(pair, kronecker_rows(pair.A, pair.F, pair.B)),
 }

@@ -35,7 +35,7 @@ def at_speed(system: Rotor, speed: float) -> Rotor:
     check_rotor(system, speed)
     stiffness, damping, mass = system.given
     result, rest = copy(system), (system.stiffness, system.damping)
-    now, slope = rotor_matrices(system, speed), rotor_slopes(system, speed)
+    now, slope = rotor_matrices(system, speed)
     if (now[0] != rest[0]).any():
         result.stiffness = stiffness = system._matrix(now[0], "stiffness", system.size)
     if (now[1] != rest[1]).any():
@@ -69,23 +69,15 @@ def check_rotor(system: EquationsOfMotion, *speeds: float) -> None:
             )
 
 
-def rotor_matrices(system: EquationsOfMotion, speed: float) -> np.ndarray:
-    """K, C and M at a speed."""
+def rotor_matrices(system: EquationsOfMotion, speed: float) -> tuple[np.ndarray, np.ndarray]:
+    """K, C and M at a speed, and their derivatives with respect to it, each of shape (3, n, n)."""
     zero = np.zeros((system.size,) * 2)
-    N, G = (zero if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic))
-    total = np.array([system.stiffness + speed * N, system.damping + speed * G, system.mass])
+    slope = np.array([zero if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic, None)])
+    total = np.array([system.stiffness, system.damping, system.mass]) + speed * slope
     for table in system.speed_tables:
         total[:2] += table.at(speed)
-    return total
-
-
-def rotor_slopes(system: EquationsOfMotion, speed: float) -> np.ndarray:
-    """The derivatives of K, C and M with respect to the speed."""
-    zero = np.zeros((system.size,) * 2)
-    total = np.array([zero if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic, None)])
-    for table in system.speed_tables:
-        total[:2] += table.slope(speed)
-    return total
+        slope[:2] += table.slope(speed)
+    return total, slope
 
 
 def speed_ranges(system: EquationsOfMotion) -> list[tuple[float, float]]:
@@ -110,11 +102,11 @@ def rotor_family(system: EquationsOfMotion, within: float | None = None) -> tupl
 
     if within is not None or not system.speed_tables:
         at = within or 0.0
-        slope = rotor_slopes(system, at)
-        return MatrixFamily.linear(reduced(rotor_matrices(system, at) - at * slope), reduced(slope)), V
+        now, slope = rotor_matrices(system, at)
+        return MatrixFamily.linear(reduced(now - at * slope), reduced(slope)), V
     knots = _knots(system)
-    pattern = (np.array([reduced(rotor_matrices(system, knot)) for knot in knots]) != 0).any(axis=(0, 1))
-    return MatrixFamily(lambda W: reduced(rotor_matrices(system, W)), lambda W: reduced(rotor_slopes(system, W)), pattern, knots), V
+    at, slope = (lambda W, which=which: reduced(rotor_matrices(system, W)[which]) for which in (0, 1))
+    return MatrixFamily(at, slope, (np.array([at(knot) for knot in knots]) != 0).any(axis=(0, 1)), knots), V
 
 
 @dataclass(frozen=True, repr=False, eq=False)
