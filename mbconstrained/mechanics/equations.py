@@ -108,12 +108,7 @@ class EquationsOfMotion(Displayed):
         self.circulatory = None if circulatory is None else self._matrix(circulatory, "circulatory", self.size)
         self.constraints = checked_constraints(constraints, self.names)
         if self.is_sparse:
-            of_arrays = {
-                "energy_parts": energy_parts,
-                "uncertainty": uncertainty,
-                "gyroscopic": gyroscopic,
-                "circulatory": circulatory,
-            }
+            of_arrays = dict(energy_parts=energy_parts, uncertainty=uncertainty, gyroscopic=gyroscopic, circulatory=circulatory)
             for name in (name for name, value in of_arrays.items() if value is not None):
                 self._refuse_sparse(name)
             self.pencil: ReducedPencil | None = self._reduced_pencil()
@@ -339,10 +334,9 @@ class EquationsOfMotion(Displayed):
         system = self._with_damping(parts, factors)
         if factors[1]:
             system.mass_damping = "relative" if relative else "absolute"
-        if relative and factors[1]:
-            system.parameter_source = partial(
-                _refuse_parameters, "relative damping follows the static response to moving supports, which"
-            )
+            if relative:
+                reason = "relative damping follows the static response to moving supports, which"
+                system.parameter_source = partial(_refuse_parameters, reason)
         return system
 
     def with_modal_damping(self, ratios) -> Self:

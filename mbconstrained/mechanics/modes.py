@@ -35,6 +35,7 @@ from ..ground.tolerances import (
 from ..linalg.arrays import full, kept
 from ..linalg.blocks import block_slices
 from ..linalg.division import definite_condition, is_symmetric, solved
+from ..linalg.exponential import BlockGroups
 from ..linalg.precise import floats, is_precise, is_worthwhile, precise_arithmetic
 from ..linalg.rank import null_columns
 from ..linalg.symmetric import undamped_shapes
@@ -390,13 +391,10 @@ def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], li
             return [*_grouped(symmetric[0], own.V @ symmetric[1])], []
     reduction = serving_reduction(A, zero(A.size))
     parts = reduction.decoupled
-    sizes = np.array([len(block) for block in parts.blocks], dtype=int)
-    begin, outputs = np.cumsum(sizes) - sizes, parts.modal_output(reduction.output)
-    if (sizes > 2).any():
+    groups, outputs = BlockGroups.of(parts.blocks), parts.modal_output(reduction.output)
+    if groups.larger:
         raise NotReducible("eigenvalues form a cluster")
-    single, double = begin[sizes == 1], begin[sizes == 2]
-    rates = np.array([block[0, 0] for block in parts.blocks if len(block) == 1])
-    (a, b), (c, d) = np.array([block for block in parts.blocks if len(block) == 2]).reshape(-1, 2, 2).transpose(1, 2, 0)
+    a, b, c, d = groups.pairs.reshape(-1, 4).T
     half, square = (a + d) / 2, ((a - d) / 2) ** 2 + b * c
     if (np.sqrt(np.abs(square)) <= rounding_radius(2) * np.abs(half))[half != 0].any():
         raise NotReducible("an eigenvalue is double to rounding errors")
@@ -404,9 +402,9 @@ def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], li
     larger = np.where(square < 0, half + root, half + np.copysign(root.real, half))
     smaller = np.where(square < 0, 0, (a * d - b * c) / np.where(larger == 0, 1, larger))
     real = square >= 0  # of the others, the conjugates are left out
-    values = np.concatenate([rates, larger, smaller[real]])
-    vectors = [outputs[:, double] * b + outputs[:, double + 1] * (s - a) for s in (larger, smaller)]
-    shapes = np.hstack([outputs[:, single], vectors[0], vectors[1][:, real]])
+    values = np.concatenate([groups.rates, larger, smaller[real]])
+    vectors = [outputs[:, groups.first] * b + outputs[:, groups.first + 1] * (s - a) for s in (larger, smaller)]
+    shapes = np.hstack([outputs[:, groups.single], vectors[0], vectors[1][:, real]])
     computed = values
     if reduction.freed is not None:  # what the rounding errors of K support has the eigenvalue 0
         values = np.where(np.abs(values) ** 2 <= EPS * np.abs(values).max() ** 2, 0.0, values)

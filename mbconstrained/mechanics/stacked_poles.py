@@ -188,10 +188,11 @@ def _errors(equations, s, weights, X, rows, given, unit: float = 1.0) -> tuple[n
     changes s_k. A pole has the rounding errors of y_k^T A(s_k) x_k in the given matrices, in units of EPS.
     """
     moduli, size, rows_size = np.abs(s)[:, None, :], np.abs(X), np.abs(rows)
-    terms = _sizes(equations.M, equations.C, equations.K, size, moduli)
-    of_right = _left_of(equations.M, equations.C, equations.K, X, s) + FORM_ROUNDING * EPS * terms
-    M_T, C_T, K_T, rows_T = (one.transpose(0, 2, 1) for one in (equations.M, equations.C, equations.K, rows))
-    of_left = _left_of(M_T, C_T, K_T, rows_T, s) + FORM_ROUNDING * EPS * _sizes(M_T, C_T, K_T, np.abs(rows_T), moduli)
+    own = equations.M, equations.C, equations.K
+    of_right, of_left = (
+        np.abs(_applied(*matrices, s[:, None, :])) + FORM_ROUNDING * EPS * _applied(*map(np.abs, matrices), moduli)
+        for matrices in ((*own, X), [one.transpose(0, 2, 1) for one in (*own, rows)])
+    )
     gaps = np.abs(s[:, :, None] - s[:, None, :])  # of j and k
     mirrored = np.abs(s[:, :, None].conj() - s[:, None, :])
     present, places = weights > 0, np.arange(s.shape[1])
@@ -200,7 +201,12 @@ def _errors(equations, s, weights, X, rows, given, unit: float = 1.0) -> tuple[n
     across = (rows_size @ of_right) * near  # c_j of x_k, at (j, k)
     back = (size.transpose(0, 2, 1) @ of_left) * near
     left, right, M, C, K = given
-    rounding = FORM_ROUNDING * EPS * unit * (np.abs(left) * _sizes(M, C, K, np.abs(right), moduli).transpose(0, 2, 1)).sum(axis=2)
+    rounding = (
+        FORM_ROUNDING
+        * EPS
+        * unit
+        * (np.abs(left) * _applied(*map(np.abs, (M, C, K, right)), moduli).transpose(0, 2, 1)).sum(axis=2)
+    )
     cross = (across * back / np.where(near > 0, near, 1.0)).sum(axis=1)
     value_errors = (rounding + cross) / np.maximum(moduli[:, 0], np.finfo(float).tiny) + EPS
     shape_errors = (size @ across).max(axis=1) / size.max(axis=1)
@@ -209,15 +215,9 @@ def _errors(equations, s, weights, X, rows, given, unit: float = 1.0) -> tuple[n
     return value_errors, shape_errors
 
 
-def _sizes(M, C, K, size, moduli) -> np.ndarray:
-    """(|M| |s_k|^2 + |C| |s_k| + |K|) |x_k|, shape (S, n, P)."""
-    return (np.abs(M) @ size * moduli + np.abs(C) @ size) * moduli + np.abs(K) @ size
-
-
-def _left_of(M, C, K, X, s) -> np.ndarray:
-    """|A(s_k) x_k|, shape (S, n, P)."""
-    s = s[:, None, :]
-    return np.abs((M @ X * s + C @ X) * s + K @ X)
+def _applied(M, C, K, X, s) -> np.ndarray:
+    """(M s_k^2 + C s_k + K) x_k, shape (S, n, P), for s of shape (S, 1, P)."""
+    return (M @ X * s + C @ X) * s + K @ X
 
 
 # Transfer functions of S models of one structure, from their poles and residues: H(s) = s^p C (s I - J)^-1 B and polynomial parts.

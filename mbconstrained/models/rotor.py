@@ -28,11 +28,7 @@ PLANES = ("y", "z")
 
 
 def in_planes(name: str) -> tuple[str, str]:
-    """The displacements of a point in both planes; the ground has none.
-
-    >>> in_planes("disc")
-    ('disc y', 'disc z')
-    """
+    """The displacements of a point in both planes, as "disc y" and "disc z"; the ground has none."""
     y, z = (GROUND if name == GROUND else f"{name} {plane}" for plane in PLANES)
     return y, z
 

@@ -17,7 +17,7 @@ from ...ground.errors import IllConditioned, InputError, MbconstrainedError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import CORRECTION_RESIDUAL, EPS, FREQUENCY_GAP, NOISE_SAFETY, RESONANCE_RATIO, ROUNDED_FREE, noise_of
 from ...linalg.arrays import full, kept
-from ...linalg.blocks import block_slices
+from ...linalg.blocks import block_matrix, block_slices
 from ...linalg.exponential import block_states
 from ...linalg.recursion import recursion
 from ...signals.bohl import BohlFunction, Restarts
@@ -72,12 +72,8 @@ class ModeSpace:
 
     def times_generator(self, states: np.ndarray) -> np.ndarray:
         """B y."""
-        product, begin = np.empty_like(states), 0
-        for block in self.blocks:
-            at = slice(begin, begin + len(block))
-            product[at] = block @ states[at]
-            begin += len(block)
-        return product
+        parts = (block @ states[at] for block, at in zip(self.blocks, block_slices(self.blocks)))
+        return np.concatenate([states[:0], *parts])
 
     def initial_states(self, pencil: ReducedPencil, displacement, velocity) -> np.ndarray:
         """y at 0+ from x and x' at 0-: y = G^T (M x' + C x) + B G^T M x, as impulses M x' + C x and M x delta' would start it."""
@@ -238,7 +234,7 @@ class StaticCorrection:
 
     def _residual_forces(self, forces: np.ndarray, blocks) -> np.ndarray:
         """D without the part that acts on the kept modes."""
-        pencil, space, generator = self.pencil, self.space, scipy.linalg.block_diag(*blocks)
+        pencil, space, generator = self.pencil, self.space, block_matrix(blocks)
         states = space.modal_forces(forces)
         along, turned = space.displacements(states), space.displacements(space.times_generator(states))
         return forces - times(pencil.mass, turned + along @ generator) - times(pencil.damping, along)
@@ -332,9 +328,10 @@ def remainder(
     forced = followed @ z, followed @ (generator @ z)
     rest, jumped = _relaxed(pencil, displacement - kept[0] - forced[0])
     terms = [(displacement, velocity), kept, forced]
-    first = _norm(pencil, rest, velocity - kept[1] - forced[1])
-    sizes = [_norm(pencil, *term) for term in terms]
-    if first <= NOISE_SAFETY * EPS * sum(_rough(pencil, *term) for term in terms):
+    first = _norm(pencil.mass, pencil.stiffness, rest, velocity - kept[1] - forced[1])
+    sizes = [_norm(pencil.mass, pencil.stiffness, *term) for term in terms]
+    # the norm of absolute values, times the unit roundoff, bounds the rounding errors of the norm
+    if first <= NOISE_SAFETY * EPS * sum(_norm(abs(pencil.mass), abs(pencil.stiffness), *map(np.abs, term)) for term in terms):
         first = 0.0
     changes = _norms(pencil, followed, generator, jumps)
     norm = 0.0 if left.undamped.complete and space.modal else float(first + changes.sum())
@@ -343,15 +340,9 @@ def remainder(
     return norm, float(relative), jumped
 
 
-def _norm(pencil: ReducedPencil, x, v) -> float:
+def _norm(mass, stiffness, x: np.ndarray, v: np.ndarray) -> float:
     """(v^T M v + x^T K x)^(1/2)."""
-    return max(float(v @ (pencil.mass @ v) + x @ (pencil.stiffness @ x)), 0.0) ** 0.5
-
-
-def _rough(pencil: ReducedPencil, x, v) -> float:
-    """Energy norm of the absolute values: times the unit roundoff it bounds the rounding errors of the norm."""
-    x, v = np.abs(x), np.abs(v)
-    return float(v @ (abs(pencil.mass) @ v) + x @ (abs(pencil.stiffness) @ x)) ** 0.5
+    return max(float(v @ (mass @ v) + x @ (stiffness @ x)), 0.0) ** 0.5
 
 
 def _norms(pencil: ReducedPencil, followed, generator, jumps) -> np.ndarray:
