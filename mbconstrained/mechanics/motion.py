@@ -177,9 +177,8 @@ class SystemMotion:
 
     def energy(self, times) -> Energy:
         """Kinetic, strain and static energy at a time or at times (T,), in J; of S motions of shape (S,) or (S, T)."""
-        return energy_of(
-            self.system.given, self.system.static_force, *(np.moveaxis(x, self._coordinate_axis, 0) for x in self._states(times))
-        )
+        displacement, velocity = (np.moveaxis(x, self._coordinate_axis, 0) for x in self._states(times))
+        return energy_of(self.system.given, self.system.static_force, displacement, velocity)
 
     _coordinate_axis = 0
 
@@ -517,11 +516,8 @@ def _drift_of_record(motion: Motion, row: ConstraintRow) -> Iterator[Notice]:
     place, _ = _row_value(row, motion(end))
     rate, noise = _row_value(row, motion.derivative(1)(end))
     size = np.abs(row.coefficients) @ np.abs(motion.derivative(1)(row.signal.knots)).max(axis=1)
-    moving = (
-        f" and moves on at {rate:.6g} {rate_unit(row.unit)}"
-        if abs(rate) > max(noise, noise_of(size, len(row.signal.knots)))
-        else ""
-    )
+    moves = abs(rate) > max(noise, noise_of(size, len(row.signal.knots)))
+    moving = f" and moves on at {rate:.6g} {rate_unit(row.unit)}" if moves else ""
     yield Notice(
         NoticeKind.DRIFT,
         f'prescribed motion "{row.name}" ({row.level} level): at the end of the record, t = {end:.6g} s, the support is at {place + 0.0:.6g} '

@@ -105,8 +105,10 @@ def rotor_family(system: EquationsOfMotion, within: float | None = None) -> tupl
         now, slope = rotor_matrices(system, at)
         return MatrixFamily.linear(reduced(now - at * slope), reduced(slope)), V
     knots = _knots(system)
-    at, slope = (lambda W, which=which: reduced(rotor_matrices(system, W)[which]) for which in (0, 1))
-    return MatrixFamily(at, slope, (np.array([at(knot) for knot in knots]) != 0).any(axis=(0, 1)), knots), V
+    pattern = (np.array([reduced(rotor_matrices(system, knot)[0]) for knot in knots]) != 0).any(axis=(0, 1))
+    return MatrixFamily(
+        lambda W: reduced(rotor_matrices(system, W)[0]), lambda W: reduced(rotor_matrices(system, W)[1]), pattern, knots
+    ), V
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -266,9 +268,8 @@ def campbell(system: EquationsOfMotion, speeds) -> Campbell:
     shown = (upper > 0) | ((upper == 0) & values.any(axis=0))
     shown |= ((values.imag == 0) & (values.real != 0)).any(axis=0)  # of a pair that has been real both are listed
     order = np.flatnonzero(shown)
-    order = order[
-        np.lexsort([values[-1, order].imag, np.round(np.abs(values[0, order]) / limit.max()), values[0, order].imag == 0])
-    ]
+    first, last = values[[0, -1]][:, order]
+    order = order[np.lexsort([last.imag, np.round(np.abs(first) / limit.max()), first.imag == 0])]
     shapes = V @ branches.shapes[:, :, order]
     largest = np.take_along_axis(shapes, np.abs(shapes).argmax(axis=1)[:, None], axis=1)
     shapes = shapes / np.where(largest == 0, 1.0, largest)
@@ -348,10 +349,8 @@ def _damped_points(coefficients, part: FamilyPart, order: float) -> list[tuple[c
         if point is None or not point[0] * order > noise:
             continue
         speed, value, x = point
-        if all(
-            abs(speed - other[0]) > NEWTON_STEP * speed or abs(value - other[1]) > NEWTON_STEP * abs(value)
-            for other in located_points
-        ):
+        near = (abs(speed - W) <= NEWTON_STEP * speed and abs(value - s) <= NEWTON_STEP * abs(value) for W, s, _ in located_points)
+        if not any(near):
             located_points.append((speed, complex(value.real, order * speed), x))
     return [(value, x) for _, value, x in located_points]
 

@@ -261,11 +261,9 @@ def _defective(mode: Mode, form: MultiplierForm, slopes, doubts, vectors) -> Mod
 
 def _relative_doubt(slope: Slope, doubt: Slope | None, value: complex, left: np.ndarray, right: np.ndarray) -> float:
     """Errors of Y^T L_p X, on which the leading coefficients of a defective eigenvalue depend, relative to it."""
-    size = np.abs(slope.form(left, value, right)).max()
-    error = np.abs(left), abs(value), np.abs(right)
-    return (
-        float((slope.absolute.form(*error) * EPS if doubt is None else doubt.absolute.form(*error)).max() / size) if size else 0.0
-    )
+    size, sizes = np.abs(slope.form(left, value, right)).max(), (np.abs(left), abs(value), np.abs(right))
+    error = slope.absolute.form(*sizes) * EPS if doubt is None else doubt.absolute.form(*sizes)
+    return float(error.max() / size) if size else 0.0
 
 
 #: Number of modes with a column in a table, and of parameters with a line.

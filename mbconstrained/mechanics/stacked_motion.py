@@ -106,10 +106,8 @@ class StackedFlow:
         for k in range(1, TERMS):
             power = power @ steps / k
             sizes = sizes + power
-        signs, force = (
-            np.random.default_rng(self.trial).choice([-1.0, 1.0], G.shape[1:]),
-            slice(G.shape[1] - len(self.states), None),
-        )
+        signs = np.random.default_rng(self.trial).choice([-1.0, 1.0], G.shape[1:])
+        force = slice(G.shape[1] - len(self.states), None)
         turned = G[0, force, force] != 0
         signs[force, force] *= turned & turned.T
         return self.moved * EPS * norm * sizes * signs

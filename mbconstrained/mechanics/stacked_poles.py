@@ -190,7 +190,7 @@ def _errors(equations, s, weights, X, rows, given, unit: float = 1.0) -> tuple[n
     moduli, size, rows_size = np.abs(s)[:, None, :], np.abs(X), np.abs(rows)
     own = equations.M, equations.C, equations.K
     of_right, of_left = (
-        np.abs(_applied(*matrices, s[:, None, :])) + FORM_ROUNDING * EPS * _applied(*map(np.abs, matrices), moduli)
+        np.abs(_applied(s[:, None, :], *matrices)) + FORM_ROUNDING * EPS * _applied(moduli, *map(np.abs, matrices))
         for matrices in ((*own, X), [one.transpose(0, 2, 1) for one in (*own, rows)])
     )
     gaps = np.abs(s[:, :, None] - s[:, None, :])  # of j and k
@@ -201,12 +201,8 @@ def _errors(equations, s, weights, X, rows, given, unit: float = 1.0) -> tuple[n
     across = (rows_size @ of_right) * near  # c_j of x_k, at (j, k)
     back = (size.transpose(0, 2, 1) @ of_left) * near
     left, right, M, C, K = given
-    rounding = (
-        FORM_ROUNDING
-        * EPS
-        * unit
-        * (np.abs(left) * _applied(*map(np.abs, (M, C, K, right)), moduli).transpose(0, 2, 1)).sum(axis=2)
-    )
+    terms = (np.abs(left) * _applied(moduli, *map(np.abs, (M, C, K, right))).transpose(0, 2, 1)).sum(axis=2)
+    rounding = FORM_ROUNDING * EPS * unit * terms
     cross = (across * back / np.where(near > 0, near, 1.0)).sum(axis=1)
     value_errors = (rounding + cross) / np.maximum(moduli[:, 0], np.finfo(float).tiny) + EPS
     shape_errors = (size @ across).max(axis=1) / size.max(axis=1)
@@ -215,7 +211,7 @@ def _errors(equations, s, weights, X, rows, given, unit: float = 1.0) -> tuple[n
     return value_errors, shape_errors
 
 
-def _applied(M, C, K, X, s) -> np.ndarray:
+def _applied(s, M, C, K, X) -> np.ndarray:
     """(M s_k^2 + C s_k + K) x_k, shape (S, n, P), for s of shape (S, 1, P)."""
     return (M @ X * s + C @ X) * s + K @ X
 

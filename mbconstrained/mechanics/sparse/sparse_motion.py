@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -286,13 +287,10 @@ class StaticCorrection:
             solve = self.undamped.factors.solve
             return lambda right: solve(right.real) + 1j * solve(right.imag)
         for moved in (s, s * (1 + EPS**0.5)):  # next to an eigenvalue in the last digit, which refinement corrects
-            if moved in self.known:
+            with suppress(IllConditioned):
+                if moved not in self.known:
+                    self.known = {moved: self.quadratic.solver(moved)}
                 return self.known[moved]
-            try:
-                self.known = {moved: self.quadratic.solver(moved)}
-            except IllConditioned:
-                continue
-            return self.known[moved]
         raise InputError(f"force: it is in resonance with an undamped mode at {abs(s):.6g} rad/s; increase count")
 
     def _outside(self, x: np.ndarray) -> np.ndarray:
@@ -570,10 +568,8 @@ def _free_start(pencil: ReducedPencil, start: np.ndarray, offset: np.ndarray) ->
         ("velocity", start[1], np.zeros(len(offset)), np.zeros(len(names))),
     ):
         violation = A @ given - values
-        largest = np.abs(given).max(
-            initial=0.0
-        )  # a vector projected on the constraints has the rounding error of its largest entry
-        size = abs(A) @ (largest + np.abs(constant)) + np.abs(values)
+        # a vector projected on the constraints has the rounding error of its largest entry
+        size = abs(A) @ (np.abs(given).max(initial=0.0) + np.abs(constant)) + np.abs(values)
         beyond = np.abs(violation) > noise_of(size, int(np.diff(A.indptr).max(initial=1)))
         if beyond.any():
             worst = int(np.argmax(np.abs(violation) * beyond))

@@ -295,15 +295,12 @@ def _settled(pencil: ReducedPencil, shift: float, factors: Factorization) -> tup
         values = _Lanczos(factors.solve, pencil.mass, BLOCK * FIRST_LOOK, np.zeros((pencil.size, 0))).first_values(FIRST_LOOK)
         values = values[values > 0]
         estimates = shift + 1 / values
+        elastic = estimates[estimates > abs(shift)]
         if not len(values):
             break
         if estimates[0] < -TOO_CLOSE * abs(shift) and estimates[0] - shift > 2 * BETTER_SHIFT * abs(estimates[0]):
             candidates = [float(estimates[0] - margin * abs(estimates[0])) for margin in MARGINS]
-        elif (
-            values[-1] < values[0] * TOO_CLOSE
-            and (elastic := estimates[estimates > abs(shift)]).size < len(estimates)
-            and elastic.size
-        ):
+        elif values[-1] < values[0] * TOO_CLOSE and 0 < len(elastic) < len(estimates):
             candidates = [-BETTER_SHIFT * float(elastic[0])]
         else:
             break
