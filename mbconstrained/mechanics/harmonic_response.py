@@ -192,27 +192,20 @@ def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Channel])
     if not inputs or not outputs:
         missing = "springs and dampers with names" if quantity == "force" else "constraint rows"
         raise InputError(f"{quantity}: this system has no {missing}")
-    loads = [channel.name for channel in inputs if channel.row is None]
-    motions = [channel.name for channel in outputs if channel.row is None]
-    forces = [channel.name for channel in outputs if channel.element is not None]
-    no_forces = [channel.name for channel in outputs if channel.element is None]
-    reactions = [channel.name for channel in outputs if channel.row is not None]
-    chosen = QUANTITIES[quantity]
-    if quantity == "transmissibility" and loads:
-        raise InputError(
-            f'transmissibility: the input "{loads[0]}" is a force; expected constraint rows, whose motion is prescribed'
-        )
-    if quantity == "reaction" and motions:
-        raise InputError(f"reaction: found the coordinate {motions[0]!r}; expected constraint rows")
-    if quantity == "force" and no_forces:
-        raise InputError(
-            f'force: "{no_forces[0]}" is no spring or damper; a coordinate has a receptance, a constraint row a reaction'
-        )
-    if forces and quantity not in ("force", "receptance", "transmissibility"):
-        raise InputError(f'{quantity}: the output "{forces[0]}" is a spring or damper; its force is the quantity "force"')
-    if quantity != "reaction" and reactions:
-        raise InputError(f'{quantity}: the output "{reactions[0]}" is a constraint row; its force is the quantity "reaction"')
-    if chosen.inverse and (len(loads) < len(inputs) or len(inputs) != len(outputs)):
+    loads, coordinates = ([one.name for one in some if one.row is None] for some in (inputs, outputs))
+    rows = [one.name for one in outputs if one.row is not None]
+    elements, others = ([one.name for one in outputs if (one.element is None) == none] for none in (False, True))
+    has_forces = quantity in ("force", "receptance", "transmissibility")
+    for refused, names, text in (
+        (quantity == "transmissibility", loads, 'the input "{}" is a force; expected constraint rows, whose motion is prescribed'),
+        (quantity == "reaction", coordinates, "found the coordinate {!r}; expected constraint rows"),
+        (quantity == "force", others, '"{}" is no spring or damper; a coordinate has a receptance, a constraint row a reaction'),
+        (not has_forces, elements, 'the output "{}" is a spring or damper; its force is the quantity "force"'),
+        (quantity != "reaction", rows, 'the output "{}" is a constraint row; its force is the quantity "reaction"'),
+    ):
+        if refused and names:
+            raise InputError(f"{quantity}: {text.format(names[0])}")
+    if QUANTITIES[quantity].inverse and (len(loads) < len(inputs) or len(inputs) != len(outputs)):
         raise InputError(
             f"{quantity}: it is the inverse of a matrix of responses to forces; expected as many forces on coordinates as outputs"
         )
