@@ -52,12 +52,10 @@ def channels(system: EquationsOfMotion, side: Side) -> dict[str, Channel | None]
 
 
 def coordinate_channels(system: EquationsOfMotion) -> list[Channel]:
-    """The channels of the coordinates, in order."""
     return [Channel(name, row, unit) for (name, unit), row in zip(system.units.items(), np.eye(system.size))]
 
 
 def row_channels(system: EquationsOfMotion) -> list[Channel]:
-    """The channels of the constraint rows, in order."""
     return [Channel(row.name, row.coefficients, row.unit, place) for place, row in enumerate(system.rows)]
 
 

@@ -121,19 +121,11 @@ class ConstraintRow:
     signal: ImpulsiveSmooth | None = field(default=None, repr=False)
 
     def right_side(self, order: int) -> BohlFunction:
-        """Right-hand side of the row for a x^(order), t > 0: the derivative of b of order ``order`` minus the order of the row.
-
-        Args:
-            order: order of the derivative of x, at least that of the row.
-
-        Returns:
-            A function with one row, in the unit of the row per s^order.
-        """
+        """The right-hand side for a x^(order), t > 0, the order at least that of the row: a derivative of b."""
         constant = step([self.value if order == self.order else 0.0]).smooth
         return constant if self.signal is None else constant + self.signal.derivative(order - self.order)
 
     def constraint(self) -> Constraint:
-        """The row as a separate constraint."""
         doubt = np.atleast_2d(self.uncertainty + np.zeros(len(self.coefficients)))
         value = self.value if self.signal is None else self.signal
         return Constraint(np.atleast_2d(self.coefficients), self.level, value, self.name, self.unit, doubt)
@@ -207,6 +199,16 @@ def right_sides(rows: Sequence[ConstraintRow]) -> ImpulsiveSmooth | None:
     return sum(varying[1:], varying[0]) if varying else None
 
 
+def with_multipliers(matrices: Sequence[np.ndarray], rows: np.ndarray, orders: Sequence[int], sign: int = -1) -> list[np.ndarray]:
+    """[M s^2 + C s + K, sign A^T; A s^order, 0] from K, C, M: each row in the matrix of its order, the forces of the rows next to K."""
+    k, n = rows.shape
+    stacked = [np.pad(matrix, (0, k)) for matrix in matrices]
+    stacked[0][:n, n:] = sign * rows.T
+    for place, order in enumerate(orders, n):
+        stacked[order][place, :n] = rows[place - n]
+    return stacked
+
+
 def _unit(coefficients, units) -> str:
     present = {units[place] for place in coefficients.nonzero()[0]}
     if len(present) == 1:
@@ -260,7 +262,13 @@ def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRow
     own = reduced[kept]
     margins = own.size[range(len(kept)), pivots] / (NOISE_SAFETY * own.noise[range(len(kept)), pivots])
     notices = [_redundant(rows, place, reduced.data[place, size:]) for place in range(len(rows)) if place not in kept]
-    notices += [_doubtful(rows[place], margin) for place, margin in zip(kept, margins) if margin < CLEAR_KEPT]
+    for place, margin in zip(kept, margins):
+        if margin < CLEAR_KEPT:
+            text = (
+                f'constraint "{rows[place].name}" ({rows[place].level} level) is almost a combination of other rows: the rest of it is only '
+                f"{margin:.3g} times its rounding error; it was kept"
+            )
+            notices.append(Notice(NoticeKind.RANK, text, doubtful=True))
     null_space, motions = _null_space(own.data[:, :size], pivots, scale)
     independent = tuple(rows[place] for place in kept)
     return IndependentRows(independent, matrix[kept], uncertainty[kept], null_space, motions, tuple(pivots), tuple(notices))
@@ -356,12 +364,3 @@ def _is_nearly_dependent(rows, factors: np.ndarray) -> bool:
         return False
     terms = whole[:, None] * np.array([row.coefficients for row in rows], dtype=np.longdouble)
     return bool((np.abs(terms.sum(axis=0)) > DOUBTFUL_SUM[0] * EPS * np.abs(terms).sum(axis=0)).any())
-
-
-def _doubtful(row: ConstraintRow, margin: float) -> Notice:
-    return Notice(
-        NoticeKind.RANK,
-        f'constraint "{row.name}" ({row.level} level) is almost a combination of other rows: the rest of it is only '
-        f"{margin:.3g} times its rounding error; it was kept",
-        doubtful=True,
-    )

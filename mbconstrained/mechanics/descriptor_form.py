@@ -58,12 +58,10 @@ def to_state_space(
     named_inputs = _inputs(system, inputs)
     chosen = _outputs(system, outputs)
     with_acceleration = any(output.kind == "2" for output in chosen)
-    sizes = {"x": n, "v": n, "a": n * with_acceleration, "lambda": k}
-    ends = np.cumsum(list(sizes.values()))
-    parts = {name: slice(int(end) - size, int(end)) for (name, size), end in zip(sizes.items(), ends)}
-    N = int(ends[-1])
+    sizes = (n, n, n * with_acceleration, k)
+    x, v, a, multipliers = (slice(end - size, end) for size, end in zip(sizes, np.cumsum(sizes).tolist()))
+    N = sum(sizes)
     E, J, B = np.zeros((N, N)), np.zeros((N, N)), np.zeros((N, len(named_inputs)))
-    x, v, a, multipliers = parts.values()
     E[x, x], J[x, v] = eye, eye
     motion = a if with_acceleration else v
     J[motion, x], J[motion, v], J[motion, multipliers] = -system.stiffness, -system.damping, A.T

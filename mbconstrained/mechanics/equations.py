@@ -108,12 +108,7 @@ class EquationsOfMotion(Displayed):
         self.circulatory = None if circulatory is None else self._matrix(circulatory, "circulatory", self.size)
         self.constraints = checked_constraints(constraints, self.names)
         if self.is_sparse:
-            of_arrays = {
-                "energy_parts": energy_parts,
-                "uncertainty": uncertainty,
-                "gyroscopic": gyroscopic,
-                "circulatory": circulatory,
-            }
+            of_arrays = dict(energy_parts=energy_parts, uncertainty=uncertainty, gyroscopic=gyroscopic, circulatory=circulatory)
             for name in (name for name, value in of_arrays.items() if value is not None):
                 self._refuse_sparse(name)
             self.pencil: ReducedPencil | None = self._reduced_pencil()
@@ -339,10 +334,9 @@ class EquationsOfMotion(Displayed):
         system = self._with_damping(parts, factors)
         if factors[1]:
             system.mass_damping = "relative" if relative else "absolute"
-        if relative and factors[1]:
-            system.parameter_source = partial(
-                _refuse_parameters, "relative damping follows the static response to moving supports, which"
-            )
+            if relative:
+                reason = "relative damping follows the static response to moving supports, which"
+                system.parameter_source = partial(_refuse_parameters, reason)
         return system
 
     def with_modal_damping(self, ratios) -> Self:
@@ -448,16 +442,14 @@ class EquationsOfMotion(Displayed):
         if force is None:
             return self.force
         if isinstance(force, Mapping) and any(isinstance(one, ImpulsiveSmooth) for one in force.values()):
-            return sum((self._row_signal(name, one) for name, one in force.items()), self.force)
+            total = self.force
+            for name, one in force.items():
+                signal = one if isinstance(one, ImpulsiveSmooth) else step([real_number(one, f"force of {name}")])
+                if signal.size != 1:
+                    raise InputError(f"force of {name}: found {signal.size} rows; expected one, as of mb.step(5.0)")
+                total = total + signal.mapped(self._vector({name: 1.0}, "force")[:, None])
+            return total
         return self.force + self._signal(force if isinstance(force, ImpulsiveSmooth) else step(self._vector(force, "force")))
-
-    def _row_signal(self, name: str, force) -> ImpulsiveSmooth:
-        """A force on one coordinate: a function of time with one row, or a number."""
-        if not isinstance(force, ImpulsiveSmooth):
-            return step(self._vector({name: force}, "force"))
-        if force.size != 1:
-            raise InputError(f"force of {name}: found {force.size} rows; expected one, as of mb.step(5.0)")
-        return force.mapped(self._vector({name: 1.0}, "force")[:, None])
 
     def _signal(self, signal: ImpulsiveSmooth) -> ImpulsiveSmooth:
         if signal.size != self.size:
@@ -478,7 +470,6 @@ class EquationsOfMotion(Displayed):
         return vector
 
     def _uncertainty(self, given: Mapping) -> tuple[np.ndarray, ...]:
-        """Uncertainties of K, C and M."""
         known, shape = ("stiffness", "damping", "mass"), (self.size, self.size)
         for name in given:
             if name not in known:

@@ -6,8 +6,6 @@ as they are, and the multipliers are part of the answer.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ..exact.enclosure.exact_response import ExactResponse
@@ -17,7 +15,7 @@ from ..ground.tolerances import EPS
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.methods.defect import UNIT, Extended, Rounding
 from ..signals.inputs import ImpulsiveSmooth, step
-from .constraints import right_sides
+from .constraints import right_sides, with_multipliers
 from .element_matrix import ElementMatrix
 from .equations import EquationsOfMotion
 
@@ -71,18 +69,3 @@ def _extended(matrix: np.ndarray | ElementMatrix) -> tuple[np.ndarray, np.ndarra
         return matrix.astype(Extended), np.abs(matrix)
     B, k = matrix.directions.astype(Extended), matrix.constants
     return (B.T * k) @ B, (np.abs(matrix.directions.T) * np.abs(k)) @ np.abs(matrix.directions)
-
-
-def with_multipliers(coefficients, rows: np.ndarray, orders: Sequence[int]) -> list[np.ndarray]:
-    """[M s^2 + C s + K, -A^T; A s^level, 0]: the rows in the matrix of their order, and next to K the forces of the rows."""
-    k, n = rows.shape
-    stacked = []
-    for power, matrix in enumerate(coefficients):
-        whole = np.zeros((n + k, n + k), dtype=rows.dtype)
-        whole[:n, :n] = matrix
-        if power == 0:
-            whole[:n, n:] = -rows.T
-        selected = [i for i, order in enumerate(orders) if order == power]
-        whole[[n + i for i in selected], :n] = rows[selected]
-        stacked.append(whole)
-    return stacked

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from .modes import Modes, rest_shapes
 from .motion import Motion
 from .stacked_equations import StackedEquations, stacked_equations
 from .stacked_motion import StackedFlow, stacked_flow
-from .stacked_poles import TOGETHER, StackedPoles, StackedTransfer, stacked_poles
+from .stacked_poles import StackedPoles, StackedTransfer, in_parts, stacked_poles
 from .system import MechanicalSystem
 
 
@@ -135,28 +135,21 @@ class Family(Displayed):
         """M, C and K of some systems, or of one."""
         return self.mass[at], self.damping[at], self.stiffness[at]
 
-    def _transfer(self, at: slice, harmonic: Harmonic, levels) -> StackedTransfer | None:
-        """Transfer functions of some systems for a harmonic response; None where poles do not give it."""
+    def _transfers(self, harmonic: Harmonic, levels) -> Iterator[tuple[slice, StackedTransfer]]:
+        """Transfer functions for a harmonic response, of some systems at a time; none where poles do not give it."""
         base, n = self.base, self.base.size
         B, C = harmonic.inputs, harmonic.outputs
         if self.poles is None or B.shape[0] != n + len(base.rows) or C[:, n:].any() or harmonic.imaginary is not None:
-            return None
-        M, D, K = self.matrices(at)
-        motions = base.multiplier_map.T @ B[n:]
-        loads = [B[:n] - K @ motions] + [-(D @ motions), -(M @ motions)] * bool(motions.any())
-        return StackedTransfer(self.poles.of(at), C[:, :n], motions, tuple(loads), harmonic.power, np.asarray(levels, dtype=int))
+            return
+        motions, orders = base.multiplier_map.T @ B[n:], np.asarray(levels, dtype=int)
+        for at in in_parts(len(self)):
+            M, D, K = self.matrices(at)
+            loads = [B[:n] - K @ motions] + [-(D @ motions), -(M @ motions)] * bool(motions.any())
+            yield at, StackedTransfer(self.poles.of(at), C[:, :n], motions, tuple(loads), harmonic.power, orders)
 
-    def is_free(self, shapes: np.ndarray, of: Literal["stiffness", "damping"]) -> np.ndarray:
-        """Which systems have no springs, or no dampers, that resist some motions, up to rounding errors of the entries.
-
-        Args:
-            shapes: displacements that satisfy the constraints, shape (n, z).
-            of: the matrices to check.
-
-        Returns:
-            Truth values, shape (S,).
-        """
-        V, matrices = self.base.position_form().null_space, getattr(self, of)
+    def _is_free(self, shapes: np.ndarray, matrices: np.ndarray) -> np.ndarray:
+        """Which systems have no springs, or no dampers, that resist some motions, up to rounding errors of the entries, shape (S,)."""
+        V = self.base.position_form().null_space
         noise = noise_of(np.abs(V.T) @ np.abs(matrices) @ np.abs(shapes))
         return (np.abs(V.T @ (matrices @ shapes)) <= noise).all(axis=(1, 2))
 
@@ -169,7 +162,61 @@ class Family(Displayed):
         Raises:
             SingularPolynomialMatrix: the motion of a system is not determined.
         """
-        return _modes_of_all(self)
+        count, n, stacks = len(self), self.base.size, []
+        waiting = np.ones(count, dtype=bool)
+        if (poles := self.poles) is not None:
+            stacks.append(_Stack(poles, poles.serve & (poles.value_errors <= PROVED_ACCURACY).all(axis=1), np.zeros((0, n))))
+            waiting &= ~stacks[0].serve
+        if waiting.sum() > 1 and (freed := self._free_stack(waiting)):
+            stacks.append(freed)
+            waiting &= ~freed.serve
+        alone = {place: self[place].modes() for place in np.flatnonzero(waiting).tolist()}
+        drift = sum(row.order for row in self.base.rows)
+        stacks = [one for one in stacks if one.serve.any()]
+        width = max([0, *(len(modes.eigenvalues) for modes in alone.values()), *(one.count + drift for one in stacks)])
+        values, errors = np.full((count, width), np.nan, dtype=complex), np.full((count, width), np.nan)
+        shapes = np.full((count, n, width), np.nan, dtype=complex)
+        for one in stacks:
+            one.sort_into(values, errors, shapes, drift)
+        for place, modes in alone.items():
+            counts, own = [mode.multiplicity for mode in modes], modes.eigenvalues
+            values[place, : len(own)], errors[place, : len(own)] = own, np.repeat(np.maximum(modes.residuals, EPS), counts)
+            for column, (mode, i) in enumerate((mode, i) for mode, number in zip(modes, counts) for i in range(number)):
+                if mode.shapes.size:
+                    shapes[place, :, column] = mode.shapes[:, min(i, mode.shapes.shape[1] - 1)]
+        return FamilyModes(self, values, shapes, errors, np.array(sorted(alone), dtype=int))
+
+    def _free_stack(self, waiting: np.ndarray) -> _Stack | None:
+        """Systems with the free motions of the first of those that wait: free bodies, or one motion that dampers alone resist.
+
+        Whether a motion is free is a decision on rank, which is made for that system; for the others it is seen whether springs
+        and dampers act against it. A pole of theirs that is not clearly none of the zeros leaves a system out.
+        """
+        if self.poles is None:
+            return None
+        free, staying = rest_shapes(self[int(waiting.argmax())].position_form().polynomial_matrix)
+        if np.iscomplexobj(free) or np.iscomplexobj(staying):
+            return None
+        if free.shape[1] and not staying.shape[1]:
+            waiting = waiting & self._is_free(free, self.stiffness) & self._is_free(free, self.damping)
+            equations = self.equations.without_rigid_motions(free)
+            if not (waiting & equations.serve).any():
+                return None
+            poles = stacked_poles(equations, *self.matrices(slice(None)))
+            serve = waiting & poles.serve & (poles.value_errors <= PROVED_ACCURACY).all(axis=1)
+            bodies = free.shape[1]
+            return _Stack(poles, serve, np.array([free[:, min(i, bodies - 1)] for i in range(2 * bodies)]))
+        if staying.shape[1] != 1 or free.shape[1] or (resting := self.equations.with_resting_motion(staying)) is None:
+            return None
+        equations, doubt = resting
+        units = np.broadcast_to(np.eye(equations.K.shape[1]), equations.K.shape)
+        poles = stacked_poles(replace(equations, T=units), equations.M, equations.C, equations.K)
+        zero = ((poles.values == 0) | (poles.value_errors >= 1.0)) & (poles.weights == 1)  # not farther from 0 than their errors
+        errors = poles.value_errors + doubt[:, None]
+        clear = (errors <= PROVED_ACCURACY) | zero
+        serve = waiting & self._is_free(staying, self.stiffness) & poles.serve & clear.all(axis=1) & (zero.sum(axis=1) == 1)
+        weights, shapes = np.where(zero, 0.0, poles.weights), equations.T @ poles.shapes
+        return _Stack(replace(poles, value_errors=errors, weights=weights, shapes=shapes), serve, staying.T)
 
     def solve(self, displacement=None, velocity=None, force=None) -> FamilyMotion:
         """The motions of all systems from values at 0-, under the same force.
@@ -212,12 +259,9 @@ class Family(Displayed):
         values = np.empty((len(self), len(names[1]), len(names[0]), len(frequencies)), dtype=complex)
         errors = np.full((len(self), len(names[1]), len(names[0])), np.inf)
         at_level = quantity in BY_POLES and not any(row.order for row in self.base.rows)
-        for begin in range(0, len(self) if at_level else 0, TOGETHER):
-            at = slice(begin, begin + TOGETHER)
-            transfer = self._transfer(at, first.harmonic, np.zeros(len(first.inputs)))
-            if transfer is not None:
-                values[at], absolute = transfer(2j * np.pi * frequencies)
-                errors[at] = np.where(transfer.poles.serve[:, None, None], _relative(values[at], absolute), np.inf)
+        for at, transfer in self._transfers(first.harmonic, np.zeros(len(first.inputs))) if at_level else ():
+            values[at], absolute = transfer(2j * np.pi * frequencies)
+            errors[at] = np.where(transfer.poles.serve[:, None, None], _relative(values[at], absolute), np.inf)
         alone = np.flatnonzero(~(errors <= LINE_ACCURACY).all(axis=(1, 2)))
         for place in alone.tolist():
             H = first if not place else self[place].frequency_response(frequencies, *names, quantity, relative_to=relative_to)
@@ -246,11 +290,8 @@ class Family(Displayed):
         spectra = first.spectra
         if not (first.infinite or spectra.longest_delay or options.get("modal_damping") is not None):
             levels = [KINDS[spectrum.of] or 0 for spectrum in spectra.spectra]
-            for begin in range(0, count, TOGETHER):
-                at = slice(begin, begin + TOGETHER)
-                transfer = self._transfer(at, first.harmonic, levels)
-                if transfer is not None:
-                    squares[at], errors[at] = _variances(transfer, spectra)
+            for at, transfer in self._transfers(first.harmonic, levels):
+                squares[at], errors[at] = _variances(transfer, spectra)
         served = (errors <= STACKED_VARIANCE * squares).all(axis=1)
         with np.errstate(all="ignore"):
             rms, relative = np.sqrt(squares), errors / (2 * squares) + EPS
@@ -265,8 +306,40 @@ class Family(Displayed):
 # The modes of a family of systems: eigenvalues and shapes from the stacked poles, of some systems one by one.
 
 
+class FamilyAnswer(Displayed):
+    """Answers of S systems, with relative error estimates and the places of those that were solved one by one."""
+
+    family: Family
+    error_estimate: np.ndarray
+    alone: np.ndarray
+    what: str
+    values_of: str
+    limit = PROVED_ACCURACY
+
+    def __len__(self) -> int:
+        return len(self.family)
+
+    def _summary(self) -> str:
+        return f"{self.what} of {counted(len(self.family), 'system')}"
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        return (notice_table(self.notices),)
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """Notices on systems that were solved one by one and on inaccurate values; values at a pole on the imaginary axis are infinite."""
+        some = f"{counted(len(self.alone), 'system')} of {len(self.family)}"
+        text = f"{some} solved one by one: another structure than the first, or an estimate above {self.limit:g}"
+        doubts = doubts_of(f"{self.values_of} of a system", np.nanmax(self._errors, initial=0.0))
+        return (*((Notice(NoticeKind.ACCURACY, text),) if len(self.alone) else ()), *doubts)
+
+    @property
+    def _errors(self) -> np.ndarray:
+        return self.error_estimate
+
+
 @dataclass(frozen=True, repr=False, eq=False)
-class FamilyModes(Displayed):
+class FamilyModes(FamilyAnswer):
     """The modes of S systems; ``modes[3]`` are the ``Modes`` of one, with kinds, energies and tables.
 
     Attributes:
@@ -283,23 +356,10 @@ class FamilyModes(Displayed):
     error_estimate: np.ndarray
     alone: np.ndarray
 
-    def _summary(self) -> str:
-        return f"modes of {counted(len(self.family), 'system')}"
-
-    def _tables(self) -> tuple[TextTable, ...]:
-        return (notice_table(self.notices),)
-
-    def __len__(self) -> int:
-        return len(self.family)
+    what, values_of = "modes", "the eigenvalues"
 
     def __getitem__(self, index: int) -> Modes:
         return self.family[index].modes()
-
-    @property
-    def notices(self) -> tuple[Notice, ...]:
-        """Notices on systems that were solved one by one and on inaccurate eigenvalues."""
-        worst = np.nanmax(self.error_estimate, initial=0.0)
-        return (*one_by_one(self.alone, len(self.family)), *doubts_of("the eigenvalues of a system", worst))
 
     @property
     def natural_frequencies(self) -> np.ndarray:
@@ -324,38 +384,6 @@ class FamilyModes(Displayed):
         return chosen[:, : int(oscillates.sum(axis=1).max(initial=0))]
 
 
-def _modes_of_all(family: Family) -> FamilyModes:
-    """The modes of all systems."""
-    count, stacks = len(family), [one for one in (_regular_stack(family),) if one]
-    waiting = ~np.any([np.zeros(count, dtype=bool), *(one.serve for one in stacks)], axis=0)
-    if waiting.sum() > 1 and (freed := _free_stack(family, waiting)):
-        stacks.append(freed)
-        waiting &= ~freed.serve
-    alone = {place: family[place].modes() for place in np.flatnonzero(waiting).tolist()}
-    drift = sum(row.order for row in family.base.rows)
-    width = max([0, *(len(modes.eigenvalues) for modes in alone.values())])
-    width = max([width, *(one.count + drift for one in stacks if one.serve.any())])
-    values = np.full((count, width), np.nan, dtype=complex)
-    errors, shapes = np.full((count, width), np.nan), np.full((count, family.base.size, width), np.nan, dtype=complex)
-    for one in stacks:
-        if one.serve.any():
-            _sort_into(values, errors, shapes, one, drift)
-    for place, modes in alone.items():
-        own = modes.eigenvalues
-        values[place, : len(own)], errors[place, : len(own)] = (
-            own,
-            np.repeat(np.maximum(modes.residuals, EPS), [mode.multiplicity for mode in modes]),
-        )
-        repeated = [
-            mode.shapes[:, [min(i, mode.shapes.shape[1] - 1)]] if mode.shapes.size else np.full((family.base.size, 1), np.nan)
-            for mode in modes
-            for i in range(mode.multiplicity)
-        ]
-        if repeated:
-            shapes[place, :, : len(own)] = np.hstack(repeated)
-    return FamilyModes(family, values, shapes, errors, np.array(sorted(alone), dtype=int))
-
-
 @dataclass(frozen=True, eq=False)
 class _Stack:
     """Poles of systems that the stacked method serves, and the shapes of their eigenvalues 0, one for each."""
@@ -369,81 +397,26 @@ class _Stack:
         """The largest number of their eigenvalues."""
         return int((self.poles.weights[self.serve] > 0).sum(axis=1).max()) + len(self.zeros)
 
-
-def _regular_stack(family: Family) -> _Stack | None:
-    """The systems without eigenvalues 0 but those of drift."""
-    poles = family.poles
-    if poles is None:
-        return None
-    return _Stack(poles, poles.serve & (poles.value_errors <= PROVED_ACCURACY).all(axis=1), np.zeros((0, family.base.size)))
-
-
-def _free_stack(family: Family, waiting: np.ndarray) -> _Stack | None:
-    """Systems with the free motions of the first of those that wait: free bodies, or one motion that dampers alone resist.
-
-    Whether a motion is free is a decision on rank, which is made for that system; for the others it is seen whether springs
-    and dampers act against it. A pole of theirs that is not clearly none of the zeros leaves a system out.
-    """
-    if family.poles is None:
-        return None
-    reference = family[int(waiting.argmax())]
-    free, staying = rest_shapes(reference.position_form().polynomial_matrix)
-    if np.iscomplexobj(free) or np.iscomplexobj(staying):
-        return None
-    if free.shape[1] and not staying.shape[1]:
-        waiting = waiting & family.is_free(free, "stiffness") & family.is_free(free, "damping")
-        equations = family.equations.without_rigid_motions(free)
-        if not (waiting & equations.serve).any():
-            return None
-        poles = stacked_poles(equations, *family.matrices(slice(None)))
-        serve = waiting & poles.serve & (poles.value_errors <= PROVED_ACCURACY).all(axis=1)
-        bodies = free.shape[1]
-        return _Stack(poles, serve, np.array([free[:, min(i, bodies - 1)] for i in range(2 * bodies)]))
-    if staying.shape[1] != 1 or free.shape[1]:
-        return None
-    resting = family.equations.with_resting_motion(staying)
-    if resting is None:
-        return None
-    equations, doubt = resting
-    units = np.broadcast_to(np.eye(equations.K.shape[1]), equations.K.shape)
-    poles = stacked_poles(replace(equations, T=units), equations.M, equations.C, equations.K)
-    zero = ((poles.values == 0) | (poles.value_errors >= 1.0)) & (poles.weights == 1)  # not farther from 0 than their errors
-    errors = poles.value_errors + doubt[:, None]
-    clear = (errors <= PROVED_ACCURACY) | zero
-    serve = waiting & family.is_free(staying, "stiffness") & poles.serve & clear.all(axis=1) & (zero.sum(axis=1) == 1)
-    weights, shapes = np.where(zero, 0.0, poles.weights), equations.T @ poles.shapes
-    poles = replace(poles, value_errors=errors, weights=weights, shapes=shapes)
-    return _Stack(poles, serve, staying.T)
-
-
-def _sort_into(values, errors, shapes, stack: _Stack, drift: int) -> None:
-    """The poles of the systems that serve, ascending by modulus after eigenvalues 0, their shapes with largest entry 1."""
-    poles, serve = stack.poles, stack.serve
-    own = np.where(poles.weights > 0, poles.values, np.inf)
-    order = np.argsort(np.abs(own), axis=1, kind="stable")
-    ordered = np.take_along_axis(own, order, axis=1)
-    absent = ~np.isfinite(ordered.real)
-    ordered[absent] = np.nan
-    sizes = np.take_along_axis(poles.value_errors, order, axis=1)
-    sizes[absent] = np.nan
-    X = np.take_along_axis(poles.shapes, order[:, None, :], axis=2)
-    largest = np.take_along_axis(X, np.abs(X).argmax(axis=1)[:, None, :], axis=1)
-    with np.errstate(all="ignore"):
-        X = np.where(absent[:, None, :], np.nan, X / largest)
-    begin = drift + len(stack.zeros)
-    columns, present = slice(begin, drift + stack.count), stack.count - len(stack.zeros)
-    values[serve, :begin], errors[serve, :drift], errors[serve, drift:begin] = 0.0, 0.0, EPS
-    values[serve, columns], errors[serve, columns] = ordered[serve, :present], sizes[serve, :present]
-    shapes[serve, :, drift:begin] = stack.zeros.T
-    shapes[serve, :, columns] = X[serve][:, :, :present]
-
-
-def one_by_one(places: np.ndarray, count: int, limit: float = PROVED_ACCURACY) -> tuple[Notice, ...]:
-    """A notice of systems that stacks of matrices do not serve."""
-    if not len(places):
-        return ()
-    text = f"{counted(len(places), 'system')} of {count} solved one by one: another structure than the first, or an estimate above {limit:g}"
-    return (Notice(NoticeKind.ACCURACY, text),)
+    def sort_into(self, values: np.ndarray, errors: np.ndarray, shapes: np.ndarray, drift: int) -> None:
+        """The poles of the systems that serve, ascending by modulus after eigenvalues 0, their shapes with largest entry 1."""
+        poles, serve = self.poles, self.serve
+        own = np.where(poles.weights > 0, poles.values, np.inf)
+        order = np.argsort(np.abs(own), axis=1, kind="stable")
+        ordered = np.take_along_axis(own, order, axis=1)
+        absent = ~np.isfinite(ordered.real)
+        ordered[absent] = np.nan
+        sizes = np.take_along_axis(poles.value_errors, order, axis=1)
+        sizes[absent] = np.nan
+        X = np.take_along_axis(poles.shapes, order[:, None, :], axis=2)
+        largest = np.take_along_axis(X, np.abs(X).argmax(axis=1)[:, None, :], axis=1)
+        with np.errstate(all="ignore"):
+            X = np.where(absent[:, None, :], np.nan, X / largest)
+        begin = drift + len(self.zeros)
+        columns, present = slice(begin, drift + self.count), self.count - len(self.zeros)
+        values[serve, :begin], errors[serve, :drift], errors[serve, drift:begin] = 0.0, 0.0, EPS
+        values[serve, columns], errors[serve, columns] = ordered[serve, :present], sizes[serve, :present]
+        shapes[serve, :, drift:begin] = self.zeros.T
+        shapes[serve, :, columns] = X[serve][:, :, :present]
 
 
 # The motions of a family of systems, functions of time, by stacked matrix exponentials, of some systems one by one.
@@ -510,13 +483,6 @@ class FamilyMotion(Displayed):
 
         The estimate is a multiple of the differences, at some times, that moving each entry of M, C and K by its rounding error makes, and moving the
         generator by the rounding errors of squarings: stiff directions leave the others fewer digits.
-
-        Args:
-            times: in s, a number or shape (T,).
-            order: 0 for x, 1 for x'.
-
-        Returns:
-            Shapes (S, n, T) or (S, n), (S,), and places.
         """
         times = evaluation_times(times)
         own, count = np.unique(times.reshape(-1)), len(self)
@@ -524,8 +490,7 @@ class FamilyMotion(Displayed):
         values, errors = np.empty((count, len(places), len(own))), np.full(count, np.inf)
         served, every = self._served, max(1, len(own) // TRIAL_TIMES)
         some = slice((len(own) - 1) % every if len(own) else 0, None, every)  # the last time among them
-        for begin in range(0, count if served is not None and len(own) else 0, TOGETHER):
-            at = slice(begin, begin + TOGETHER)
+        for at in in_parts(count if served is not None and len(own) else 0):
             with np.errstate(all="ignore"):
                 values[at] = self._flow(at).derivative(order)(own)[:, places]
                 size = np.abs(values[at]).max(axis=(1, 2))
@@ -547,17 +512,7 @@ class FamilyMotion(Displayed):
         """The largest and the smallest values of each system over a span of time, none missed (``frequency.shock.extrema``).
 
         Each system's flow is decoupled; where its values are not those of the family at some times, the system is solved by itself.
-
-        Args:
-            span: first and last time in s.
-            order: 0 for x, 1 for x', 2 for x''.
-            combinations: of the coordinates, shape (p, n); by default each one.
-
-        Returns:
-            One for each system.
-
-        Raises:
-            Overflow: a value leaves the range of float64.
+        The order is 0 for x, 1 for x', 2 for x''; combinations of the coordinates have the shape (p, n), by default each one.
 
         >>> from mbconstrained import family
         >>> motions = family([[1.0]], None, [[[4.0]], [[9.0]]]).solve(velocity=[6.0])
@@ -571,13 +526,7 @@ class FamilyMotion(Displayed):
     def root_mean_squares(
         self, span: tuple[float, float], order: int = 0, combinations: np.ndarray | None = None
     ) -> list[RootMeanSquares]:
-        """The RMS values of each system over a span of time, by integrals of the closed form.
-
-        Args:
-            span, order, combinations: as in ``extrema``.
-
-        Returns:
-            One for each system.
+        """The RMS values of each system over a span of time, by integrals of the closed form; arguments as of ``extrema``.
 
         >>> from mbconstrained import family
         >>> motions = family([[1.0]], None, [[[4.0]], [[9.0]]]).solve(velocity=[6.0])
@@ -595,8 +544,7 @@ class FamilyMotion(Displayed):
         matrix = own if combinations is None else real_array(combinations, "combinations", shape=(None, self.family.base.size))
         result: list[Any] = [None] * count
         some = np.linspace(*span, TRIAL_TIMES)
-        for begin in range(0, count if served is not None else 0, TOGETHER):
-            at = slice(begin, begin + TOGETHER)
+        for at in in_parts(count if served is not None else 0):
             with np.errstate(all="ignore"):
                 flow, *moved = (one.derivative(order).mapped(matrix) for one in (self._flow(at), *self._moved_flows(at)))
                 values = flow(some)
@@ -608,7 +556,7 @@ class FamilyMotion(Displayed):
                 try:
                     function = one.function()
                     if np.abs(function(some) - values[place]).max() <= LOCATED * size[place]:
-                        result[begin + place] = what(function, lambda times, one=one: one(times)[0])
+                        result[at.start + place] = what(function, lambda times, one=one: one(times)[0])
                 except MbconstrainedError:
                     continue  # solved by itself, which has its own reasons
         for place in [place for place, own in enumerate(result) if own is None]:
@@ -687,7 +635,7 @@ BY_POLES = ("receptance", "mobility", "accelerance", "transmissibility")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class FamilyFrequencyResponse(Displayed):
+class FamilyFrequencyResponse(FamilyAnswer):
     """H(i w) of S systems.
 
     Attributes:
@@ -711,17 +659,8 @@ class FamilyFrequencyResponse(Displayed):
     units: np.ndarray
     alone: np.ndarray
 
-    def _summary(self) -> str:
-        return f"{self.quantity} of {counted(len(self.family), 'system')}"
-
-    def _tables(self) -> tuple[TextTable, ...]:
-        return (notice_table(self.notices),)
-
-    @property
-    def notices(self) -> tuple[Notice, ...]:
-        """Notices on systems solved one by one and on inaccurate values; values at a pole on the imaginary axis are infinite."""
-        worst = self.error_estimate.max(initial=0.0, where=np.isfinite(self.error_estimate))
-        return (*one_by_one(self.alone, len(self.family), LINE_ACCURACY), *doubts_of("the responses of a system", worst))
+    what, values_of, limit = property(lambda self: self.quantity), "the responses", LINE_ACCURACY
+    _errors = property(lambda self: np.where(np.isfinite(self.error_estimate), self.error_estimate, 0.0))
 
 
 def _relative(values: np.ndarray, absolute: np.ndarray) -> np.ndarray:
@@ -746,7 +685,7 @@ NEAR = 2.0
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class FamilyRandomResponse(Displayed):
+class FamilyRandomResponse(FamilyAnswer):
     """RMS values of S systems; ``response[3]`` is the ``RandomResponse`` of one.
 
     Attributes:
@@ -767,57 +706,30 @@ class FamilyRandomResponse(Displayed):
     alone: np.ndarray
     excitation: tuple
 
-    def _summary(self) -> str:
-        return f"RMS values of {counted(len(self.family), 'system')}"
-
-    def _tables(self) -> tuple[TextTable, ...]:
-        return (notice_table(self.notices),)
-
-    def __len__(self) -> int:
-        return len(self.family)
+    what, values_of, limit = "RMS values", "RMS values", STACKED_VARIANCE
 
     def __getitem__(self, index: int) -> RandomResponse:
         arguments, options = self.excitation
         return self.family[index].random_response(*arguments, **options)
 
-    @property
-    def notices(self) -> tuple[Notice, ...]:
-        """Notices on systems that were solved one by one and on inaccurate finite values."""
-        worst = self.error_estimate.max(initial=0.0, where=np.isfinite(self.rms))
-        return (*one_by_one(self.alone, len(self.family), STACKED_VARIANCE), *doubts_of("RMS values of a system", worst))
 
+def _panels(corners: np.ndarray, low: float, high: float) -> Iterator[tuple[float, float, float, bool]]:
+    """Both ends of panels between corners in Hz, none wider than an octave, a frequency in the pieces of the spectra, and False.
 
-@dataclass(frozen=True)
-class _Panel:
-    """Frequencies between two ends; of the tail to infinity the variable is 1/f."""
-
-    lower: float  # lower, upper: in Hz, of the tail in s
-    upper: float
-    middle: float  # a frequency in the pieces of the spectra
-    is_tail: bool = False  # whether it reaches infinity
-
-    @property
-    def nodes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Frequencies and weights of Gauss's rule."""
-        half = (self.upper - self.lower) / 2
-        own = self.lower + half + half * NODES
-        return (1 / own, half * WEIGHTS / own**2) if self.is_tail else (own, half * WEIGHTS)
-
-
-def _panels(corners: np.ndarray, low: float, high: float) -> Iterator[_Panel]:
-    """Between corners, none wider than an octave; the first from 0 ends below all poles, the tail begins beyond them."""
+    The first from 0 ends below all poles. The tail to infinity begins beyond them: its variable is 1/f, and it has True.
+    """
     for a, b in pairwise(corners.tolist()):
         middle = a + 1.0 if np.isinf(b) else (a + b) / 2
         if np.isinf(b):
             b = max(2 * high, 2 * a)
-            yield _Panel(0.0, 1 / b, middle, is_tail=True)
+            yield 0.0, 1 / b, middle, True
         if a == 0:
             first = min(low / 2, b)
-            yield _Panel(0.0, first, middle)
+            yield 0.0, first, middle, False
             a = first
         if b > a:
             edges = np.geomspace(a, b, int(np.ceil(np.log2(b / a) - FORM_ROUNDING * EPS)) + 1)
-            yield from (_Panel(one, two, middle) for one, two in pairwise([a, *edges[1:-1].tolist(), b]))
+            yield from ((one, two, middle, False) for one, two in pairwise([a, *edges[1:-1].tolist(), b]))
 
 
 def _variances(transfer: StackedTransfer, spectra: SpectralMatrix) -> tuple[np.ndarray, np.ndarray]:
@@ -830,17 +742,18 @@ def _variances(transfer: StackedTransfer, spectra: SpectralMatrix) -> tuple[np.n
     damped = poles.serve & np.where(present, poles.values.real < -LINE_ACCURACY * np.abs(poles.values), True).all(axis=1)
     if not sizes.size or not damped.any():
         return np.full((count, p), np.nan), np.full((count, p), np.inf)
-    panels = list(_panels(spectra.corners, sizes.min(), sizes.max()))
-    middles = np.array([np.nan if one.is_tail else (one.lower + one.upper) / 2 for one in panels])
-    halves = np.array([(one.upper - one.lower) / 2 for one in panels])
-    for middle in {one.middle for one in panels}:
+    lower, upper, inside, is_tail = map(np.array, zip(*_panels(spectra.corners, sizes.min(), sizes.max())))
+    middles, halves = np.where(is_tail, np.nan, (lower + upper) / 2), (upper - lower) / 2
+    own_nodes, own_weights = lower[:, None] + halves[:, None] + np.multiply.outer(halves, NODES), np.multiply.outer(halves, WEIGHTS)
+    nodes = np.where(is_tail[:, None], 1 / own_nodes, own_nodes)
+    weights = np.where(is_tail[:, None], own_weights / own_nodes**2, own_weights).ravel()
+    for middle in set(inside.tolist()):
         others = np.array([one for one in spectra.singularities(middle) if one], dtype=complex)
         if (np.abs(middles[:, None] - others) < NEAR * halves[:, None]).any():
             return np.full((count, p), np.nan), np.full((count, p), np.inf)
-    nodes, weights = (np.concatenate(each) for each in zip(*(one.nodes for one in panels)))
-    S = np.concatenate([spectra(one.nodes[0], one.middle) for one in panels], axis=2)
+    S = np.concatenate([spectra(own, middle) for own, middle in zip(nodes, inside.tolist())], axis=2)
     with np.errstate(all="ignore"):
-        H, doubt = transfer(2j * np.pi * nodes)
+        H, doubt = transfer(2j * np.pi * nodes.ravel())
         weighted = np.einsum("ijf,sajf->saif", S, H.conj())
         total = ((H * weighted).sum(axis=2).real * weights).sum(axis=2)
         spread = np.einsum("ijf,sajf->saif", np.abs(S), doubt)
@@ -850,13 +763,13 @@ def _variances(transfer: StackedTransfer, spectra: SpectralMatrix) -> tuple[np.n
         member, pole, panel = np.nonzero(np.abs(f[:, :, None] - middles) < NEAR * halves)
         at = f[member, pole]
         own = np.empty((len(S), len(S), len(at)), dtype=complex)
-        for middle in {one.middle for one in panels}:
-            chosen = np.array([one.middle == middle for one in panels])[panel]
+        for middle in set(inside.tolist()):
+            chosen = (inside == middle)[panel]
             own[:, :, chosen] = spectra(at[chosen], middle)
         r = np.einsum("xai,ijx,xaj->xa", residues[member, :, :, pole], own, mirrored[member, :, :, pole].conj())
-        lower, upper = (np.array([getattr(one, name) for one in panels])[panel] for name in ("lower", "upper"))
-        grid = nodes.reshape(len(panels), -1)[panel] - at.real[:, None]
-        share = weights.reshape(len(panels), -1)[panel] / (grid**2 + at.imag[:, None] ** 2)
+        lower, upper = lower[panel], upper[panel]
+        grid = nodes[panel] - at.real[:, None]
+        share = weights.reshape(nodes.shape)[panel] / (grid**2 + at.imag[:, None] ** 2)
         height = np.abs(at.imag)
         logarithm = np.log(((upper - at.real) ** 2 + height**2) / ((lower - at.real) ** 2 + height**2)) / 2
         angle = np.arctan2((upper - lower) * height, height**2 + (upper - at.real) * (lower - at.real))

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from ..linalg.arrays import full
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.impulsive import ExactInput, ExactRecord, ExactTerm, ImpulsiveSmooth
 from .channels import Channel, channels, chosen_by_name, coordinate_channels, reference, row_channels
+from .constraints import with_multipliers
 from .element_matrix import ElementMatrix
 from .element_matrix import modal_damping as modal_damping_elements
 from .energy import CoordinatePart
@@ -42,8 +43,7 @@ MODES = 50
 MODE_ROUNDING = 16.0
 
 
-@dataclass(frozen=True)
-class Quantity:
+class Quantity(NamedTuple):
     """Quantity of a frequency response."""
 
     order: int  # order of the derivative of the outputs: 0 displacement, 1 velocity, 2 acceleration
@@ -148,7 +148,6 @@ def with_channels(system, equations, inputs: Sequence[Channel], outputs: Sequenc
 
 
 def element_channels(system: EquationsOfMotion) -> dict[str, Channel]:
-    """The forces of springs and dampers, by name."""
     return {name: Channel(name, one.elongation, one.unit, element=one) for name, one in system.elements.items()}
 
 
@@ -193,27 +192,20 @@ def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Channel])
     if not inputs or not outputs:
         missing = "springs and dampers with names" if quantity == "force" else "constraint rows"
         raise InputError(f"{quantity}: this system has no {missing}")
-    loads = [channel.name for channel in inputs if channel.row is None]
-    motions = [channel.name for channel in outputs if channel.row is None]
-    forces = [channel.name for channel in outputs if channel.element is not None]
-    no_forces = [channel.name for channel in outputs if channel.element is None]
-    reactions = [channel.name for channel in outputs if channel.row is not None]
-    chosen = QUANTITIES[quantity]
-    if quantity == "transmissibility" and loads:
-        raise InputError(
-            f'transmissibility: the input "{loads[0]}" is a force; expected constraint rows, whose motion is prescribed'
-        )
-    if quantity == "reaction" and motions:
-        raise InputError(f"reaction: found the coordinate {motions[0]!r}; expected constraint rows")
-    if quantity == "force" and no_forces:
-        raise InputError(
-            f'force: "{no_forces[0]}" is no spring or damper; a coordinate has a receptance, a constraint row a reaction'
-        )
-    if forces and quantity not in ("force", "receptance", "transmissibility"):
-        raise InputError(f'{quantity}: the output "{forces[0]}" is a spring or damper; its force is the quantity "force"')
-    if quantity != "reaction" and reactions:
-        raise InputError(f'{quantity}: the output "{reactions[0]}" is a constraint row; its force is the quantity "reaction"')
-    if chosen.inverse and (len(loads) < len(inputs) or len(inputs) != len(outputs)):
+    loads, coordinates = ([one.name for one in some if one.row is None] for some in (inputs, outputs))
+    rows = [one.name for one in outputs if one.row is not None]
+    elements, others = ([one.name for one in outputs if (one.element is None) == none] for none in (False, True))
+    has_forces = quantity in ("force", "receptance", "transmissibility")
+    for refused, names, text in (
+        (quantity == "transmissibility", loads, 'the input "{}" is a force; expected constraint rows, whose motion is prescribed'),
+        (quantity == "reaction", coordinates, "found the coordinate {!r}; expected constraint rows"),
+        (quantity == "force", others, '"{}" is no spring or damper; a coordinate has a receptance, a constraint row a reaction'),
+        (not has_forces, elements, 'the output "{}" is a spring or damper; its force is the quantity "force"'),
+        (quantity != "reaction", rows, 'the output "{}" is a constraint row; its force is the quantity "reaction"'),
+    ):
+        if refused and names:
+            raise InputError(f"{quantity}: {text.format(names[0])}")
+    if QUANTITIES[quantity].inverse and (len(loads) < len(inputs) or len(inputs) != len(outputs)):
         raise InputError(
             f"{quantity}: it is the inverse of a matrix of responses to forces; expected as many forces on coordinates as outputs"
         )
@@ -231,23 +223,20 @@ def saddle_point(
     system: EquationsOfMotion, levels: Sequence[int], modal_damping=None, loss_factor=None
 ) -> tuple[list[np.ndarray], np.ndarray | None, np.ndarray | None]:
     """K, C, M with the constraint rows, the imaginary part of K, and sizes of terms where damping is computed from modes."""
-    n, A, k = system.size, system.constraint_matrix, len(system.rows)
+    n, A = system.size, system.constraint_matrix
     damping, damping_sizes = system.damping, None
     if modal_damping is not None:
         modes = system.modes(damped=False)
         parts = modal_damping_elements(system.mass, system.stiffness, A, modes.natural_frequencies, modes.shapes, modal_damping)
         directions = np.abs(parts.directions)
         damping, damping_sizes = damping + parts.matrix, MODE_ROUNDING * (directions.T * np.abs(parts.constants)) @ directions
-    coefficients = [np.pad(matrix, ((0, k), (0, k))) for matrix in (system.stiffness, damping, system.mass)]
-    coefficients[0][:n, n:] = A.T
-    for place, level in enumerate(levels):
-        coefficients[level][n + place, :n] = A[place]
+    coefficients = with_multipliers((system.stiffness, damping, system.mass), A, levels, sign=1)
     sizes = None
     if damping_sizes is not None:
         sizes = np.abs(coefficients)
         sizes[1, :n, :n] += damping_sizes
     H = structural_damping(system, loss_factor)
-    return coefficients, None if H is None else np.pad(H, ((0, k), (0, k))), sizes
+    return coefficients, None if H is None else np.pad(H, (0, len(A))), sizes
 
 
 def structural_damping(system: EquationsOfMotion, loss_factor) -> np.ndarray | None:
@@ -333,21 +322,15 @@ class SteadyState(Displayed):
 
     def displacement(self, times) -> np.ndarray:
         """x at times in s, shape (n,) or (n, T)."""
-        if self.motion is not None:
-            return self.motion.displacement(self._in_period(times))
-        return self._sum(self.displacement_amplitudes, times)
+        return self._values("displacement", self.displacement_amplitudes, times)
 
     def velocity(self, times) -> np.ndarray:
         """x' at times in s, shape (n,) or (n, T)."""
-        if self.motion is not None:
-            return self.motion.velocity(self._in_period(times))
-        return self._sum(1j * self.angular_frequencies * self.displacement_amplitudes, times)
+        return self._values("velocity", 1j * self.angular_frequencies * self.displacement_amplitudes, times)
 
     def reaction(self, times) -> np.ndarray:
         """The reactions of the constraint rows at times in s, shape (k,) or (k, T), without their Dirac impulses."""
-        if self.motion is not None:
-            return self.motion.reaction(self._in_period(times))
-        return self._sum(self.reaction_amplitudes, times)
+        return self._values("reaction", self.reaction_amplitudes, times)
 
     def deflection_shape(self, frequency_hz: float) -> np.ndarray:
         """The operating deflection shape at one of the frequencies: complex amplitudes of all coordinates, shape (n,).
@@ -370,11 +353,10 @@ class SteadyState(Displayed):
             )
         return self.displacement_amplitudes[:, near[0]].copy()
 
-    def _in_period(self, times) -> np.ndarray:
-        return np.mod(real_array(times, "times"), self.period)
-
-    def _sum(self, amplitudes, times) -> np.ndarray:
+    def _values(self, quantity: str, amplitudes: np.ndarray, times) -> np.ndarray:
         times = real_array(times, "times")
+        if self.motion is not None:
+            return getattr(self.motion, quantity)(np.mod(times, self.period))
         return np.real(amplitudes @ np.exp(np.multiply.outer(1j * self.angular_frequencies, times)))
 
 
@@ -423,16 +405,12 @@ def steady_state(
     units = {**system.units, **{row.name: force_unit(row.unit) for row in rows}}
     f = np.array(omegas) / (2 * np.pi)
     motion = None
-    if period is not None and not (loss_factor or system.loss_factors) and _repeats(omegas, period):
+    turns = np.array(omegas) * (period or 0.0) / (2 * np.pi)
+    repeats = (np.abs(turns - np.rint(turns)) <= SAME_FREQUENCY * np.maximum(turns, 1.0)).all()
+    if period is not None and not (loss_factor or system.loss_factors) and repeats:
         damped = system if modal_damping is None else system.with_modal_damping(modal_damping)
         motion = _periodic_motion(damped, force, period)
     return SteadyState(system.names, names[n:], f, answers[:n], answers[n:], errors, units, period, motion)
-
-
-def _repeats(omegas, period: float) -> bool:
-    """Whether all loads have a whole number of oscillations in a period."""
-    turns = np.array(omegas) * period / (2 * np.pi)
-    return bool((np.abs(turns - np.rint(turns)) <= SAME_FREQUENCY * np.maximum(turns, 1.0)).all())
 
 
 def _periodic_motion(system: EquationsOfMotion, force: ImpulsiveSmooth | None, period: float) -> Motion | None:
@@ -488,20 +466,11 @@ def fourier_coefficient(times, values, period: float, order: int) -> np.ndarray:
     Over a line from a to b the integral of f e^{-i w t} is h e^{-i w m} ((a + b)/2 even(y) - i (b - a)/2 odd(y)), m its middle; the
     functions of w h / 2 are taken without cancellation.
     """
+    from scipy.special import spherical_jn
+
     h, w = np.diff(times), 2 * np.pi * order / period
     middle, mean, half = (times[1:] + times[:-1]) / 2, (values[:, 1:] + values[:, :-1]) / 2, np.diff(values, axis=1) / 2
     y = w * h / 2  # on the line f = mean + half u, u from -1 to 1: the integrals of cos(y u) and u sin(y u)
-    even, odd = np.sinc(y / np.pi), _first_moment(y)
+    even, odd = np.sinc(y / np.pi), spherical_jn(1, y)
     total = ((mean * even - 1j * half * odd) * (h * np.exp(-1j * w * middle))).sum(axis=1)
     return total / period * (1 if order == 0 else 2)
-
-
-def _first_moment(y: np.ndarray) -> np.ndarray:
-    """(sin y - y cos y) / y^2, half the integral of u sin(y u) over [-1, 1]; its series for small y."""
-    small = np.abs(y) < 1
-    safe = np.where(small, 1.0, y)
-    series, term = np.zeros_like(y), y / 3
-    for k in range(1, 12):
-        series = series + term
-        term = -term * y**2 / (2 * k * (2 * k + 3))
-    return np.where(small, series, (np.sin(safe) - safe * np.cos(safe)) / safe**2)

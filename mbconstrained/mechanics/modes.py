@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import islice, pairwise
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -35,8 +35,9 @@ from ..ground.tolerances import (
 from ..linalg.arrays import full, kept
 from ..linalg.blocks import block_slices
 from ..linalg.division import definite_condition, is_symmetric, solved
+from ..linalg.exponential import BlockGroups
 from ..linalg.precise import floats, is_precise, is_worthwhile, precise_arithmetic
-from ..linalg.rank import Noisy, null_columns
+from ..linalg.rank import null_columns
 from ..linalg.symmetric import undamped_shapes
 from ..polynomial.decoupling import known_coefficient
 from ..polynomial.polynomial_matrix import PolynomialMatrix
@@ -305,7 +306,6 @@ class Modes(Presented, Sequence):
 
 
 def _shares(modes: Sequence[Mode]) -> tuple[tuple[EnergyShares, ...], ...]:
-    """Energy shares of the shapes of each mode of one system."""
     parts, counts = (modes[0].energy_parts if modes else None), [mode.shapes.shape[1] for mode in modes]
     if parts is None or not sum(counts):
         return ((),) * len(modes)
@@ -318,14 +318,14 @@ def _shares(modes: Sequence[Mode]) -> tuple[tuple[EnergyShares, ...], ...]:
 
 
 def _table_row(mode: Mode) -> dict[str, str]:
-    oscillating, (real, imaginary) = bool(mode.eigenvalue.imag), (mode.eigenvalue.real, mode.eigenvalue.imag)
+    real, imaginary = mode.eigenvalue.real, mode.eigenvalue.imag
     growth = f"{real:.6g} " if real else ""
     return {
         "kind": mode.kind,
-        "frequency (Hz)": f"{mode.frequency_hz:.6g}" if oscillating else "",
-        "damping ratio": f"{mode.damping_ratio:.4g}" if oscillating else "",
-        "eigenvalue (1/s)": f"{growth}± {imaginary:.6g} i" if oscillating else f"{real:.6g}",
-        "natural frequency (rad/s)": f"{mode.natural_frequency:.6g}" if oscillating else "",
+        "frequency (Hz)": f"{mode.frequency_hz:.6g}" if imaginary else "",
+        "damping ratio": f"{mode.damping_ratio:.4g}" if imaginary else "",
+        "eigenvalue (1/s)": f"{growth}± {imaginary:.6g} i" if imaginary else f"{real:.6g}",
+        "natural frequency (rad/s)": f"{mode.natural_frequency:.6g}" if imaginary else "",
         "multiplicity": str(mode.multiplicity),
         "meaning": mode.text,
     }
@@ -378,25 +378,23 @@ def _is_definite(A: PolynomialMatrix) -> bool:
 
 def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], list[Mode]]:
     """The modes from the decoupled first-order equations: those that move, and those of eigenvalue 0."""
-    if A.coefficients[1].any() and _has_topology_modes(A):
-        pass  # of fewer operations, and shared with motions
+    large = A.large_reduction if A.coefficients[1].any() else None
+    if large is not None and large.topology is not None and not large.topology_failed:
+        pass  # by the sparse topology of a large damped model: of fewer operations, and shared with motions
     elif definite:
         K, C, M = A.coefficients
         if symmetric := _symmetric_modes(M, C, K):
             return [*_grouped(*symmetric)], []
-    elif isinstance(reduced := A.reduction, Reduction) and _is_regular_and_symmetric(reduced):
-        symmetric = _symmetric_modes(*map(full, (reduced.M, reduced.C, reduced.K)))
+    elif isinstance(own := A.reduction, Reduction) and len(own.second) and not len(own.first) and own.conserved is None:
+        symmetric = _symmetric_modes(*map(full, (own.M, own.C, own.K))) if own.is_finite and own.is_reciprocal else None
         if symmetric:
-            return [*_grouped(symmetric[0], reduced.V @ symmetric[1])], []
+            return [*_grouped(symmetric[0], own.V @ symmetric[1])], []
     reduction = serving_reduction(A, zero(A.size))
     parts = reduction.decoupled
-    sizes = np.array([len(block) for block in parts.blocks], dtype=int)
-    begin, outputs = np.cumsum(sizes) - sizes, parts.modal_output(reduction.output)
-    if (sizes > 2).any():
+    groups, outputs = BlockGroups.of(parts.blocks), parts.modal_output(reduction.output)
+    if groups.larger:
         raise NotReducible("eigenvalues form a cluster")
-    single, double = begin[sizes == 1], begin[sizes == 2]
-    rates = np.array([block[0, 0] for block in parts.blocks if len(block) == 1])
-    (a, b), (c, d) = np.array([block for block in parts.blocks if len(block) == 2]).reshape(-1, 2, 2).transpose(1, 2, 0)
+    a, b, c, d = groups.pairs.reshape(-1, 4).T
     half, square = (a + d) / 2, ((a - d) / 2) ** 2 + b * c
     if (np.sqrt(np.abs(square)) <= rounding_radius(2) * np.abs(half))[half != 0].any():
         raise NotReducible("an eigenvalue is double to rounding errors")
@@ -404,27 +402,15 @@ def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], li
     larger = np.where(square < 0, half + root, half + np.copysign(root.real, half))
     smaller = np.where(square < 0, 0, (a * d - b * c) / np.where(larger == 0, 1, larger))
     real = square >= 0  # of the others, the conjugates are left out
-    values = np.concatenate([rates, larger, smaller[real]])
-    vectors = [outputs[:, double] * b + outputs[:, double + 1] * (s - a) for s in (larger, smaller)]
-    shapes = np.hstack([outputs[:, single], vectors[0], vectors[1][:, real]])
+    values = np.concatenate([groups.rates, larger, smaller[real]])
+    vectors = [outputs[:, groups.first] * b + outputs[:, groups.first + 1] * (s - a) for s in (larger, smaller)]
+    shapes = np.hstack([outputs[:, groups.single], vectors[0], vectors[1][:, real]])
     computed = values
     if reduction.freed is not None:  # what the rounding errors of K support has the eigenvalue 0
         values = np.where(np.abs(values) ** 2 <= EPS * np.abs(values).max() ** 2, 0.0, values)
     moving = values != 0
     count = int((~moving).sum() + (~moving & (computed.imag > 0)).sum())  # of a complex pair one is listed
     return [*_grouped(values[moving], shapes[:, moving])], [*_at_rest(A, count)]
-
-
-def _has_topology_modes(A: PolynomialMatrix) -> bool:
-    """Whether the modes of a large damped model follow from its sparse topology."""
-    reduction = A.large_reduction
-    return reduction is not None and reduction.topology is not None and not reduction.topology_failed
-
-
-def _is_regular_and_symmetric(reduction: Reduction) -> bool:
-    """Whether the equations are those of masses and springs with symmetric M, C and K, M and K regular."""
-    second_order = len(reduction.second) and not len(reduction.first) and reduction.conserved is None
-    return bool(second_order and reduction.is_finite and reduction.is_reciprocal)
 
 
 def _symmetric_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
@@ -580,15 +566,11 @@ def rest_shapes(A: PolynomialMatrix) -> tuple[np.ndarray, np.ndarray]:
     """
     A_0, A_1 = known_coefficient(A, 0), known_coefficient(A, 1)
     with precise_arithmetic() if is_precise(A_0.data) or is_precise(A_1.data) else nullcontext():
-        right, left = _null_space(A_0), _null_space(A_0.T)
-        moving = _null_space(left.T @ A_1 @ right)
-        staying = _null_space(moving.T)
+        right, left = null_columns(A_0).null.T, null_columns(A_0.T).null.T
+        moving = null_columns(left.T @ A_1 @ right).null.T
+        staying = null_columns(moving.T).null.T
         free, offsets = (_real(_normalized(floats((right @ shapes).data))) for shapes in (moving, staying))
         return free, offsets
-
-
-def _null_space(matrix: Noisy) -> Noisy:
-    return null_columns(matrix).null.T
 
 
 def _normalized(shapes: np.ndarray) -> np.ndarray:
@@ -609,8 +591,7 @@ def _real(shapes: np.ndarray) -> np.ndarray:
 EXTENDED_SIZE = 200
 
 
-@dataclass(frozen=True)
-class Conservation:
+class Conservation(NamedTuple):
     """Two facts about a system."""
 
     # M, K and the symmetric part of C are positive semidefinite, M and K symmetric: energy cannot grow, no zero lies in the right

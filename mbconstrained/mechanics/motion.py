@@ -23,7 +23,7 @@ from ..response.methods.proved import ProvedFunction, proved_event
 from ..response.problem import Problem
 from ..response.response import Response
 from ..response.response_notices import first_and_count, kink_notices, remaining_notices, sides, without_kinks
-from ..signals.bohl import BohlFunction
+from ..signals.bohl import BohlFunction, BohlSum
 from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from .channels import reference
 from .energy import Energy, energy_of
@@ -49,22 +49,9 @@ if TYPE_CHECKING:
 # The same holds at the time of an event. All events are computed at once, each a column of the arrays.
 
 
-class FunctionSum(BohlFunction):
-    """A sum of functions, each evaluated by its own method; the states are combined only on demand."""
+class FunctionSum(BohlSum):
+    """A sum of functions, each evaluated by its own method."""
 
-    terms: tuple[BohlFunction, ...]
-
-    def __init__(self, terms: Sequence[BohlFunction]):
-        object.__setattr__(self, "terms", tuple(terms))
-
-    @cached_property
-    def _closed(self) -> BohlFunction:
-        return reduce(BohlFunction.__add__, self.terms)
-
-    coefficients = property(lambda self: self._closed.coefficients)
-    blocks = property(lambda self: self._closed.blocks)
-    start = property(lambda self: self._closed.start)
-    size = property(lambda self: self.terms[0].size)
     state_count = property(lambda self: max(term.state_count for term in self.terms))
     summed_from = property(lambda self: np.min([term.summed_from for term in self.terms], axis=0))
 
@@ -72,19 +59,16 @@ class FunctionSum(BohlFunction):
         return sum((term._values(times) for term in self.terms[1:]), self.terms[0]._values(times))
 
     def derivative(self, order: int = 1) -> BohlFunction:
-        """The classical derivative."""
-        return FunctionSum([term.derivative(order) for term in self.terms])
+        return FunctionSum(tuple(term.derivative(order) for term in self.terms))
 
     def mapped(self, matrix) -> BohlFunction:
-        """matrix @ f(t), matrix of shape (p, r)."""
-        return FunctionSum([term.mapped(matrix) for term in self.terms])
+        return FunctionSum(tuple(term.mapped(matrix) for term in self.terms))
 
     def rows(self, indices) -> BohlFunction:
-
-        return FunctionSum([term.rows(indices) for term in self.terms])
+        return FunctionSum(tuple(term.rows(indices) for term in self.terms))
 
     def __mul__(self, factor: float) -> BohlFunction:
-        return FunctionSum([term * factor for term in self.terms])
+        return FunctionSum(tuple(term * factor for term in self.terms))
 
     __rmul__ = __mul__
 
@@ -93,7 +77,7 @@ def reaction_function(system: EquationsOfMotion, response: Response, applied: Im
     """The regular part of lambda = G (K x + C x' + M x'' - f) for t > 0."""
     G = system.multiplier_map
     inertial = response.function.differential(*(G @ matrix for matrix in (system.stiffness, system.damping, system.mass)))
-    return inertial if applied.smooth.is_zero else FunctionSum([inertial, applied.smooth.mapped(-G)])
+    return inertial if applied.smooth.is_zero else FunctionSum((inertial, applied.smooth.mapped(-G)))
 
 
 def reaction_impulses(system: EquationsOfMotion, response: Response, applied: ImpulsiveSmooth) -> tuple[ImpulsiveLoad, ...]:
@@ -193,9 +177,8 @@ class SystemMotion:
 
     def energy(self, times) -> Energy:
         """Kinetic, strain and static energy at a time or at times (T,), in J; of S motions of shape (S,) or (S, T)."""
-        return energy_of(
-            self.system.given, self.system.static_force, *(np.moveaxis(x, self._coordinate_axis, 0) for x in self._states(times))
-        )
+        displacement, velocity = (np.moveaxis(x, self._coordinate_axis, 0) for x in self._states(times))
+        return energy_of(self.system.given, self.system.static_force, displacement, velocity)
 
     _coordinate_axis = 0
 
@@ -204,7 +187,6 @@ class SystemMotion:
         return self._rate(0, times), self._rate(1, times)
 
     def _rate(self, order: int, times) -> np.ndarray:
-        """The derivative of a given order."""
         return self.derivative(order)(times) if order else self(times)  # type: ignore[attr-defined]
 
 
@@ -440,10 +422,10 @@ def motion_of(system: EquationsOfMotion, start: np.ndarray, applied: ImpulsiveSm
 
 def _order_of(quantity) -> int | None:
     """The order of the derivative of x that a quantity is; None for a reaction."""
-    orders: dict[str, int | None] = {"displacement": 0, "velocity": 1, "acceleration": 2, "reaction": None}
-    if not isinstance(quantity, str) or quantity not in orders:
-        raise InputError(f"of: found {quantity!r}{nearest(str(quantity), orders)}; expected one of {', '.join(orders)}")
-    return orders[quantity]
+    kinds = Motion._kinds
+    if not isinstance(quantity, str) or quantity not in kinds:
+        raise InputError(f"of: found {quantity!r}{nearest(str(quantity), kinds)}; expected one of {', '.join(kinds)}")
+    return None if quantity == "reaction" else kinds.index(quantity)
 
 
 # The notices of a motion, in sentences with names and units.
@@ -534,11 +516,8 @@ def _drift_of_record(motion: Motion, row: ConstraintRow) -> Iterator[Notice]:
     place, _ = _row_value(row, motion(end))
     rate, noise = _row_value(row, motion.derivative(1)(end))
     size = np.abs(row.coefficients) @ np.abs(motion.derivative(1)(row.signal.knots)).max(axis=1)
-    moving = (
-        f" and moves on at {rate:.6g} {rate_unit(row.unit)}"
-        if abs(rate) > max(noise, noise_of(size, len(row.signal.knots)))
-        else ""
-    )
+    moves = abs(rate) > max(noise, noise_of(size, len(row.signal.knots)))
+    moving = f" and moves on at {rate:.6g} {rate_unit(row.unit)}" if moves else ""
     yield Notice(
         NoticeKind.DRIFT,
         f'prescribed motion "{row.name}" ({row.level} level): at the end of the record, t = {end:.6g} s, the support is at {place + 0.0:.6g} '

@@ -360,7 +360,10 @@ def _assembled(data: StateSpaceData, rows: np.ndarray, existence: NormalFormExis
     """The form from X^T, shape (n/2, n), which multiplies the equations and whose last p rows hold the inputs."""
     A, half, p = data.A, len(rows), data.B.shape[1]
     T = np.vstack([rows if data.F is None else rows @ data.F, rows @ A])
-    lower, doubt_of_lower = _lower_multiplier(data, rows)
+    lower, doubt = rows @ A, EPS * np.abs(rows) @ np.abs(A)  # X^T A F^-1 and its rounding error
+    if data.F is not None:
+        lower = np.linalg.solve(data.F.T, lower.T).T
+        doubt = (doubt + EPS * np.abs(lower) @ np.abs(data.F)) @ np.abs(np.linalg.inv(data.F))
     left = np.vstack([rows, lower])
     scale = 1 / np.exp2(np.round(np.log2(np.linalg.norm(T, axis=0))))  # columns alike: fewer digits lost in the solution
     inverse = scale[:, None] * np.linalg.inv(T * scale)
@@ -368,19 +371,9 @@ def _assembled(data: StateSpaceData, rows: np.ndarray, existence: NormalFormExis
     state = np.vstack([np.eye(half, 2 * half, k=half), bottom])
     inputs = np.eye(2 * half, p, k=p - 2 * half)
     C = None if data.C is None else _refined(data.C, T, inverse)
-    noise = doubt_of_lower @ np.abs(A) + EPS * (np.abs(lower) @ np.abs(A) + np.abs(bottom) @ np.abs(T))
+    noise = doubt @ np.abs(A) + EPS * (np.abs(lower) @ np.abs(A) + np.abs(bottom) @ np.abs(T))
     evidence = _evidence(data, left, T, state, inputs, existence)
     return NormalForm(T, left, state, inputs, C, data.D, evidence, existence.notices, noise @ np.abs(inverse))
-
-
-def _lower_multiplier(data: StateSpaceData, rows) -> tuple[np.ndarray, np.ndarray]:
-    """X^T A F^-1 and its rounding error."""
-    lower = rows @ data.A
-    doubt = EPS * np.abs(rows) @ np.abs(data.A)
-    if data.F is None:
-        return lower, doubt
-    lower_solved = np.linalg.solve(data.F.T, lower.T).T
-    return lower_solved, (doubt + EPS * np.abs(lower_solved) @ np.abs(data.F)) @ np.abs(np.linalg.inv(data.F))
 
 
 def _refined(right, T, inverse) -> np.ndarray:
@@ -463,19 +456,14 @@ def mechanical_normal_form(A, B, C=None, D=None, descriptor=None, method: str = 
     return form
 
 
-def _in_given_units(rows_of: Callable[[ScaledPencil], np.ndarray]) -> Callable[[ScaledPencil], np.ndarray]:
-    """The rows X^T in the given units, from a method that works in the units of the pair."""
-
-    def rows(pair: ScaledPencil) -> np.ndarray:
-        own_rows, p = rows_of(pair), len(pair.input)
-        own_rows[len(own_rows) - p :] *= pair.input[:, None] / pair.rate
-        return own_rows * pair.equation
-
-    return rows
+def _in_given_units(pair: ScaledPencil, rows: np.ndarray) -> np.ndarray:
+    """The rows X^T in the given units, from those in the units of the pair."""
+    rows[len(rows) - len(pair.input) :] *= pair.input[:, None] / pair.rate
+    return rows * pair.equation
 
 
 METHODS: dict[str, Callable[[ScaledPencil], np.ndarray]] = {
     "extension": well_conditioned_rows,
-    "null space": _in_given_units(lambda pair: null_space_rows(pair.A, pair.F, pair.through)),
-    "kronecker": _in_given_units(lambda pair: kronecker_rows(pair.A, pair.F, pair.B)),
+    "null space": lambda pair: _in_given_units(pair, null_space_rows(pair.A, pair.F, pair.through)),
+    "kronecker": lambda pair: _in_given_units(pair, kronecker_rows(pair.A, pair.F, pair.B)),
 }

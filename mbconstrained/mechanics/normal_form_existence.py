@@ -57,7 +57,6 @@ class StateSpaceData:
 
 
 def state_space_data(A, B, C, D, descriptor) -> StateSpaceData:
-    """Validate the matrices."""
     A = real_array(A, "A", shape=(None, None))
     n = len(A)
     if n != A.shape[1]:
@@ -88,15 +87,10 @@ def _inputs(B, n) -> np.ndarray:
         )
     columns = null_columns(Noisy.rounded(B))
     if columns.decision.rank < B.shape[1]:
-        raise InputError(f"B: {_dependence(columns.null.data[0])}; the inputs must be independent: leave one out, or combine them")
+        *others, last = [str(place + 1) for place in np.flatnonzero(columns.null.data[0])]
+        text = f"columns {', '.join(others)} and {last} depend on each other" if others else f"column {last} is zero"
+        raise InputError(f"B: {text}; the inputs must be independent: leave one out, or combine them")
     return B
-
-
-def _dependence(combination) -> str:
-    involved = [str(place + 1) for place in np.flatnonzero(combination)]
-    if len(involved) == 1:
-        return f"column {involved[0]} is zero"
-    return f"columns {', '.join(involved[:-1])} and {involved[-1]} depend on each other"
 
 
 def _outputs(C, D, n, p):
@@ -172,11 +166,6 @@ class ScaledPencil:
         input_space, noise = _input_space(F, B, known)
         return replace(self, A=A, F=F, B=B, input_space=input_space, input_space_noise=noise, known=known)
 
-    @property
-    def without_weak(self) -> ScaledPencil:
-        """The pencil with the weak entries set to zero."""
-        return replace(self, A=np.where(self.weak, 0.0, self.A), weak=np.zeros_like(self.weak))
-
 
 def scaled_pencil(data: StateSpaceData) -> ScaledPencil:
     """Choose the units; without F, set entries to zero that are rounding errors relative to others of their row and column."""
@@ -189,10 +178,10 @@ def _explicit(A, B) -> ScaledPencil:
     equation = 1 / (state * rate)
     scaled_B = equation[:, None] * kept_B * inputs
     dropped = int((kept_A != A).sum() + (kept_B != B).sum())
-    scaled_A = equation[:, None] * kept_A * state
-    return ScaledPencil(
-        scaled_A, np.eye(len(A)), scaled_B, scaled_B, scaled_B, EPS, equation, state, inputs, rate, True, dropped, _weak(kept_A)
-    )
+    scaled_A, size = equation[:, None] * kept_A * state, np.abs(kept_A)
+    small = size <= ROUNDED_COUPLING * np.minimum(size.max(axis=1, keepdims=True), size.max(axis=0))
+    weak, units = (size > 0) & small & _on_no_cycle(kept_A), (equation, state, inputs, rate)
+    return ScaledPencil(scaled_A, np.eye(len(A)), scaled_B, scaled_B, scaled_B, EPS, *units, True, dropped, weak)
 
 
 def _descriptor(A, B, F) -> ScaledPencil:
@@ -215,12 +204,6 @@ def _input_space(F, B, known: float = EPS) -> tuple[np.ndarray, float]:
     U, lengths, _ = np.linalg.svd(B)
     _, values, rows = np.linalg.svd(U[:, p:].T @ F)
     return rows[n - p :].T, float(known * (lengths[0] / lengths[-1]) * np.linalg.norm(F) / values[-1])
-
-
-def _weak(A) -> np.ndarray:
-    size = np.abs(A)
-    small = size <= ROUNDED_COUPLING * np.minimum(size.max(axis=1, keepdims=True), size.max(axis=0))
-    return (size > 0) & small & _on_no_cycle(A)
 
 
 def _without_rounding(A, B):
@@ -290,22 +273,17 @@ class Margin:
 
     @property
     def relative(self) -> float:
-        """The distance relative to A."""
         return self.distance / self.size if self.size else 0.0
 
     @property
     def holds(self) -> bool:
-        """Whether the condition is satisfied."""
         return self.rank == self.needed
 
     @property
     def clear(self) -> bool:
-        """Whether the decision is clear."""
-        return (
-            self.ratio >= CLEAR_KEPT
-            if self.holds
-            else self.ratio <= CLEAR_DROPPED and self.bound <= FAR_FROM_EIGENVALUE * self.size
-        )
+        if self.holds:
+            return self.ratio >= CLEAR_KEPT
+        return self.ratio <= CLEAR_DROPPED and self.bound <= FAR_FROM_EIGENVALUE * self.size
 
 
 @dataclass(frozen=True)
@@ -327,10 +305,7 @@ class NormalFormExistence:
             return (*replace(self, rests_on=0).notices, Notice(NoticeKind.RANK, text, doubtful=True))
         rate = self.eigenvalues.eigenvalue
         where = "" if rate is None else f" at lambda = {rate:.6g}"
-        named = (
-            ("rank [B, A B] = 2 p", self.inputs),
-            (f"rank [A - lambda I, B] >= n/2 + p{where}", self.eigenvalues),
-        )
+        named = ("rank [B, A B] = 2 p", self.inputs), (f"rank [A - lambda I, B] >= n/2 + p{where}", self.eigenvalues)
         return tuple(
             Notice(
                 NoticeKind.RANK,
@@ -354,7 +329,7 @@ def existence(pair: ScaledPencil) -> NormalFormExistence:
     if not pair.weak.any():
         return margins
     try:
-        _margins(pair.without_weak)
+        _margins(replace(pair, A=np.where(pair.weak, 0.0, pair.A), weak=np.zeros_like(pair.weak)))
     except NoNormalForm:
         return replace(margins, rests_on=int(pair.weak.sum()))
     return margins
@@ -431,7 +406,11 @@ def _refined(value: float, constant, linear) -> tuple[float, np.ndarray]:
     if values[count - 1] > FAR_FROM_EIGENVALUE * values[0]:
         return best
     for _ in range(REFINEMENTS):
-        left = _left_vectors(constant - value * linear)[:, count - 1 :].T
+        try:
+            left = scipy.linalg.svd(constant - value * linear, full_matrices=False)[0]
+        except np.linalg.LinAlgError:  # the fast algorithm may not converge for many equal singular values, the slow one does
+            left = scipy.linalg.svd(constant - value * linear, full_matrices=False, lapack_driver="gesvd")[0]
+        left = left[:, count - 1 :].T
         along = left @ linear
         value = float(np.vdot(along, left @ constant) / np.vdot(along, along))
         values = scipy.linalg.svdvals(constant - value * linear)
@@ -439,13 +418,6 @@ def _refined(value: float, constant, linear) -> tuple[float, np.ndarray]:
             break
         best = value, values
     return best
-
-
-def _left_vectors(matrix) -> np.ndarray:
-    try:
-        return scipy.linalg.svd(matrix, full_matrices=False)[0]
-    except np.linalg.LinAlgError:  # the fast algorithm may not converge for many equal singular values, the slow one does
-        return scipy.linalg.svd(matrix, full_matrices=False, lapack_driver="gesvd")[0]
 
 
 def _no_form(name: str, text: str, margin: Margin, pair: ScaledPencil) -> NoNormalForm:

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..ground.checks import nearest, real_number
+from ..ground.checks import nearest, real_array, real_number
 from ..ground.errors import InputError
 from ..ground.tolerances import DIFFERENCE_STEP, EPS
 from ..linalg.division import is_symmetric
@@ -166,6 +166,14 @@ def parameter_named(parameters: Sequence[Parameter], name: str) -> Parameter:
         names = ", ".join(list(known)[:MOST_NAMES]) or "none"
         raise InputError(f'there is no parameter "{name}"{nearest(str(name), list(known))}; there are {names}')
     return known[name]
+
+
+def ascending(values, what: str, wanted: str) -> np.ndarray:
+    """Two or more ascending numbers; ``wanted`` ends the message of the InputError for others."""
+    values = real_array(values, what, shape=(None,))
+    if len(values) < 2 or not (np.diff(values) > 0).all():
+        raise InputError(f"{what}: found {len(values)} values; expected two or more, ascending{wanted}")
+    return values
 
 
 def entry_parameters(system: Assembled) -> Iterator[Parameter]:

@@ -41,7 +41,6 @@ class EffectiveMasses(Displayed):
 
     @property
     def masses(self) -> np.ndarray:
-        """The effective masses."""
         return self.participation_factors**2
 
     def _summary(self) -> str:
@@ -138,14 +137,7 @@ class Peaks(Displayed):
         return (self.table(lambda unit: (unit, 1.0)),)
 
     def table(self, shown: Callable[[str], tuple[str, float]]) -> TextTable:
-        """Both extrema of each function with their times.
-
-        Args:
-            shown: maps an SI unit to the displayed unit and the factor of its values.
-
-        Returns:
-            One row for each function.
-        """
+        """Both extrema of each function with their times; ``shown`` maps an SI unit to the displayed unit and the factor of its values."""
         own, texts = self.extrema, []
         for name, unit, a, ta, b, tb in zip(self.names, self.units, own.maximum, own.maximum_time, own.minimum, own.minimum_time):
             text, factor = shown(unit)
@@ -176,13 +168,7 @@ class Peaks(Displayed):
 
 
 def peaks(motion, end: float, of: str = "displacement", combinations=None, names: Sequence[str] | None = None) -> Peaks:
-    """Exact extrema of a motion on [0, end], none missed: branch and bound over the closed form (``frequency.shock.extrema``).
-
-    >>> import mbconstrained as mb
-    >>> motion = mb.MechanicalSystem([[1.0]], None, [[4.0]]).solve(velocity=[3.0])
-    >>> peaks(motion, 1.0).maximum.round(12), peaks(motion, 1.0).extrema.maximum_time.round(9)
-    (array([1.5]), array([0.78539816]))
-    """
+    """Exact extrema of a motion on [0, end], none missed: branch and bound over the closed form (``frequency.shock.extrema``)."""
     end = real_number(end, "end", positive=True)
     if of not in QUANTITIES:
         raise InputError(f"of: found {of!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(of), QUANTITIES)}")
@@ -240,22 +226,18 @@ class ModalCombination(Displayed):
 
     @property
     def frequencies_hz(self) -> np.ndarray:
-        """Natural frequencies of the modes in Hz."""
         return self.base_motion.frequencies_hz
 
     @property
     def participation_factors(self) -> np.ndarray:
-        """Participation factors of the modes."""
         return self.base_motion.participation_factors[:, 0]
 
     @property
     def effective_masses(self) -> np.ndarray:
-        """Effective masses of the modes in kg."""
         return self.base_motion.masses[:, 0]
 
     @property
     def total_mass(self) -> float:
-        """Total mass in kg."""
         return float(self.base_motion.totals[0])
 
     def _summary(self) -> str:

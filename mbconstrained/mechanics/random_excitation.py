@@ -33,18 +33,6 @@ def random_response(
     coherence=None,
     delays: Mapping | None = None,
 ) -> RandomResponse:
-    """The stationary response to random forces and random motions of supports.
-
-    Base acceleration of a single oscillator, E[a^2] = pi f_n W (1 + 4 z^2) / (4 z) (Crandall and Mark 1963):
-
-    >>> import mbconstrained as mb
-    >>> wn, z, W = 20.0, 0.05, 0.3
-    >>> c, k = 2 * z * wn, wn**2
-    >>> system = mb.MechanicalSystem(np.diag([1.0, 0.0]), [[c, -c], [-c, c]], [[k, -k], [-k, k]], [mb.Constraint([0, 1], names="base")])
-    >>> R = system.random_response({"base": mb.white_noise(W, of="acceleration")}, outputs=["x1"], quantity="acceleration")
-    >>> bool(np.isclose(R.covariance.item(), wn / 2 * W * (1 + 4 * z**2) / (4 * z), rtol=1e-12))
-    True
-    """
     if system.is_sparse:
         raise InputError("random_response: not available for sparse matrices; give arrays, as mass.toarray()")
     if quantity not in QUANTITIES:
@@ -82,7 +70,6 @@ def _inputs(system: EquationsOfMotion, spectra: SpectralMatrix) -> tuple[list[Ch
 
 
 def _outputs(system: EquationsOfMotion, outputs, quantity: str) -> list[Channel]:
-    """The channels of the outputs."""
     if quantity == "force":
         elements = element_channels(system)
         if not (chosen := chosen_by_name("outputs", outputs, elements, list(elements.values()))):

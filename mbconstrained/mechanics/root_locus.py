@@ -8,14 +8,14 @@ from functools import cache
 
 import numpy as np
 
-from ..ground.checks import counted, real_array
+from ..ground.checks import counted
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError, named
 from ..ground.threads import short_work
 from ..ground.tolerances import NEWTON_STEP, noise_of
 from ..polynomial.variation import BreakPoint, MatrixFamily, break_points, followed, stability_limits
 from .equations import EquationsOfMotion
-from .parameter import Parameter, parameter_named
+from .parameter import Parameter, ascending, parameter_named
 
 #: Parts of the range at which matrices are compared with linear ones, nowhere symmetric.
 INNER = (0.29, 0.53, 0.83)
@@ -81,7 +81,7 @@ def root_locus_of(
     name: str, unit: str, values, build: Callable[[float], EquationsOfMotion], slope: Callable[[float], Parameter]
 ) -> RootLocus:
     """The root locus of systems that depend on a parameter in any smooth way."""
-    values = _ascending(values)
+    values = ascending(values, "values", ", e.g. numpy.linspace(0, 100, 101)")
     first = build(float(values[0]))
     V = _basis(first, slope(float(values[0])))
 
@@ -112,20 +112,12 @@ def _linear(at: Callable[[float], np.ndarray], low: float, high: float) -> Matri
 
 
 def locus_of(name: str, unit: str, values, family: MatrixFamily) -> RootLocus:
-    """The root locus of a family."""
-    values = _ascending(values)
+    values = ascending(values, "values", ", e.g. numpy.linspace(0, 100, 101)")
     with short_work(2 * len(family.pattern)):
         branches = followed(family, values)
         limits = stability_limits(family, values, branches.values)
         once = [one for one, before in zip(limits, (-np.inf, *limits)) if one - before > NEWTON_STEP * np.ptp(values)]  # of pairs
         return RootLocus(name, unit, values, branches.values, branches.slopes, break_points(family, branches), tuple(once))
-
-
-def _ascending(values) -> np.ndarray:
-    values = real_array(values, "values", shape=(None,))
-    if len(values) < 2 or not (np.diff(values) > 0).all():
-        raise InputError(f"values: found {len(values)}; expected two or more, ascending, e.g. numpy.linspace(0, 100, 101)")
-    return values
 
 
 def _basis(system: EquationsOfMotion, parameter: Parameter) -> np.ndarray:

@@ -16,14 +16,14 @@ from typing import TypeVar
 import numpy as np
 import scipy.linalg
 
-from ..ground.checks import counted, nearest, real_array, real_number
+from ..ground.checks import counted, real_number
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.threads import short_work
 from ..ground.tolerances import EPS, NEWTON_STEP, noise_of
 from ..polynomial.variation import FamilyPart, MatrixFamily, followed, located, refined_values, stability_limits
 from .equations import EquationsOfMotion
-from .parameter import Parameter
+from .parameter import Parameter, ascending
 
 # The equations of a rotor at constant speed W, M x'' + (C + W G) x' + (K + W N) x = f, with speed-dependent bearings.
 
@@ -31,12 +31,11 @@ Rotor = TypeVar("Rotor", bound=EquationsOfMotion)
 
 
 def at_speed(system: Rotor, speed: float) -> Rotor:
-    """The rotor at a constant speed."""
     speed = real_number(speed, "speed")
     check_rotor(system, speed)
     stiffness, damping, mass = system.given
     result, rest = copy(system), (system.stiffness, system.damping)
-    now, slope = rotor_matrices(system, speed), rotor_slopes(system, speed)
+    now, slope = rotor_matrices(system, speed)
     if (now[0] != rest[0]).any():
         result.stiffness = stiffness = system._matrix(now[0], "stiffness", system.size)
     if (now[1] != rest[1]).any():
@@ -70,23 +69,15 @@ def check_rotor(system: EquationsOfMotion, *speeds: float) -> None:
             )
 
 
-def rotor_matrices(system: EquationsOfMotion, speed: float) -> np.ndarray:
-    """K, C and M at a speed."""
+def rotor_matrices(system: EquationsOfMotion, speed: float) -> tuple[np.ndarray, np.ndarray]:
+    """K, C and M at a speed, and their derivatives with respect to it, each of shape (3, n, n)."""
     zero = np.zeros((system.size,) * 2)
-    N, G = (zero if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic))
-    total = np.array([system.stiffness + speed * N, system.damping + speed * G, system.mass])
+    slope = np.array([zero if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic, None)])
+    total = np.array([system.stiffness, system.damping, system.mass]) + speed * slope
     for table in system.speed_tables:
         total[:2] += table.at(speed)
-    return total
-
-
-def rotor_slopes(system: EquationsOfMotion, speed: float) -> np.ndarray:
-    """The derivatives of K, C and M with respect to the speed."""
-    zero = np.zeros((system.size,) * 2)
-    total = np.array([zero if matrix is None else matrix for matrix in (system.circulatory, system.gyroscopic, None)])
-    for table in system.speed_tables:
-        total[:2] += table.slope(speed)
-    return total
+        slope[:2] += table.slope(speed)
+    return total, slope
 
 
 def speed_ranges(system: EquationsOfMotion) -> list[tuple[float, float]]:
@@ -111,11 +102,13 @@ def rotor_family(system: EquationsOfMotion, within: float | None = None) -> tupl
 
     if within is not None or not system.speed_tables:
         at = within or 0.0
-        slope = rotor_slopes(system, at)
-        return MatrixFamily.linear(reduced(rotor_matrices(system, at) - at * slope), reduced(slope)), V
+        now, slope = rotor_matrices(system, at)
+        return MatrixFamily.linear(reduced(now - at * slope), reduced(slope)), V
     knots = _knots(system)
-    pattern = (np.array([reduced(rotor_matrices(system, knot)) for knot in knots]) != 0).any(axis=(0, 1))
-    return MatrixFamily(lambda W: reduced(rotor_matrices(system, W)), lambda W: reduced(rotor_slopes(system, W)), pattern, knots), V
+    pattern = (np.array([reduced(rotor_matrices(system, knot)[0]) for knot in knots]) != 0).any(axis=(0, 1))
+    return MatrixFamily(
+        lambda W: reduced(rotor_matrices(system, W)[0]), lambda W: reduced(rotor_matrices(system, W)[1]), pattern, knots
+    ), V
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -246,11 +239,7 @@ class Campbell(Displayed):
 
 
 def direction(whirl: float) -> str:
-    """Name of the whirl direction for a value of ``Campbell.whirl``.
-
-    >>> direction(0.5), direction(-1.0), direction(1e-12)
-    ('forward', 'backward', 'planar')
-    """
+    """Name of the whirl direction for a value of ``Campbell.whirl``."""
     return "planar" if abs(whirl) <= EPS**0.5 else "forward" if whirl > 0 else "backward"
 
 
@@ -267,12 +256,7 @@ def whirl_of(system: EquationsOfMotion, shapes: np.ndarray) -> np.ndarray:
 
 
 def campbell(system: EquationsOfMotion, speeds) -> Campbell:
-    """The eigenvalues over the speed."""
-    speeds = real_array(speeds, "speeds", shape=(None,))
-    if len(speeds) < 2 or not (np.diff(speeds) > 0).all():
-        raise InputError(
-            f"speeds: found {len(speeds)} values; expected two or more, ascending, in rad/s, e.g. numpy.linspace(0, 1000, 101)"
-        )
+    speeds = ascending(speeds, "speeds", ", in rad/s, e.g. numpy.linspace(0, 1000, 101)")
     check_rotor(system, *speeds[[0, -1]])
     family, V = rotor_family(system)
     with short_work(2 * system.size):
@@ -284,9 +268,8 @@ def campbell(system: EquationsOfMotion, speeds) -> Campbell:
     shown = (upper > 0) | ((upper == 0) & values.any(axis=0))
     shown |= ((values.imag == 0) & (values.real != 0)).any(axis=0)  # of a pair that has been real both are listed
     order = np.flatnonzero(shown)
-    order = order[
-        np.lexsort([values[-1, order].imag, np.round(np.abs(values[0, order]) / limit.max()), values[0, order].imag == 0])
-    ]
+    first, last = values[[0, -1]][:, order]
+    order = order[np.lexsort([last.imag, np.round(np.abs(first) / limit.max()), first.imag == 0])]
     shapes = V @ branches.shapes[:, :, order]
     largest = np.take_along_axis(shapes, np.abs(shapes).argmax(axis=1)[:, None], axis=1)
     shapes = shapes / np.where(largest == 0, 1.0, largest)
@@ -366,10 +349,8 @@ def _damped_points(coefficients, part: FamilyPart, order: float) -> list[tuple[c
         if point is None or not point[0] * order > noise:
             continue
         speed, value, x = point
-        if all(
-            abs(speed - other[0]) > NEWTON_STEP * speed or abs(value - other[1]) > NEWTON_STEP * abs(value)
-            for other in located_points
-        ):
+        near = (abs(speed - W) <= NEWTON_STEP * speed and abs(value - s) <= NEWTON_STEP * abs(value) for W, s, _ in located_points)
+        if not any(near):
             located_points.append((speed, complex(value.real, order * speed), x))
     return [(value, x) for _, value, x in located_points]
 
@@ -442,11 +423,10 @@ class UnbalanceResponse(Displayed):
 
 
 def unbalance_response(system: EquationsOfMotion, speeds, unbalance=None, order: float = 1.0) -> UnbalanceResponse:
-    """The steady states over the speed."""
-    speeds = real_array(speeds, "speeds", shape=(None,))
-    order = real_number(order, "order", positive=True)
-    if len(speeds) < 2 or not (np.diff(speeds) > 0).all() or speeds[0] < 0:
-        raise InputError(f"speeds: found {len(speeds)} values; expected two or more, ascending, at least 0, in rad/s")
+    order, wanted = real_number(order, "order", positive=True), ", at least 0, in rad/s"
+    speeds = ascending(speeds, "speeds", wanted)
+    if speeds[0] < 0:
+        raise InputError(f"speeds: found {speeds[0]:g}; expected two or more, ascending{wanted}")
     check_rotor(system, *speeds[[0, -1]])
     steady = SteadyStates(system, _unbalance(system, unbalance), order)
     with short_work(2 * system.size):
@@ -460,14 +440,11 @@ def _unbalance(system: EquationsOfMotion, given) -> np.ndarray:
         if system.unbalance is None:
             raise InputError("unbalance: the system has none; give it in kg m, complex, one number for each coordinate or by name")
         return system.unbalance
-    if isinstance(given, Mapping):
-        for name in given:
-            if name not in system.names:
-                raise InputError(f'unbalance: there is no coordinate "{name}"{nearest(name, system.names)}')
-        given = [given.get(name, 0.0) for name in system.names]
-    values = np.asarray(given)
-    parts = (real_array(part, "unbalance", shape=(system.size,)) for part in (values.real, values.imag))
-    real, imaginary = parts
+    parts = (
+        {name: part(one) for name, one in given.items()} if isinstance(given, Mapping) else part(given)
+        for part in (np.real, np.imag)
+    )
+    real, imaginary = (system._vector(part, "unbalance") for part in parts)
     return real + 1j * imaginary
 
 
@@ -517,7 +494,7 @@ def _peaks(steady: SteadyStates, speeds: np.ndarray, critical: list[CriticalSpee
     for pole in poles:
         places = places[np.abs(places - pole) > NEWTON_STEP * pole]
     growth = np.array([steady.growth(place) for place in places.tolist()])
-    for j, (name, unit) in enumerate(zip(system.names, (system.units[name] for name in system.names))):
+    for j, (name, unit) in enumerate(system.units.items()):
         for (a, low), (b, high) in pairwise(zip(places.tolist(), growth[:, j])):
             if not (low > 0 > high):
                 continue

@@ -20,7 +20,7 @@ from ..ground.threads import short_work
 from ..ground.tolerances import EPS, REFINEMENT_STEPS, SHOWN_INFLUENCE, SPLITTING_ROUNDING, noise_of
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import step
-from .constraints import Constraint
+from .constraints import Constraint, with_multipliers
 from .equations import EquationsOfMotion
 from .harmonic_response import frequency_response
 from .modes import Mode, Modes
@@ -58,13 +58,13 @@ class MultiplierForm:
         """The multiplier form of a system with every row at position level."""
         scale = float(max(np.abs(system.stiffness).max(), np.abs(system.mass).max()))
         rows = scale * system.constraint_matrix
-        matrices = np.array([system.stiffness, system.damping, system.mass])
-        return MultiplierForm(_bordered_by(matrices, rows), system.size, scale)
+        matrices = system.stiffness, system.damping, system.mass
+        return MultiplierForm(np.array(with_multipliers(matrices, rows, [0] * len(rows))), system.size, scale)
 
     def slope(self, system: EquationsOfMotion, parameter: Parameter) -> Slope:
         """The derivatives of the multiplier form with respect to a parameter."""
         rows, _ = parameter.constraint_rows(system)
-        matrices = _bordered_by(parameter.matrices(system.size), self.scale * rows)
+        matrices = np.array(with_multipliers([*parameter.matrices(system.size)], self.scale * rows, [0] * len(rows)))
         power, row, column = np.nonzero(matrices)
         return Slope(power, row, column, matrices[power, row, column], len(matrices[0]))
 
@@ -77,7 +77,7 @@ class MultiplierForm:
 
     def at(self, value) -> np.ndarray:
         """L(s)."""
-        return _value(self.base, value)
+        return self.base[0] + value * (self.base[1] + value * self.base[2])
 
     def derivative(self, value) -> np.ndarray:
         """L'(s)."""
@@ -117,18 +117,6 @@ class Slope:
         return result
 
 
-def _bordered_by(matrices: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """[P, -A^T; A, 0] of each matrix, the rows with the first alone."""
-    result = np.pad(matrices, [(0, 0), (0, len(rows)), (0, len(rows))])
-    size = matrices.shape[1]
-    result[0, size:, :size], result[0, :size, size:] = rows, -rows.T
-    return result
-
-
-def _value(coefficients: np.ndarray, value) -> np.ndarray:
-    return coefficients[0] + value * (coefficients[1] + value * coefficients[2])
-
-
 class Eigenspace:
     """A simple or semisimple eigenvalue with its g shapes and the bordered system of their derivatives.
 
@@ -147,7 +135,7 @@ class Eigenspace:
         self.vectors = shapes.astype(np.clongdouble) @ np.linalg.inv(shapes[self.places])
         self._factor()
         for _ in range(REFINEMENT_STEPS):
-            step, _ = self.solved(np.pad(-_value(form.base, self.value) @ self.vectors, [(0, count), (0, 0)]))
+            step, _ = self.solved(np.pad(-form.at(self.value) @ self.vectors, [(0, count), (0, 0)]))
             self.vectors, change = self.vectors + step[:-count], step[-count:]
             self.value = self.value + change.trace() / count
             self._factor()
@@ -222,7 +210,6 @@ def _eigenvalues(matrix: np.ndarray, phase: complex) -> np.ndarray:
 
 
 def _condition(matrix: np.ndarray, phase: complex) -> float:
-    """Condition number of the eigenvectors."""
     return 1.0 if len(matrix) == 1 or _is_hermitian(matrix / phase) else float(np.linalg.cond(np.linalg.eig(matrix)[1]))
 
 
@@ -239,7 +226,6 @@ class ModeDerivatives:
 def mode_derivatives(
     system: EquationsOfMotion, mode: Mode, form: MultiplierForm, slopes: Sequence[Slope], doubts: Sequence[Slope | None]
 ) -> ModeDerivatives:
-    """The derivatives of one mode."""
     count, shapes = mode.multiplicity, mode.shapes
     if not shapes.shape[1]:
         return ModeDerivatives(mode, ((STAYS,) * count,) * len(slopes), {}, (0.0,) * len(slopes))
@@ -275,11 +261,9 @@ def _defective(mode: Mode, form: MultiplierForm, slopes, doubts, vectors) -> Mod
 
 def _relative_doubt(slope: Slope, doubt: Slope | None, value: complex, left: np.ndarray, right: np.ndarray) -> float:
     """Errors of Y^T L_p X, on which the leading coefficients of a defective eigenvalue depend, relative to it."""
-    size = np.abs(slope.form(left, value, right)).max()
-    error = np.abs(left), abs(value), np.abs(right)
-    return (
-        float((slope.absolute.form(*error) * EPS if doubt is None else doubt.absolute.form(*error)).max() / size) if size else 0.0
-    )
+    size, sizes = np.abs(slope.form(left, value, right)).max(), (np.abs(left), abs(value), np.abs(right))
+    error = slope.absolute.form(*sizes) * EPS if doubt is None else doubt.absolute.form(*sizes)
+    return float(error.max() / size) if size else 0.0
 
 
 #: Number of modes with a column in a table, and of parameters with a line.
@@ -594,7 +578,6 @@ def _entry(value: float) -> str:
 
 
 def sensitivities(system: EquationsOfMotion, parameters=None) -> Sensitivities:
-    """The sensitivities of a system to all parameters, or to selected ones."""
     system._refuse_sparse("sensitivities")
     given = [parameters] if isinstance(parameters, (str, Parameter)) else parameters
     own = [one for one in given or () if isinstance(one, Parameter)]
@@ -634,7 +617,6 @@ def dual_system(system: EquationsOfMotion, parameter: Parameter) -> EquationsOfM
 
 
 def derivative_names(names: Sequence[str], parameter: Parameter) -> tuple[str, ...]:
-    """The names of the derivatives."""
     return tuple(f"d({name})/d({parameter.name})" for name in names)
 
 

@@ -58,9 +58,8 @@ class StackedEquations:
     @property
     def is_symmetric(self) -> bool:
         """Whether each M, C and K is exactly symmetric and all coordinates have mass."""
-        return self.masses == self.K.shape[1] and all(
-            bool((matrix == matrix.transpose(0, 2, 1)).all()) for matrix in (self.M, self.C, self.K)
-        )
+        symmetric = ((matrix == matrix.transpose(0, 2, 1)).all() for matrix in (self.M, self.C, self.K))
+        return self.masses == self.K.shape[1] and all(symmetric)
 
     def without_rigid_motions(self, shapes: np.ndarray) -> StackedEquations:
         """The equations of the motions without momentum along shapes against which there is neither stiffness nor damping.
@@ -80,9 +79,8 @@ class StackedEquations:
         own, left = self.M.diagonal(axis1=1, axis2=2)[:, rest], M.diagonal(axis1=1, axis2=2)
         serve = serve & (own <= GOOD_CONDITION * left).all(axis=1)
         M = (M + M.transpose(0, 2, 1)) / 2
-        return replace(
-            self, M=M, C=C, K=K, T=self.T @ P, L=P.transpose(0, 2, 1) @ self.L, free=self.free[rest], masses=len(rest), serve=serve
-        )
+        T, L = self.T @ P, P.transpose(0, 2, 1) @ self.L
+        return replace(self, M=M, C=C, K=K, T=T, L=L, free=self.free[rest], masses=len(rest), serve=serve)
 
     def with_resting_motion(self, shape: np.ndarray) -> tuple[StackedEquations, np.ndarray] | None:
         """The equations in coordinates (p, a), q = E p + u a, where a is the amplitude of a motion that springs do not resist.

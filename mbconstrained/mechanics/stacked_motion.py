@@ -46,11 +46,9 @@ class StackedFlow:
         return replace(self, output=output)
 
     def mapped(self, matrix: np.ndarray) -> StackedFlow:
-        """matrix @ x."""
         return replace(self, output=matrix @ self.output)
 
     def of(self, place: int) -> StackedFlow:
-        """The flow of one model."""
         one = slice(place, place + 1)
         return replace(self, generator=self.generator[one], output=self.output[one], start=self.start[one])
 
@@ -108,10 +106,8 @@ class StackedFlow:
         for k in range(1, TERMS):
             power = power @ steps / k
             sizes = sizes + power
-        signs, force = (
-            np.random.default_rng(self.trial).choice([-1.0, 1.0], G.shape[1:]),
-            slice(G.shape[1] - len(self.states), None),
-        )
+        signs = np.random.default_rng(self.trial).choice([-1.0, 1.0], G.shape[1:])
+        force = slice(G.shape[1] - len(self.states), None)
         turned = G[0, force, force] != 0
         signs[force, force] *= turned & turned.T
         return self.moved * EPS * norm * sizes * signs

@@ -8,6 +8,7 @@ pole. What is left of the equations, with the rounding errors of its terms, boun
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -42,10 +43,13 @@ class StackedPoles:
         return StackedPoles(*(getattr(self, each.name)[members] for each in fields(self)))
 
 
+def in_parts(count: int) -> Iterator[slice]:
+    """The places of models that are computed together."""
+    return (slice(begin, begin + TOGETHER) for begin in range(0, count, TOGETHER))
+
+
 def stacked_poles(equations: StackedEquations, M: np.ndarray, C: np.ndarray, K: np.ndarray) -> StackedPoles:
-    """The poles of all models."""
-    chunks = (slice(begin, begin + TOGETHER) for begin in range(0, len(K), TOGETHER))
-    parts = [dict(vars(_refined(_part(equations.of(at)), M[at], C[at], K[at]))) for at in chunks]
+    parts = [dict(vars(_refined(equations.of(at), M[at], C[at], K[at]))) for at in in_parts(len(K))]
     width = max(part["values"].shape[1] for part in parts)
     names = [field.name for field in fields(StackedPoles)]  # each leaves the parts as it is joined, so that memory holds it once
     return StackedPoles(*(np.concatenate([_padded(part.pop(name), name, width) for part in parts]) for name in names))
@@ -57,12 +61,6 @@ def _padded(array: np.ndarray, name: str, width: int) -> np.ndarray:
     if axis is None or array.shape[axis] == width:
         return array
     return np.pad(array, [(0, width - array.shape[axis] if i == axis else 0) for i in range(array.ndim)])
-
-
-def _part(equations: StackedEquations) -> tuple[StackedEquations, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Equations of some models with values, weights, shapes and left vectors in the coordinates q, before refinement."""
-    oscillating = _symmetric(equations) if equations.is_symmetric else None
-    return equations, *(oscillating or _general(equations))
 
 
 def _symmetric(equations: StackedEquations) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None:
@@ -146,9 +144,9 @@ def _general(equations: StackedEquations) -> tuple[np.ndarray, np.ndarray, np.nd
     return chosen, weights, np.concatenate([X[:, :m], X[:, 2 * m :]], axis=1), np.take_along_axis(left, order[:, :, None], axis=1)
 
 
-def _refined(part, M: np.ndarray, C: np.ndarray, K: np.ndarray) -> StackedPoles:
+def _refined(equations: StackedEquations, M: np.ndarray, C: np.ndarray, K: np.ndarray) -> StackedPoles:
     """The poles after a Newton step with their error estimates, shapes and left vectors in the coordinates x."""
-    equations, s, weights, X, rows = part
+    s, weights, X, rows = (_symmetric(equations) if equations.is_symmetric else None) or _general(equations)
     with np.errstate(all="ignore"):
         slope = _forms(rows, X, 2 * s, equations.M) + _forms(rows, X, 1.0, equations.C)
         rows = rows / slope[:, :, None]
@@ -190,10 +188,11 @@ def _errors(equations, s, weights, X, rows, given, unit: float = 1.0) -> tuple[n
     changes s_k. A pole has the rounding errors of y_k^T A(s_k) x_k in the given matrices, in units of EPS.
     """
     moduli, size, rows_size = np.abs(s)[:, None, :], np.abs(X), np.abs(rows)
-    terms = _sizes(equations.M, equations.C, equations.K, size, moduli)
-    of_right = _left_of(equations.M, equations.C, equations.K, X, s) + FORM_ROUNDING * EPS * terms
-    M_T, C_T, K_T, rows_T = (one.transpose(0, 2, 1) for one in (equations.M, equations.C, equations.K, rows))
-    of_left = _left_of(M_T, C_T, K_T, rows_T, s) + FORM_ROUNDING * EPS * _sizes(M_T, C_T, K_T, np.abs(rows_T), moduli)
+    own = equations.M, equations.C, equations.K
+    of_right, of_left = (
+        np.abs(_applied(s[:, None, :], *matrices)) + FORM_ROUNDING * EPS * _applied(moduli, *map(np.abs, matrices))
+        for matrices in ((*own, X), [one.transpose(0, 2, 1) for one in (*own, rows)])
+    )
     gaps = np.abs(s[:, :, None] - s[:, None, :])  # of j and k
     mirrored = np.abs(s[:, :, None].conj() - s[:, None, :])
     present, places = weights > 0, np.arange(s.shape[1])
@@ -202,7 +201,8 @@ def _errors(equations, s, weights, X, rows, given, unit: float = 1.0) -> tuple[n
     across = (rows_size @ of_right) * near  # c_j of x_k, at (j, k)
     back = (size.transpose(0, 2, 1) @ of_left) * near
     left, right, M, C, K = given
-    rounding = FORM_ROUNDING * EPS * unit * (np.abs(left) * _sizes(M, C, K, np.abs(right), moduli).transpose(0, 2, 1)).sum(axis=2)
+    terms = (np.abs(left) * _applied(moduli, *map(np.abs, (M, C, K, right))).transpose(0, 2, 1)).sum(axis=2)
+    rounding = FORM_ROUNDING * EPS * unit * terms
     cross = (across * back / np.where(near > 0, near, 1.0)).sum(axis=1)
     value_errors = (rounding + cross) / np.maximum(moduli[:, 0], np.finfo(float).tiny) + EPS
     shape_errors = (size @ across).max(axis=1) / size.max(axis=1)
@@ -211,15 +211,9 @@ def _errors(equations, s, weights, X, rows, given, unit: float = 1.0) -> tuple[n
     return value_errors, shape_errors
 
 
-def _sizes(M, C, K, size, moduli) -> np.ndarray:
-    """(|M| |s_k|^2 + |C| |s_k| + |K|) |x_k|, shape (S, n, P)."""
-    return (np.abs(M) @ size * moduli + np.abs(C) @ size) * moduli + np.abs(K) @ size
-
-
-def _left_of(M, C, K, X, s) -> np.ndarray:
-    """|A(s_k) x_k|, shape (S, n, P)."""
-    s = s[:, None, :]
-    return np.abs((M @ X * s + C @ X) * s + K @ X)
+def _applied(s, M, C, K, X) -> np.ndarray:
+    """(M s_k^2 + C s_k + K) x_k, shape (S, n, P), for s of shape (S, 1, P)."""
+    return (M @ X * s + C @ X) * s + K @ X
 
 
 # Transfer functions of S models of one structure, from their poles and residues: H(s) = s^p C (s I - J)^-1 B and polynomial parts.

@@ -391,11 +391,8 @@ class GearMesh(Link):
     def __post_init__(self):
         super().__post_init__()
         radii, teeth = (self.start_radius, self.end_radius), (self.start_teeth, self.end_teeth, self.module)
-        by_radii, by_teeth = (
-            None not in radii and (*teeth, self.pressure_angle) == (None,) * 4,
-            None not in teeth and radii == (None, None),
-        )
-        if not (by_radii or by_teeth):
+        by_radii = None not in radii and (*teeth, self.pressure_angle) == (None,) * 4
+        if not (by_radii or (None not in teeth and radii == (None, None))):
             raise InputError(f"{self.label}: expected both radii of the base circles, or both numbers of teeth and the module")
 
     @property

@@ -29,32 +29,8 @@ from ..mechanics.equations import ElementForce
 from ..mechanics.parameter import Parameter
 from ..mechanics.system import MechanicalSystem
 from ..signals.inputs import ImpulsiveSmooth, zero
-from .elements import (
-    Body,
-    Damper,
-    Element,
-    Gear,
-    GearMesh,
-    Inertia,
-    Lever,
-    Link,
-    Mass,
-    Node,
-    Numeric,
-    PrescribedMotion,
-    Pulley,
-    Rack,
-    Relation,
-    RigidBar,
-    RigidTie,
-    Spring,
-    Tie,
-    TorsionDamper,
-    TorsionSpring,
-    entries_of,
-    numbers_of,
-    with_parts,
-)
+from . import elements as catalogue
+from .elements import Body, Element, Link, Numeric, PrescribedMotion, RigidTie, Tie, entries_of, numbers_of, with_parts
 from .rotor import Bearing, Rotor, Unbalance, rotor_terms
 
 STATES = {"m": "moves along the axis (m)", "rad": "turns (rad)"}
@@ -133,25 +109,25 @@ class LumpedModel(Displayed):
         """The unit of every coordinate, "m" or "rad"."""
         return dict(self._units)
 
-    mass = _adds(Mass)
-    inertia = _adds(Inertia)
-    node = _adds(Node)
-    rigid_bar = _adds(RigidBar)
-    spring = _adds(Spring)
-    damper = _adds(Damper)
-    torsion_spring = _adds(TorsionSpring)
-    torsion_damper = _adds(TorsionDamper)
-    rigid_tie = _adds(RigidTie)
-    lever = _adds(Lever)
-    gear = _adds(Gear)
-    gear_mesh = _adds(GearMesh)
-    rack = _adds(Rack)
-    pulley = _adds(Pulley)
+    mass = _adds(catalogue.Mass)
+    inertia = _adds(catalogue.Inertia)
+    node = _adds(catalogue.Node)
+    rigid_bar = _adds(catalogue.RigidBar)
+    spring = _adds(catalogue.Spring)
+    damper = _adds(catalogue.Damper)
+    torsion_spring = _adds(catalogue.TorsionSpring)
+    torsion_damper = _adds(catalogue.TorsionDamper)
+    rigid_tie = _adds(catalogue.RigidTie)
+    lever = _adds(catalogue.Lever)
+    gear = _adds(catalogue.Gear)
+    gear_mesh = _adds(catalogue.GearMesh)
+    rack = _adds(catalogue.Rack)
+    pulley = _adds(catalogue.Pulley)
     rotor = _adds(Rotor)
     bearing = _adds(Bearing)
     unbalance = _adds(Unbalance)
-    constrain = _adds(Relation)
-    prescribe = _adds(PrescribedMotion)
+    constrain = _adds(catalogue.Relation)
+    prescribe = _adds(catalogue.PrescribedMotion)
 
     def gravity(self, acceleration: float | str) -> None:
         """A force m g along the axis on every mass, on a rotor along z; negative where the axis points upwards (m/s^2)."""
@@ -305,10 +281,6 @@ class BranchRows:
         """B^T diag(constants) B as an array of its numbers, shape (n, n)."""
         return self.incidence.T @ (self.constants[:, None] * self.incidence)
 
-    def rest_force(self) -> np.ndarray:
-        """B^T diag(constants) rest: the force of the rest lengths at x = 0, shape (n,)."""
-        return self.incidence.T @ (self.constants * self.rest)
-
 
 @dataclass(frozen=True, eq=False)
 class Incidence:
@@ -322,7 +294,7 @@ class Incidence:
 
     def static_force(self, gravity) -> np.ndarray:
         """The force of rest lengths and weights, shape (n,)."""
-        return self.springs.rest_force() + gravity * self.weighing
+        return self.springs.incidence.T @ (self.springs.constants * self.springs.rest) + gravity * self.weighing
 
 
 def incidence_of(elements: Sequence[Element], names: Sequence[str], dtype: type = float, *, sparse: bool = False) -> Incidence:

@@ -28,11 +28,7 @@ PLANES = ("y", "z")
 
 
 def in_planes(name: str) -> tuple[str, str]:
-    """The displacements of a point in both planes; the ground has none.
-
-    >>> in_planes("disc")
-    ('disc y', 'disc z')
-    """
+    """The displacements of a point in both planes, as "disc y" and "disc z"; the ground has none."""
     y, z = (GROUND if name == GROUND else f"{name} {plane}" for plane in PLANES)
     return y, z
 
@@ -155,7 +151,15 @@ class Bearing(Element):
 
     def matrices(self, what: str) -> np.ndarray:
         """Stiffness or damping matrices, one for each speed of a table, else a single one, shape (S, 2, 2)."""
-        return _matrices(getattr(self, what), self.speeds, f"{self.label}: {what}")
+        value, what = getattr(self, what), f"{self.label}: {what}"
+        if self.speeds is None:
+            return _matrix(value, what)[None]
+        if isinstance(value, (int, float)) and not value:
+            return np.zeros((len(self.speeds), 2, 2))
+        if not isinstance(value, (Sequence, np.ndarray)) or len(value) != len(self.speeds):
+            entries = counted(len(value), "entry", "entries") if isinstance(value, (Sequence, np.ndarray)) else f"{value!r}"
+            raise InputError(f"{what}: found {entries}; expected {len(self.speeds)}, one for each of the speeds")
+        return np.array([_matrix(entry, f"{what} at {speed:g} rad/s") for speed, entry in zip(self.speeds, value)])
 
     @property
     def parts(self) -> tuple[Element, ...]:
@@ -179,18 +183,6 @@ def in_si(value, unit: str):
     if isinstance(value, (list, tuple)):
         return [in_si(entry, unit) for entry in value]
     return quantity(value, unit) if isinstance(value, str) else value
-
-
-def _matrices(value, speeds: Sequence[float] | None, what: str) -> np.ndarray:
-    """Matrices of shape (S, 2, 2): one for each speed, or a single one."""
-    if speeds is None:
-        return _matrix(value, what)[None]
-    if isinstance(value, (int, float)) and not value:
-        return np.zeros((len(speeds), 2, 2))
-    if not isinstance(value, (Sequence, np.ndarray)) or len(value) != len(speeds):
-        entries = counted(len(value), "entry", "entries") if isinstance(value, (Sequence, np.ndarray)) else f"{value!r}"
-        raise InputError(f"{what}: found {entries}; expected {len(speeds)}, one for each of the speeds")
-    return np.array([_matrix(entry, f"{what} at {speed:g} rad/s") for speed, entry in zip(speeds, value)])
 
 
 def _matrix(value, what: str) -> np.ndarray:
@@ -236,7 +228,6 @@ class RotorTerms:
 
 
 def rotor_terms(elements: Sequence[Element], names: Sequence[str]) -> RotorTerms | None:
-    """The terms of all rotors, bearings and unbalances."""
     own = [element for element in elements if isinstance(element, (Rotor, Bearing, Unbalance))]
     if not own:
         return None

@@ -17,8 +17,7 @@ import numpy as np
 
 from ...ground.tolerances import EPS
 from ...linalg.blocks import block_slices
-from ...mechanics.constraints import LEVELS
-from ...mechanics.exact_motion import with_multipliers
+from ...mechanics.constraints import LEVELS, with_multipliers
 from ...mechanics.motion import reaction_function
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.bohl import BohlFunction

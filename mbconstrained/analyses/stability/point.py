@@ -19,8 +19,8 @@ from ...exact.enclosure.exact_sources import ExactSource, S, Shape
 from ...exact.rational import RationalMatrix, rational
 from ...ground.errors import MbconstrainedError, Overflow, SingularPolynomialMatrix
 from ...ground.tolerances import EPS, TRUST_LIMIT
+from ...mechanics.constraints import with_multipliers
 from ...mechanics.element_matrix import ElementMatrix
-from ...mechanics.exact_motion import with_multipliers
 from ...polynomial.coefficients import Factors
 from ...response.estimate import LEAST
 from ..study_problem import StudyProblem, fractions_of, given_of, values_of

@@ -130,10 +130,10 @@ class SparseRows:
     values: np.ndarray  # b, shape (k,)
     names: tuple[str, ...]  # one for each row
 
-    def quoted(self, places: Sequence[int], most: int = 3) -> str:
-        """The names of some rows in words."""
-        names = [f'"{self.names[place]}"' for place in places[:most]]
-        return " and ".join(names) + (f" and {len(places) - most} more" if len(places) > most else "")
+    def reason(self, places: Sequence[int]) -> str:
+        """Why a row is redundant that follows from these."""
+        names = [f'"{self.names[place]}"' for place in places[:3]] + [f"{len(places) - 3} more"] * (len(places) > 3)
+        return f"it follows from {' and '.join(names)}" if names else "all its coefficients are zero"
 
 
 def sparse_rows(constraints: Sequence[Constraint], size: int) -> SparseRows:
@@ -154,6 +154,9 @@ def sparse_rows(constraints: Sequence[Constraint], size: int) -> SparseRows:
     values = np.concatenate([np.zeros(0), *(constraint.values for constraint in constraints)])
     return SparseRows(scipy.sparse.csr_array(matrix), values, row_names(constraints))
 
+
+#: Options of SuperLU for pivots from the diagonal, in an order of minimum degree.
+SYMMETRIC: dict[str, Any] = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
 
 #: Solutions for one or several right sides.
 Solver = Callable[[np.ndarray], np.ndarray]
@@ -194,9 +197,7 @@ def factorize(matrix: scipy.sparse.csc_array, rows: scipy.sparse.csr_array, desc
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", scipy.sparse.SparseEfficiencyWarning)
-            factors = splu(
-                scipy.sparse.csc_array(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-            )
+            factors = splu(scipy.sparse.csc_array(matrix), **SYMMETRIC)
     except RuntimeError:
         raise _singular(matrix, describe) from None
     negative = _negative(matrix, factors) if counted else None
@@ -231,7 +232,7 @@ def _singular(matrix, describe) -> SingularPolynomialMatrix:
     size = abs(matrix.diagonal())
     added = NOISE_SAFETY * EPS * np.where(size > 0, size, size.max(initial=0.0) or 1.0)
     changed = scipy.sparse.csc_array(matrix + scipy.sparse.diags_array(added))
-    factors = splu(changed, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    factors = splu(changed, **SYMMETRIC)
     pivots = np.abs(factors.U.diagonal())[factors.perm_c]
     loose = np.flatnonzero(pivots <= NOISE_SAFETY * added)
     named = describe(loose[:3]) if len(loose) else "some coordinates"
@@ -329,7 +330,10 @@ def reduced_pencil(mass, damping, stiffness, constraints: Sequence[Constraint], 
         names=tuple(names),
         free=elimination.free,
         independent=np.setdiff1d(np.arange(len(rows.names)), list(elimination.dependent)),
-        notices=tuple(_redundant(rows.names[place], others, rows) for place, others in elimination.dependent.items()),
+        notices=tuple(
+            Notice(NoticeKind.REDUNDANT, f'constraint "{rows.names[place]}" is redundant and was left out: {rows.reason(others)}')
+            for place, others in elimination.dependent.items()
+        ),
     )
     return _independent(pencil, kept)
 
@@ -354,11 +358,6 @@ def _projected(N, matrix) -> scipy.sparse.csc_array:
         product = product.astype(float)
     product.eliminate_zeros()
     return product
-
-
-def _redundant(name: str, others: Sequence[int], rows: SparseRows) -> Notice:
-    reason = f"it follows from {rows.quoted(others)}" if others else "all its coefficients are zero"
-    return Notice(NoticeKind.REDUNDANT, f'constraint "{name}" is redundant and was left out: {reason}')
 
 
 def _independent(pencil: ReducedPencil, kept: np.ndarray) -> ReducedPencil:
@@ -449,7 +448,11 @@ def _one_by_one(rows: SparseRows, places: Sequence[int], counts) -> tuple[dict[i
             owner[pivot] = place
         else:
             dependent[place] = tuple(owner[pivot] for pivot in used)
-            _check_value(rows, place, value, dependent[place])
+            if abs(value[0]) > NOISE_SAFETY * value[1]:
+                raise ContradictoryConstraints(
+                    f'constraint "{rows.names[place]}" has the value {rows.values[place]:.6g}, but {rows.reason(dependent[place])}, with the value '
+                    f"{rows.values[place] - value[0]:.6g}; make the values agree or take one of the rows out"
+                )
     return solved, dependent
 
 
@@ -476,16 +479,6 @@ def _solved_for(pivot: int, row: Row, value) -> tuple[Row, tuple[float, float]]:
     relative = noise / abs(top) + EPS
     expression = {j: (-v / top, abs(n / top) + relative * abs(v / top)) for j, (v, n) in row.items() if j != pivot}
     return expression, (value[0] / top, abs(value[1] / top) + relative * abs(value[0] / top))
-
-
-def _check_value(rows: SparseRows, place: int, value, others) -> None:
-    rest, noise = value
-    if abs(rest) > NOISE_SAFETY * noise:
-        reason = f"it follows from {rows.quoted(others)}" if others else "all its coefficients are zero"
-        raise ContradictoryConstraints(
-            f'constraint "{rows.names[place]}" has the value {rows.values[place]:.6g}, but {reason}, with the value '
-            f"{rows.values[place] - rest:.6g}; make the values agree or take one of the rows out"
-        )
 
 
 def _with_single(A, values, single, pivots, basis, offset) -> tuple[scipy.sparse.csc_array, np.ndarray]:

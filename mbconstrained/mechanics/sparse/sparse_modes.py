@@ -21,11 +21,6 @@ from ..modes import Kind, Mode, Modes, kind_of
 from .pencil import ReducedPencil, Solver, bordered, combined, quadratic_form, times
 from .undamped_modes import SOFT, UndampedModes, balanced, undamped_modes
 
-# s^2 M + s C + K for many s: one pattern, one order of elimination, no sums of sparse matrices.
-#
-# Where that order can bring all entries next to the diagonal (Cuthill and McKee 1969), as in chains and frames of beams, LAPACK's
-# banded factors take a tenth of the time of general sparse ones.
-
 # Newton's method for an eigenvalue and its vector of a symmetric quadratic pencil, sparse or small and dense.
 #
 # Two-sided, as the matrices are symmetric (Lancaster 1961): x <- P(s)^-1 P'(s) x and s <- s - (v^T x) / (v^T P(s)^-1 P'(s) x) with
@@ -74,7 +69,7 @@ class Pair:
     of_body: bool = False  # whether it is a mode of a softly supported body
 
 
-def gap(values: np.ndarray, place: int) -> float:
+def _gap(values: np.ndarray, place: int) -> float:
     """Distance from an eigenvalue to the nearest other one, conjugates included."""
     others = np.delete(values, place)
     distances = np.abs(np.concatenate([others, np.conj(values)]) - values[place])
@@ -113,7 +108,11 @@ NARROW = 8
 
 @dataclass(frozen=True)
 class QuadraticPencil:
-    """P(s) = s^2 M + s C + K on the free coordinates of a pencil."""
+    """P(s) = s^2 M + s C + K on the free coordinates of a pencil: one pattern, one order of elimination, no sums of sparse matrices.
+
+    Where that order can bring all entries next to the diagonal (Cuthill and McKee 1969), as in chains and frames of beams, LAPACK's
+    banded factors take a tenth of the time of general sparse ones.
+    """
 
     pencil: ReducedPencil  # the matrices
     undamped: UndampedModes  # its undamped modes, with the order of elimination that made few entries there
@@ -138,7 +137,6 @@ class QuadraticPencil:
 
     @cached_property
     def order(self) -> np.ndarray:
-        """The order of elimination of the coordinates."""
         return self._narrow[0] if self.is_narrow else np.argsort(self.undamped.factors.lower_upper.perm_c)
 
     @cached_property
@@ -187,18 +185,19 @@ class QuadraticPencil:
 
     def applied(self, s: complex, x: np.ndarray) -> np.ndarray:
         """P(s) x."""
-        static, damping, inertia = (_product(part, x) for part in (self.pencil.stiffness, self.pencil.damping, self.pencil.mass))
+        static, damping, inertia = self._forces(x)
         return static + s * (damping + s * inertia)
+
+    def _forces(self, x: np.ndarray) -> list[np.ndarray]:
+        return [_product(part, x) for part in (self.pencil.stiffness, self.pencil.damping, self.pencil.mass)]
 
     def slope(self, s: complex, x: np.ndarray) -> np.ndarray:
         """(2 s M + C) x."""
         return _product(self.pencil.damping, x) + 2 * s * _product(self.pencil.mass, x)
 
     def residual(self, s: complex, x: np.ndarray) -> Residual:
-        """The residual of P(s) x = 0."""
-        size = np.abs(x)
-        terms = sum(abs(s) ** power * (part @ size) for power, part in enumerate(self._sizes))
-        static, damping, inertia = (_product(part, x) for part in (self.pencil.stiffness, self.pencil.damping, self.pencil.mass))
+        terms = sum(abs(s) ** power * (part @ np.abs(x)) for power, part in enumerate(self._sizes))
+        static, damping, inertia = self._forces(x)
         left = balanced(self.pencil, static + s * (damping + s * inertia))
         norms = (np.linalg.norm(part) for part in (left, terms, s**2 * inertia, s * damping))
         return Residual(left, *map(float, norms))
@@ -241,21 +240,6 @@ GAP_SHIFT = 1 / 64
 
 
 @dataclass(frozen=True, eq=False)
-class DampedModes:
-    """P(s_i) x_i = 0 on the free coordinates, ascending by |s|."""
-
-    values: np.ndarray  # s with Im s >= 0; exactly zero for rigid bodies and offsets
-    vectors: np.ndarray  # complex, shape (r, m)
-    resting: np.ndarray  # for each whether it is a rigid body without damping (two states)
-    residuals: np.ndarray  # residuals, bounds: |P(s) x| / (|s|^2 |M x|) and the part of it that rounding errors explain
-    bounds: np.ndarray
-    converged: np.ndarray  # for each whether Newton's method ended at its own zero
-    modal: bool  # whether damping does not couple the undamped shapes
-    body: SlowBody | None  # a softly supported body, whose zeros are close to each other; None where there is none
-    of_body: np.ndarray  # for each whether it is a mode of this body
-
-
-@dataclass(frozen=True, eq=False)
 class SlowBody:
     """A body on soft springs and dampers: x = (u + y d/dt) q with q'' + c q' + k q = u^T f, to first order of its rates.
 
@@ -269,7 +253,6 @@ class SlowBody:
     noise: float  # the rounding error of the forces of dampers inside of the body, on u
 
     def pairs(self) -> list[Pair]:
-        """The eigenpairs of the body."""
         values = _roots(self.stiffness, self.damping)
         return [Pair(value, self.shape + (value if value.imag else value.real) * self.response, of_body=True) for value in values]
 
@@ -285,22 +268,21 @@ def is_modal(pencil: ReducedPencil, undamped: UndampedModes) -> bool:
     return True
 
 
-def damped_modes(pencil: ReducedPencil, undamped: UndampedModes) -> DampedModes:
-    """All eigenvalues that the undamped modes lead to."""
-    modal, body = is_modal(pencil, undamped), None
+def damped_modes(pencil: ReducedPencil, undamped: UndampedModes) -> tuple[list[Pair], SlowBody | None]:
+    """The pairs that the undamped modes lead to, ascending by |s|, with residuals; and the softly supported body among them, if any."""
     quadratic = QuadraticPencil(pencil, undamped)
-    if modal:
-        pairs = _sorted(_modal(pencil, undamped))
-    else:
-        pairs, body = _coupled(quadratic)
-    residuals = (pair.residual or quadratic.residual(pair.value, pair.vector) for pair in pairs)
-    evidence = np.array([residual.evidence for residual in residuals]).reshape(len(pairs), 2)
-    vectors = np.array([pair.vector for pair in pairs], dtype=complex).reshape(len(pairs), pencil.size).T
-    converged = np.array([pair.converged for pair in pairs], dtype=bool) & (evidence[:, 0] <= evidence[:, 1])
-    resting = np.array([pair.resting for pair in pairs], dtype=bool)
-    values = np.array([pair.value for pair in pairs], dtype=complex)
-    of_body = np.array([pair.of_body for pair in pairs], dtype=bool)
-    return DampedModes(values, vectors, resting, evidence[:, 0], evidence[:, 1], converged, modal, body, of_body)
+    pairs, body = (_sorted(_modal(pencil, undamped)), None) if is_modal(pencil, undamped) else _coupled(quadratic)
+    for pair in pairs:
+        pair.residual = pair.residual or quadratic.residual(pair.value, pair.vector)
+        size, bound = pair.residual.evidence
+        pair.converged = pair.converged and size <= bound
+    return pairs, body
+
+
+def arrays_of(pairs: list[Pair], size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues, shape (m,), and vectors of this size, one a column."""
+    vectors = np.array([pair.vector for pair in pairs], dtype=complex).reshape(len(pairs), size).T
+    return np.array([pair.value for pair in pairs], dtype=complex), vectors
 
 
 def modal_rates(pencil: ReducedPencil, undamped: UndampedModes) -> np.ndarray:
@@ -347,7 +329,7 @@ def _coupled(quadratic: QuadraticPencil) -> tuple[list[Pair], SlowBody | None]:
     estimates = _projected(moving.T @ forces, undamped.values[~free], int((rests & ~free).sum()) if body is None else 2)
     if body is not None:
         resting = [pair for pair in resting if pair.resting] + body.pairs()
-    gaps = [gap(np.array([pair.value for pair in estimates]), place) for place in range(len(estimates))]
+    gaps = [_gap(np.array([pair.value for pair in estimates]), place) for place in range(len(estimates))]
     if quadratic.is_narrow or undamped.complete:  # of all shapes nothing is left that damping could couple to them
         pairs = _sorted([*resting, *map(_followed, repeat(quadratic), _shown(moving, estimates), gaps)])
         if undamped.complete or all(pair.converged for pair in pairs):
@@ -394,8 +376,7 @@ def _settled(quadratic: QuadraticPencil, pair: Pair, room: float) -> Pair:
 
 def _shown(basis: np.ndarray, pairs: list[Pair]) -> list[Pair]:
     """The pairs on the free coordinates, from those in a basis."""
-    coordinates = np.array([pair.vector for pair in pairs], dtype=complex).reshape(len(pairs), basis.shape[1]).T
-    return [replace(pair, vector=x) for pair, x in zip(pairs, combined(basis, coordinates).T)]
+    return [replace(pair, vector=x) for pair, x in zip(pairs, combined(basis, arrays_of(pairs, basis.shape[1])[1]).T)]
 
 
 def _projected(C: np.ndarray, w2: np.ndarray, at_zero: int) -> list[Pair]:
@@ -416,13 +397,11 @@ def _followed(quadratic: QuadraticPencil, pair: Pair, room: float) -> Pair:
         cleared = refined.vector - neighbour(quadratic.applied(refined.value, refined.vector))
     except IllConditioned:
         cleared = refined.vector
-    after = quadratic.residual(refined.value, cleared)
-    if after.is_rounding:
-        return replace(refined, vector=cleared, residual=after)
-    before = quadratic.residual(refined.value, refined.vector)
-    return (
-        replace(refined, residual=before) if before.relative < after.relative else replace(refined, vector=cleared, residual=after)
-    )
+    after = replace(refined, vector=cleared, residual=quadratic.residual(refined.value, cleared))
+    if after.residual.is_rounding:
+        return after
+    before = replace(refined, residual=quadratic.residual(refined.value, refined.vector))
+    return before if before.residual.relative < after.residual.relative else after
 
 
 def _corrected(quadratic: QuadraticPencil, pairs: list[Pair]) -> list[Pair]:
@@ -461,8 +440,7 @@ def _neighbours(pairs: list[Pair]) -> list[list[Pair]]:
 def _unmixed(quadratic: QuadraticPencil, group: list[Pair]) -> list[Pair]:
     """The pairs with residuals, solved in their common space with P(s_0 + d) = P(s_0) + d P'(s_0) where that is better."""
     given = [replace(pair, residual=quadratic.residual(pair.value, pair.vector)) for pair in group]
-    middle = np.mean([pair.value for pair in group])
-    X = np.array([pair.vector for pair in group]).T
+    middle, X = np.mean([pair.value for pair in group]), np.array([pair.vector for pair in group]).T
     left, slopes = (np.array([image(middle, x) for x in X.T]).T for image in (quadratic.applied, quadratic.slope))
     moved, turn = scipy.linalg.eig(-X.T @ left, X.T @ slopes)
     if not np.isfinite(moved).all():
@@ -512,7 +490,6 @@ class _MixedSpace:
         return self.damping @ x + 2 * s * (self.mass @ x)
 
     def solver(self, s: complex) -> Solver:
-        """Solutions with P(s)."""
         factors = scipy.linalg.lu_factor(self.stiffness + s * (self.damping + s * self.mass), check_finite=False)
         if not np.diag(factors[0]).all():
             raise IllConditioned("s^2 M + s C + K is singular")
@@ -551,10 +528,9 @@ def _outside(pencil: ReducedPencil, undamped: UndampedModes, forces: np.ndarray)
 
 
 def sparse_modes(pencil: ReducedPencil, count: int, damped: bool) -> Modes:
-    """The modes of lowest frequency of a system of sparse matrices."""
     undamped = undamped_modes(pencil, count)
     if damped:
-        return _damped(pencil, undamped, damped_modes(pencil, undamped), count)
+        return _damped(pencil, undamped, count)
     X, w2 = undamped.vectors, undamped.values
     values = np.where(w2 < 0, np.abs(w2) ** 0.5, 1j * np.abs(w2) ** 0.5)
     kinds = [kind_of(value, resting=True) for value in values]
@@ -568,21 +544,23 @@ def sparse_modes(pencil: ReducedPencil, count: int, damped: bool) -> Modes:
     return _modes(pencil, undamped, values, X, kinds, (undamped.residuals, undamped.bounds), orthogonality, notices)
 
 
-def _damped(pencil: ReducedPencil, undamped: UndampedModes, modes: DampedModes, count: int) -> Modes:
-    chosen = np.flatnonzero(modes.converged)[:count]
-    values, X = modes.values[chosen], modes.vectors[:, chosen]
+def _damped(pencil: ReducedPencil, undamped: UndampedModes, count: int) -> Modes:
+    pairs, _ = damped_modes(pencil, undamped)
+    chosen = [pair for pair in pairs if pair.converged][:count]
+    values, X = arrays_of(chosen, pencil.size)
     inertia, damping = X.T @ times(pencil.mass, X), X.T @ times(pencil.damping, X)
     own = 2 * values * np.diag(inertia) + np.diag(damping)
     target = np.where(values.imag != 0, 2j * values.imag, np.where(np.abs(own) > 0, own, 1.0))
     unit = (target / np.where(own != 0, own, target)) ** 0.5
     X *= unit
     coupling = _coupling(values, (values[:, None] + values) * inertia + damping, unit)
-    kinds = [kind_of(value, resting, NOISE_SAFETY * EPS) for value, resting in zip(values, modes.resting[chosen])]
+    kinds = [kind_of(value, pair.resting, NOISE_SAFETY * EPS) for value, pair in zip(values, chosen)]
     notices = [*_count_notices(undamped, count), *_rounding_notices(pencil, undamped)]
-    if lost := int((~modes.converged).sum()):
+    if lost := sum(not pair.converged for pair in pairs):
         text = f"{counted(lost, 'eigenvalue')} of strongly damped motion did not converge from the undamped modes and are left out"
         notices.append(Notice(NoticeKind.OMITTED, text, doubtful=True))
-    return _modes(pencil, undamped, values, X, kinds, (modes.residuals[chosen], modes.bounds[chosen]), coupling, notices)
+    evidence = np.array([pair.residual.evidence for pair in chosen if pair.residual]).reshape(-1, 2).T
+    return _modes(pencil, undamped, values, X, kinds, evidence, coupling, notices)
 
 
 def _modes(pencil, undamped: UndampedModes, values, X, kinds: list[Kind], evidence, orthogonality, notices) -> Modes:
@@ -635,8 +613,8 @@ def _count_notices(undamped: UndampedModes, count: int) -> Iterator[Notice]:
 
 def _rounding_notices(pencil: ReducedPencil, undamped: UndampedModes) -> Iterator[Notice]:
     """Frequencies that rounding errors of the entries of K may change noticeably."""
-    stiffness, X = abs(pencil.stiffness), np.abs(undamped.vectors)
-    terms = EPS * (X * times(stiffness, X)).sum(axis=0)
+    X = np.abs(undamped.vectors)
+    terms = EPS * (X * times(abs(pencil.stiffness), X)).sum(axis=0)
     uncertain = (undamped.values != 0) & (terms > TRUST_LIMIT * np.abs(undamped.values))
     if uncertain.any():
         affected = counted(int(uncertain.sum()), "frequency", "frequencies")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,7 +17,8 @@ from ...ground.display import Displayed, TextTable, notice_table
 from ...ground.errors import IllConditioned, InputError, MbconstrainedError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import CORRECTION_RESIDUAL, EPS, FREQUENCY_GAP, NOISE_SAFETY, RESONANCE_RATIO, ROUNDED_FREE, noise_of
-from ...linalg.blocks import block_slices
+from ...linalg.arrays import full, kept
+from ...linalg.blocks import block_matrix, block_slices
 from ...linalg.exponential import block_states
 from ...linalg.recursion import recursion
 from ...signals.bohl import BohlFunction, Restarts
@@ -24,7 +27,7 @@ from ...signals.inputs import step
 from ..equations import EquationsOfMotion
 from ..motion import FunctionSum, SystemMotion
 from .pencil import ReducedPencil, Solver, asymmetry, factorize, quadratic_form, times
-from .sparse_modes import QuadraticPencil, damped_modes, is_modal, modal_rates
+from .sparse_modes import Pair, QuadraticPencil, arrays_of, damped_modes, is_modal, modal_rates
 from .undamped_modes import SOFT, UndampedModes, balanced, undamped_modes
 
 # The space of the kept modes: x = W y, y' = B y + G^T f, an exact part of the motion of the whole system.
@@ -70,29 +73,13 @@ class ModeSpace:
 
     def times_generator(self, states: np.ndarray) -> np.ndarray:
         """B y."""
-        product, begin = np.empty_like(states), 0
-        for block in self.blocks:
-            at = slice(begin, begin + len(block))
-            product[at] = block @ states[at]
-            begin += len(block)
-        return product
+        parts = (block @ states[at] for block, at in zip(self.blocks, block_slices(self.blocks)))
+        return np.concatenate([states[:0], *parts])
 
     def initial_states(self, pencil: ReducedPencil, displacement, velocity) -> np.ndarray:
         """y at 0+ from x and x' at 0-: y = G^T (M x' + C x) + B G^T M x, as impulses M x' + C x and M x delta' would start it."""
         momentum = (pencil.mass @ velocity + pencil.damping @ displacement)[:, None]
         return (self.modal_forces(momentum) + self.times_generator(self.modal_forces((pencil.mass @ displacement)[:, None])))[:, 0]
-
-
-def mode_space(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
-    """The space of undamped modes, or of the damped modes computed from them."""
-    if asymmetry(pencil.damping)[0]:
-        raise InputError(
-            "damping: it is not symmetric; the motion of large sparse systems needs symmetric damping; its modes can be had, and "
-            "the motion of a small system given as arrays"
-        )
-    if is_modal(pencil, undamped):
-        return _modal_space(pencil, undamped)
-    return _of_pairs(pencil, undamped)
 
 
 def _modal_space(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
@@ -135,116 +122,80 @@ def _rate_errors(pencil: ReducedPencil, X, values, slopes) -> np.ndarray:
 
 
 def _of_pairs(pencil: ReducedPencil, undamped: UndampedModes) -> ModeSpace:
-    modes = damped_modes(pencil, undamped)
-    shapes, places, blocks, input_shapes, input_places, begin = [], [], [], [], [], 0
-    separate = modes.converged & ~modes.of_body
-    for value, x, resting in zip(modes.values[separate], modes.vectors.T[separate], modes.resting[separate]):
-        if resting:
-            x = x.real / (x.real @ (pencil.mass @ x.real)) ** 0.5
-            columns, rows, own, at = [x], [x], np.array([[0.0, 1.0], [0.0, 0.0]]), ([0], [1])
-        elif not value.imag:
-            x = x.real
-            g = x / (x @ (pencil.damping @ x + 2 * value.real * (pencil.mass @ x)))
-            columns, rows, own, at = [x], [g], np.array([[value.real]]), ([0], [0])
-        else:
-            g = x / (x @ (pencil.damping @ x + 2 * value * (pencil.mass @ x)))
-            own = np.array([[value.real, -value.imag], [value.imag, value.real]])
-            columns, rows, at = [2 * x.real, -2 * x.imag], [g.real, g.imag], ([0, 1], [0, 1])
-        shapes, input_shapes, blocks = shapes + columns, input_shapes + rows, [*blocks, own]
-        places, input_places = places + [begin + i for i in at[0]], input_places + [begin + i for i in at[1]]
-        begin += len(own)
-    X, values = modes.vectors[:, separate], modes.values[separate]
+    pairs, body = damped_modes(pencil, undamped)
+    separate = [pair for pair in pairs if pair.converged and not pair.of_body]
+    parts = [_states_of(pencil, pair) for pair in separate]
+    values, X = arrays_of(separate, pencil.size)
     slopes = 2 * values * (X * times(pencil.mass, X)).sum(axis=0) + (X * times(pencil.damping, X)).sum(axis=0)
-    counts = np.where(values.imag != 0, 2, 1)
-    free, sizes = modes.resting[separate], np.linalg.norm(np.abs(X) * times(abs(pencil.damping), np.abs(X)), axis=0)
+    free, counts = np.array([pair.resting for pair in separate], dtype=bool), np.where(values.imag != 0, 2, 1)
+    sizes = np.linalg.norm(np.abs(X) * times(abs(pencil.damping), np.abs(X)), axis=0)
     errors = np.repeat(np.where(free, EPS * sizes, _rate_errors(pencil, X, values, slopes)), counts)
     supports = np.repeat(_supports(pencil, X.real, free), counts)
-    if (body := modes.body) is not None:  # (u + s y) (u + s y)^T / (s^2 + c s + k)
-        blocks.append(np.array([[0.0, 1.0], [-body.stiffness, -body.damping]]))
-        shapes, input_shapes = (
-            [*shapes, body.shape, body.response],
-            [*input_shapes, body.response, body.shape - body.damping * body.response],
-        )
-        places, input_places = [*places, begin, begin + 1], [*input_places, begin, begin + 1]
+    if body is not None:  # (u + s y) (u + s y)^T / (s^2 + c s + k)
+        block = np.array([[0.0, 1.0], [-body.stiffness, -body.damping]])
+        columns, rows = [body.shape, body.response], [body.response, body.shape - body.damping * body.response]
+        parts.append((columns, rows, block, [0, 1], [0, 1]))
         own = NOISE_SAFETY * EPS * (abs(body.stiffness) ** 0.5 + abs(body.damping)) + body.noise
         errors = np.append(errors, [own, own])
         supports = np.append(supports, _supports(pencil, body.shape[:, None], np.array([not body.stiffness])).repeat(2))
-    empty = np.zeros((0, pencil.size))
-    return ModeSpace(
-        np.array(shapes).T if shapes else empty.T,
-        np.array(places, dtype=int),
-        tuple(blocks),
-        np.array(input_shapes).T if input_shapes else empty.T,
-        np.array(input_places, dtype=int),
-        errors,
-        supports,
-        np.zeros(len(errors)),
-        False,
-        int((~modes.converged).sum()),
-    )
+    each = list(zip(*parts)) or [()] * 5
+    begins = np.cumsum([0, *map(len, each[2])])
+    shapes, input_shapes = (np.array([x for own in part for x in own]).reshape(-1, pencil.size).T for part in each[:2])
+    places, input_places = (np.array([begin + i for begin, own in zip(begins, part) for i in own], dtype=int) for part in each[3:])
+    lost = sum(not pair.converged for pair in pairs)
+    none = np.zeros(len(errors))
+    return ModeSpace(shapes, places, each[2], input_shapes, input_places, errors, supports, none, False, lost)
+
+
+def _states_of(pencil: ReducedPencil, pair: Pair) -> tuple[list, list, np.ndarray, list[int], list[int]]:
+    """Shapes and input shapes of a pair, its block of B, and the states that they belong to."""
+    value, x = pair.value, pair.vector if pair.value.imag else pair.vector.real
+    if pair.resting:
+        x = x / (x @ (pencil.mass @ x)) ** 0.5
+        return [x], [x], np.array([[0.0, 1.0], [0.0, 0.0]]), [0], [1]
+    rate = value if value.imag else value.real
+    g = x / (x @ (pencil.damping @ x + 2 * rate * (pencil.mass @ x)))
+    if not value.imag:
+        return [x], [g], np.array([[rate]]), [0], [0]
+    block = np.array([[value.real, -value.imag], [value.imag, value.real]])
+    return [2 * x.real, -2 * x.imag], [g.real, g.imag], block, [0, 1], [0, 1]
 
 
 # y' = B y + U z with z' = J z, restarted wherever the force starts, stops or changes: y(t) as a Bohl function.
 #
-# With B Y - Y J = -U the force causes Y z and a free motion, as in ``response.methods.by_pairs`` for the whole system; where Y
+# With B Y - Y J = -U the force causes Y z and a free motion, as in ``response.methods.finite_motion`` for the whole system; where Y
 # is large, near resonance, y and a copy of z are evaluated together instead.
 
 
-class Amplitudes:
-    """The states y of the kept modes and z of the force: ``function`` has the factors of the columns of W, then z."""
-
-    def __init__(self, space: ModeSpace, start: np.ndarray, coupling: np.ndarray, smooth: BohlFunction):
-        self.space, restarts = space, smooth.restarts
-        blocks, units, outer = [], np.ones(space.count), block_slices(smooth.blocks)
-        Y, coupled = np.zeros(coupling.shape), []
-        for block, at in zip(space.blocks, block_slices(space.blocks)):
-            for J, of in zip(smooth.blocks, outer):
-                if coupling[at, of].any():
-                    units[at] = _state_units(block, J)
-                    own, U = block * units[at] / units[at][:, None], coupling[at, of] / units[at][:, None]
-                    solution = _separated(own, J, U)
-                    if solution is None:
-                        unit = max(np.abs(U).max(), np.finfo(float).tiny) / max(np.abs(own).max(), np.abs(J).max(), 1.0)
-                        coupled.append((at, of, np.block([[own, U / unit], [np.zeros((len(J), len(own))), J]]), unit * units[at]))
-                    else:
-                        Y[at, of] = units[at][:, None] * solution
-            blocks.append(block)
-        self.Y, self.coupled = Y, coupled
-        knots, inputs = restarts.knots, restarts.states
-        caused = np.vstack(
-            [-Y @ inputs, inputs, *(np.pad(inputs[of], ((at.stop - at.start, 0), (0, 0))) for at, of, _, _ in coupled)]
-        )
-        blocks += [*smooth.blocks, *(block for _, _, block, _ in coupled)]
-        gaps = restarts.gaps
-        with np.errstate(over="ignore", invalid="ignore"):  # reported when the function is evaluated
-            gained = self._finite(block_states(blocks, caused[:, :-1], gaps))
-            own = recursion(space.blocks, start, gained, gaps)
-            states = caused
-            states[: space.count] += own
-            before = np.hstack([np.zeros((len(states), 1)), block_states(blocks, states[:, :-1], gaps)])
-        of_force = np.eye(len(inputs), len(states), space.count)
-        rows = np.vstack([self._rows(len(inputs), len(states)), of_force])
-        at_knots = states[:, 0] if len(knots) == 1 else Restarts(knots, states, states - before, restarts.remainders)
-        self.function, self.start = BohlFunction(rows, tuple(blocks), at_knots), start  # the free part of y at 0+
-
-    def _finite(self, states) -> np.ndarray:
-        """y from the states of all blocks."""
-        n, m = self.Y.shape
-        y, begin = states[:n] + self.Y @ states[n : n + m], n + m
-        for at, _, block, units in self.coupled:
-            y[at] += units[:, None] * states[begin : begin + len(units)]
-            begin += len(block)
-        return y
-
-    def _rows(self, inputs, size) -> np.ndarray:
-        n, places = self.space.count, self.space.places
-        rows = np.zeros((n, size))
-        rows[:, :n], rows[:, n : n + inputs] = np.eye(n), self.Y
-        begin = n + inputs
-        for at, _, block, units in self.coupled:
-            rows[at, begin : begin + len(units)] = np.diag(units)
-            begin += len(block)
-        return rows[places]
+def amplitudes(space: ModeSpace, start: np.ndarray, coupling: np.ndarray, smooth: BohlFunction) -> BohlFunction:
+    """The factors of the columns of W, then z, from the free part of y at 0+ and U."""
+    (n, m), restarts, outer = coupling.shape, smooth.restarts, block_slices(smooth.blocks)
+    units, Y, coupled = np.ones(n), np.zeros((n, m)), []
+    for block, at in zip(space.blocks, block_slices(space.blocks)):
+        for J, of in zip(smooth.blocks, outer):
+            if coupling[at, of].any():
+                units[at] = _state_units(block, J)
+                own, U = block * units[at] / units[at][:, None], coupling[at, of] / units[at][:, None]
+                solution = _separated(own, J, U)
+                if solution is None:
+                    unit = max(np.abs(U).max(), np.finfo(float).tiny) / max(np.abs(own).max(), np.abs(J).max(), 1.0)
+                    coupled.append((at, of, np.block([[own, U / unit], [np.zeros((len(J), len(own))), J]]), unit * units[at]))
+                else:
+                    Y[at, of] = units[at][:, None] * solution
+    rows, inputs = [np.eye(n), Y], restarts.states
+    caused = [-Y @ inputs, inputs]
+    for at, of, block, own in coupled:
+        rows.append(np.zeros((n, len(block))))
+        rows[-1][at, : len(own)] = np.diag(own)
+        caused.append(np.pad(inputs[of], ((len(own), 0), (0, 0))))
+    output, states = kept(np.hstack(rows)), np.vstack(caused)  # y of the states of all blocks
+    blocks, gaps = [*space.blocks, *smooth.blocks, *(block for _, _, block, _ in coupled)], restarts.gaps
+    with np.errstate(over="ignore", invalid="ignore"):  # reported when the function is evaluated
+        states[:n] += recursion(space.blocks, start, output @ block_states(blocks, states[:, :-1], gaps), gaps)
+        before = np.hstack([np.zeros((len(states), 1)), block_states(blocks, states[:, :-1], gaps)])
+    at_knots = states[:, 0] if len(restarts.knots) == 1 else Restarts(restarts.knots, states, states - before, restarts.remainders)
+    coefficients = np.vstack([full(output)[space.places], np.eye(m, len(states), n)])
+    return BohlFunction(coefficients, tuple(blocks), at_knots)
 
 
 def _state_units(block, J) -> np.ndarray:
@@ -259,17 +210,10 @@ def _separated(own, J, U) -> np.ndarray | None:
     """Y, or None near resonance."""
     matrix = np.kron(own, np.eye(len(J))) - np.kron(np.eye(len(own)), J.T)
     scale = max(np.abs(own).max(), np.abs(J).max())
-    if not scale:
+    if not scale or not np.linalg.cond(matrix) < RESONANCE_RATIO**4:
         return None
-    try:
-        solution = (
-            scipy.linalg.solve(matrix, -U.ravel(), check_finite=False) if np.linalg.cond(matrix) < RESONANCE_RATIO**4 else None
-        )
-    except np.linalg.LinAlgError:
-        return None
-    if solution is None or np.abs(solution).max() * scale > RESONANCE_RATIO * np.abs(U).max() * len(J):
-        return None
-    return solution.reshape(U.shape)
+    solution = scipy.linalg.solve(matrix, -U.ravel(), check_finite=False)
+    return None if np.abs(solution).max() * scale > RESONANCE_RATIO * np.abs(U).max() * len(J) else solution.reshape(U.shape)
 
 
 # The static correction, exact for every force: X with M X J^2 + C X J + K X = D outside of the kept modes.
@@ -291,7 +235,7 @@ class StaticCorrection:
 
     def _residual_forces(self, forces: np.ndarray, blocks) -> np.ndarray:
         """D without the part that acts on the kept modes."""
-        pencil, space, generator = self.pencil, self.space, scipy.linalg.block_diag(*blocks)
+        pencil, space, generator = self.pencil, self.space, block_matrix(blocks)
         states = space.modal_forces(forces)
         along, turned = space.displacements(states), space.displacements(space.times_generator(states))
         return forces - times(pencil.mass, turned + along @ generator) - times(pencil.damping, along)
@@ -343,29 +287,23 @@ class StaticCorrection:
             solve = self.undamped.factors.solve
             return lambda right: solve(right.real) + 1j * solve(right.imag)
         for moved in (s, s * (1 + EPS**0.5)):  # next to an eigenvalue in the last digit, which refinement corrects
-            if moved in self.known:
+            with suppress(IllConditioned):
+                if moved not in self.known:
+                    self.known = {moved: self.quadratic.solver(moved)}
                 return self.known[moved]
-            try:
-                self.known = {moved: self.quadratic.solver(moved)}
-            except IllConditioned:
-                continue
-            return self.known[moved]
         raise InputError(f"force: it is in resonance with an undamped mode at {abs(s):.6g} rad/s; increase count")
 
     def _outside(self, x: np.ndarray) -> np.ndarray:
         """x without the kept modes: rounding along them is large near resonance."""
-        if not self.space.modal:
-            return x
-        X = self.space.shapes
-        weighed = self.pencil.mass @ x
-        return x - (X @ (X.T @ weighed.real) + 1j * (X @ (X.T @ weighed.imag)))
+        return x - self._kept(self.pencil.mass @ x) if self.space.modal else x
 
     def _residual(self, forces: np.ndarray) -> np.ndarray:
         """Forces without their part on the kept modes, which is rounding error here."""
-        if not self.space.modal:
-            return forces
+        return forces - self.pencil.mass @ self._kept(forces) if self.space.modal else forces
+
+    def _kept(self, forces: np.ndarray) -> np.ndarray:
         X = self.space.shapes
-        return forces - self.pencil.mass @ (X @ (X.T @ forces.real) + 1j * (X @ (X.T @ forces.imag)))
+        return X @ (X.T @ forces.real) + 1j * (X @ (X.T @ forces.imag))
 
 
 # The energy outside of the kept modes: that of a free motion of the whole system, so that it never grows.
@@ -374,47 +312,35 @@ class StaticCorrection:
 # jump of -X z. With x'^T C x' >= 0 its energy is at most that of its starts: sqrt(2 E) <= sum of sqrt(2 E_j), as this is a norm.
 
 
-@dataclass(frozen=True)
-class Remainder:
-    """A bound of the motion outside of the kept modes."""
-
-    norm: float  # of its energy norm sqrt(2 E)
-    relative: float  # the bound relative to the norm of the whole motion
-    passive: bool  # whether it is valid for all times
-    jumps: bool  # whether coordinates without mass jump at the start
-
-
-def remainder(left: StaticCorrection, displacement, velocity, amplitudes: Amplitudes, followed, smooth: BohlFunction) -> Remainder:
-    """The bound for a start, and a force that changes at knots."""
+def remainder(
+    left: StaticCorrection, displacement, velocity, start: np.ndarray, followed, smooth: BohlFunction
+) -> tuple[float, float, bool]:
+    """A bound of sqrt(2 E) for a start and a force that changes at knots; the same relative to the norm of the whole motion; and whether
+    coordinates without mass jump at the start."""
     pencil, space, restarts = left.pencil, left.space, smooth.restarts
     generator = smooth.generator
     z, jumps = restarts.states[:, 0], restarts.jumps[:, 1:]
-    states = amplitudes.start[:, None]
+    states = start[:, None]
     forced = space.modal_forces(np.asarray(pencil.basis.T @ smooth.coefficients) @ z[:, None])
     kept = space.displacements(states)[:, 0], space.displacements(space.times_generator(states) + forced)[:, 0]
     forced = followed @ z, followed @ (generator @ z)
     rest, jumped = _relaxed(pencil, displacement - kept[0] - forced[0])
     terms = [(displacement, velocity), kept, forced]
-    first = _norm(pencil, rest, velocity - kept[1] - forced[1])
-    sizes = [_norm(pencil, *term) for term in terms]
-    if first <= NOISE_SAFETY * EPS * sum(_rough(pencil, *term) for term in terms):
+    first = _norm(pencil.mass, pencil.stiffness, rest, velocity - kept[1] - forced[1])
+    sizes = [_norm(pencil.mass, pencil.stiffness, *term) for term in terms]
+    # the norm of absolute values, times the unit roundoff, bounds the rounding errors of the norm
+    if first <= NOISE_SAFETY * EPS * sum(_norm(abs(pencil.mass), abs(pencil.stiffness), *map(np.abs, term)) for term in terms):
         first = 0.0
     changes = _norms(pencil, followed, generator, jumps)
     norm = 0.0 if left.undamped.complete and space.modal else float(first + changes.sum())
     whole = max(sizes[0], sizes[1]) + sizes[2] + changes.sum()
     relative = min(norm / np.hypot(norm, whole), 1.0) if norm else 0.0
-    return Remainder(norm, float(relative), _is_passive(left), jumped)
+    return norm, float(relative), jumped
 
 
-def _norm(pencil: ReducedPencil, x, v) -> float:
+def _norm(mass, stiffness, x: np.ndarray, v: np.ndarray) -> float:
     """(v^T M v + x^T K x)^(1/2)."""
-    return max(float(v @ (pencil.mass @ v) + x @ (pencil.stiffness @ x)), 0.0) ** 0.5
-
-
-def _rough(pencil: ReducedPencil, x, v) -> float:
-    """Energy norm of the absolute values: times the unit roundoff it bounds the rounding errors of the norm."""
-    x, v = np.abs(x), np.abs(v)
-    return float(v @ (abs(pencil.mass) @ v) + x @ (abs(pencil.stiffness) @ x)) ** 0.5
+    return max(float(v @ (mass @ v) + x @ (stiffness @ x)), 0.0) ** 0.5
 
 
 def _norms(pencil: ReducedPencil, followed, generator, jumps) -> np.ndarray:
@@ -536,7 +462,7 @@ class SparseMotion(SystemMotion, Displayed):
 
         matrices = (system.stiffness, system.damping, system.mass)
         inertial = self.amplitudes.differential(*(multipliers(matrix @ self.shapes) for matrix in matrices))
-        return FunctionSum([inertial, BohlFunction(-multipliers(force.coefficients), force.blocks, force.start)])
+        return FunctionSum((inertial, BohlFunction(-multipliers(force.coefficients), force.blocks, force.start)))
 
     def error_estimate(self, times) -> float:
         """Estimate of the rounding error, max |error| / max |x|; x_rest, which is left out, has its own ``bound``.
@@ -586,18 +512,22 @@ def sparse_motion(system: EquationsOfMotion, start: np.ndarray, applied: Impulsi
         applied = applied + step(-(system.stiffness @ offset))
     displacement, velocity = _free_start(pencil, start, offset)
     undamped = undamped_modes(pencil, count)
-    space = mode_space(pencil, undamped)
+    if asymmetry(pencil.damping)[0]:
+        raise InputError(
+            "damping: it is not symmetric; the motion of large sparse systems needs symmetric damping; its modes can be had, and "
+            "the motion of a small system given as arrays"
+        )
+    space = (_modal_space if is_modal(pencil, undamped) else _of_pairs)(pencil, undamped)
     left = StaticCorrection(pencil, undamped, space)
     smooth = applied.smooth
     forces = np.asarray(pencil.basis.T @ smooth.coefficients)
     followed = left.followed(forces, smooth.blocks)
-    amplitudes = Amplitudes(space, space.initial_states(pencil, displacement, velocity), space.modal_forces(forces), smooth)
-    rest = remainder(left, displacement, velocity, amplitudes, followed, smooth)
-    shapes = times(pencil.basis, np.hstack([space.shapes, followed]))
-    notices = (*system.notices, *_notices(rest, space, count))
-    return SparseMotion(
-        system, applied, amplitudes.function, shapes, offset, rest.norm, rest.relative, rest.passive, notices, space, left
-    )
+    begin = space.initial_states(pencil, displacement, velocity)
+    function = amplitudes(space, begin, space.modal_forces(forces), smooth)
+    norm, relative, jumps = remainder(left, displacement, velocity, begin, followed, smooth)
+    passive, shapes = _is_passive(left), times(pencil.basis, np.hstack([space.shapes, followed]))
+    notices = (*system.notices, *_notices(norm, relative, passive, jumps, space, count))
+    return SparseMotion(system, applied, function, shapes, offset, norm, relative, passive, notices, space, left)
 
 
 def _constrained_displacement(pencil: ReducedPencil) -> np.ndarray:
@@ -608,8 +538,8 @@ def _constrained_displacement(pencil: ReducedPencil) -> np.ndarray:
     return pencil.offset + pencil.basis @ (rows.T @ np.linalg.solve((rows @ rows.T).toarray(), pencil.row_values))
 
 
-def _notices(rest: Remainder, space: ModeSpace, count: int):
-    if rest.jumps:
+def _notices(norm: float, relative: float, passive: bool, jumps: bool, space: ModeSpace, count: int) -> Iterator[Notice]:
+    if jumps:
         yield Notice(NoticeKind.JUMP, "massless coordinates jump at t = 0 to their equilibrium between the springs")
     if space.left_out:
         yield Notice(NoticeKind.ACCURACY, f"{space.left_out} damped modes did not converge and count as part of the rest")
@@ -620,13 +550,13 @@ def _notices(rest: Remainder, space: ModeSpace, count: int):
             f"they are, x differs by {ROUNDED_FREE:g} of itself and more from t = {since:.3g} s on"
         )
         yield Notice(NoticeKind.RANK, text)
-    if rest.norm:
-        when = "for all times" if rest.passive else "at t = 0; later it may grow, as damping or stiffness supply energy"
+    if norm:
+        when = "for all times" if passive else "at t = 0; later it may grow, as damping or stiffness supply energy"
         text = (
-            f"the motion outside of these modes has an energy of at most {rest.norm**2 / 2:.3g} J, {rest.relative:.2g} of all in "
+            f"the motion outside of these modes has an energy of at most {norm**2 / 2:.3g} J, {relative:.2g} of all in "
             f"the energy norm, {when}; increase count above {count} to include more of it"
         )
-        yield Notice(NoticeKind.OMITTED, text, doubtful=not rest.passive)
+        yield Notice(NoticeKind.OMITTED, text, doubtful=not passive)
 
 
 def _free_start(pencil: ReducedPencil, start: np.ndarray, offset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -638,10 +568,8 @@ def _free_start(pencil: ReducedPencil, start: np.ndarray, offset: np.ndarray) ->
         ("velocity", start[1], np.zeros(len(offset)), np.zeros(len(names))),
     ):
         violation = A @ given - values
-        largest = np.abs(given).max(
-            initial=0.0
-        )  # a vector projected on the constraints has the rounding error of its largest entry
-        size = abs(A) @ (largest + np.abs(constant)) + np.abs(values)
+        # a vector projected on the constraints has the rounding error of its largest entry
+        size = abs(A) @ (np.abs(given).max(initial=0.0) + np.abs(constant)) + np.abs(values)
         beyond = np.abs(violation) > noise_of(size, int(np.diff(A.indptr).max(initial=1)))
         if beyond.any():
             worst = int(np.argmax(np.abs(violation) * beyond))

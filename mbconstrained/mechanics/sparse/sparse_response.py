@@ -178,13 +178,9 @@ class _Residuals(LeftOut):
         K = self.coefficients[0] if self.imaginary is None else self.coefficients[0] + 1j * self.imaginary
         for w in np.asarray(omega, dtype=float):
             y = np.linalg.solve(K + 1j * w * self.coefficients[1] - w * w * self.coefficients[2], reduced.forces)
-            along = y[modes:]
-            parts = [
-                np.eye(*np.shape(reduced.turn @ along)) - structural * (reduced.turn @ along),
-                (w * w - structural * shift) * along,
-            ]
-            parts += [] if reduced.damped is None else [-1j * w * y]
-            c = np.vstack([*parts, -structural * y])
+            along, sources = y[modes:], structural * (reduced.turn @ y[modes:])
+            damped = [] if reduced.damped is None else [-1j * w * y]
+            c = np.vstack([np.eye(*sources.shape) - sources, (w * w - structural * shift) * along, *damped, -structural * y])
             square = np.real(np.einsum("ij,ik,kj->j", c.conj(), gram, c))
             rounding = EPS * np.einsum("ij,ik,kj->j", np.abs(c), terms, np.abs(c))
             sizes.append(np.sqrt(np.maximum(square, rounding)) * np.sqrt((self.limit - shift) / (self.limit - w * w)))

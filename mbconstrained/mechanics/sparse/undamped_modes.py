@@ -37,6 +37,9 @@ BASIS_PER_VECTOR, BASIS_MORE = 3, 40
 #: Blocks between tests of convergence.
 BETWEEN_LOOKS = 3
 
+#: Rows that are multiplied at a time.
+CHUNK = 8192
+
 #: Restarts after which the pairs are returned as they are.
 MOST_RESTARTS = 60
 
@@ -85,7 +88,7 @@ class _Lanczos:
             return np.zeros(0), np.zeros((self.size, 0)), True
         values, turn, _ = self._ritz(coupling)
         take = min(self.requested, self.count)
-        self._rotate(turn[:, :take])
+        _turn(self.basis, turn[:, :take])
         return values[:take], self.basis[:, :take].copy(order="F"), exhausted
 
     def first_values(self, steps: int) -> np.ndarray:
@@ -171,18 +174,18 @@ class _Lanczos:
         """Keep the requested pairs and the best half of the others."""
         values, turn, _ = self._ritz(coupling)
         keep = min(self.count - 1, (self.requested + self.count) // 2)
-        self._rotate(turn[:, :keep])
+        _turn(self.basis, turn[:, :keep])
         self.projected[:] = 0.0
         self.projected[range(keep), range(keep)] = values[:keep]
         self.count, self.recent = keep, 0
         return coupling @ turn[:, :keep]
 
-    def _rotate(self, turn) -> None:
-        """The basis times a matrix, in place."""
-        chunk = 8192
-        for begin in range(0, self.size, chunk):
-            part = self.basis[begin : begin + chunk]
-            part[:, : turn.shape[1]] = part[:, : self.count] @ turn
+
+def _turn(vectors: np.ndarray, turn: np.ndarray) -> None:
+    """The first columns times a matrix, in place, some rows at a time: no second array as large as all vectors."""
+    for begin in range(0, len(vectors), CHUNK):
+        part = vectors[begin : begin + CHUNK]
+        part[:, : turn.shape[1]] = part[:, : len(turn)] @ turn
 
 
 #: Up to this size a dense decomposition is as fast.
@@ -193,9 +196,6 @@ RIGID_STEPS = 4
 
 #: Modes computed beyond the requested ones, so that there is a gap among them.
 GUARD = 4
-
-#: Rows that are turned at a time: no second array as large as all vectors.
-CHUNK = 8192
 
 #: Number of searches for modes that the count misses.
 ROUNDS = 12
@@ -295,15 +295,12 @@ def _settled(pencil: ReducedPencil, shift: float, factors: Factorization) -> tup
         values = _Lanczos(factors.solve, pencil.mass, BLOCK * FIRST_LOOK, np.zeros((pencil.size, 0))).first_values(FIRST_LOOK)
         values = values[values > 0]
         estimates = shift + 1 / values
+        elastic = estimates[estimates > abs(shift)]
         if not len(values):
             break
         if estimates[0] < -TOO_CLOSE * abs(shift) and estimates[0] - shift > 2 * BETTER_SHIFT * abs(estimates[0]):
             candidates = [float(estimates[0] - margin * abs(estimates[0])) for margin in MARGINS]
-        elif (
-            values[-1] < values[0] * TOO_CLOSE
-            and (elastic := estimates[estimates > abs(shift)]).size < len(estimates)
-            and elastic.size
-        ):
+        elif values[-1] < values[0] * TOO_CLOSE and 0 < len(elastic) < len(estimates):
             candidates = [-BETTER_SHIFT * float(elastic[0])]
         else:
             break
@@ -358,8 +355,7 @@ def _orthonormal(pencil: ReducedPencil, vectors: np.ndarray) -> np.ndarray:
         turn = scipy.linalg.solve_triangular(scipy.linalg.cholesky((gram + gram.T) / 2), np.eye(len(gram)))
     except scipy.linalg.LinAlgError:  # reported by the orthogonality and the count
         return vectors
-    for begin in range(0, len(vectors), CHUNK):
-        vectors[begin : begin + CHUNK] = vectors[begin : begin + CHUNK] @ turn
+    _turn(vectors, turn)
     return vectors
 
 
