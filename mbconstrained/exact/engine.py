@@ -91,7 +91,7 @@ class ExactMatrix(Protocol):
 
     def root_polynomials(self, p: Polynomial, multiplicity: int) -> list[RootPolynomials]:
         """Root polynomials at the zeros of a monic irreducible p, given with its multiplicity in det A(s), ascending lengths."""
-        return eliminated(self.ring, self.adjugate, self.determinant, p, multiplicity)
+        return eliminated(self.ring, self.adjugate, self.determinant, p, multiplicity) if multiplicity else []
 
     def infinite_root_polynomials(self) -> list[RootPolynomials]:
         """Root polynomials of s^q A(1/s) at s = 0, q = max(degree, 1), ascending lengths; its adjugate and determinant are those of A reversed.
@@ -99,12 +99,14 @@ class ExactMatrix(Protocol):
         They are computed from the transposed matrix, so that an entry of each row psi is 1, as in Moysis et al., Eq. 97.
         """
         ring, r, q = self.ring, self.size, max(self.degree, 1)
+        s, multiplicity = ring.polynomial([ring.zero, ring.one]), q * r - self.determinant.degree()
+        if not multiplicity:
+            return []
 
         def mirrored(p: Polynomial, degree: int) -> Polynomial:
             return ring.polynomial(ring.coefficients(p, degree + 1)[::-1])
 
         transposed = [[mirrored(entry, q * (r - 1)) for entry in column] for column in zip(*self.adjugate)]
-        s, multiplicity = ring.polynomial([ring.zero, ring.one]), q * r - self.determinant.degree()
         terms = eliminated(ring, transposed, mirrored(self.determinant, q * r), s, multiplicity)
         return [RootPolynomials(ring, s, t.length, t.left, lambda t=t: t.right, t.pivot) for t in terms]
 
@@ -147,8 +149,6 @@ class RootPolynomials:
 
 def eliminated(ring: PolynomialRing, adjugate, determinant: Polynomial, p: Polynomial, multiplicity: int) -> list[RootPolynomials]:
     """The terms of adjugate / determinant at the zeros of p, ascending lengths; one entry of each right column is 1."""
-    if multiplicity == 0:
-        return []
     common = 0 if multiplicity == 1 else min(_valuation(e, p) for row in adjugate for e in row if e)
     k = multiplicity - common
     others = ring.inverse(determinant // p**multiplicity % p**k, p**k)
