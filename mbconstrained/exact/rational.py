@@ -368,7 +368,7 @@ class RationalMatrix(ExactMatrix):
             value = value * point + matrix
         return value
 
-    def _sampled(self, count: int) -> list[tuple[int, flint.fmpz_mat, flint.fmpz]]:
+    def _sampled(self, count: int) -> list[tuple]:
         """(point, W there, det W there) at as many points with a regular W as required; none where W is always singular."""
         while len(self._samples) < count:
             if self._singular > sum(self.row_degrees):
