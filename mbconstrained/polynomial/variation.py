@@ -45,6 +45,8 @@ class VariedSpectrum:
         velocity: s x, also where s = 0 and x is the motion of a free body at constant velocity.
         states, rows: vectors of the first-order equations, rows @ states = I, shape (k, m) and (m, k).
         noise: changes of the eigenvalues by rounding errors (1/s).
+        parameter: p, where A(s) depends on one.
+        coupling: - y_i^T A_p(s_j) x_j, shape (m, m), its diagonal the derivatives of simple eigenvalues.
     """
 
     values: np.ndarray
@@ -54,38 +56,37 @@ class VariedSpectrum:
     states: np.ndarray
     rows: np.ndarray
     noise: float
+    parameter: float = np.nan
+    coupling: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
 
-    def derivative_matrix(self, slope: np.ndarray) -> np.ndarray:
-        """- y_i^T A_p(s_j) x_j, shape (m, m), its diagonal the derivatives of simple eigenvalues."""
-        motions = (self.right, self.velocity, self.velocity * self.values)
-        zero = np.zeros_like(self.right)
-        return -self.left @ sum((matrix @ motion for matrix, motion in zip(slope, motions) if matrix.any()), zero)
-
-    def mapped(self, states: np.ndarray, rows: np.ndarray) -> VariedSpectrum:
-        """The vectors combined."""
-        right, velocity = (matrix @ states for matrix in (self.right, self.velocity))
-        return VariedSpectrum(self.values, right, velocity, rows @ self.left, self.states @ states, rows @ self.rows, self.noise)
+    @property
+    def slopes(self) -> np.ndarray:
+        """ds/dp, shape (m,)."""
+        return self.coupling.diagonal()
 
     def ordered(self, order: np.ndarray) -> VariedSpectrum:
         """The spectrum in another order, shape (m,)."""
-        right, velocity, states = (matrix[:, order] for matrix in (self.right, self.velocity, self.states))
-        return VariedSpectrum(self.values[order], right, velocity, self.left[order], states, self.rows[order], self.noise)
+        columns = {name: getattr(self, name)[:, order] for name in ("right", "velocity", "states")}
+        rows = {name: getattr(self, name)[order] for name in ("values", "left", "rows")}
+        return replace(self, **columns, **rows, coupling=self.coupling[np.ix_(order, order)])
 
-    def turned(self, slope: np.ndarray) -> tuple[VariedSpectrum, np.ndarray]:
-        """The vectors of equal eigenvalues combined so that they are limits of those for p + dp, and all couplings."""
-        coupling = self.derivative_matrix(slope)
-        groups = equal_groups(self.values, self.noise)
+    def varied(self, parameter: float, slope: np.ndarray) -> VariedSpectrum:
+        """The spectrum with its couplings at p, vectors of equal eigenvalues combined so that they are limits of those for p + dp."""
+        motions, zero = (self.right, self.velocity, self.velocity * self.values), np.zeros_like(self.right)
+        coupling = -self.left @ sum((matrix @ motion for matrix, motion in zip(slope, motions) if matrix.any()), zero)
+        result, groups = replace(self, parameter=parameter, coupling=coupling), equal_groups(self.values, self.noise)
         if not groups:
-            return self, coupling
+            return result
         turn = np.eye(len(self.values), dtype=complex)
         for group in groups:
             place = np.ix_(group, group)
             if np.isfinite(coupling[place]).all():
                 turn[place] = np.linalg.eig(coupling[place])[1]
         if not np.linalg.cond(turn) < 1 / EPS**0.5:  # a defective derivative: the vectors stay
-            return self, coupling
+            return result
         back = np.linalg.inv(turn)
-        return self.mapped(turn, back), back @ coupling @ turn
+        columns = {name: getattr(self, name) @ turn for name in ("right", "velocity", "states")}
+        return replace(result, **columns, left=back @ self.left, rows=back @ self.rows, coupling=back @ coupling @ turn)
 
 
 def equal_groups(values: np.ndarray, radius: float) -> list[np.ndarray]:
@@ -244,29 +245,6 @@ class Branches:
     evaluations: int
 
 
-@dataclass(frozen=True, eq=False)
-class SpectrumPoint:
-    """A spectrum at p, with all couplings of the first order."""
-
-    parameter: float
-    spectrum: VariedSpectrum
-    coupling: np.ndarray
-
-    @property
-    def values(self) -> np.ndarray:
-        """s, shape (m,)."""
-        return self.spectrum.values
-
-    @property
-    def slopes(self) -> np.ndarray:
-        """ds/dp, shape (m,)."""
-        return self.coupling.diagonal()
-
-    def ordered(self, order: np.ndarray) -> SpectrumPoint:
-        """The point with its eigenvalues in another order, shape (m,)."""
-        return SpectrumPoint(self.parameter, self.spectrum.ordered(order), self.coupling[np.ix_(order, order)])
-
-
 def followed(family: MatrixFamily, parameters: np.ndarray) -> Branches:
     """The branches of all eigenvalues over ascending values of the parameter."""
     parts = [FamilyPart(family, at, parameters) for at in family.parts]
@@ -313,7 +291,7 @@ class FamilyPart:
         """The rows and columns of this part, shape (3, k, k)."""
         return matrices[:, self.places[:, None], self.places]
 
-    def chain(self, parameters: np.ndarray) -> list[SpectrumPoint]:
+    def chain(self, parameters: np.ndarray) -> list[VariedSpectrum]:
         """A point for each parameter, with every branch at its index."""
         points = [self.point(float(parameters[0]))]
         if self.is_constant:
@@ -324,7 +302,7 @@ class FamilyPart:
             points.append(following.ordered(self._connected(points[-1], following, resolution)))
         return points
 
-    def point(self, parameter: float) -> SpectrumPoint:
+    def point(self, parameter: float) -> VariedSpectrum:
         """The spectrum at p."""
         self.evaluations += 1
         coefficients, slope = (self.block(matrices(parameter)) for matrices in (self.family.at, self.family.slope))
@@ -332,26 +310,25 @@ class FamilyPart:
             K, M = np.diag(self.stiffness), np.eye(len(self.basis))
             coefficients = np.array([K, _congruent(coefficients[1], self.basis), M])
             slope = np.array([_congruent(matrix, self.basis) for matrix in slope])
-        return SpectrumPoint(parameter, *spectrum_of(list(coefficients)).turned(slope))
+        return spectrum_of(coefficients).varied(parameter, slope)
 
     @property
     def is_conservative(self) -> bool:
         """Whether M and K are symmetric and do not depend on p, M positive definite and K positive semidefinite."""
         return self.basis is not None
 
-    def refined(self, point: SpectrumPoint, branch: int) -> complex:
+    def refined(self, point: VariedSpectrum, branch: int) -> complex:
         """An eigenvalue, refined by ``refined_values``."""
-        s = point.spectrum
-        right, left = s.right[:, [branch]], s.left[[branch]]
+        right, left = point.right[:, [branch]], point.left[[branch]]
         if self.basis is not None:
             right, left = self.basis @ right, left @ self.basis.T
-        return complex(refined_values(list(self.block(self.family.at(point.parameter))), s.values[[branch]], right, left)[0])
+        return complex(refined_values(list(self.block(self.family.at(point.parameter))), point.values[[branch]], right, left)[0])
 
-    def shapes(self, point: SpectrumPoint) -> np.ndarray:
+    def shapes(self, point: VariedSpectrum) -> np.ndarray:
         """Shapes in the coordinates of the family, shape (n, m)."""
-        return point.spectrum.right if self.basis is None else self.basis @ point.spectrum.right
+        return point.right if self.basis is None else self.basis @ point.right
 
-    def _connected(self, a: SpectrumPoint, b: SpectrumPoint, resolution: float) -> np.ndarray:
+    def _connected(self, a: VariedSpectrum, b: VariedSpectrum, resolution: float) -> np.ndarray:
         """The indices at b of the branches at a."""
         if a.values.size != b.values.size:
             raise InputError(
@@ -375,14 +352,14 @@ def _congruent(matrix: np.ndarray, basis: np.ndarray) -> np.ndarray:
     return result
 
 
-def _assigned(a: SpectrumPoint, b: SpectrumPoint) -> tuple[np.ndarray, bool]:
+def _assigned(a: VariedSpectrum, b: VariedSpectrum) -> tuple[np.ndarray, bool]:
     """The indices at b of the branches at a, and whether the assignment is unique."""
-    half, noise = (b.parameter - a.parameter) / 2, a.spectrum.noise + b.spectrum.noise
+    half, noise = (b.parameter - a.parameter) / 2, a.noise + b.noise
     with np.errstate(invalid="ignore", over="ignore"):
         distance = np.abs((a.values + half * a.slopes)[:, None] - (b.values - half * b.slopes))
     if not np.isfinite(distance).all():  # derivatives of defective eigenvalues
         distance = np.abs(a.values[:, None] - b.values)
-    likeness = np.abs(a.spectrum.rows @ b.spectrum.states)
+    likeness = np.abs(a.rows @ b.states)
     order = linear_sum_assignment(distance + noise * (1 - np.minimum(likeness, 1.0)))[1]
     places = np.arange(len(order))
     own = distance[places, order]
@@ -395,7 +372,7 @@ def _assigned(a: SpectrumPoint, b: SpectrumPoint) -> tuple[np.ndarray, bool]:
     return order, bool((clear | equal).all()) and not _may_veer(a, b.ordered(order), noise)
 
 
-def _may_veer(a: SpectrumPoint, b: SpectrumPoint, noise: float) -> bool:
+def _may_veer(a: VariedSpectrum, b: VariedSpectrum, noise: float) -> bool:
     """Whether two coupled branches are exchanged between both points."""
     first, last = (point.values[:, None] - point.values for point in (a, b))
     places = np.argwhere(np.triu((first * last.conj()).real < 0, 1))
