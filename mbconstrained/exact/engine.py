@@ -34,41 +34,19 @@ class PolynomialRing(Protocol):
     zero: Element
     one: Element
 
-    def polynomial(self, coefficients: Sequence[Element]) -> Polynomial:
-        """The polynomial with these coefficients, the lowest power first."""
-
-    def coefficients(self, p: Polynomial, count: int) -> list[Element]:
-        """The first coefficients, the lowest power first."""
-
-    def inverse(self, p: Polynomial, modulus: Polynomial) -> Polynomial:
-        """1 / p modulo a polynomial."""
-
-    def factors(self, p: Polynomial) -> list[tuple[Polynomial, int]]:
-        """The monic irreducible factors with their multiplicities, low degrees first."""
-
-    def weight(self, p: Polynomial) -> int:
-        """Length of a polynomial: of possible pivots the shortest is taken."""
-
-    def text(self, p: Polynomial) -> str:
-        """The polynomial in short, for representations."""
-
-    def exported(self, p: Polynomial) -> Any:
-        """The polynomial as users read it."""
-
-    def chain(self, term: RootPolynomials) -> JordanChain:
-        """The Jordan chain of root polynomials."""
-
-    def finite_zeros(self, divisors: Sequence[tuple[Polynomial, int, tuple[int, ...]]]) -> tuple:
-        """Zeros of polynomials given with multiplicity and exponents."""
-
-    def matrix(self, rows: Sequence[Sequence[Element]]) -> Matrix:
-        """The matrix with these rows."""
-
-    def joined(self, matrices: Sequence[Matrix], axis: int) -> Matrix:
-        """Matrices below each other (axis 0) or side by side (1)."""
-
-    def diagonal(self, matrices: Sequence[Matrix]) -> Matrix:
-        """The block diagonal matrix."""
+    # Coefficients stand with the lowest power first; the monic irreducible factors with their multiplicities, low degrees first.
+    def polynomial(self, coefficients: Sequence[Element]) -> Polynomial: ...
+    def coefficients(self, p: Polynomial, count: int) -> list[Element]: ...
+    def inverse(self, p: Polynomial, modulus: Polynomial) -> Polynomial: ...
+    def factors(self, p: Polynomial) -> list[tuple[Polynomial, int]]: ...
+    def weight(self, p: Polynomial) -> int: ...  # of possible pivots the one of least weight is taken
+    def text(self, p: Polynomial) -> str: ...  # in short, for representations
+    def exported(self, p: Polynomial) -> Any: ...
+    def chain(self, term: RootPolynomials) -> JordanChain: ...
+    def finite_zeros(self, divisors: Sequence[tuple[Polynomial, int, tuple[int, ...]]]) -> tuple: ...  # p, multiplicity, exponents
+    def matrix(self, rows: Sequence[Sequence[Element]]) -> Matrix: ...
+    def joined(self, matrices: Sequence[Matrix], axis: int) -> Matrix: ...  # below each other (axis 0) or side by side (1)
+    def diagonal(self, matrices: Sequence[Matrix]) -> Matrix: ...  # block diagonal
 
 
 class ExactMatrix(Protocol):

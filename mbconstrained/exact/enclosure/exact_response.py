@@ -424,7 +424,7 @@ class ExactResponse(Displayed):
     def _started(self, time: flint.fmpq, rows_of: Callable[[RationalResponse], list[list[flint.fmpq]]], number) -> list[list]:
         """The sum of rows of the responses that begin at a time, in numbers of one kind."""
         total: list[list] = []
-        for part, factor in [(part, factor) for part in self._parts for at, factor in part.calls if at == time]:
+        for part, factor in ((each, factor) for each in self._parts for at, factor in each.calls if at == time):
             if any(map(any, rows := rows_of(part.response))):
                 amount = number(factor)
                 total += [[number(ZERO)] * self.size for _ in rows[len(total) :]]

@@ -177,28 +177,14 @@ def _times(one: TimeTerm, other: TimeTerm) -> list[TimeTerm]:
     ]
 
 
-@dataclass(frozen=True)
-class Transform:
-    """The transform of a term from its start: sum of amplitude numerator(s) over ((s - rate)^2 + square)^power, or over (s - rate)^power.
-
-    Attributes:
-        parts: (amplitude, numerator as an expression in s) each.
-        denominator, power: as an expression in s with coefficients rational in symbols.
-    """
-
-    parts: tuple[tuple[sympy.Expr, sympy.Expr], ...]
-    denominator: sympy.Expr = sympy.S.One
-    power: int = 0
-
-
-def transform_of(term: TimeTerm, s: sympy.Symbol) -> Transform:
-    """The Laplace transform of a term that starts at 0.
+def transform_of(term: TimeTerm, s: sympy.Symbol) -> tuple[list[tuple[sympy.Expr, sympy.Expr]], sympy.Expr, int]:
+    """Amplitudes with numerators, the denominator and its power of the Laplace transform of a term that starts at 0.
 
     With n = k + 1: k!/(s - a - i w)^n = k! ((s - a) + i w)^n / ((s - a)^2 + w^2)^n, so that w enters the denominator squared: the
     frequency sqrt(k/m) meets the factor m s^2 + k of a determinant there. A rate a + r with r^2 rational is treated in the same manner.
     """
     if term.impulse is not None:
-        return Transform(((term.coefficient, s**term.impulse),))
+        return [(term.coefficient, s**term.impulse)], sympy.S.One, 0
     n, factor = term.power + 1, term.coefficient * sympy.factorial(term.power)
     rate, root = _rational_and_root(term.rate)
     if root != 0 and term.frequency != 0:
@@ -207,12 +193,11 @@ def transform_of(term: TimeTerm, s: sympy.Symbol) -> Transform:
         )
     cosine = factor * sympy.cos(term.phase)
     if root == 0 and term.frequency == 0:
-        return Transform(((cosine, sympy.S.One),), s - rate, n)
+        return [(cosine, sympy.S.One)], s - rate, n
     square = sympy.expand(term.frequency**2 - root**2)
     binomial = [sympy.binomial(n, j) * (s - rate) ** (n - j) * (-square) ** (j // 2) for j in range(n + 1)]
     turned = cosine * root if root != 0 else -factor * sympy.sin(term.phase) * term.frequency
-    parts = (cosine, sympy.Add(*binomial[::2])), (turned, sympy.Add(*binomial[1::2]))
-    return Transform(parts, (s - rate) ** 2 + square, n)
+    return [(cosine, sympy.Add(*binomial[::2])), (turned, sympy.Add(*binomial[1::2]))], (s - rate) ** 2 + square, n
 
 
 def _rational_and_root(rate) -> tuple[sympy.Expr, sympy.Expr]:
@@ -234,7 +219,7 @@ class SymbolicSource:
         start: the time.
         amplitude: any expression without s and t.
         numerator: r expressions, polynomials in s with coefficients rational in symbols.
-        denominator, power: as in ``Transform``.
+        denominator, power: as an expression in s with coefficients rational in symbols, and a whole number.
         is_impulse: of a Dirac impulse in the force.
     """
 
@@ -275,13 +260,11 @@ def force_sources(A: SymbolicPolynomialMatrix, force: Iterable[sympy.Expr], time
                     f"log({power.base}) and put in its value afterwards"
                 )
         for term in (moved for given in terms_of(expression, time) for moved in given.from_its_start()):
-            transform, is_impulse = transform_of(term, S), term.impulse is not None
-            for amplitude, numerator in transform.parts:
+            parts, denominator, power = transform_of(term, S)
+            for amplitude, numerator in parts:
                 if amplitude != 0:
-                    vector = tuple(numerator * (sympy.S.One if i == row else sympy.S.Zero) for i in range(A.size))
-                    sources.append(
-                        SymbolicSource(term.start, amplitude, vector, transform.denominator, transform.power, is_impulse)
-                    )
+                    vector = tuple(numerator if i == row else sympy.S.Zero for i in range(A.size))
+                    sources.append(SymbolicSource(term.start, amplitude, vector, denominator, power, term.impulse is not None))
     return sources
 
 
