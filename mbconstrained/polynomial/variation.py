@@ -310,7 +310,7 @@ class FamilyPart:
             K, M = np.diag(self.stiffness), np.eye(len(self.basis))
             coefficients = np.array([K, _congruent(coefficients[1], self.basis), M])
             slope = np.array([_congruent(matrix, self.basis) for matrix in slope])
-        return spectrum_of(coefficients).varied(parameter, slope)
+        return spectrum_of(list(coefficients)).varied(parameter, slope)
 
     @property
     def is_conservative(self) -> bool:
@@ -493,27 +493,26 @@ def _of_part(family: MatrixFamily, parameters: np.ndarray, values: np.ndarray) -
             share = float((a / (a - b)).real)
             start = [ends[first] + share * (ends[last] - ends[first]) for ends in (parameters, middles)]
             point = _break_point(family, float(start[0].real), complex(start[1]))
-            if point is not None and parameters[first] <= point.parameter <= parameters[last] and not _known(point, points):
+            if point is None or not parameters[first] <= point.parameter <= parameters[last]:
+                continue
+            if not any(
+                abs(point.parameter - one.parameter) <= NEWTON_STEP * abs(one.parameter)
+                and abs(point.eigenvalue - one.eigenvalue) <= NEWTON_STEP * abs(point.eigenvalue)
+                for one in points
+            ):
                 points.append(point)
     return points
-
-
-def _known(point: BreakPoint, points: list[BreakPoint]) -> bool:
-    size = abs(point.eigenvalue)
-    return any(
-        abs(point.parameter - one.parameter) <= NEWTON_STEP * abs(one.parameter)
-        and abs(point.eigenvalue - one.eigenvalue) <= NEWTON_STEP * size
-        for one in points
-    )
 
 
 def _break_point(family: MatrixFamily, p: float, s: complex) -> BreakPoint | None:
     """Newton's method on (g, g_s) over Re s, Im s and p, all real, from four real rows, which are consistent at a break point."""
     if abs(s.imag) <= NEWTON_STEP * abs(s):
         s = complex(s.real)
-    border = _Border(family, p, s)
+    K, C, M = family.at(p)
+    left, _, right = np.linalg.svd(K + s * C + s * s * M)
+    scale = np.abs(K).max() + abs(s) * np.abs(C).max() + abs(s) ** 2 * np.abs(M).max()
     for _ in range(STEPS):
-        equations = border.equations(p, s)
+        equations = _bordered(family.at(p), family.slope(p), s, scale * left[:, -1:], scale * right[-1:])
         if equations is None:
             return None
         rows, rest, x = equations
@@ -530,28 +529,19 @@ def _break_point(family: MatrixFamily, p: float, s: complex) -> BreakPoint | Non
     return BreakPoint(p, complex(s.real, abs(s.imag)) + 0.0, x / x[np.abs(x).argmax()], residual)
 
 
-class _Border:
-    """b and c, the vectors of the smallest singular value of A(s; p), and with them (g, g_s) and their derivatives."""
-
-    def __init__(self, family: MatrixFamily, p: float, s: complex):
-        K, C, M = family.at(p)
-        left, _, right = np.linalg.svd(K + s * C + s * s * M)
-        scale = np.abs(K).max() + abs(s) * np.abs(C).max() + abs(s) ** 2 * np.abs(M).max()
-        self.family, self.column, self.row = family, scale * left[:, -1:], scale * right[-1:]
-
-    def equations(self, p: float, s: complex) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-        """The derivatives of (Re g, Re g_s, Im g, Im g_s), shape (4, 3), their values, and x; None of a singular matrix."""
-        (K, C, M), (K1, C1, M1) = self.family.at(p), self.family.slope(p)
-        A, A_s, A_p, A_sp = K + s * C + s * s * M, C + 2 * s * M, K1 + s * C1 + s * s * M1, C1 + 2 * s * M1
-        try:
-            inverse = np.linalg.inv(np.block([[A, self.column], [self.row, np.zeros((1, 1))]]))
-        except np.linalg.LinAlgError:
-            return None
-        x, y, g = inverse[:-1, -1], inverse[-1, :-1], inverse[-1, -1]
-        x_s, x_p = (-(inverse[:-1, :-1] @ (slope @ x)) for slope in (A_s, A_p))
-        g_s, g_p = -(y @ A_s @ x), -(y @ A_p @ x)
-        g_ss, g_sp = -2 * (y @ M @ x + y @ A_s @ x_s), -(y @ A_sp @ x + y @ A_s @ x_p + y @ A_p @ x_s)
-        rows, values = np.array([[g_s, 1j * g_s, g_p], [g_ss, 1j * g_ss, g_sp]]), np.array([g, g_s])
-        if not (np.isfinite(rows).all() and np.isfinite(values).all()):
-            return None
-        return np.vstack([rows.real, rows.imag]), np.concatenate([values.real, values.imag]), x
+def _bordered(at: np.ndarray, slope: np.ndarray, s: complex, column: np.ndarray, row: np.ndarray):
+    """The derivatives of (Re g, Re g_s, Im g, Im g_s), shape (4, 3), their values, and x, for b and c; None of a singular matrix."""
+    (K, C, M), (K1, C1, M1) = at, slope
+    A, A_s, A_p, A_sp = K + s * C + s * s * M, C + 2 * s * M, K1 + s * C1 + s * s * M1, C1 + 2 * s * M1
+    try:
+        inverse = np.linalg.inv(np.block([[A, column], [row, np.zeros((1, 1))]]))
+    except np.linalg.LinAlgError:
+        return None
+    x, y, g = inverse[:-1, -1], inverse[-1, :-1], inverse[-1, -1]
+    x_s, x_p = (-(inverse[:-1, :-1] @ (matrix @ x)) for matrix in (A_s, A_p))
+    g_s, g_p = -(y @ A_s @ x), -(y @ A_p @ x)
+    g_ss, g_sp = -2 * (y @ M @ x + y @ A_s @ x_s), -(y @ A_sp @ x + y @ A_s @ x_p + y @ A_p @ x_s)
+    rows, values = np.array([[g_s, 1j * g_s, g_p], [g_ss, 1j * g_ss, g_sp]]), np.array([g, g_s])
+    if not (np.isfinite(rows).all() and np.isfinite(values).all()):
+        return None
+    return np.vstack([rows.real, rows.imag]), np.concatenate([values.real, values.imag]), x
