@@ -507,7 +507,17 @@ def time_expression(
     given = [[c.xreplace(names) for c in p] for p in given]
     field = field_of(given[0] + given[1])
     elements = [[element(field, c, "coefficients") for c in reversed(p)] for p in given]
-    expression = _inverse(*(sympy.Poly(p or [field.zero], S, domain=field) for p in elements), int(gamma), t)
+    b, a = (sympy.Poly(p or [field.zero], S, domain=field) for p in elements)
+    if a.is_zero:
+        raise InputError("denominator: found a(s) = 0; expected a polynomial that is not zero")
+    power = sympy.Poly(S ** abs(int(gamma)), S, domain=field)
+    b, a = (b, a * power) if gamma > 0 else (b * power, a)
+    common = a.gcd(b)
+    b, a = b.quo(common), a.quo(common)
+    impulses, rest = (p * _constant(p, field.one / a.rep.to_list()[0]) for p in b.div(a.monic()))
+    coefficients = reversed(impulses.rep.to_list())
+    total = [expression_of(field, c) * delta(t, k) for k, c in enumerate(coefficients) if c]
+    expression = sympy.Add(*total, *regular_parts(1, [Quotient({sympy.S.One: [rest]}, factors_of(a))], t))
     return expression.xreplace({positive: symbol for symbol, positive in names.items()})
 
 
@@ -515,24 +525,3 @@ def _exact(coefficients, what: str) -> list[sympy.Expr]:
     if isinstance(coefficients, str) or not isinstance(coefficients, Iterable):
         raise InputError(f"{what}: found {coefficients!r}; expected a list of coefficients, the lowest power first")
     return [exact_expression(c, what) for c in coefficients]
-
-
-def _inverse(b: sympy.Poly, a: sympy.Poly, gamma: int, t: sympy.Symbol) -> sympy.Expr:
-    if a.is_zero:
-        raise InputError("denominator: found a(s) = 0; expected a polynomial that is not zero")
-    power = sympy.Poly(S ** abs(gamma), S, domain=a.domain)
-    b, a = (b, a * power) if gamma > 0 else (b * power, a)
-    factors: Factors = []
-    given, b = factors_of(a) if not b.is_zero else [], b * _constant(b, b.domain.one / a.rep.to_list()[0])
-    for q, k in given:  # without those that numerator and denominator share
-        while k:
-            quotient, rest = b.div(q)
-            if not rest.is_zero:
-                break
-            b, k = quotient, k - 1
-        factors += [(q, k)] if k else []
-    product = sympy.prod((q**k for q, k in factors), sympy.Poly(1, S, domain=a.domain))
-    impulses, rest = b.div(product)
-    coefficients = reversed(impulses.rep.to_list())
-    total = [expression_of(a.domain, c) * delta(t, k) for k, c in enumerate(coefficients) if c]
-    return sympy.Add(*total, *regular_parts(1, [Quotient({sympy.S.One: [rest]}, factors)], t))
