@@ -451,9 +451,3 @@ def readable(expression: sympy.Basic) -> sympy.Basic:
     numbers = expression.atoms(sympy.Rational, sympy.Float)
     long = {q: sympy.Float(q, DOUBLE_DIGITS) for q in numbers if q.is_Float or max(abs(q.p), q.q) > MOST_IN_FRACTION}
     return expression.xreplace(long) if long else expression
-
-
-def value_at_start(name: str) -> tuple[str, int] | None:
-    """The coordinate and the order of the derivative that a symbol for a value at 0- stands for: x1_0, x1_1, …."""
-    coordinate, line, order = name.rpartition("_")
-    return (coordinate, int(order)) if line and order.isascii() and order.isdigit() else None

@@ -52,14 +52,16 @@ class PolynomialRing(Protocol):
 class ExactMatrix(Protocol):
     """A regular A(s) over K by its determinant and its adjugate; root polynomials by elimination modulo powers of p."""
 
+    coefficients: Sequence[Any]
+    size: int
+
+    @property
+    def degree(self) -> int:
+        """The declared degree q (the number of coefficients less one)."""
+        return len(self.coefficients) - 1
+
     @property
     def ring(self) -> Any: ...
-
-    @property
-    def size(self) -> int: ...
-
-    @property
-    def degree(self) -> int: ...
 
     @property
     def determinant(self) -> Polynomial: ...

@@ -23,7 +23,7 @@ from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.pretty.pretty_symbology import greek_letters, greek_unicode
 from sympy.printing.str import StrPrinter
 
-from .closed_form import LAST, ClosedForm, Derivative, Part, Term, is_long, laid_out, readable, value_at_start
+from .closed_form import LAST, ClosedForm, Derivative, Part, Term, is_long, laid_out, readable
 
 
 class Notation:
@@ -40,7 +40,8 @@ class Notation:
         if form is not None:
             self.names = {LAST: form.time.name, **{p.symbol: p.name for p in form.parameters}}
             conditions = set().union(*(each.free_symbols for each in (*form.admissible, *form.continuous))) - set(self.names)
-            self.starts = {symbol: start for symbol in conditions if (start := value_at_start(symbol.name))}
+            starts = {symbol: re.fullmatch(r"(.*)_([0-9]+)", symbol.name) for symbol in conditions}  # x1_0, x1_1, ...
+            self.starts = {symbol: (start[1], int(start[2])) for symbol, start in starts.items() if start}
 
     def _name(self, name: str) -> str:
         """A name, as it stands alone."""

@@ -87,14 +87,6 @@ def exact_value(number: flint.arb) -> Fraction:
     return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
 
-def whole_numbers() -> Iterator[int]:
-    """0, 1, -1, 2, -2, ..."""
-    yield 0
-    for number in count(1):
-        yield number
-        yield -number
-
-
 def interpolated(points: Sequence[int], values: flint.fmpz_mat) -> list[flint.fmpq_poly]:
     """The polynomials that take the values in the rows at the points (Lagrange)."""
     vanishing = flint.fmpz_poly([1])
@@ -251,7 +243,9 @@ class RationalMatrix(ExactMatrix):
 
     def __init__(self, coefficients: Sequence):
         self.coefficients = tuple(flint.fmpq_mat([[rational(entry) for entry in row] for row in matrix]) for matrix in coefficients)
-        self._points, self._samples, self._singular = whole_numbers(), [], 0
+        self.size = self.coefficients[0].nrows()
+        self._points = (sign * number for number in count() for sign in (1, -1)[: number + 1])  # 0, 1, -1, 2, -2, ...
+        self._samples, self._singular = [], 0
 
     def __repr__(self) -> str:
         return f"RationalMatrix(degree={self.degree}, size={self.size})"
@@ -260,14 +254,6 @@ class RationalMatrix(ExactMatrix):
     def of(cls, A: PolynomialMatrix) -> RationalMatrix:
         """The entries of A(s) as exact numbers; for a matrix given by its elements those of the elements."""
         return cls([matrix.tolist() for matrix in A.exact_coefficients])
-
-    @property
-    def size(self) -> int:
-        return self.coefficients[0].nrows()
-
-    @property
-    def degree(self) -> int:
-        return len(self.coefficients) - 1
 
     @cached_property
     def entries(self) -> list[list[flint.fmpq_poly]]:

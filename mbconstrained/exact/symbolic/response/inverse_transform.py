@@ -8,11 +8,12 @@ t, exp, cos, sin, cosh, sinh, Heaviside and DiracDelta are sums of such terms; n
 from __future__ import annotations
 
 import numbers
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, reduce
 from itertools import combinations
+from math import prod
 
 import sympy
 from sympy.polys.domains import Domain
@@ -33,7 +34,7 @@ from ..field.fields import (
     symbols_of,
 )
 from ..symbolic_matrix import S, SymbolicPolynomialMatrix, checked_matrix
-from ..symbolic_pairs import Factors, Root, SymbolicRing, factors_of, modes, must_not_vanish
+from ..symbolic_pairs import Factors, SymbolicRing, factors_of, modes, must_not_vanish
 
 #: The functions that a force may contain, for messages.
 EXPECTED = "expected sums and products of constants, t, exp, cos, sin, cosh, sinh, Heaviside(t - t0) and DiracDelta(t - t0, k)"
@@ -426,51 +427,34 @@ def _constant(like: sympy.Poly, value) -> sympy.Poly:
 
 
 def regular_parts(size: int, transform: Sequence[Quotient], time: sympy.Expr) -> list[sympy.Expr]:
-    """The functions of time whose transforms are the strictly proper parts of quotients: sums over factors, modes and powers of t."""
-    roots = {q: modes(q) for quotient in transform for q, _ in quotient.factors}  # before the long part: not all have a closed form
-    principal: dict[tuple[sympy.Poly, int], list[dict]] = {}
-    for quotient in transform:
-        flat = [(g, i, p) for g, numerators in quotient.numerators.items() for i, p in enumerate(numerators) if not p.is_zero]
-        for q, k in quotient.factors:
-            parts = _principal_parts([p for _, _, p in flat], quotient.factors, q, k)
-            for (generator, i, _), coefficients in zip(flat, parts, strict=True):
-                for j, c in enumerate(coefficients):
-                    row = principal.setdefault((q, j), [{} for _ in range(size)])
-                    row[i][generator] = row[i].get(generator, 0 * c) + c
-    total = [sympy.S.Zero] * size
-    for (q, j), rows in principal.items():
-        nonzero = [{g: c for g, c in row.items() if not c.is_zero} for row in rows]
-        if any(nonzero):
-            total = [before + part for before, part in zip(total, _functions(roots[q], j, nonzero, time), strict=True)]
-    return total
+    """The functions of time whose transforms are the strictly proper parts of quotients: sums over factors, modes and powers of t.
 
-
-def _functions(roots: Iterable[Root], j: int, rows: Sequence[Mapping], time: sympy.Expr) -> list[sympy.Expr]:
-    """The sum over the roots x of c(x) t^j/j! e^{x t}, for each coordinate, c as generator -> polynomial."""
-    total = [sympy.S.Zero] * len(rows)
-    for root in roots:
-        factor = time**j / sympy.factorial(j) * sympy.exp(root.real * time)
-        cosine, sine = sympy.cos(root.imaginary * time), sympy.sin(root.imaginary * time)
-        for i, row in enumerate(rows):
-            weights = [(generator, *root.weights(c)) for generator, c in row.items()]
-            above = sympy.Add(*(generator * weight for generator, weight, _ in weights))
-            below = sympy.Add(*(generator * weight for generator, _, weight in weights))
-            total[i] += factor * (above * cosine + below * sine)
-    return total
-
-
-def _principal_parts(numerators: Sequence[sympy.Poly], factors: Factors, q: sympy.Poly, k: int) -> list[list[sympy.Poly]]:
-    """For each numerator b: c_1 ... c_k of b / product of the factors = sum of c_j / (s - x)^j + ... at a root x of the factor q^k.
-
-    They are the same polynomials in x for all roots of q, with coefficients in K, computed in K[x]/q; no root is.
+    At a root x of a factor q^k a quotient is the sum of c_j(x) / (s - x)^j, j = 1 ... k, and more. The c_j are the same polynomials for
+    all roots of q, with coefficients in K, computed in K[x]/q; no root is.
     """
-    ring = SymbolicRing.of(q)
-    below = slopes(ring, q, k) ** k
-    for other, multiplicity in factors:
-        if other != q:
-            below *= taylor(ring, other, q, k) ** multiplicity
-    weight = below.inverse
-    return [(taylor(ring, b, q, k) * weight).coefficients[::-1] for b in numerators]
+    roots = {q: modes(q) for quotient in transform for q, _ in quotient.factors}  # before the long part: not all have a closed form
+    principal: dict[tuple[sympy.Poly, int], dict[tuple[int, sympy.Expr], sympy.Poly]] = {}
+    for quotient in transform:
+        flat = [(i, g, p) for g, numerators in quotient.numerators.items() for i, p in enumerate(numerators) if not p.is_zero]
+        for q, k in quotient.factors:
+            ring = SymbolicRing.of(q)
+            others = (taylor(ring, other, q, k) ** multiplicity for other, multiplicity in quotient.factors if other != q)
+            weight = prod(others, start=slopes(ring, q, k) ** k).inverse
+            for i, generator, numerator in flat:
+                for j, c in enumerate((taylor(ring, numerator, q, k) * weight).coefficients[::-1]):
+                    parts = principal.setdefault((q, j), {})
+                    parts[i, generator] = parts.get((i, generator), 0 * c) + c
+    total = [sympy.S.Zero] * size
+    for (q, j), parts in principal.items():
+        for root in roots[q]:
+            factor = time**j / sympy.factorial(j) * sympy.exp(root.real * time)
+            cosine, sine = sympy.cos(root.imaginary * time), sympy.sin(root.imaginary * time)
+            for row in {i for (i, _), c in parts.items() if not c.is_zero}:
+                weights = [(g, *root.weights(c)) for (i, g), c in parts.items() if i == row and not c.is_zero]
+                above = sympy.Add(*(generator * weight for generator, weight, _ in weights))
+                below = sympy.Add(*(generator * weight for generator, _, weight in weights))
+                total[row] += factor * (above * cosine + below * sine)
+    return total
 
 
 # The inverse Laplace transform of b(s) / (a(s) s^gamma) as an expression in t.
