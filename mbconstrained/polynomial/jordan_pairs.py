@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg
 from scipy.linalg import lapack
-from scipy.sparse.csgraph import connected_components
 
 from ..ground.checks import counted
 from ..ground.display import Displayed, TextTable
@@ -26,7 +25,7 @@ from ..ground.tolerances import (
     RANK_TRIALS,
     rounding_radius,
 )
-from ..linalg.blocks import block_diagonalize, eigenvalues
+from ..linalg.blocks import block_diagonalize, coupled_rows, eigenvalues
 from ..linalg.precise import floats, is_precise, is_worthwhile, precise_arithmetic, product, unit
 from ..linalg.rank import RankDecision
 from ..linalg.staircase import GENERIC, SingularPencil
@@ -80,8 +79,7 @@ def _clusters(zeros, radius) -> list[list[FiniteZero]]:
     """The zeros in groups; each member is within the radius times its size of another."""
     values = np.array([zero.value for zero in zeros])
     near = np.abs(values[:, None] - values) <= radius * np.abs(values)
-    count, labels = connected_components(near, directed=False) if len(values) else (0, values)
-    return [[zeros[i] for i in np.flatnonzero(labels == label)] for label in range(count)]
+    return [[zeros[i] for i in group] for group in coupled_rows(near)]
 
 
 def _whole(run, radius) -> FiniteZero:

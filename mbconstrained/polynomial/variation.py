@@ -10,8 +10,6 @@ import numpy as np
 import scipy.linalg
 from scipy.linalg import lapack
 from scipy.optimize import linear_sum_assignment
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from ..ground.errors import InputError
 from ..ground.tolerances import (
@@ -25,6 +23,7 @@ from ..ground.tolerances import (
     STIFFNESS_CONDITION,
     noise_of,
 )
+from ..linalg.blocks import coupled_rows
 from ..linalg.division import condition, is_symmetric
 from ..linalg.rank import Noisy, null_columns
 from ..linalg.symmetric import refined_modes
@@ -94,8 +93,7 @@ def equal_groups(values: np.ndarray, radius: float) -> list[np.ndarray]:
     near = np.abs(values[:, None] - values) <= radius
     if near.sum() == len(values):
         return []
-    count, labels = connected_components(csr_array(near), directed=False)
-    return [group for label in range(count) if len(group := np.flatnonzero(labels == label)) > 1]
+    return [group for group in coupled_rows(near) if len(group) > 1]
 
 
 def modal_coordinates(M: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
@@ -223,8 +221,7 @@ class MatrixFamily:
     @property
     def parts(self) -> list[np.ndarray]:
         """The coordinates in parts that no matrix couples."""
-        count, labels = connected_components(csr_array(self.pattern), directed=False)
-        return [np.flatnonzero(labels == label) for label in range(count)]
+        return coupled_rows(self.pattern)
 
 
 @dataclass(frozen=True, eq=False)

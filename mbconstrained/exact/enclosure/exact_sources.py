@@ -200,10 +200,10 @@ def ball(factor: Factor) -> flint.arb:
 
 def added(calls: Iterable[tuple[flint.fmpq, Factor]]) -> tuple[tuple[flint.fmpq, Factor], ...]:
     """Times and factors, with factors of one kind added at equal times; those that cancel exactly are omitted."""
-    total: dict[tuple, flint.fmpq] = {}
+    total: dict[tuple[flint.fmpq, Irrational | None], flint.fmpq] = {}
     for time, factor in calls:
-        is_rational = isinstance(factor, flint.fmpq)
-        kind, amount = (None, factor) if is_rational else (replace(factor, amount=flint.fmpq(1)), factor.amount)
+        kind = replace(factor, amount=flint.fmpq(1)) if isinstance(factor, Irrational) else None
+        amount = factor.amount if isinstance(factor, Irrational) else factor
         total[time, kind] = total.get((time, kind), flint.fmpq(0)) + amount
     return tuple((time, amount if kind is None else kind * amount) for (time, kind), amount in total.items() if amount)
 
