@@ -28,7 +28,7 @@ from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.impulsive import ImpulsiveSmooth
 from ..engine import series_at_infinity
 from ..rational import RATIONALS, RationalMatrix, enclosed_roots, fraction, polynomial, rational, regular_matrix, working_precision
-from .exact_sources import ONE, ExactSource, Factor, S, Shape, added, ball, sources_of, vector_of
+from .exact_sources import ONE, ExactSource, Factor, S, Shape, added, ball, delta, sources_of, vector_of
 from .intervals import Enclosure, bits_of, has_digits
 
 #: Bits to begin with, beyond those of the requested digits.
@@ -382,26 +382,25 @@ class ExactResponse(Displayed):
 
     @cached_property
     def _from_start(self) -> RationalResponse:
-        """The response to the values at 0- and to sources from t = 0 on with a rational factor."""
+        """The response to sources from t = 0 on with a rational factor, and to the values at 0-, which act as impulses.
+
+        X_in is the sum of A_i s^(i-1-j) x^(j)(0-), j < i (Moysis et al., section 3).
+        """
         r, below = self.matrix.size, ONE
-        now = [source for source in self.sources if _is_immediate(source)]
+        columns = [flint.fmpq_mat([[entry] for entry in row]) for row in self.initial]
+        now = [
+            ExactSource(delta(i - 1 - j), tuple((matrix * columns[j]).entries()), ZERO, flint.fmpq(1))
+            for i, matrix in enumerate(self.matrix.coefficients)
+            for j in range(i)
+        ]
+        now += [source for source in self.sources if _is_immediate(source)]
         for source in now:
             below = below * (source.shape.denominator // below.gcd(source.shape.denominator))
-        total = [p * below for p in self._initial_part()]
+        total = [flint.fmpq_poly([0])] * r
         for source in now:
             above = source.shape.numerator * (below // source.shape.denominator) * source.factor
             total = [total[k] + above * source.vector[k] for k in range(r)]
         return RationalResponse(self.matrix, total, below, self.rows)
-
-    def _initial_part(self) -> list[flint.fmpq_poly]:
-        """X_in: the sum of A_i s^(i-1-j) x^(j)(0-), j < i (Moysis et al., section 3)."""
-        r = self.matrix.size
-        total = [flint.fmpq_poly([0])] * r
-        for i, matrix in enumerate(self.matrix.coefficients):
-            for j in range(i):
-                product = (matrix * flint.fmpq_mat([[entry] for entry in self.initial[j]])).entries()
-                total = [p + S ** (i - 1 - j) * entry for p, entry in zip(total, product)]
-        return total
 
     def _called(self) -> Iterator[Part]:
         """Responses to later sources, or with irrational factors: equal functions of time share their response."""
