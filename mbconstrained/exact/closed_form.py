@@ -3,7 +3,7 @@ terms with signs, abbreviations, conditions and assumptions."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeAlias
 
@@ -11,9 +11,7 @@ import sympy
 from sympy.functions.elementary.hyperbolic import HyperbolicFunction
 from sympy.functions.elementary.trigonometric import TrigonometricFunction
 
-from ..ground.checks import names_of
 from ..ground.errors import InputError
-from .symbolic.field.fields import exact_expression
 from .symbolic.response.inverse_transform import delta
 
 #: Digits that values are computed with where a decision or an output needs numbers.
@@ -60,7 +58,7 @@ class ClosedForm:
         names: names of the r coordinates, as the user wrote them.
         values: r expressions in the time.
         time: the symbol t.
-        parameters: the other symbols.
+        parameters: the other symbols; those that are not given have their own names and no values.
         impulses, jumps: jumps and impulses at t = 0, and later impulses.
         admissible, continuous: equations in the values at 0- without which there are impulses, or jumps.
         assumptions: expressions that must not vanish for the formula to hold.
@@ -80,21 +78,33 @@ class ClosedForm:
     positive: tuple[sympy.Expr, ...] = ()
     title: str = ""
 
-    @classmethod
-    def of(cls, x, names: Sequence[str] | None = None, parameters: Mapping[sympy.Symbol, object] | None = None) -> ClosedForm:
-        """The formula of a ``SymbolicResponse``, or a ClosedForm with other names of coordinates and default values by symbol.
+    def __post_init__(self):
+        known = {p.symbol for p in self.parameters}
+        others = sorted(self.symbols - known, key=lambda symbol: symbol.name)
+        object.__setattr__(self, "parameters", (*self.parameters, *(FormulaParameter(s, s.name) for s in others)))
 
-        Raises:
-            InputError: not as many names as coordinates, or a name used twice.
-        """
-        form = x if isinstance(x, cls) else _form_of(x)
-        form = replace(form, names=names_of(names if names is not None else form.names, len(form.values), "names", "x"))
-        given = parameters if parameters is not None else {p.symbol: p.value for p in form.parameters}
-        known = {p.symbol: p for p in form.parameters}
-        symbols = [*given, *sorted(form.symbols - set(given), key=lambda symbol: symbol.name)]
-        values = {s: exact_expression(value, s.name) for s, value in given.items() if value is not None}
-        named = tuple(known.get(s) or FormulaParameter(s, s.name, values.get(s)) for s in symbols)
-        return replace(form, parameters=named)
+    @classmethod
+    def of(cls, x) -> ClosedForm:
+        """The formula of a symbolic response with its impulses, jumps and conditions."""
+        names = tuple(x.coordinates)
+        return cls(
+            names,
+            tuple(x.regular),
+            x.time,
+            impulses=tuple(
+                Impulse(name, order, factor, time)
+                for time, rows in ((sympy.S.Zero, x.impulses), *x.later_impulses)
+                for order, row in enumerate(rows)
+                for name, factor in zip(names, row)
+                if factor != 0
+            ),
+            jumps=tuple(
+                Jump(name, order, size) for order in range(x.jump.rows) for name, size in zip(names, x.jump.row(order)) if size != 0
+            ),
+            admissible=tuple(x.admissible_conditions),
+            continuous=tuple(x.continuity_conditions),
+            assumptions=tuple(x.assumptions),
+        )
 
     @property
     def symbols(self) -> set[sympy.Symbol]:
@@ -141,29 +151,6 @@ class ClosedForm:
         values = tuple(self.values[self.names.index(name)] for name in names)
         kept = {kind: tuple(each for each in getattr(self, kind) if each.name in names) for kind in ("impulses", "jumps")}
         return replace(self, names=tuple(names), values=values, **kept)
-
-
-def _form_of(x) -> ClosedForm:
-    """The formula of a symbolic response with its impulses, jumps and conditions."""
-    names = tuple(x.coordinates)
-    return ClosedForm(
-        names,
-        tuple(x.regular),
-        x.time,
-        impulses=tuple(
-            Impulse(name, order, factor, time)
-            for time, rows in ((sympy.S.Zero, x.impulses), *x.later_impulses)
-            for order, row in enumerate(rows)
-            for name, factor in zip(names, row)
-            if factor != 0
-        ),
-        jumps=tuple(
-            Jump(name, order, size) for order in range(x.jump.rows) for name, size in zip(names, x.jump.row(order)) if size != 0
-        ),
-        admissible=tuple(x.admissible_conditions),
-        continuous=tuple(x.continuity_conditions),
-        assumptions=tuple(getattr(x, "assumptions", ())),
-    )
 
 
 # Terms: sums of products, those with the same function of time together, in order.
@@ -307,7 +294,14 @@ def with_shorthands(rows: list[list[Term]], form: ClosedForm) -> tuple[list[list
     names = {letter: sympy.numbered_symbols(letter, start=1, exclude=used, positive=True) for letter in "wad"}
     radicands = _radicands(rows, names)
     short = {base: each.symbol for base, each in radicands.items()}
-    rows = [[Term(_factored(term.coefficient.xreplace(short)), term.function.xreplace(short)) for term in row] for row in rows]
+    rows = [[Term(term.coefficient.xreplace(short), term.function.xreplace(short)) for term in row] for row in rows]
+    rows = [  # a long sum with what its parts share in front
+        [
+            replace(term, coefficient=sympy.factor_terms(c)) if (c := term.coefficient).is_Add and c.count_ops() > LONG else term
+            for term in row
+        ]
+        for row in rows
+    ]
     long = {symbol: base for base, symbol in short.items()}
     rates: dict[sympy.Expr, str] = {}
     for part in (part for row in rows for term in row for part in sympy.preorder_traversal(term.function)):
@@ -320,11 +314,6 @@ def with_shorthands(rows: list[list[Term]], form: ClosedForm) -> tuple[list[list
     return rows, [*(Shorthand(symbol, rate) for rate, symbol in named.items()), *radicands.values()]
 
 
-def _factored(coefficient: sympy.Expr) -> sympy.Expr:
-    """A long sum with what its parts share in front."""
-    return sympy.factor_terms(coefficient) if coefficient.is_Add and coefficient.count_ops() > LONG else coefficient
-
-
 def _radicands(rows: list[list[Term]], names: dict) -> dict[sympy.Expr, Shorthand]:
     """Long expressions under square roots, as separate shorthands."""
     parts = [part for row in rows for term in row for part in (term.coefficient, term.function)]
@@ -333,17 +322,13 @@ def _radicands(rows: list[list[Term]], names: dict) -> dict[sympy.Expr, Shorthan
     short: dict[sympy.Expr, sympy.Symbol] = {}
     shorthands: dict[sympy.Expr, Shorthand] = {}
     for base in sorted(dict.fromkeys(bases), key=lambda base: base.count_ops()):  # those inside others first
-        if base.free_symbols and base.is_Add and _weight(base, parts) > LONG:
+        often = sum(part.count(lambda each, base=base: each.is_Pow and each.base == base) for part in parts)
+        weight = base.count_ops() * max(1, often - 2)  # operations that are written for it, and again each time but the first two
+        if base.free_symbols and base.is_Add and weight > LONG:
             symbol = next(names["d"])
             shorthands[base] = Shorthand(symbol, base.xreplace(short), base)
             short[base] = symbol
     return shorthands
-
-
-def _weight(base: sympy.Expr, parts: list[sympy.Expr]) -> int:
-    """Operations that are written for it, and again each time but the first two."""
-    often = sum(part.count(lambda each: each.is_Pow and each.base == base) for part in parts)
-    return base.count_ops() * max(1, often - 2)
 
 
 def _rate(part: sympy.Expr, t: sympy.Symbol) -> tuple[str, sympy.Expr]:
@@ -466,9 +451,3 @@ def readable(expression: sympy.Basic) -> sympy.Basic:
     numbers = expression.atoms(sympy.Rational, sympy.Float)
     long = {q: sympy.Float(q, DOUBLE_DIGITS) for q in numbers if q.is_Float or max(abs(q.p), q.q) > MOST_IN_FRACTION}
     return expression.xreplace(long) if long else expression
-
-
-def value_at_start(name: str) -> tuple[str, int] | None:
-    """The coordinate and the order of the derivative that a symbol for a value at 0- stands for: x1_0, x1_1, …."""
-    coordinate, line, order = name.rpartition("_")
-    return (coordinate, int(order)) if line and order.isascii() and order.isdigit() else None

@@ -34,54 +34,34 @@ class PolynomialRing(Protocol):
     zero: Element
     one: Element
 
-    def polynomial(self, coefficients: Sequence[Element]) -> Polynomial:
-        """The polynomial with these coefficients, the lowest power first."""
-
-    def coefficients(self, p: Polynomial, count: int) -> list[Element]:
-        """The first coefficients, the lowest power first."""
-
-    def inverse(self, p: Polynomial, modulus: Polynomial) -> Polynomial:
-        """1 / p modulo a polynomial."""
-
-    def factors(self, p: Polynomial) -> list[tuple[Polynomial, int]]:
-        """The monic irreducible factors with their multiplicities, low degrees first."""
-
-    def weight(self, p: Polynomial) -> int:
-        """Length of a polynomial: of possible pivots the shortest is taken."""
-
-    def text(self, p: Polynomial) -> str:
-        """The polynomial in short, for representations."""
-
-    def exported(self, p: Polynomial) -> Any:
-        """The polynomial as users read it."""
-
-    def chain(self, term: RootPolynomials) -> JordanChain:
-        """The Jordan chain of root polynomials."""
-
-    def finite_zeros(self, divisors: Sequence[tuple[Polynomial, int, tuple[int, ...]]]) -> tuple:
-        """Zeros of polynomials given with multiplicity and exponents."""
-
-    def matrix(self, rows: Sequence[Sequence[Element]]) -> Matrix:
-        """The matrix with these rows."""
-
-    def joined(self, matrices: Sequence[Matrix], axis: int) -> Matrix:
-        """Matrices below each other (axis 0) or side by side (1)."""
-
-    def diagonal(self, matrices: Sequence[Matrix]) -> Matrix:
-        """The block diagonal matrix."""
+    # Coefficients stand with the lowest power first; the monic irreducible factors with their multiplicities, low degrees first.
+    def polynomial(self, coefficients: Sequence[Element]) -> Polynomial: ...
+    def coefficients(self, p: Polynomial, count: int) -> list[Element]: ...
+    def inverse(self, p: Polynomial, modulus: Polynomial) -> Polynomial: ...
+    def factors(self, p: Polynomial) -> list[tuple[Polynomial, int]]: ...
+    def weight(self, p: Polynomial) -> int: ...  # of possible pivots the one of least weight is taken
+    def text(self, p: Polynomial) -> str: ...  # in short, for representations
+    def exported(self, p: Polynomial) -> Any: ...
+    def chain(self, term: RootPolynomials) -> JordanChain: ...
+    def finite_zeros(self, divisors: Sequence[tuple[Polynomial, int, tuple[int, ...]]]) -> tuple: ...  # p, multiplicity, exponents
+    def matrix(self, rows: Sequence[Sequence[Element]]) -> Matrix: ...
+    def joined(self, matrices: Sequence[Matrix], axis: int) -> Matrix: ...  # below each other (axis 0) or side by side (1)
+    def diagonal(self, matrices: Sequence[Matrix]) -> Matrix: ...  # block diagonal
 
 
 class ExactMatrix(Protocol):
     """A regular A(s) over K by its determinant and its adjugate; root polynomials by elimination modulo powers of p."""
 
+    coefficients: Sequence[Any]
+    size: int
+
+    @property
+    def degree(self) -> int:
+        """The declared degree q (the number of coefficients less one)."""
+        return len(self.coefficients) - 1
+
     @property
     def ring(self) -> Any: ...
-
-    @property
-    def size(self) -> int: ...
-
-    @property
-    def degree(self) -> int: ...
 
     @property
     def determinant(self) -> Polynomial: ...
@@ -91,7 +71,7 @@ class ExactMatrix(Protocol):
 
     def root_polynomials(self, p: Polynomial, multiplicity: int) -> list[RootPolynomials]:
         """Root polynomials at the zeros of a monic irreducible p, given with its multiplicity in det A(s), ascending lengths."""
-        return eliminated(self.ring, self.adjugate, self.determinant, p, multiplicity)
+        return eliminated(self.ring, self.adjugate, self.determinant, p, multiplicity) if multiplicity else []
 
     def infinite_root_polynomials(self) -> list[RootPolynomials]:
         """Root polynomials of s^q A(1/s) at s = 0, q = max(degree, 1), ascending lengths; its adjugate and determinant are those of A reversed.
@@ -99,12 +79,14 @@ class ExactMatrix(Protocol):
         They are computed from the transposed matrix, so that an entry of each row psi is 1, as in Moysis et al., Eq. 97.
         """
         ring, r, q = self.ring, self.size, max(self.degree, 1)
+        s, multiplicity = ring.polynomial([ring.zero, ring.one]), q * r - self.determinant.degree()
+        if not multiplicity:
+            return []
 
         def mirrored(p: Polynomial, degree: int) -> Polynomial:
             return ring.polynomial(ring.coefficients(p, degree + 1)[::-1])
 
         transposed = [[mirrored(entry, q * (r - 1)) for entry in column] for column in zip(*self.adjugate)]
-        s, multiplicity = ring.polynomial([ring.zero, ring.one]), q * r - self.determinant.degree()
         terms = eliminated(ring, transposed, mirrored(self.determinant, q * r), s, multiplicity)
         return [RootPolynomials(ring, s, t.length, t.left, lambda t=t: t.right, t.pivot) for t in terms]
 
@@ -147,8 +129,6 @@ class RootPolynomials:
 
 def eliminated(ring: PolynomialRing, adjugate, determinant: Polynomial, p: Polynomial, multiplicity: int) -> list[RootPolynomials]:
     """The terms of adjugate / determinant at the zeros of p, ascending lengths; one entry of each right column is 1."""
-    if multiplicity == 0:
-        return []
     common = 0 if multiplicity == 1 else min(_valuation(e, p) for row in adjugate for e in row if e)
     k = multiplicity - common
     others = ring.inverse(determinant // p**multiplicity % p**k, p**k)

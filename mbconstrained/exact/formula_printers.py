@@ -9,7 +9,7 @@ from __future__ import annotations
 import html
 import re
 import unicodedata
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import chain
 from typing import Any
@@ -23,7 +23,7 @@ from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.pretty.pretty_symbology import greek_letters, greek_unicode
 from sympy.printing.str import StrPrinter
 
-from .closed_form import LAST, ClosedForm, Derivative, Part, Term, is_long, laid_out, readable, value_at_start
+from .closed_form import LAST, ClosedForm, Derivative, Part, Term, is_long, laid_out, readable
 
 
 class Notation:
@@ -40,7 +40,8 @@ class Notation:
         if form is not None:
             self.names = {LAST: form.time.name, **{p.symbol: p.name for p in form.parameters}}
             conditions = set().union(*(each.free_symbols for each in (*form.admissible, *form.continuous))) - set(self.names)
-            self.starts = {symbol: start for symbol in conditions if (start := value_at_start(symbol.name))}
+            starts = {symbol: re.fullmatch(r"(.*)_([0-9]+)", symbol.name) for symbol in conditions}  # x1_0, x1_1, ...
+            self.starts = {symbol: (start[1], int(start[2])) for symbol, start in starts.items() if start}
 
     def _name(self, name: str) -> str:
         """A name, as it stands alone."""
@@ -226,14 +227,13 @@ class TextPrinter(Notation, StrPrinter):
         return f"δ{'′' * order if order < 4 else f'^({order})'}({argument})"
 
 
-def formula_text(x, names: Sequence[str] | None = None, digits: int | None = None) -> str:
+def formula_text(form: ClosedForm, digits: int | None = None) -> str:
     """x(t) as text: a line for each coordinate, or for each term of a long one, then what else belongs to it.
 
     >>> t, k = sympy.symbols("t k", positive=True)
     >>> print(formula_text(ClosedForm(("x1",), (2 * sympy.cos(sympy.sqrt(k) * t) / 3,), t)))
     x1(t) = 2/3 cos(sqrt(k) t)
     """
-    form = ClosedForm.of(x, names)
     layout, printer, lines = laid_out(form, digits), TextPrinter(form), []
     for name, row in zip(form.names, layout.rows):
         first, others = printer.terms(row)
@@ -332,7 +332,7 @@ class FormulaPrinter(Notation, LatexPrinter):
         return rf"\delta{primes}({argument})"
 
 
-def latex(x, names: Sequence[str] | None = None, digits: int | None = None) -> str:
+def latex(form: ClosedForm, digits: int | None = None) -> str:
     r"""x(t) as an align* environment, for which a document needs the package amsmath.
 
     >>> t, k = sympy.symbols("t k", positive=True)
@@ -341,7 +341,6 @@ def latex(x, names: Sequence[str] | None = None, digits: int | None = None) -> s
     x_{1}(t) &= \frac{2}{3} \cos{\left(\sqrt{k} t \right)}
     \end{align*}
     """
-    form = ClosedForm.of(x, names)
     layout, printer = laid_out(form, digits), FormulaPrinter(form)
     lines = []
     for name, row in zip(form.names, layout.rows):
@@ -429,9 +428,8 @@ class MarkupPrinter(Notation, MathMLPresentationPrinter):
         return self.dom.createTextNode(markup)
 
 
-def mathml(x, names: Sequence[str] | None = None, digits: int | None = None) -> tuple[str, ...]:
+def mathml(form: ClosedForm, digits: int | None = None) -> tuple[str, ...]:
     """x(t) as elements <math>: one for each coordinate, then one for each abbreviation, jump, impulse, condition and assumption."""
-    form = ClosedForm.of(x, names)
     layout, printer, rows = laid_out(form, digits), MarkupPrinter(form), []
     for name, terms in zip(form.names, layout.rows):
         head = f"{printer._name(name)}<mo>(</mo>{printer.doprint(form.time)}<mo>)</mo>"

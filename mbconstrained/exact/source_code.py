@@ -5,7 +5,7 @@ from __future__ import annotations
 import keyword
 import re
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -280,7 +280,7 @@ class _CPrinter(C99CodePrinter):
         return repr(float(sympy.pi))
 
 
-def c_source(x, names: Sequence[str] | None = None) -> str:
+def c_source(form: ClosedForm) -> str:
     """x(t) as the source of a C function void x(double t, double m, ..., double values[r]), C99 and later.
 
     Dirac impulses are listed in the comment; they are not in the values. Default values of parameters stand in a second
@@ -304,7 +304,6 @@ def c_source(x, names: Sequence[str] | None = None) -> str:
     }
     <BLANKLINE>
     """
-    form = ClosedForm.of(x, names)
     source, printer, count = SourceCode.of(form), _CPrinter(), len(form.values)
 
     def written(value: sympy.Expr) -> str:
@@ -346,7 +345,7 @@ class _PythonPrinter(NumPyPrinter):
         return repr(float(expr))
 
 
-def python_source(x, names: Sequence[str] | None = None) -> str:
+def python_source(form: ClosedForm) -> str:
     """x(t) as the source of a module with one function x(t, m=10.0, ...) -> array (r, T), (r,) for a number t.
 
     Dirac impulses are listed in the docstring; they are not in the values.
@@ -357,7 +356,6 @@ def python_source(x, names: Sequence[str] | None = None) -> str:
     >>> scope["x"]([0.0, 2.0], 3.0)
     array([[0., 6.]])
     """
-    form = ClosedForm.of(x, names)
     source, printer = SourceCode.of(form), _PythonPrinter()
 
     def written(value: sympy.Expr, indent: int) -> str:  # a long sum in parentheses

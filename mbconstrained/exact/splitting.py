@@ -50,18 +50,38 @@ class Splitting:
 
 def splitting(base: Sequence, slope: Sequence, value: complex, multiplicity: int, rate: float, step: float) -> Splitting:
     """The branches of a multiple eigenvalue, from det A in arithmetic of hundreds of digits."""
-    from flint import acb, ctx
+    from flint import acb, acb_mat, arb, ctx
 
     with ctx.workdps(SPLITTING_DIGITS):
-        determinant = _Determinant(base, slope, rate, step, multiplicity + 2)
+        count, radius = multiplicity + 2, arb(10) ** -(SPLITTING_DIGITS // 10)
+        roots = [(acb(2 * k) / count).exp_pi_i() for k in range(count)]
+
+        def scaled(matrices, factor: float) -> list:
+            powers = [arb(rate) ** k * arb(factor) for k in range(len(matrices))]
+            return [acb_mat([[acb(arb(float(x)) * f) for x in row] for row in matrix]) for matrix, f in zip(matrices, powers)]
+
+        own, changes = scaled(base, 1.0), scaled(slope, step)
+
+        def determinant(s, change):
+            total = own[-1] + changes[-1] * change
+            for matrix, varied in zip(own[-2::-1], changes[-2::-1]):
+                total = total * s + matrix + varied * change
+            return total.det()
+
+        def taylor(values: list) -> list:
+            """Coefficients of the powers, from the values at radius times the roots of unity."""
+            sums = (sum((values[k] * roots[-i * k % count] for k in range(1, count)), values[0]) for i in range(count))
+            return [total / (count * radius**i) for i, total in enumerate(sums)]
+
         center = acb(value.real, value.imag) / acb(rate)
         for _ in range(STEPS):
-            a = determinant.in_rate(center)
+            a = taylor([determinant(center + radius * root, acb(0)) for root in roots])
             change = -a[multiplicity - 1] / (a[multiplicity] * multiplicity)
             center = (center + change).mid()
-            if _size(change) < 10.0**-EXACT_DIGITS:
+            if abs(complex(change)) < 10.0**-EXACT_DIGITS:
                 break
-        table = determinant.in_both(center)
+        columns = [taylor([determinant(center + radius * root, radius * other) for root in roots]) for other in roots]
+        table = [taylor([column[i] for column in columns]) for i in range(count)]
         leading = table[multiplicity][0]
         relative = [[complex(entry / leading) for entry in row] for row in table]
         is_exact = all(abs(relative[i][0]) < 10.0**-EXACT_DIGITS for i in range(multiplicity))
@@ -98,46 +118,3 @@ def newton_branches(points: dict[tuple[int, int], complex], multiplicity: int) -
         result += [(exponent, complex(root)) for root in roots]
         i, j = end
     return result
-
-
-class _Determinant:
-    """det A(s; p), scaled, and its Taylor coefficients by values on small circles."""
-
-    def __init__(self, base, slope, rate: float, step: float, count: int):
-        from flint import acb, acb_mat, arb
-
-        def scaled(matrices, factor: float):
-            powers = [arb(rate) ** k * arb(factor) for k in range(len(matrices))]
-            return [acb_mat([[acb(arb(float(x)) * f) for x in row] for row in matrix]) for matrix, f in zip(matrices, powers)]
-
-        self.base, self.slope, self.count = scaled(base, 1.0), scaled(slope, step), count
-        self.radius = arb(10) ** -(SPLITTING_DIGITS // 10)
-        self.roots = [(acb(2 * k) / count).exp_pi_i() for k in range(count)]
-
-    def _coefficients(self, values: list) -> list:
-        """Coefficients of the powers, from the values at radius times the roots of unity."""
-        n = self.count
-        return [sum((values[k] * self.roots[-i * k % n] for k in range(1, n)), values[0]) / (n * self.radius**i) for i in range(n)]
-
-    def _at(self, s, change) -> object:
-        total = None
-        for k in reversed(range(len(self.base))):
-            matrix = self.base[k] if change is None else self.base[k] + self.slope[k] * change
-            total = matrix if total is None else total * s + matrix
-        return total.det()
-
-    def in_rate(self, center) -> list:
-        """Coefficients a_i0."""
-        return self._coefficients([self._at(center + self.radius * root, None) for root in self.roots])
-
-    def in_both(self, center) -> list[list]:
-        """Coefficients a_ij, rows i."""
-        columns = [
-            self._coefficients([self._at(center + self.radius * root, self.radius * other) for root in self.roots])
-            for other in self.roots
-        ]
-        return [self._coefficients([column[i] for column in columns]) for i in range(self.count)]
-
-
-def _size(number) -> float:
-    return abs(complex(number))

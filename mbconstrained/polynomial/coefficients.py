@@ -25,7 +25,10 @@ class PolynomialCoefficients:
     ):
         if not isinstance(coefficients, Iterable):
             raise InputError(f"coefficients: found {coefficients!r}; expected a list of square matrices [A_0, A_1, ...]")
-        given = [_factors_of(matrix) for matrix in coefficients]
+        given = [  # the element matrix B^T diag(k) B of a coefficient given by its elements, directions B and constants k
+            Factors(matrix.directions.T, matrix.constants, matrix.directions) if hasattr(matrix, "directions") else matrix
+            for matrix in coefficients
+        ]
         self.factors = tuple(matrix if isinstance(matrix, Factors) else None for matrix in given)
         matrices = [_assembled(matrix, f"A_{power}") for power, matrix in enumerate(given)]
         if not matrices:
@@ -66,13 +69,6 @@ class PolynomialCoefficients:
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}(degree={self.degree}, size={self.size})"
-
-
-def _factors_of(matrix):
-    """The element matrix B^T diag(k) B of a coefficient given by its elements, directions B and constants k; else the array."""
-    if hasattr(matrix, "directions") and hasattr(matrix, "constants"):
-        return Factors(matrix.directions.T, matrix.constants, matrix.directions)
-    return matrix
 
 
 def _assembled(matrix, what: str) -> np.ndarray:

@@ -82,7 +82,7 @@ def _reduction_of(A: PolynomialCoefficients, like: Reduction | None) -> Reductio
     if not largest <= DIVISOR_CONDITION:  # a row may be left without anything
         raise NotReducible(f"masses, dampers or algebraic equations are near-singular (condition {largest:.0e})")
     floor, powers = lowest(M, C, K)
-    if len(algebraic) and powers.any() and _is_doubtful(powers, A0[rest] @ V, A1[rest] @ V):
+    if len(algebraic) and (filled_rows(A0[rest] @ V)[powers > 0].any() or filled_rows(A1[rest] @ V)[powers > 1].any()):
         raise NotReducible("the stiffness or damping of a row is zero to rounding only")
     equations, unconstrained = (M, C, K), None
     if like.freed is not None if like is not None else not (_is_regular(floor) or _has_refined_modes(M, K)):
@@ -107,11 +107,6 @@ def _has_refined_modes(M: Matrix, K: Matrix) -> bool:
     if 2 * len(M.diagonal()) <= FEW_STATES or K.shape != M.shape or not all(is_symmetric(matrix) for matrix in (M, K)):
         return False
     return may_be_wide(M, K) and definite_condition(full(K)) <= REFINED_CONDITION
-
-
-def _is_doubtful(powers: np.ndarray, K: Matrix, C: Matrix) -> bool:
-    """Whether a row has stiffness or damping within rounding errors only."""
-    return bool(filled_rows(K)[powers > 0].any() or filled_rows(C)[powers > 1].any())
 
 
 def _conserved(equations, floor: np.ndarray, powers: np.ndarray, freed: Freed | None) -> Conserved:
@@ -164,7 +159,9 @@ def matching_rows(M: Matrix) -> np.ndarray | None:
     if M.shape[0] <= FEW_ROWS:
         size = np.abs(full(M))
         with np.errstate(divide="ignore"):
-            return _assigned(np.log(size.max() / size))
+            costs, columns = np.log(size.max() / size), range(len(size))
+        order = min(permutations(columns), key=lambda rows: costs[rows, columns].sum())
+        return np.array(order) if np.isfinite(costs[order, columns]).all() else None
     row, column, values = entries(abs(M))
     weights = csr_array((1 + np.log(values.max(initial=1.0) / values), (row, column)), shape=M.shape)
     try:
@@ -172,13 +169,6 @@ def matching_rows(M: Matrix) -> np.ndarray | None:
     except ValueError:  # no matching: it is singular
         return None
     return rows[np.argsort(columns)]
-
-
-def _assigned(costs: np.ndarray) -> np.ndarray | None:
-    """A distinct row for each column, with least total cost, by exhaustive search."""
-    columns = range(len(costs))
-    order = min(permutations(columns), key=lambda rows: costs[rows, columns].sum())
-    return np.array(order) if np.isfinite(costs[order, columns]).all() else None
 
 
 def pivots_of(rows: np.ndarray, static: np.ndarray, units: np.ndarray | None = None) -> np.ndarray | None:

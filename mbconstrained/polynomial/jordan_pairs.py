@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 import scipy.linalg
 from scipy.linalg import lapack
-from scipy.sparse.csgraph import connected_components
 
 from ..ground.checks import counted
 from ..ground.display import Displayed, TextTable
@@ -26,7 +25,7 @@ from ..ground.tolerances import (
     RANK_TRIALS,
     rounding_radius,
 )
-from ..linalg.blocks import block_diagonalize, eigenvalues
+from ..linalg.blocks import block_diagonalize, coupled_rows, eigenvalues
 from ..linalg.precise import floats, is_precise, is_worthwhile, precise_arithmetic, product, unit
 from ..linalg.rank import RankDecision
 from ..linalg.staircase import GENERIC, SingularPencil
@@ -49,22 +48,14 @@ def finite_zeros(form: WeierstrassForm) -> tuple[FiniteZero, ...]:
     moving = form.T[: form.nonzero_count, : form.nonzero_count]
     groups = [zero for block in block_diagonalize(moving).blocks for zero in _merged(_zeros_of_block(block), rounding_radius(2))]
     parts, scale = ZeroParts(form), form.companion.scaling.time
-    with_multiplicities = [
-        _with_divisors(zero, parts)
-        for zero in _joined(
-            _merged(sorted(groups, key=lambda zero: (abs(zero.value), zero.value.real, zero.value.imag)), rounding_radius(1)), parts
-        )
-    ]
-    zeros = [replace(zero, value=complex(scale * zero.value)) for zero in with_multiplicities]
+    ascending = sorted(groups, key=lambda zero: (abs(zero.value), zero.value.real, zero.value.imag))
+    zeros = []
+    for zero in _joined(_merged(ascending, rounding_radius(1)), parts):  # one doubtful chain where decisions make it no single zero
+        result = parts.divisors(zero.value, zero.multiplicity) or Divisors((zero.multiplicity,), within_noise=False, clear=False)
+        zeros.append(FiniteZero(complex(scale * zero.value), zero.multiplicity, result.degrees, result.clear))
     if count := len(form.T) - form.nonzero_count:
         zeros.append(FiniteZero(0j, count, form.zero_divisors, all(decision.clear for decision in form.decisions)))
     return in_order(zeros)
-
-
-def _with_divisors(zero: FiniteZero, parts: ZeroParts) -> FiniteZero:
-    """The zero with its partial multiplicities: one doubtful chain where no rank decisions make it a single zero."""
-    result = parts.divisors(zero.value, zero.multiplicity) or Divisors((zero.multiplicity,), within_noise=False, clear=False)
-    return replace(zero, partial_multiplicities=result.degrees, clear=result.clear)
 
 
 def _joined(zeros, parts: ZeroParts) -> list[FiniteZero]:
@@ -88,8 +79,7 @@ def _clusters(zeros, radius) -> list[list[FiniteZero]]:
     """The zeros in groups; each member is within the radius times its size of another."""
     values = np.array([zero.value for zero in zeros])
     near = np.abs(values[:, None] - values) <= radius * np.abs(values)
-    count, labels = connected_components(near, directed=False) if len(values) else (0, values)
-    return [[zeros[i] for i in np.flatnonzero(labels == label)] for label in range(count)]
+    return [[zeros[i] for i in group] for group in coupled_rows(near)]
 
 
 def _whole(run, radius) -> FiniteZero:
@@ -108,7 +98,8 @@ def _zeros_of_block(block) -> list[FiniteZero]:
     multiplicity = len(above) if pairs else len(values)
     if pairs and multiplicity == 1:
         return [_pair_or_double(complex(above[0]))]
-    parts = block_diagonalize(block, _separation_limit(multiplicity)).blocks
+    limit = 0.5 * (CLUSTER_SAFETY * EPS) ** (1 / multiplicity - 1)  # the decoupling norm of zeros that rounding errors separate
+    parts = block_diagonalize(block, limit).blocks
     if len(parts) > 1:
         return [zero for part in parts for zero in _zeros_of_block(part)]
     group = above if pairs else values
@@ -124,11 +115,6 @@ def _pair_or_double(value: complex) -> FiniteZero:
     if value.imag <= rounding_radius(2) * abs(value.real):
         return FiniteZero(complex(value.real), 2)
     return FiniteZero(value, 1)
-
-
-def _separation_limit(multiplicity) -> float:
-    """Decoupling norm of the zeros around a zero of this multiplicity, separated by rounding errors."""
-    return 0.5 * (CLUSTER_SAFETY * EPS) ** (1 / multiplicity - 1)
 
 
 def _spread(values) -> float:
@@ -417,8 +403,18 @@ class JordanPairs(Displayed):
 
     @cached_property
     def evidence(self) -> tuple[Evidence, ...]:
-        """Residuals, conditions and gaps: evidence of the accuracy of the pairs."""
-        return pair_evidence(self)
+        """Residual of the finite pair, condition of the decouplings, and the gap of the rank decisions."""
+        decisions = self.form.decisions
+        kept = min((decision.smallest_kept for decision in decisions), default=np.inf)
+        dropped = max((decision.largest_dropped for decision in decisions), default=0.0)
+        return (
+            Evidence(
+                "residual", inverse_residual(self), "largest relative residual of A(s) times the inverse made from both pairs"
+            ),
+            Evidence("decoupling", self.finite.coupling, "largest entry of the transformation that separates the zeros"),
+            Evidence("rank gap", float(kept), "smallest value kept in a rank decision, in units of the noise"),
+            Evidence("rank remainder", float(dropped), "largest value dropped in a rank decision, in units of the noise"),
+        )
 
 
 def jordan_pairs(A: PolynomialCoefficients, rank_tolerance: float | None = None) -> JordanPairs:
@@ -436,7 +432,11 @@ def _form_in_enough_digits(A: PolynomialCoefficients, rank_tolerance: float | No
     """The decoupled pencil, computed in float64 where that is enough."""
     form, is_large = None, A.size * max(A.degree, 1) > PRECISE_STATES
     if is_large or (rank_tolerance != 0 and all(factors is None for factors in A.factors)):
-        form = _form_in_float64(A, rank_tolerance, is_large)
+        try:
+            form = weierstrass_form(scaled_companion(A, rank_tolerance))
+        except IllConditioned:
+            if is_large:
+                raise
         if form is not None and not is_worthwhile(_slowness(form), form.companion.state_count):
             return form
     try:
@@ -450,48 +450,20 @@ def _form_in_enough_digits(A: PolynomialCoefficients, rank_tolerance: float | No
 
 
 def _form_as_written(A: PolynomialCoefficients, form: WeierstrassForm) -> WeierstrassForm:
-    """The decoupled pencil with zeros at s = 0 decided in precise arithmetic; where that takes long or fails, by _form_with_none."""
-    if form.companion.state_count > AS_WRITTEN_STATES:
-        return _form_with_none(A, form)
-    try:
-        with precise_arithmetic():
-            return weierstrass_form(scaled_companion(A, 0.0, in_float64=False), form.split.decisions)
-    except IllConditioned:
-        return _form_with_none(A, form)
-
-
-def _form_with_none(A: PolynomialCoefficients, form: WeierstrassForm) -> WeierstrassForm:
-    """The decoupled pencil in float64, without zeros at s = 0."""
+    """The decoupled pencil with zeros at s = 0 decided in precise arithmetic; where that takes long or fails, in float64 without any."""
+    if form.companion.state_count <= AS_WRITTEN_STATES:
+        try:
+            with precise_arithmetic():
+                return weierstrass_form(scaled_companion(A, 0.0, in_float64=False), form.split.decisions)
+        except IllConditioned:
+            pass
     return weierstrass_form(scaled_companion(A), [*form.split.decisions, RankDecision(len(form.T), np.inf, 0.0)])
-
-
-def _form_in_float64(A: PolynomialCoefficients, rank_tolerance: float | None, is_final: bool) -> WeierstrassForm | None:
-    """The decoupled pencil in float64; None where float64 has too few digits and another arithmetic is available."""
-    try:
-        return weierstrass_form(scaled_companion(A, rank_tolerance))
-    except IllConditioned:
-        if is_final:
-            raise
-        return None
 
 
 def _slowness(form: WeierstrassForm) -> float:
     """max(|s|, 1/|s|) over the zeros s other than 0 in the pencil's own unit of time: the eps of the QZ algorithm's error."""
     moduli = np.abs(eigenvalues(form.T[: form.nonzero_count, : form.nonzero_count]))
     return float(np.maximum(moduli, 1 / np.maximum(moduli, TINY)).max(initial=1.0))
-
-
-def pair_evidence(pairs: JordanPairs) -> tuple[Evidence, ...]:
-    """Residual of the finite pair, condition of the decouplings, and the gap of the rank decisions."""
-    form = pairs.form
-    kept = min((decision.smallest_kept for decision in form.decisions), default=np.inf)
-    dropped = max((decision.largest_dropped for decision in form.decisions), default=0.0)
-    return (
-        Evidence("residual", inverse_residual(pairs), "largest relative residual of A(s) times the inverse made from both pairs"),
-        Evidence("decoupling", pairs.finite.coupling, "largest entry of the transformation that separates the zeros"),
-        Evidence("rank gap", float(kept), "smallest value kept in a rank decision, in units of the noise"),
-        Evidence("rank remainder", float(dropped), "largest value dropped in a rank decision, in units of the noise"),
-    )
 
 
 def inverse_residual(pairs: JordanPairs) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -150,7 +150,8 @@ def decoupled_with_conserved(S: np.ndarray, given: Conserved, decoupled: Callabl
         slow = given.left[:, :n] + given.left[:, n:] @ S[2 * n - given.left.shape[1] :]
         return _decoupled_with_slow(A, D, given.blocks, slow @ basis, basis, inverse, decoupled)
     if np.count_nonzero(D):
-        X = _separating(A, D, J)
+        X = solution(A, -D)
+        X = X + solution(A, X @ J)  # A X - X J = -D, for J J = 0
         rows, own = rows - X @ L, own + basis[:, :count] @ X
     if not (np.abs(own) * np.abs(L.T)).sum(axis=0).max() <= DECOUPLING_LIMIT:
         return _by_clusters(A, D, J, basis, inverse)
@@ -220,12 +221,6 @@ def _fixed_point(following: Callable[[np.ndarray], np.ndarray], shape: tuple[int
         if np.abs(x - before).max(initial=0.0) <= 4 * EPS * np.abs(x).max(initial=0.0):
             return x
     return np.full(shape, np.inf)
-
-
-def _separating(A: np.ndarray, D: np.ndarray, J: np.ndarray) -> np.ndarray:
-    """X with A X - X J = -D, for J J = 0."""
-    X = solution(A, -D)
-    return X + solution(A, X @ J)
 
 
 def _with_conserved(parts: BlockDiagonal, basis, inverse, own, given: Conserved) -> BlockDiagonal:
@@ -350,17 +345,12 @@ def null_rows(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     space = Q[:, rank:].T
     places = np.sort(scipy.linalg.qr(space, mode="r", pivoting=True)[1][: len(space)])
     result = np.linalg.solve(space[:, places], space) * rows / rows[places][:, None]
-    whole, size = _whole(result), np.abs(matrix)
+    nearest, size = np.rint(result), np.abs(matrix)  # rounding errors may hide whole numbers, zero included
+    whole = np.where(np.abs(result - nearest) <= INTEGER_DISTANCE, nearest, result)
     left, least = ((np.abs(sums @ matrix) / np.where(size.any(axis=0), size.max(axis=0), 1.0)).max() for sums in (whole, result))
     sums = whole if left <= max(2 * least, noise_of(1.0, len(matrix))) else result
     soft = FREE_MOTION_GAP * np.maximum(np.abs(sums) @ size, size.max(axis=0))
     return (sums, places) if (np.abs(sums @ matrix) <= soft).all() else None
-
-
-def _whole(result: np.ndarray) -> np.ndarray:
-    """Entries near whole numbers rounded to them, zero included, since rounding errors may hide these."""
-    whole = np.rint(result)
-    return np.where(np.abs(result - whole) <= INTEGER_DISTANCE, whole, result)
 
 
 # A directly reducible A(s) as first-order equations w' = S w + ..., and S decoupled; ``polynomial.direct_reduction`` creates them.
@@ -634,7 +624,11 @@ class Reduction:
 
     @cached_property
     def _groups(self) -> list[np.ndarray]:
-        return _groups(self.generator)
+        """The states in uncoupled groups."""
+        if isinstance(self.generator, np.ndarray):
+            return coupled_rows(self.generator)
+        count, which = connected_components(self.generator, directed=False)
+        return [np.flatnonzero(which == group) for group in range(count)]
 
     @cached_property
     def _topology_modes(self) -> list[ResidueModes | None]:
@@ -687,14 +681,6 @@ class Reduction:
         return self.states(values[None])[:, 0]
 
 
-def _groups(S: Matrix) -> list[np.ndarray]:
-    """The states in uncoupled groups."""
-    if isinstance(S, np.ndarray):
-        return coupled_rows(S)
-    count, which = connected_components(S, directed=False)
-    return [np.flatnonzero(which == group) for group in range(count)]
-
-
 # Zeros of a reduced A(s) once more from its equations, where those of S = M^-1 K ... have lost what cancels in them.
 #
 # A slow motion of a chain has neighbours that move alike: K x is a small difference of large terms, and rounding errors of S move its
@@ -721,7 +707,9 @@ def refined(reduction: Reduction, parts: BlockDiagonal) -> BlockDiagonal:
         return parts
     largest, places = max(np.abs(block).max() for block in blocks), block_slices(blocks)
     correction = _correction(reduction)
-    for chosen in _chunks([i for i, block in enumerate(blocks[:count]) if _is_single(block)]):
+    single = [i for i, block in enumerate(blocks[:count]) if _is_single(block)]
+    for begin in range(0, len(single), CHUNK):
+        chosen = single[begin : begin + CHUNK]
         zeros, right, left = _vectors(parts, [blocks[i] for i in chosen], [places[i] for i in chosen])
         change = correction(zeros, right, left)
         change[~(np.abs(change) <= EPS**0.5 * largest)] = 0.0  # no refinement of what was wrong
@@ -736,11 +724,6 @@ def _is_single(block: np.ndarray) -> bool:
     if len(block) == 1:
         return bool(block[0, 0])
     return len(block) == 2 and block[0, 0] == block[1, 1] and block[0, 1] == -block[1, 0]
-
-
-def _chunks(numbers: list[int]) -> Iterator[list[int]]:
-    for begin in range(0, len(numbers), CHUNK):
-        yield numbers[begin : begin + CHUNK]
 
 
 def _vectors(parts: BlockDiagonal, blocks, places) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -120,9 +120,10 @@ def singular_message(A: PolynomialCoefficients) -> tuple[str, tuple[int, ...], t
 
 def singular_sentence(equations: Sequence[str], coordinates: Sequence[str]) -> str:
     """Text on dependent equations and free coordinates, with a remedy."""
+    rows, columns = (", ".join(f'"{name}"' for name in names) for names in (equations, coordinates))
     return (
-        f"det A(s) is zero for every s, the motion is not determined: the equations {_quoted(equations)} are dependent or empty, "
-        f"and the coordinates {_quoted(coordinates)} can move without any force. Attach what is free (by a mass, spring, damper or "
+        f"det A(s) is zero for every s, the motion is not determined: the equations {rows} are dependent or empty, "
+        f"and the coordinates {columns} can move without any force. Attach what is free (by a mass, spring, damper or "
         "constraint; in a state space by an equation), or remove redundant equations."
     )
 
@@ -130,10 +131,6 @@ def singular_sentence(equations: Sequence[str], coordinates: Sequence[str]) -> s
 def _support(vectors) -> np.ndarray:
     size = np.abs(vectors).max(axis=1, initial=0.0)
     return size > EPS**0.5 * size.max(initial=0.0)
-
-
-def _quoted(names) -> str:
-    return ", ".join(f'"{name}"' for name in names)
 
 
 def polynomial_text(coefficients: Sequence[Rational]) -> str:

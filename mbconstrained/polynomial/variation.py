@@ -10,8 +10,6 @@ import numpy as np
 import scipy.linalg
 from scipy.linalg import lapack
 from scipy.optimize import linear_sum_assignment
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from ..ground.errors import InputError
 from ..ground.tolerances import (
@@ -25,6 +23,7 @@ from ..ground.tolerances import (
     STIFFNESS_CONDITION,
     noise_of,
 )
+from ..linalg.blocks import coupled_rows
 from ..linalg.division import condition, is_symmetric
 from ..linalg.rank import Noisy, null_columns
 from ..linalg.symmetric import refined_modes
@@ -45,6 +44,8 @@ class VariedSpectrum:
         velocity: s x, also where s = 0 and x is the motion of a free body at constant velocity.
         states, rows: vectors of the first-order equations, rows @ states = I, shape (k, m) and (m, k).
         noise: changes of the eigenvalues by rounding errors (1/s).
+        parameter: p, where A(s) depends on one.
+        coupling: - y_i^T A_p(s_j) x_j, shape (m, m), its diagonal the derivatives of simple eigenvalues.
     """
 
     values: np.ndarray
@@ -54,38 +55,37 @@ class VariedSpectrum:
     states: np.ndarray
     rows: np.ndarray
     noise: float
+    parameter: float = np.nan
+    coupling: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
 
-    def derivative_matrix(self, slope: np.ndarray) -> np.ndarray:
-        """- y_i^T A_p(s_j) x_j, shape (m, m), its diagonal the derivatives of simple eigenvalues."""
-        motions = (self.right, self.velocity, self.velocity * self.values)
-        zero = np.zeros_like(self.right)
-        return -self.left @ sum((matrix @ motion for matrix, motion in zip(slope, motions) if matrix.any()), zero)
-
-    def mapped(self, states: np.ndarray, rows: np.ndarray) -> VariedSpectrum:
-        """The vectors combined."""
-        right, velocity = (matrix @ states for matrix in (self.right, self.velocity))
-        return VariedSpectrum(self.values, right, velocity, rows @ self.left, self.states @ states, rows @ self.rows, self.noise)
+    @property
+    def slopes(self) -> np.ndarray:
+        """ds/dp, shape (m,)."""
+        return self.coupling.diagonal()
 
     def ordered(self, order: np.ndarray) -> VariedSpectrum:
         """The spectrum in another order, shape (m,)."""
-        right, velocity, states = (matrix[:, order] for matrix in (self.right, self.velocity, self.states))
-        return VariedSpectrum(self.values[order], right, velocity, self.left[order], states, self.rows[order], self.noise)
+        columns = {name: getattr(self, name)[:, order] for name in ("right", "velocity", "states")}
+        rows = {name: getattr(self, name)[order] for name in ("values", "left", "rows")}
+        return replace(self, **columns, **rows, coupling=self.coupling[np.ix_(order, order)])
 
-    def turned(self, slope: np.ndarray) -> tuple[VariedSpectrum, np.ndarray]:
-        """The vectors of equal eigenvalues combined so that they are limits of those for p + dp, and all couplings."""
-        coupling = self.derivative_matrix(slope)
-        groups = equal_groups(self.values, self.noise)
+    def varied(self, parameter: float, slope: np.ndarray) -> VariedSpectrum:
+        """The spectrum with its couplings at p, vectors of equal eigenvalues combined so that they are limits of those for p + dp."""
+        motions, zero = (self.right, self.velocity, self.velocity * self.values), np.zeros_like(self.right)
+        coupling = -self.left @ sum((matrix @ motion for matrix, motion in zip(slope, motions) if matrix.any()), zero)
+        result, groups = replace(self, parameter=parameter, coupling=coupling), equal_groups(self.values, self.noise)
         if not groups:
-            return self, coupling
+            return result
         turn = np.eye(len(self.values), dtype=complex)
         for group in groups:
             place = np.ix_(group, group)
             if np.isfinite(coupling[place]).all():
                 turn[place] = np.linalg.eig(coupling[place])[1]
         if not np.linalg.cond(turn) < 1 / EPS**0.5:  # a defective derivative: the vectors stay
-            return self, coupling
+            return result
         back = np.linalg.inv(turn)
-        return self.mapped(turn, back), back @ coupling @ turn
+        columns = {name: getattr(self, name) @ turn for name in ("right", "velocity", "states")}
+        return replace(result, **columns, left=back @ self.left, rows=back @ self.rows, coupling=back @ coupling @ turn)
 
 
 def equal_groups(values: np.ndarray, radius: float) -> list[np.ndarray]:
@@ -93,8 +93,7 @@ def equal_groups(values: np.ndarray, radius: float) -> list[np.ndarray]:
     near = np.abs(values[:, None] - values) <= radius
     if near.sum() == len(values):
         return []
-    count, labels = connected_components(csr_array(near), directed=False)
-    return [group for label in range(count) if len(group := np.flatnonzero(labels == label)) > 1]
+    return [group for group in coupled_rows(near) if len(group) > 1]
 
 
 def modal_coordinates(M: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
@@ -222,8 +221,7 @@ class MatrixFamily:
     @property
     def parts(self) -> list[np.ndarray]:
         """The coordinates in parts that no matrix couples."""
-        count, labels = connected_components(csr_array(self.pattern), directed=False)
-        return [np.flatnonzero(labels == label) for label in range(count)]
+        return coupled_rows(self.pattern)
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,29 +240,6 @@ class Branches:
     slopes: np.ndarray
     shapes: np.ndarray
     evaluations: int
-
-
-@dataclass(frozen=True, eq=False)
-class SpectrumPoint:
-    """A spectrum at p, with all couplings of the first order."""
-
-    parameter: float
-    spectrum: VariedSpectrum
-    coupling: np.ndarray
-
-    @property
-    def values(self) -> np.ndarray:
-        """s, shape (m,)."""
-        return self.spectrum.values
-
-    @property
-    def slopes(self) -> np.ndarray:
-        """ds/dp, shape (m,)."""
-        return self.coupling.diagonal()
-
-    def ordered(self, order: np.ndarray) -> SpectrumPoint:
-        """The point with its eigenvalues in another order, shape (m,)."""
-        return SpectrumPoint(self.parameter, self.spectrum.ordered(order), self.coupling[np.ix_(order, order)])
 
 
 def followed(family: MatrixFamily, parameters: np.ndarray) -> Branches:
@@ -313,7 +288,7 @@ class FamilyPart:
         """The rows and columns of this part, shape (3, k, k)."""
         return matrices[:, self.places[:, None], self.places]
 
-    def chain(self, parameters: np.ndarray) -> list[SpectrumPoint]:
+    def chain(self, parameters: np.ndarray) -> list[VariedSpectrum]:
         """A point for each parameter, with every branch at its index."""
         points = [self.point(float(parameters[0]))]
         if self.is_constant:
@@ -324,7 +299,7 @@ class FamilyPart:
             points.append(following.ordered(self._connected(points[-1], following, resolution)))
         return points
 
-    def point(self, parameter: float) -> SpectrumPoint:
+    def point(self, parameter: float) -> VariedSpectrum:
         """The spectrum at p."""
         self.evaluations += 1
         coefficients, slope = (self.block(matrices(parameter)) for matrices in (self.family.at, self.family.slope))
@@ -332,26 +307,25 @@ class FamilyPart:
             K, M = np.diag(self.stiffness), np.eye(len(self.basis))
             coefficients = np.array([K, _congruent(coefficients[1], self.basis), M])
             slope = np.array([_congruent(matrix, self.basis) for matrix in slope])
-        return SpectrumPoint(parameter, *spectrum_of(list(coefficients)).turned(slope))
+        return spectrum_of(list(coefficients)).varied(parameter, slope)
 
     @property
     def is_conservative(self) -> bool:
         """Whether M and K are symmetric and do not depend on p, M positive definite and K positive semidefinite."""
         return self.basis is not None
 
-    def refined(self, point: SpectrumPoint, branch: int) -> complex:
+    def refined(self, point: VariedSpectrum, branch: int) -> complex:
         """An eigenvalue, refined by ``refined_values``."""
-        s = point.spectrum
-        right, left = s.right[:, [branch]], s.left[[branch]]
+        right, left = point.right[:, [branch]], point.left[[branch]]
         if self.basis is not None:
             right, left = self.basis @ right, left @ self.basis.T
-        return complex(refined_values(list(self.block(self.family.at(point.parameter))), s.values[[branch]], right, left)[0])
+        return complex(refined_values(list(self.block(self.family.at(point.parameter))), point.values[[branch]], right, left)[0])
 
-    def shapes(self, point: SpectrumPoint) -> np.ndarray:
+    def shapes(self, point: VariedSpectrum) -> np.ndarray:
         """Shapes in the coordinates of the family, shape (n, m)."""
-        return point.spectrum.right if self.basis is None else self.basis @ point.spectrum.right
+        return point.right if self.basis is None else self.basis @ point.right
 
-    def _connected(self, a: SpectrumPoint, b: SpectrumPoint, resolution: float) -> np.ndarray:
+    def _connected(self, a: VariedSpectrum, b: VariedSpectrum, resolution: float) -> np.ndarray:
         """The indices at b of the branches at a."""
         if a.values.size != b.values.size:
             raise InputError(
@@ -375,14 +349,14 @@ def _congruent(matrix: np.ndarray, basis: np.ndarray) -> np.ndarray:
     return result
 
 
-def _assigned(a: SpectrumPoint, b: SpectrumPoint) -> tuple[np.ndarray, bool]:
+def _assigned(a: VariedSpectrum, b: VariedSpectrum) -> tuple[np.ndarray, bool]:
     """The indices at b of the branches at a, and whether the assignment is unique."""
-    half, noise = (b.parameter - a.parameter) / 2, a.spectrum.noise + b.spectrum.noise
+    half, noise = (b.parameter - a.parameter) / 2, a.noise + b.noise
     with np.errstate(invalid="ignore", over="ignore"):
         distance = np.abs((a.values + half * a.slopes)[:, None] - (b.values - half * b.slopes))
     if not np.isfinite(distance).all():  # derivatives of defective eigenvalues
         distance = np.abs(a.values[:, None] - b.values)
-    likeness = np.abs(a.spectrum.rows @ b.spectrum.states)
+    likeness = np.abs(a.rows @ b.states)
     order = linear_sum_assignment(distance + noise * (1 - np.minimum(likeness, 1.0)))[1]
     places = np.arange(len(order))
     own = distance[places, order]
@@ -395,7 +369,7 @@ def _assigned(a: SpectrumPoint, b: SpectrumPoint) -> tuple[np.ndarray, bool]:
     return order, bool((clear | equal).all()) and not _may_veer(a, b.ordered(order), noise)
 
 
-def _may_veer(a: SpectrumPoint, b: SpectrumPoint, noise: float) -> bool:
+def _may_veer(a: VariedSpectrum, b: VariedSpectrum, noise: float) -> bool:
     """Whether two coupled branches are exchanged between both points."""
     first, last = (point.values[:, None] - point.values for point in (a, b))
     places = np.argwhere(np.triu((first * last.conj()).real < 0, 1))
@@ -516,27 +490,26 @@ def _of_part(family: MatrixFamily, parameters: np.ndarray, values: np.ndarray) -
             share = float((a / (a - b)).real)
             start = [ends[first] + share * (ends[last] - ends[first]) for ends in (parameters, middles)]
             point = _break_point(family, float(start[0].real), complex(start[1]))
-            if point is not None and parameters[first] <= point.parameter <= parameters[last] and not _known(point, points):
+            if point is None or not parameters[first] <= point.parameter <= parameters[last]:
+                continue
+            if not any(
+                abs(point.parameter - one.parameter) <= NEWTON_STEP * abs(one.parameter)
+                and abs(point.eigenvalue - one.eigenvalue) <= NEWTON_STEP * abs(point.eigenvalue)
+                for one in points
+            ):
                 points.append(point)
     return points
-
-
-def _known(point: BreakPoint, points: list[BreakPoint]) -> bool:
-    size = abs(point.eigenvalue)
-    return any(
-        abs(point.parameter - one.parameter) <= NEWTON_STEP * abs(one.parameter)
-        and abs(point.eigenvalue - one.eigenvalue) <= NEWTON_STEP * size
-        for one in points
-    )
 
 
 def _break_point(family: MatrixFamily, p: float, s: complex) -> BreakPoint | None:
     """Newton's method on (g, g_s) over Re s, Im s and p, all real, from four real rows, which are consistent at a break point."""
     if abs(s.imag) <= NEWTON_STEP * abs(s):
         s = complex(s.real)
-    border = _Border(family, p, s)
+    K, C, M = family.at(p)
+    left, _, right = np.linalg.svd(K + s * C + s * s * M)
+    scale = np.abs(K).max() + abs(s) * np.abs(C).max() + abs(s) ** 2 * np.abs(M).max()
     for _ in range(STEPS):
-        equations = border.equations(p, s)
+        equations = _bordered(family.at(p), family.slope(p), s, scale * left[:, -1:], scale * right[-1:])
         if equations is None:
             return None
         rows, rest, x = equations
@@ -553,28 +526,19 @@ def _break_point(family: MatrixFamily, p: float, s: complex) -> BreakPoint | Non
     return BreakPoint(p, complex(s.real, abs(s.imag)) + 0.0, x / x[np.abs(x).argmax()], residual)
 
 
-class _Border:
-    """b and c, the vectors of the smallest singular value of A(s; p), and with them (g, g_s) and their derivatives."""
-
-    def __init__(self, family: MatrixFamily, p: float, s: complex):
-        K, C, M = family.at(p)
-        left, _, right = np.linalg.svd(K + s * C + s * s * M)
-        scale = np.abs(K).max() + abs(s) * np.abs(C).max() + abs(s) ** 2 * np.abs(M).max()
-        self.family, self.column, self.row = family, scale * left[:, -1:], scale * right[-1:]
-
-    def equations(self, p: float, s: complex) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-        """The derivatives of (Re g, Re g_s, Im g, Im g_s), shape (4, 3), their values, and x; None of a singular matrix."""
-        (K, C, M), (K1, C1, M1) = self.family.at(p), self.family.slope(p)
-        A, A_s, A_p, A_sp = K + s * C + s * s * M, C + 2 * s * M, K1 + s * C1 + s * s * M1, C1 + 2 * s * M1
-        try:
-            inverse = np.linalg.inv(np.block([[A, self.column], [self.row, np.zeros((1, 1))]]))
-        except np.linalg.LinAlgError:
-            return None
-        x, y, g = inverse[:-1, -1], inverse[-1, :-1], inverse[-1, -1]
-        x_s, x_p = (-(inverse[:-1, :-1] @ (slope @ x)) for slope in (A_s, A_p))
-        g_s, g_p = -(y @ A_s @ x), -(y @ A_p @ x)
-        g_ss, g_sp = -2 * (y @ M @ x + y @ A_s @ x_s), -(y @ A_sp @ x + y @ A_s @ x_p + y @ A_p @ x_s)
-        rows, values = np.array([[g_s, 1j * g_s, g_p], [g_ss, 1j * g_ss, g_sp]]), np.array([g, g_s])
-        if not (np.isfinite(rows).all() and np.isfinite(values).all()):
-            return None
-        return np.vstack([rows.real, rows.imag]), np.concatenate([values.real, values.imag]), x
+def _bordered(at: np.ndarray, slope: np.ndarray, s: complex, column: np.ndarray, row: np.ndarray):
+    """The derivatives of (Re g, Re g_s, Im g, Im g_s), shape (4, 3), their values, and x, for b and c; None of a singular matrix."""
+    (K, C, M), (K1, C1, M1) = at, slope
+    A, A_s, A_p, A_sp = K + s * C + s * s * M, C + 2 * s * M, K1 + s * C1 + s * s * M1, C1 + 2 * s * M1
+    try:
+        inverse = np.linalg.inv(np.block([[A, column], [row, np.zeros((1, 1))]]))
+    except np.linalg.LinAlgError:
+        return None
+    x, y, g = inverse[:-1, -1], inverse[-1, :-1], inverse[-1, -1]
+    x_s, x_p = (-(inverse[:-1, :-1] @ (matrix @ x)) for matrix in (A_s, A_p))
+    g_s, g_p = -(y @ A_s @ x), -(y @ A_p @ x)
+    g_ss, g_sp = -2 * (y @ M @ x + y @ A_s @ x_s), -(y @ A_sp @ x + y @ A_s @ x_p + y @ A_p @ x_s)
+    rows, values = np.array([[g_s, 1j * g_s, g_p], [g_ss, 1j * g_ss, g_sp]]), np.array([g, g_s])
+    if not (np.isfinite(rows).all() and np.isfinite(values).all()):
+        return None
+    return np.vstack([rows.real, rows.imag]), np.concatenate([values.real, values.imag]), x

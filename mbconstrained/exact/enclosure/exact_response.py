@@ -9,7 +9,7 @@ Dirac's impulses, the rest at s = infinity has the values at 0+, and at s = 0 th
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
@@ -28,7 +28,7 @@ from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.impulsive import ImpulsiveSmooth
 from ..engine import series_at_infinity
 from ..rational import RATIONALS, RationalMatrix, enclosed_roots, fraction, polynomial, rational, regular_matrix, working_precision
-from .exact_sources import ONE, ExactSource, Factor, S, Shape, added, ball, sources_of, vector_of
+from .exact_sources import ONE, ExactSource, Factor, S, Shape, added, ball, delta, sources_of, vector_of
 from .intervals import Enclosure, bits_of, has_digits
 
 #: Bits to begin with, beyond those of the requested digits.
@@ -274,10 +274,6 @@ class Part:
     response: RationalResponse
     calls: tuple[tuple[flint.fmpq, Factor], ...]
 
-    @property
-    def factors_at_0(self) -> list[Factor]:
-        return [factor for time, factor in self.calls if time == 0]
-
 
 class ExactResponse(Displayed):
     """Exact solution x of A(d/dt) x = f from values at 0-, all data taken as exact numbers.
@@ -319,11 +315,12 @@ class ExactResponse(Displayed):
         Raises:
             InputError: a phase makes them irrational; ``enclose_impulses`` has them as intervals.
         """
-        if any(
-            not isinstance(factor, flint.fmpq) for part in self._parts if part.response.impulses for factor in part.factors_at_0
-        ):
-            raise InputError("impulses: with this phase they are no rational numbers; enclose_impulses gives them as intervals")
-        return tuple(np.array([fraction(entry) for entry in impulse], dtype=object) for impulse in self._impulses(rational))
+        try:
+            total = self._impulses(rational)
+        except TypeError:
+            text = "impulses: with this phase they are no rational numbers; enclose_impulses gives them as intervals"
+            raise InputError(text) from None
+        return tuple(np.array([fraction(entry) for entry in impulse], dtype=object) for impulse in total)
 
     def enclose_impulses(self, digits: int = 15) -> tuple[Enclosure, ...]:
         """Return the impulses at t = 0 as intervals: the k-th multiplies the k-th derivative of Dirac's delta."""
@@ -340,13 +337,10 @@ class ExactResponse(Displayed):
         Raises:
             InputError: a phase makes them irrational; ``enclose`` at t = 0 has them as intervals.
         """
-        total = [[ZERO] * self.size for _ in self.initial]
-        for part in self._parts:
-            starts = [part.response.start(order) for order in range(len(total))]
-            for factor in part.factors_at_0 if any(map(any, starts)) else ():
-                if not isinstance(factor, flint.fmpq):
-                    raise InputError("start: with this phase it is no rational number; enclose at t = 0 gives it as intervals")
-                total = [[a + b * factor for a, b in zip(*rows)] for rows in zip(total, starts)]
+        try:
+            total = self._started(ZERO, self._values_at_start, rational) or [[ZERO] * self.size for _ in self.initial]
+        except TypeError:
+            raise InputError("start: with this phase it is no rational number; enclose at t = 0 gives it as intervals") from None
         return np.array([[fraction(entry) for entry in row] for row in total], dtype=object).reshape(len(total), self.size)
 
     @property
@@ -388,26 +382,25 @@ class ExactResponse(Displayed):
 
     @cached_property
     def _from_start(self) -> RationalResponse:
-        """The response to the values at 0- and to sources from t = 0 on with a rational factor."""
+        """The response to sources from t = 0 on with a rational factor, and to the values at 0-, which act as impulses.
+
+        X_in is the sum of A_i s^(i-1-j) x^(j)(0-), j < i (Moysis et al., section 3).
+        """
         r, below = self.matrix.size, ONE
-        now = [source for source in self.sources if _is_immediate(source)]
+        columns = [flint.fmpq_mat([[entry] for entry in row]) for row in self.initial]
+        now = [
+            ExactSource(delta(i - 1 - j), tuple((matrix * columns[j]).entries()), ZERO, flint.fmpq(1))
+            for i, matrix in enumerate(self.matrix.coefficients)
+            for j in range(i)
+        ]
+        now += [source for source in self.sources if _is_immediate(source)]
         for source in now:
             below = below * (source.shape.denominator // below.gcd(source.shape.denominator))
-        total = [p * below for p in self._initial_part()]
+        total = [flint.fmpq_poly([0])] * r
         for source in now:
             above = source.shape.numerator * (below // source.shape.denominator) * source.factor
             total = [total[k] + above * source.vector[k] for k in range(r)]
         return RationalResponse(self.matrix, total, below, self.rows)
-
-    def _initial_part(self) -> list[flint.fmpq_poly]:
-        """X_in: the sum of A_i s^(i-1-j) x^(j)(0-), j < i (Moysis et al., section 3)."""
-        r = self.matrix.size
-        total = [flint.fmpq_poly([0])] * r
-        for i, matrix in enumerate(self.matrix.coefficients):
-            for j in range(i):
-                product = (matrix * flint.fmpq_mat([[entry] for entry in self.initial[j]])).entries()
-                total = [p + S ** (i - 1 - j) * entry for p, entry in zip(total, product)]
-        return total
 
     def _called(self) -> Iterator[Part]:
         """Responses to later sources, or with irrational factors: equal functions of time share their response."""
@@ -422,16 +415,23 @@ class ExactResponse(Displayed):
 
     def _impulses(self, number) -> list[list]:
         """Factors of delta, delta', ... at t = 0, in numbers of one kind."""
-        total: list[list] = []
-        for part in self._parts:
-            for factor in part.factors_at_0:
-                for k, impulse in enumerate(part.response.impulses):
-                    if k == len(total):
-                        total.append([number(ZERO)] * self.size)
-                    total[k] = [a + number(factor) * number(b) for a, b in zip(total[k], impulse)]
+        total = self._started(ZERO, lambda x: x.impulses, number)
         while total and all(entry == 0 for entry in total[-1]):
             total.pop()
         return total
+
+    def _started(self, time: flint.fmpq, rows_of: Callable[[RationalResponse], list[list[flint.fmpq]]], number) -> list[list]:
+        """The sum of rows of the responses that begin at a time, in numbers of one kind."""
+        total: list[list] = []
+        for part, factor in ((each, factor) for each in self._parts for at, factor in each.calls if at == time):
+            if any(map(any, rows := rows_of(part.response))):
+                amount = number(factor)
+                total += [[number(ZERO)] * self.size for _ in rows[len(total) :]]
+                total[: len(rows)] = [[a + amount * b for a, b in zip(*pair)] for pair in zip(total, rows)]
+        return total
+
+    def _values_at_start(self, response: RationalResponse) -> list[list[flint.fmpq]]:
+        return [response.start(order) for order in range(len(self.initial))]
 
     def rounded(self, times, order: int = 0, matrix: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Return y = matrix @ x^(order) in float64, at each time accurate to ``ROUNDED_BITS`` bits of its largest row.
@@ -473,14 +473,10 @@ class ExactResponse(Displayed):
         """
         begin = self._events.get(time, rational(time))
         with working_precision(EVENT_BITS):
-            calls = [(part.response, ball(factor)) for part in self._parts for at, factor in part.calls if at == begin]
-            jump = [[-ball(row[k]) if begin == 0 else flint.arb(0) for k in self.rows] for row in self.initial]
-            impulses = [[flint.arb(0)] * self.size for _ in range(max((len(x.impulses) for x, _ in calls), default=0))]
-            for x, amount in calls:
-                for order, row in enumerate(jump):
-                    jump[order] = [a + amount * b for a, b in zip(row, x.start(order))]
-                for order, impulse in enumerate(x.impulses):
-                    impulses[order] = [a + amount * b for a, b in zip(impulses[order], impulse)]
+            before = [[ball(row[k]) if begin == 0 else flint.arb(0) for k in self.rows] for row in self.initial]
+            after = self._started(begin, self._values_at_start, ball) or [[flint.arb(0)] * self.size for _ in before]
+            jump = [[a - b for a, b in zip(*rows)] for rows in zip(after, before)]
+            impulses = self._started(begin, lambda x: x.impulses, ball)
             values = [[0.0 if entry.contains(0) else float(entry.mid()) for entry in row] for row in (*jump, *impulses)]
         table = np.array(values).reshape(-1, self.size)
         return table[: len(jump)], table[len(jump) :]

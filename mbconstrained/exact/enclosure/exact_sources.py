@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import pairwise
 from math import factorial
-from typing import Any
 
 import flint
 import numpy as np
@@ -118,11 +117,10 @@ def _pieces(shapes: Sequence[Shape], vector: Vector, block, knots, states) -> It
     for knot, state in zip(knots, map(vector_of, states)):
         left = _propagated(generator, before, knot - since)
         for entry, shape in enumerate(shapes):
-            if left is not None:
-                yield ExactSource(shape, vector, knot, state[entry] - left[entry])
-            else:
-                yield ExactSource(shape, vector, knot, state[entry])
-                yield ExactSource(shape, vector, knot, PropagatedState(flint.fmpq(-1), generator, before, knot - since, entry))
+            yield ExactSource(shape, vector, knot, state[entry] if left is None else state[entry] - left[entry])
+            if left is None:
+                left_over = Irrational(flint.fmpq(-1), _state, (generator, before, knot - since, entry))
+                yield ExactSource(shape, vector, knot, left_over)
         before, since = state, knot
 
 
@@ -160,41 +158,27 @@ def _product(matrix, vector: Vector) -> Vector:
 
 @dataclass(frozen=True)
 class Irrational:
-    """amount times an irrational number, of which there are balls of any precision."""
+    """amount times an irrational number, of which there are balls of any precision: ``enclosed`` of the data."""
 
     amount: flint.fmpq
+    enclosed: Callable[..., flint.arb]
+    data: tuple
 
     def __mul__(self, factor: flint.fmpq) -> Irrational:
         return replace(self, amount=self.amount * factor)
 
-    def ball(self) -> flint.arb:
-        """A ball at the working precision."""
-        raise NotImplementedError
+
+def _sine(phase: flint.fmpq) -> flint.arb:
+    return flint.arb(phase).sin()
 
 
-@dataclass(frozen=True)
-class PhaseFactor(Irrational):
-    """amount times the irrational cosine or sine of a nonzero phase."""
-
-    phase: flint.fmpq
-    sine: bool
-
-    def ball(self) -> flint.arb:
-        phase = flint.arb(self.phase)
-        return flint.arb(self.amount) * (phase.sin() if self.sine else phase.cos())
+def _cosine(phase: flint.fmpq) -> flint.arb:
+    return flint.arb(phase).cos()
 
 
-@dataclass(frozen=True)
-class PropagatedState(Irrational):
-    """amount times one entry of e^{J t} v: the states of a piece at its end."""
-
-    generator: tuple[tuple[flint.fmpq, ...], ...]
-    start: tuple[flint.fmpq, ...]
-    time: flint.fmpq
-    entry: int
-
-    def ball(self) -> flint.arb:
-        return flint.arb(self.amount) * _propagated_ball(self.generator, self.start, self.time, flint.ctx.prec)[self.entry]
+def _state(generator, start, time, entry: int) -> flint.arb:
+    """One entry of e^{J t} v, the states of a piece at its end."""
+    return _propagated_ball(generator, start, time, flint.ctx.prec)[entry]
 
 
 @lru_cache(maxsize=4096)
@@ -209,21 +193,19 @@ Factor = flint.fmpq | Irrational
 
 def ball(factor: Factor) -> flint.arb:
     """A ball that contains a factor, at the working precision."""
-    return flint.arb(factor) if isinstance(factor, flint.fmpq) else factor.ball()
+    if isinstance(factor, flint.fmpq):
+        return flint.arb(factor)
+    return flint.arb(factor.amount) * factor.enclosed(*factor.data)
 
 
 def added(calls: Iterable[tuple[flint.fmpq, Factor]]) -> tuple[tuple[flint.fmpq, Factor], ...]:
     """Times and factors, with factors of one kind added at equal times; those that cancel exactly are omitted."""
-    total: dict[tuple, Factor] = {}
+    total: dict[tuple[flint.fmpq, Irrational | None], flint.fmpq] = {}
     for time, factor in calls:
-        key = time, None if isinstance(factor, flint.fmpq) else replace(factor, amount=flint.fmpq(1))
-        total[key] = factor if key not in total else _sum(total[key], factor)
-    return tuple((time, factor) for (time, _), factor in total.items() if getattr(factor, "amount", factor))
-
-
-def _sum(one: Any, two: Any) -> Factor:
-    """Sum of two factors of one kind."""
-    return one + two if isinstance(one, flint.fmpq) else replace(one, amount=one.amount + two.amount)
+        kind = replace(factor, amount=flint.fmpq(1)) if isinstance(factor, Irrational) else None
+        amount = factor.amount if isinstance(factor, Irrational) else factor
+        total[time, kind] = total.get((time, kind), flint.fmpq(0)) + amount
+    return tuple((time, amount if kind is None else kind * amount) for (time, kind), amount in total.items() if amount)
 
 
 def phase_factors(phase: float) -> Sequence[Factor]:
@@ -236,7 +218,7 @@ def phase_factors(phase: float) -> Sequence[Factor]:
         elif without_phase_noise(other, phase) == 0:
             factors.append(flint.fmpq(round(value)))
         else:
-            factors.append(PhaseFactor(flint.fmpq(1), rational(phase), bool(sine)))
+            factors.append(Irrational(flint.fmpq(1), _sine if sine else _cosine, (rational(phase),)))
     return factors
 
 

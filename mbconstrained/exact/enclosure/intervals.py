@@ -79,7 +79,7 @@ class Enclosure:
             InputError: another shape, or an entry that is no number.
         """
         given = self._shaped(values)
-        low, high, exact, around = _exact(self.lower), _exact(self.upper), _exact(given), _each(_rounding, given)
+        low, high, exact, around = _exact(self.lower), _exact(self.upper), _exact(given), np.vectorize(_rounding, [object])(given)
         return np.bool_(np.all((low <= exact + around) & (exact - around <= high)))
 
     def error_bounds(self, values) -> np.ndarray:
@@ -93,7 +93,7 @@ class Enclosure:
         """
         low, high, exact = _exact(self.lower), _exact(self.upper), _exact(self._shaped(values))
         bounds = np.maximum(exact - low, high - exact)
-        return np.vectorize(_rounded_up, otypes=[float])(bounds) if bounds.size else np.zeros(bounds.shape)
+        return np.vectorize(_rounded_up, [float])(bounds)
 
     def _shaped(self, values) -> np.ndarray:
         """The values in an array of the requested shape."""
@@ -106,22 +106,14 @@ class Enclosure:
         return array
 
 
-def _exact(values: np.ndarray) -> np.ndarray:
-    return _each(_number, values)
-
-
-def _each(function, values: np.ndarray) -> np.ndarray:
-    result = np.empty(values.shape, dtype=object)
-    for place, value in np.ndenumerate(values):
-        result[place] = function(value)
-    return result
-
-
 def _number(value) -> Fraction:
     try:
         return Fraction(Decimal(value)) if isinstance(value, str) else Fraction(value.item() if hasattr(value, "item") else value)
     except (ArithmeticError, TypeError, ValueError):
         raise InputError(f"values: found {value!r}; expected finite numbers, or decimal strings") from None
+
+
+_exact = np.vectorize(_number, [object])
 
 
 def _rounding(value) -> Fraction:

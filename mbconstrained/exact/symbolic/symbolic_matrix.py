@@ -21,6 +21,7 @@ from ..engine import ExactMatrix, ExactStructure, RootPolynomials
 from .field.fields import (
     VARIABLE,
     as_positive,
+    common_denominator,
     element,
     exact_expression,
     exact_rows,
@@ -85,6 +86,7 @@ class SymbolicPolynomialMatrix(ExactMatrix):
         if S.name in (symbol.name for symbol in symbols_of(entries)):
             raise InputError('the symbol "s" is the variable of A(s); give the entries A_0, A_1, ... and name parameters otherwise')
         self.coefficients = tuple(sympy.ImmutableMatrix(rows) for rows in given)
+        self.size = len(given[0])
         self.symbols = symbols_of(entries)
         self.field: Domain = field_of(entries)
         self.coordinates = names_of(coordinates, self.size, "coordinates", "x")
@@ -111,16 +113,6 @@ class SymbolicPolynomialMatrix(ExactMatrix):
             for rows in A.exact_coefficients
         ]
         return cls(ratios, A.coordinates, A.equations)
-
-    @property
-    def size(self) -> int:
-        """The number of rows and columns r."""
-        return self.coefficients[0].rows
-
-    @property
-    def degree(self) -> int:
-        """The declared degree q (the number of coefficients less one)."""
-        return len(self.coefficients) - 1
 
     @property
     def variable(self) -> sympy.Symbol:
@@ -253,7 +245,7 @@ def _adjugate_and_determinant(rows: list[list[sympy.Poly]]) -> tuple[list[list[s
     and Hamilton +-adj M = M^(r-1) + c_1 M^(r-2) + ... + c_(r-1); sympy's adj_det fails where a c is zero.
     """
     field, variable, size = rows[0][0].domain, rows[0][0].gen, len(rows)
-    scales = [_common_denominator(field, [c for entry in row for c in entry.rep.to_list()]) for row in rows]
+    scales = [common_denominator(field, (c for entry in row for c in entry.rep.to_list())) for row in rows]
     integral = integers(field)
     ring = integral[variable]
 
@@ -275,14 +267,6 @@ def _adjugate_and_determinant(rows: list[list[sympy.Poly]]) -> tuple[list[list[s
     total = field.one / prod(scales, start=field.one)
     entries = [[over_field(entry, total * scale) for entry, scale in zip(row, scales)] for row in adjugate.to_list()]
     return entries, over_field(determinant, total)
-
-
-def _common_denominator(field: Domain, values: list):
-    """The least multiple of all denominators, an element of the field."""
-    ring, total = integers(field), None
-    for value in values if field.has_assoc_Ring else ():
-        total = field.denom(value) if total is None else ring.lcm(total, field.denom(value))
-    return field.one if total is None else field.convert(total, ring)
 
 
 def _raise_singular(A: SymbolicPolynomialMatrix) -> NoReturn:

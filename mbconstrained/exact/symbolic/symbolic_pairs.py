@@ -17,6 +17,7 @@ from ..engine import ExactJordanPairs, ExactMatrix, ExactPair, HypercompanionBlo
 from .field.fields import (
     Surd,
     coefficients,
+    common_denominator,
     compact_expression,
     compact_root,
     expression_of,
@@ -329,9 +330,7 @@ def inverse_modulo(unit: sympy.Poly, modulus: sympy.Poly) -> sympy.Poly:
             series.append(-known * series[0])
         return sympy.Poly(series[::-1], unit.gen, domain=field)
     columns = [coefficients((unit * sympy.Poly(unit.gen**i, unit.gen, domain=field)).rem(modulus), degree) for i in range(degree)]
-    scale = field.one
-    if field.has_assoc_Ring:
-        scale = field.convert_from(reduce(ring.lcm, (field.denom(c) for column in columns for c in column)), ring)
+    scale = common_denominator(field, itertools.chain(*columns))
     rows = [[ring.convert_from(column[i] * scale, field) for column in columns] for i in range(degree)]
     one = DomainMatrix([[ring.one if i == 0 else ring.zero] for i in range(degree)], (degree, 1), ring)
     numerators, denominator = DomainMatrix(rows, (degree, degree), ring).solve_den(one, method="rref")

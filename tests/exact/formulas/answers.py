@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import sympy
 
-from mbconstrained.exact.closed_form import ClosedForm
+from mbconstrained.exact.closed_form import ClosedForm, FormulaParameter
 from mbconstrained.exact.source_code import c_source, python_source
+from mbconstrained.exact.symbolic.field.fields import exact_expression
 from mbconstrained.exact.symbolic.response.symbolic_response import solve_symbolically
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 
@@ -21,14 +23,21 @@ HOSTILE = ("lambda", "I", "left joint", "θ'", "a</math><script>", "x*/", '"""',
 def damped(**defaults) -> ClosedForm:
     """m x'' + c x' + k x = 0 from x = 1."""
     x = solve_symbolically(SymbolicPolynomialMatrix([[[k]], [[c]], [[m]]]), [[1], [0]], time=t)
-    return ClosedForm.of(x, parameters={sympy.Symbol(name, positive=True): value for name, value in defaults.items()})
+    return with_values(ClosedForm.of(x), {sympy.Symbol(name, positive=True): value for name, value in defaults.items()})
+
+
+def with_values(form: ClosedForm, values: dict) -> ClosedForm:
+    """The formula with default values by symbol."""
+    return replace(
+        form, parameters=tuple(FormulaParameter(s, s.name, exact_expression(value, s.name)) for s, value in values.items())
+    )
 
 
 def hostile() -> ClosedForm:
     """Coordinates and parameters with names that mean something elsewhere."""
     symbols = [sympy.Symbol(name, positive=True) for name in HOSTILE]
     values = tuple(symbol * t + number for number, symbol in enumerate(symbols))
-    return ClosedForm.of(ClosedForm(HOSTILE, values, t), parameters={symbol: number + 2 for number, symbol in enumerate(symbols)})
+    return with_values(ClosedForm(HOSTILE, values, t), {symbol: number + 2 for number, symbol in enumerate(symbols)})
 
 
 def python_values(form: ClosedForm, times, *arguments) -> np.ndarray:

@@ -9,11 +9,11 @@ import sympy
 from mbconstrained.exact.closed_form import ClosedForm, Impulse, Jump, terms_of
 from mbconstrained.exact.formula_printers import formula_text, latex, mathml, records
 from mbconstrained.ground.errors import InputError
-from tests.exact.formulas.answers import HOSTILE, damped, hostile, k, m, t
+from tests.exact.formulas.answers import HOSTILE, damped, hostile, k, m, t, with_values
 
 w = sympy.sqrt(k / m)
-OSCILLATOR = ClosedForm.of(
-    ClosedForm(("x1",), (sympy.cos(2 * w * t) / 2 - (1 - w) * sympy.sin(2 * w * t) + 3,), t), parameters={m: 10.0, k: 2.5}
+OSCILLATOR = with_values(
+    ClosedForm(("x1",), (sympy.cos(2 * w * t) / 2 - (1 - w) * sympy.sin(2 * w * t) + 3,), t), {m: 10.0, k: 2.5}
 )
 
 

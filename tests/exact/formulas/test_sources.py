@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import mbconstrained as mb
 from mbconstrained.exact.closed_form import ClosedForm, Impulse
 from mbconstrained.exact.source_code import C_KEYWORDS, c_source, identifiers, python_source, real_form, with_square
-from tests.exact.formulas.answers import HOSTILE, c_values, damped, hostile, python_values, t
+from tests.exact.formulas.answers import HOSTILE, c_values, damped, hostile, python_values, t, with_values
 
 TIMES = np.linspace(0.01, 20, 50)
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no C compiler")
@@ -96,7 +96,7 @@ def test_c_compiles_whatever_the_headers_define(standard, tmp_path):
     names = ("M_E", "M_PI", "NAN", "INFINITY", "HUGE_VAL", "linux", "unix", "FP_NAN", "OVERFLOW", "DOMAIN")
     symbols = [sympy.Symbol(name, positive=True) for name in names]
     value = sympy.sqrt(2) * sympy.exp(t) * sympy.log(2) / sympy.pi + sum(symbols)
-    form = ClosedForm.of(ClosedForm(("x",), (value,), t), parameters=dict.fromkeys(symbols, 2))
+    form = with_values(ClosedForm(("x",), (value,), t), dict.fromkeys(symbols, 2))
     assert "M_SQRT2" not in c_source(form)
     known = np.sqrt(2) * np.exp(TIMES) * np.log(2) / np.pi + 2 * len(names)
     assert c_values(form, TIMES, tmp_path, standard)[0] == pytest.approx(known, rel=1e-14)
@@ -105,7 +105,7 @@ def test_c_compiles_whatever_the_headers_define(standard, tmp_path):
 def test_divisors_keep_their_digits_near_resonance():
     k, m, c, w = sympy.symbols("k m c w", positive=True)
     divisor = k**2 - 2 * k * m * w**2 + m**2 * w**4 + c**2 * w**2
-    form = ClosedForm.of(ClosedForm(("x",), (1 / divisor,), t), parameters={k: 3, m: 3, c: 1e-9, w: 1})
+    form = with_values(ClosedForm(("x",), (1 / divisor,), t), {k: 3, m: 3, c: 1e-9, w: 1})
     assert python_values(form, 1.0) == pytest.approx([1e18], rel=1e-14)
     assert with_square(divisor).expand() == divisor
 

@@ -1,9 +1,8 @@
-"""The parts that the exact structure is made of: pivots modulo primes, minors by interpolation, rounded roots."""
+"""The parts that the exact structure is made of: root polynomials, interpolation, rounded roots."""
 
 from __future__ import annotations
 
 from fractions import Fraction
-from itertools import islice
 
 import flint
 import mpmath
@@ -11,33 +10,10 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.exact import rational as modular
 from mbconstrained.exact.engine import ExactMatrix
 from mbconstrained.exact.rational import RationalMatrix, enclosed_roots, rounded_roots
 from tests.exact.rational.products import MATRICES, known, product
 from tests.oracles import exact
-
-
-@pytest.mark.parametrize("seed", range(12))
-def test_unlucky_primes_are_found_out(seed, monkeypatch):
-    """Beginning with 3 they often divide something that matters: the answer is the same."""
-    A = product(seed)
-    expected = mb.exact.structure(mb.PolynomialMatrix(A))
-    monkeypatch.setattr(modular, "FIRST_NUMBER", 3)
-    assert mb.exact.structure(mb.PolynomialMatrix(A)) == expected
-
-
-def test_a_prime_that_lowers_a_rank_is_unlucky(monkeypatch):
-    """[[s, 3], [0, s]]: modulo 3 there are two chains of length 1 at 0, in truth there is one of length 2."""
-    A = [[[0, 3], [0, 0]], [[1, 0], [0, 1]]]
-    monkeypatch.setattr(modular, "FIRST_NUMBER", 3)
-    assert mb.exact.structure(mb.PolynomialMatrix(A)).elementary_divisors[0].exponents == (2,)
-
-
-def test_primes_have_roots():
-    p = flint.fmpz_poly([2, 0, 0, 1])
-    for prime, root in islice(modular.rooted_primes(p), 5):
-        assert flint.fmpz(prime).is_prime() and (root**3 + 2) % prime == 0
 
 
 @pytest.mark.parametrize("name", MATRICES)
@@ -53,16 +29,13 @@ def test_root_polynomials_are_divided_by_their_power(name):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_minors_give_what_elimination_gives(seed):
-    """The principal part of A(s)^-1 at the zeros of every factor, and at infinity, by the method of every field."""
+def test_root_polynomials_of_simple_factors_are_what_elimination_gives(seed):
+    """The principal part of A(s)^-1 at the zeros of every factor, by the method of every field."""
     R = RationalMatrix.of(mb.PolynomialMatrix(product(seed)))
     for p, multiplicity in R.ring.factors(R.determinant):
         ours, general = R.root_polynomials(p, multiplicity), ExactMatrix.root_polynomials(R, p, multiplicity)
         assert [term.length for term in ours] == [term.length for term in general]
         assert _principal_part(ours) == _principal_part(general)
-    ours, general = R.infinite_root_polynomials(), ExactMatrix.infinite_root_polynomials(R)
-    assert [term.length for term in ours] == [term.length for term in general]
-    assert _principal_part(ours) == _principal_part(general)
 
 
 def _principal_part(terms):
@@ -75,7 +48,7 @@ def _principal_part(terms):
 
 
 @pytest.mark.parametrize("name", MATRICES)
-def test_minor_gives_the_determinant_and_the_adjugate(name):
+def test_interpolation_gives_the_determinant_and_the_adjugate(name):
     x = known(name)
     R = RationalMatrix.of(x.matrix)
     assert _fractions(R.determinant) == exact.determinant(x.A.tolist())

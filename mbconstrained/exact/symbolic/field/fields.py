@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
+from functools import reduce
 from itertools import pairwise
 from typing import Any
 
@@ -150,6 +151,14 @@ def in_one_form(field: Domain, value):
 def integers(field: Domain) -> Domain:
     """The ring whose fractions are the field; the field itself without one."""
     return field.get_ring() if field.has_assoc_Ring else field
+
+
+def common_denominator(field: Domain, values: Iterable):
+    """The least multiple of all denominators, an element of the field."""
+    if not field.has_assoc_Ring:
+        return field.one
+    ring = field.get_ring()
+    return field.convert(reduce(ring.lcm, map(field.denom, values), ring.one), ring)
 
 
 def coefficients(p: sympy.Poly, count: int) -> list:

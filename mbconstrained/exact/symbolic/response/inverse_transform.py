@@ -8,11 +8,12 @@ t, exp, cos, sin, cosh, sinh, Heaviside and DiracDelta are sums of such terms; n
 from __future__ import annotations
 
 import numbers
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, reduce
 from itertools import combinations
+from math import prod
 
 import sympy
 from sympy.polys.domains import Domain
@@ -33,7 +34,7 @@ from ..field.fields import (
     symbols_of,
 )
 from ..symbolic_matrix import S, SymbolicPolynomialMatrix, checked_matrix
-from ..symbolic_pairs import Factors, Root, SymbolicRing, factors_of, modes, must_not_vanish
+from ..symbolic_pairs import Factors, SymbolicRing, factors_of, modes, must_not_vanish
 
 #: The functions that a force may contain, for messages.
 EXPECTED = "expected sums and products of constants, t, exp, cos, sin, cosh, sinh, Heaviside(t - t0) and DiracDelta(t - t0, k)"
@@ -177,28 +178,14 @@ def _times(one: TimeTerm, other: TimeTerm) -> list[TimeTerm]:
     ]
 
 
-@dataclass(frozen=True)
-class Transform:
-    """The transform of a term from its start: sum of amplitude numerator(s) over ((s - rate)^2 + square)^power, or over (s - rate)^power.
-
-    Attributes:
-        parts: (amplitude, numerator as an expression in s) each.
-        denominator, power: as an expression in s with coefficients rational in symbols.
-    """
-
-    parts: tuple[tuple[sympy.Expr, sympy.Expr], ...]
-    denominator: sympy.Expr = sympy.S.One
-    power: int = 0
-
-
-def transform_of(term: TimeTerm, s: sympy.Symbol) -> Transform:
-    """The Laplace transform of a term that starts at 0.
+def transform_of(term: TimeTerm, s: sympy.Symbol) -> tuple[list[tuple[sympy.Expr, sympy.Expr]], sympy.Expr, int]:
+    """Amplitudes with numerators, the denominator and its power of the Laplace transform of a term that starts at 0.
 
     With n = k + 1: k!/(s - a - i w)^n = k! ((s - a) + i w)^n / ((s - a)^2 + w^2)^n, so that w enters the denominator squared: the
     frequency sqrt(k/m) meets the factor m s^2 + k of a determinant there. A rate a + r with r^2 rational is treated in the same manner.
     """
     if term.impulse is not None:
-        return Transform(((term.coefficient, s**term.impulse),))
+        return [(term.coefficient, s**term.impulse)], sympy.S.One, 0
     n, factor = term.power + 1, term.coefficient * sympy.factorial(term.power)
     rate, root = _rational_and_root(term.rate)
     if root != 0 and term.frequency != 0:
@@ -207,12 +194,11 @@ def transform_of(term: TimeTerm, s: sympy.Symbol) -> Transform:
         )
     cosine = factor * sympy.cos(term.phase)
     if root == 0 and term.frequency == 0:
-        return Transform(((cosine, sympy.S.One),), s - rate, n)
+        return [(cosine, sympy.S.One)], s - rate, n
     square = sympy.expand(term.frequency**2 - root**2)
     binomial = [sympy.binomial(n, j) * (s - rate) ** (n - j) * (-square) ** (j // 2) for j in range(n + 1)]
     turned = cosine * root if root != 0 else -factor * sympy.sin(term.phase) * term.frequency
-    parts = (cosine, sympy.Add(*binomial[::2])), (turned, sympy.Add(*binomial[1::2]))
-    return Transform(parts, (s - rate) ** 2 + square, n)
+    return [(cosine, sympy.Add(*binomial[::2])), (turned, sympy.Add(*binomial[1::2]))], (s - rate) ** 2 + square, n
 
 
 def _rational_and_root(rate) -> tuple[sympy.Expr, sympy.Expr]:
@@ -234,7 +220,7 @@ class SymbolicSource:
         start: the time.
         amplitude: any expression without s and t.
         numerator: r expressions, polynomials in s with coefficients rational in symbols.
-        denominator, power: as in ``Transform``.
+        denominator, power: as an expression in s with coefficients rational in symbols, and a whole number.
         is_impulse: of a Dirac impulse in the force.
     """
 
@@ -275,13 +261,11 @@ def force_sources(A: SymbolicPolynomialMatrix, force: Iterable[sympy.Expr], time
                     f"log({power.base}) and put in its value afterwards"
                 )
         for term in (moved for given in terms_of(expression, time) for moved in given.from_its_start()):
-            transform, is_impulse = transform_of(term, S), term.impulse is not None
-            for amplitude, numerator in transform.parts:
+            parts, denominator, power = transform_of(term, S)
+            for amplitude, numerator in parts:
                 if amplitude != 0:
-                    vector = tuple(numerator * (sympy.S.One if i == row else sympy.S.Zero) for i in range(A.size))
-                    sources.append(
-                        SymbolicSource(term.start, amplitude, vector, transform.denominator, transform.power, is_impulse)
-                    )
+                    vector = tuple(numerator if i == row else sympy.S.Zero for i in range(A.size))
+                    sources.append(SymbolicSource(term.start, amplitude, vector, denominator, power, term.impulse is not None))
     return sources
 
 
@@ -443,51 +427,34 @@ def _constant(like: sympy.Poly, value) -> sympy.Poly:
 
 
 def regular_parts(size: int, transform: Sequence[Quotient], time: sympy.Expr) -> list[sympy.Expr]:
-    """The functions of time whose transforms are the strictly proper parts of quotients: sums over factors, modes and powers of t."""
-    roots = {q: modes(q) for quotient in transform for q, _ in quotient.factors}  # before the long part: not all have a closed form
-    principal: dict[tuple[sympy.Poly, int], list[dict]] = {}
-    for quotient in transform:
-        flat = [(g, i, p) for g, numerators in quotient.numerators.items() for i, p in enumerate(numerators) if not p.is_zero]
-        for q, k in quotient.factors:
-            parts = _principal_parts([p for _, _, p in flat], quotient.factors, q, k)
-            for (generator, i, _), coefficients in zip(flat, parts, strict=True):
-                for j, c in enumerate(coefficients):
-                    row = principal.setdefault((q, j), [{} for _ in range(size)])
-                    row[i][generator] = row[i].get(generator, 0 * c) + c
-    total = [sympy.S.Zero] * size
-    for (q, j), rows in principal.items():
-        nonzero = [{g: c for g, c in row.items() if not c.is_zero} for row in rows]
-        if any(nonzero):
-            total = [before + part for before, part in zip(total, _functions(roots[q], j, nonzero, time), strict=True)]
-    return total
+    """The functions of time whose transforms are the strictly proper parts of quotients: sums over factors, modes and powers of t.
 
-
-def _functions(roots: Iterable[Root], j: int, rows: Sequence[Mapping], time: sympy.Expr) -> list[sympy.Expr]:
-    """The sum over the roots x of c(x) t^j/j! e^{x t}, for each coordinate, c as generator -> polynomial."""
-    total = [sympy.S.Zero] * len(rows)
-    for root in roots:
-        factor = time**j / sympy.factorial(j) * sympy.exp(root.real * time)
-        cosine, sine = sympy.cos(root.imaginary * time), sympy.sin(root.imaginary * time)
-        for i, row in enumerate(rows):
-            weights = [(generator, *root.weights(c)) for generator, c in row.items()]
-            above = sympy.Add(*(generator * weight for generator, weight, _ in weights))
-            below = sympy.Add(*(generator * weight for generator, _, weight in weights))
-            total[i] += factor * (above * cosine + below * sine)
-    return total
-
-
-def _principal_parts(numerators: Sequence[sympy.Poly], factors: Factors, q: sympy.Poly, k: int) -> list[list[sympy.Poly]]:
-    """For each numerator b: c_1 ... c_k of b / product of the factors = sum of c_j / (s - x)^j + ... at a root x of the factor q^k.
-
-    They are the same polynomials in x for all roots of q, with coefficients in K, computed in K[x]/q; no root is.
+    At a root x of a factor q^k a quotient is the sum of c_j(x) / (s - x)^j, j = 1 ... k, and more. The c_j are the same polynomials for
+    all roots of q, with coefficients in K, computed in K[x]/q; no root is.
     """
-    ring = SymbolicRing.of(q)
-    below = slopes(ring, q, k) ** k
-    for other, multiplicity in factors:
-        if other != q:
-            below *= taylor(ring, other, q, k) ** multiplicity
-    weight = below.inverse
-    return [(taylor(ring, b, q, k) * weight).coefficients[::-1] for b in numerators]
+    roots = {q: modes(q) for quotient in transform for q, _ in quotient.factors}  # before the long part: not all have a closed form
+    principal: dict[tuple[sympy.Poly, int], dict[tuple[int, sympy.Expr], sympy.Poly]] = {}
+    for quotient in transform:
+        flat = [(i, g, p) for g, numerators in quotient.numerators.items() for i, p in enumerate(numerators) if not p.is_zero]
+        for q, k in quotient.factors:
+            ring = SymbolicRing.of(q)
+            others = (taylor(ring, other, q, k) ** multiplicity for other, multiplicity in quotient.factors if other != q)
+            weight = prod(others, start=slopes(ring, q, k) ** k).inverse
+            for i, generator, numerator in flat:
+                for j, c in enumerate((taylor(ring, numerator, q, k) * weight).coefficients[::-1]):
+                    parts = principal.setdefault((q, j), {})
+                    parts[i, generator] = parts.get((i, generator), 0 * c) + c
+    total = [sympy.S.Zero] * size
+    for (q, j), parts in principal.items():
+        for root in roots[q]:
+            factor = time**j / sympy.factorial(j) * sympy.exp(root.real * time)
+            cosine, sine = sympy.cos(root.imaginary * time), sympy.sin(root.imaginary * time)
+            for row in {i for (i, _), c in parts.items() if not c.is_zero}:
+                weights = [(g, *root.weights(c)) for (i, g), c in parts.items() if i == row and not c.is_zero]
+                above = sympy.Add(*(generator * weight for generator, weight, _ in weights))
+                below = sympy.Add(*(generator * weight for generator, _, weight in weights))
+                total[row] += factor * (above * cosine + below * sine)
+    return total
 
 
 # The inverse Laplace transform of b(s) / (a(s) s^gamma) as an expression in t.
@@ -524,7 +491,17 @@ def time_expression(
     given = [[c.xreplace(names) for c in p] for p in given]
     field = field_of(given[0] + given[1])
     elements = [[element(field, c, "coefficients") for c in reversed(p)] for p in given]
-    expression = _inverse(*(sympy.Poly(p or [field.zero], S, domain=field) for p in elements), int(gamma), t)
+    b, a = (sympy.Poly(p or [field.zero], S, domain=field) for p in elements)
+    if a.is_zero:
+        raise InputError("denominator: found a(s) = 0; expected a polynomial that is not zero")
+    power = sympy.Poly(S ** abs(int(gamma)), S, domain=field)
+    b, a = (b, a * power) if gamma > 0 else (b * power, a)
+    common = a.gcd(b)
+    b, a = b.quo(common), a.quo(common)
+    impulses, rest = (p * _constant(p, field.one / a.rep.to_list()[0]) for p in b.div(a.monic()))
+    coefficients = reversed(impulses.rep.to_list())
+    total = [expression_of(field, c) * delta(t, k) for k, c in enumerate(coefficients) if c]
+    expression = sympy.Add(*total, *regular_parts(1, [Quotient({sympy.S.One: [rest]}, factors_of(a))], t))
     return expression.xreplace({positive: symbol for symbol, positive in names.items()})
 
 
@@ -532,24 +509,3 @@ def _exact(coefficients, what: str) -> list[sympy.Expr]:
     if isinstance(coefficients, str) or not isinstance(coefficients, Iterable):
         raise InputError(f"{what}: found {coefficients!r}; expected a list of coefficients, the lowest power first")
     return [exact_expression(c, what) for c in coefficients]
-
-
-def _inverse(b: sympy.Poly, a: sympy.Poly, gamma: int, t: sympy.Symbol) -> sympy.Expr:
-    if a.is_zero:
-        raise InputError("denominator: found a(s) = 0; expected a polynomial that is not zero")
-    power = sympy.Poly(S ** abs(gamma), S, domain=a.domain)
-    b, a = (b, a * power) if gamma > 0 else (b * power, a)
-    factors: Factors = []
-    given, b = factors_of(a) if not b.is_zero else [], b * _constant(b, b.domain.one / a.rep.to_list()[0])
-    for q, k in given:  # without those that numerator and denominator share
-        while k:
-            quotient, rest = b.div(q)
-            if not rest.is_zero:
-                break
-            b, k = quotient, k - 1
-        factors += [(q, k)] if k else []
-    product = sympy.prod((q**k for q, k in factors), sympy.Poly(1, S, domain=a.domain))
-    impulses, rest = b.div(product)
-    coefficients = reversed(impulses.rep.to_list())
-    total = [expression_of(a.domain, c) * delta(t, k) for k, c in enumerate(coefficients) if c]
-    return sympy.Add(*total, *regular_parts(1, [Quotient({sympy.S.One: [rest]}, factors)], t))
