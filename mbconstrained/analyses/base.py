@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from ..page.html import Delivery
     from ..scene.run.scene_data import SceneData
     from ..scene.schema.scene_schema import OutputTable
-    from .figures import Picture
 
 #: Rows of a table for a terminal, and on the page.
 MOST_ROWS, MOST_ROWS_OF_PAGE = 16, 200
@@ -56,7 +55,6 @@ class Answer(Displayed):
         columns: columns of each CSV file by their heads, the files by the text before their ending, such as ".peaks".
         arrays: arrays of the npz file, in SI.
         heading: for the terminal; by default the title.
-        figures: static figures of the page, before its plots.
         texts: for the terminal, after the tables.
         most_rows: rows of each table on the terminal; None for all.
         on_page: parts of the page that differ or are not here, such as a motion or shapes to draw, a function as the plots.
@@ -76,7 +74,6 @@ class Answer(Displayed):
     columns: Callable[[], Mapping[str, Mapping[str, Any]]] = dict
     arrays: Callable[[], Mapping[str, np.ndarray]] = dict
     heading: str = ""
-    figures: Callable[[], Iterable[Picture]] = tuple
     texts: tuple[str, ...] = ()
     most_rows: int | None = MOST_ROWS
     on_page: Callable[[], Mapping[str, Any]] = dict
@@ -138,11 +135,10 @@ class Answer(Displayed):
         return xarray.Dataset(variables, attrs={"title": self.title, "source": self.source})
 
     def page(self) -> PageContent:
-        """Figures, plots, tables, notices and facts as a page."""
+        """Plots, tables, notices and facts as a page."""
         from ..page.content import PageContent
 
         own: dict[str, Any] = {"tables": self.tables, "plots": tuple(self.plots()), "notices": self.notices, "facts": self.facts}
-        own["figures"] = tuple(picture.on_page() for picture in self.figures())
         own |= self.on_page()
         own["tables"] = tuple(limited(table, MOST_ROWS_OF_PAGE) for table in own["tables"])
         return PageContent(self.title, self.source, **own)
@@ -158,8 +154,8 @@ class Answer(Displayed):
 
         Args:
             folder: is created if it does not exist.
-            formats: one or some of "page", "csv", "npz", "pictures" (each plot as SVG and PNG by its title), "images" (all figures and plots
-                as PNG by their numbers), "json".
+            formats: one or some of "page", "csv", "npz", "pictures" (each plot as SVG and PNG by its title), "images" (all plots as
+                PNG by their numbers), "json".
             viewer: location of the script of the 3-D viewer, see ``mbconstrained.page.html``.
             files: take their places together with others; None for these alone.
 
@@ -178,7 +174,7 @@ class Answer(Displayed):
             with Replacements() as files:
                 return Answer.write(self, folder, formats, viewer, files)
         from ..page.html import write_page
-        from ..page.plots import plot_image, plot_images
+        from ..page.plots import image_groups, plot_image, plot_images
 
         stem, chosen, before = ".".join(filter(None, (self.name, self.kind))), set(formats), len(files.paths)
         content = self.page() if chosen & {"page", "pictures", "images"} else None
@@ -193,9 +189,8 @@ class Answer(Displayed):
         if content and "page" in chosen:
             write_page(folder / f"{stem}.html", content, viewer, files)
         if content and "images" in chosen:
-            images = [*(picture.png() for picture in self.figures()), *(plot_image(plot, "png") for plot in content.plots)]
-            for number, image in enumerate(images, 1):
-                files.temporary(folder / f"{stem}{f'-{number}' * (number > 1)}.png").write_bytes(image)
+            for number, panels in enumerate(image_groups(content.plots), 1):
+                files.temporary(folder / f"{stem}{f'-{number}' * (number > 1)}.png").write_bytes(plot_image(panels, "png"))
         if "json" in chosen:
             data = {key: value for key, value in self.to_dict().items() if key != "files"}
             text = json.dumps(data, indent=2, allow_nan=False) + "\n"

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -22,7 +22,7 @@ from ...ground.checks import counted, nearest, optional_package, real_number, wh
 from ...ground.display import Displayed, TextTable, number_text, with_unit
 from ...ground.errors import InputError, MbconstrainedError, SceneError
 from ...ground.notices import Notice, NoticeKind
-from ...page.content import PageContent
+from ...page.content import PageContent, Plot
 from ...scene.file import read_tables, shown
 from ...scene.quantities.variations import Distribution, Values, Variation
 from ...scene.schema.analysis_tables import VaryTable
@@ -33,7 +33,7 @@ from ..timing import machine, version_of
 from .evaluation import ANSWERED, Job
 from .execution import by_dask, by_processes, hashes, in_process
 from .kept_quantities import SampleFigure, Variable, figures_of, limits_of, variables_of
-from .pictures import SweepPictures, bars
+from .plots import SweepPlots, row_plot
 from .samples import (
     QUANTILES,
     Estimate,
@@ -519,19 +519,21 @@ class SweepReport:
         tables += [self._sobol_table()] if self.sobol else []
         return (*tables, *([self._failures()] if self.result.failures else []))
 
-    def pictures(self) -> list:
-        """Maps, distributions, scatter plots, bands, sensitivities."""
-        pictures = SweepPictures(self.result, self.figures, self.units).all()
+    def plots(self) -> Iterator[Plot]:
+        """Maps, distributions, scatter plots, sensitivities, bands."""
+        plots = SweepPlots(self.result, self.figures, self.units)
+        yield from plots.all()
         names = list(self.result.samples.variations)
         for figure, indices in self.sobol.items():
-            groups: dict[str, Sequence[Estimate]] = {"alone": indices.first, "with the others": indices.total}
-            pictures.append(bars(f"Sobol indices of {figure}", names, groups, "share of the variance"))
+            groups = {"alone": indices.first, "with the others": indices.total}
+            values = {label: [one.value for one in group] for label, group in groups.items()}
+            intervals = tuple(groups.values())
+            yield row_plot(f"Sobol indices of {figure}", names, values, "share of the variance", intervals=intervals)
         for figure, ranks in self.correlations.items():
             order = np.argsort(-np.abs(np.nan_to_num(ranks)))
-            values = [Estimate(0.0 if np.isnan(ranks[i]) else ranks[i], np.nan, np.nan) for i in order]
-            title = f"Tornado plot of {figure}: rank correlations"
-            pictures.append(bars(title, [names[i] for i in order], {"": values}, "rank correlation"))
-        return pictures
+            of, own = [names[i] for i in order], {"rank correlation": np.nan_to_num(ranks)[order]}
+            yield row_plot(f"tornado plot of {figure}: rank correlations", of, own, "rank correlation")
+        yield from plots.bands()
 
     def animated(self) -> dict[str, Any]:
         """Parts of the page: an animation of variants at quantiles of the first quantity, in their lowest mode."""
@@ -627,9 +629,8 @@ class SweepReport:
             tables=self.tables,
             notices=self.notices,
             data=data,
-            plots=SweepPictures(result, self.figures, self.units).bands,
+            plots=self.plots,
             columns=lambda: {"": result._columns()},
-            figures=cache(self.pictures),
             on_page=self.animated,
             most_rows=None,
         )
