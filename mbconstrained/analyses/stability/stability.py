@@ -167,10 +167,10 @@ def gallery_report(systems: Sequence[System], progress: Progress = no_progress) 
 def _of_system(system: System, progress: Progress) -> ScalingSweep:
     from .gallery import broken_promises
 
-    title, difficulty, source = system.texts
-    points = points_of(system.build, system.values, lambda text: progress(f"{title}: {text}"))
+    points = points_of(system.build, system.values, lambda text: progress(f"{system.title}: {text}"))
     broken = [sentence for value in system.values for sentence in broken_promises(system, value)]
-    return ScalingSweep(system.name, title, system.theme, difficulty, source, system.parameter, points, tuple(broken))
+    texts = (system.name, system.title, system.theme, system.difficulty, system.source, system.parameter)
+    return ScalingSweep(*texts, points, tuple(broken))
 
 
 def scene_report(scene: Scene, decades: int = DECADES, step: int = STEP, progress: Progress = no_progress) -> StabilityReport:
