@@ -19,6 +19,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import groupby, pairwise, zip_longest
+from textwrap import fill
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -428,8 +429,8 @@ MOST_CURVES = 24
 #: Size of an image without its legend, half a page of a report, and the height of a large one, inches.
 IMAGE_WIDTH, IMAGE_HEIGHT, LARGE_IMAGE_HEIGHT = 6.4, 3.1, 4.4
 
-#: Width of one of several panels, inches.
-PANEL_WIDTH = 3.2
+#: Width of one of several panels, inches, and letters of a title, on a line of a panel and of a single plot.
+PANEL_WIDTH, PANEL_TITLE, TITLE = 3.2, 32, 80
 
 #: For each round through the colours another pattern of dashes, in widths of the line; the first is solid.
 _DASHES = (None, (4, 2.2), (1.2, 2.2), (5, 2.2, 1.2, 2.2))
@@ -550,7 +551,7 @@ def plot_image(plot: Plot | Sequence[Plot], kind: Literal["svg", "png"]) -> byte
 
     def draw(figure: Figure) -> None:
         axes = [figure.add_subplot(1, len(panels), number) for number in range(1, len(panels) + 1)]
-        has_names = [_draw(*pair) for pair in zip(axes, panels)]
+        has_names = [_draw(each, own, PANEL_TITLE if len(panels) > 1 else TITLE) for each, own in zip(axes, panels)]
         if has_names[0]:
             lines = axes[0].get_legend_handles_labels()
             figure.legend(*lines, loc="outside lower left", ncols=columns, labelcolor=INK, handlelength=2.2, columnspacing=1.6)
@@ -569,8 +570,8 @@ def _most(plot: Plot) -> int:
     return max(MOST_CURVES, plot.shown)
 
 
-def _draw(axes: Axes, plot: Plot) -> bool:
-    """Draw a plot, and return whether its legend is needed."""
+def _draw(axes: Axes, plot: Plot, letters: int) -> bool:
+    """Draw a plot with so many letters on a line of its title, and return whether its legend is needed."""
     curves, (across, up) = plot.curves[: _most(plot)], plot.axes
     marker = "o" if len(plot.times) == 1 else ""
     for curve in curves:
@@ -625,7 +626,7 @@ def _draw(axes: Axes, plot: Plot) -> bool:
         axes.axhline(0.0, color=LINE, linewidth=0.8, zorder=0.9)
     xlabel, ylabel = axis_titles(plot, across.exponent, up.exponent)
     axes.set(xlabel=xlabel, ylabel=ylabel)
-    axes.set_title(shortened(plot.title, 80), loc="left", fontsize=10, fontweight="bold", color=INK)
+    axes.set_title(fill(shortened(plot.title, TITLE), letters), loc="left", fontsize=10, fontweight="bold", color=INK)
     if len(plot.curves) > MOST_CURVES:
         axes.set_title(f"the first {MOST_CURVES} of {len(plot.curves)} curves", loc="right", fontsize=8, color=MUTED)
     return len(curves) > 1 or plot.across is None or bool(named - {""})
