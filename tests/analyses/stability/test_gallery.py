@@ -120,9 +120,7 @@ def test_a_problem_without_an_answer_keeps_no_promise_and_stops_nothing(monkeypa
         raise mb.InputError("nothing to build")
 
     monkeypatch.setattr(problems, "damping_ratio", damping_ratio)
-    assert broken_promises(system("damping_ratio"), 1.0) == (
-        "damping_ratio at 1: there is no problem (nothing to build)",
-    )
+    assert broken_promises(system("damping_ratio"), 1.0) == ("damping_ratio at 1: there is no problem (nothing to build)",)
 
 
 def test_an_unknown_property_is_an_error():

@@ -8,7 +8,6 @@ import pytest
 import mbconstrained as mb
 from mbconstrained.analyses.sweep.plots import row_plot
 from mbconstrained.analyses.sweep.samples import Estimate
-from mbconstrained.analyses.sweep.sweep import SweepReport
 from mbconstrained.page.plots import image_groups, plot_figures, plot_image
 from tests.analyses.sweep.test_sweep import SCENE
 
@@ -17,7 +16,7 @@ def plots_of(tmp_path, parameters, **options):
     path = tmp_path / "scene.toml"
     path.write_text(SCENE)
     result = mb.read_scene(path).sweep(parameters, keep=["frequencies"], **options).run()
-    return result, {plot.title: plot for plot in SweepReport(result).answer().plots()}
+    return result, {plot.title: plot for plot in result.answer().plots()}
 
 
 def test_random_samples_have_distributions_scatter_and_tornado_plots(tmp_path):
