@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from math import comb
 
 import numpy as np
@@ -149,19 +150,14 @@ def chain_of_masses(count: float) -> StudyProblem:
 ONE, OTHER = np.array([2.0, -1.0, 2.0]) / 3, np.array([2.0, 2.0, -1.0]) / 3
 
 
-def _parallel_rows(angle: float, level: str) -> StudyProblem:
+def _parallel_rows(level: str, angle: float) -> StudyProblem:
     rows = [ONE, np.cos(angle) * ONE + np.sin(angle) * OTHER]
     constraints = [Constraint(row, level=level, names=f"row {number}") for number, row in enumerate(rows, start=1)]
     system = MechanicalSystem(np.diag([1.0, 2.0, 3.0]), stiffness=np.diag([4.0, 5.0, 7.0]), constraints=constraints)
     return moving(system, spaced(0.1, 20.0), ([1.0, -0.5, 2.0], [0.0, 1.0, 0.0]))
 
 
-def parallel_rows_position(angle: float) -> StudyProblem:
-    return _parallel_rows(angle, "position")
-
-
-def parallel_rows_acceleration(angle: float) -> StudyProblem:
-    return _parallel_rows(angle, "acceleration")
+parallel_rows_position, parallel_rows_acceleration = (partial(_parallel_rows, level) for level in ("position", "acceleration"))
 
 
 def redundant_rows(factor: float) -> StudyProblem:
@@ -366,16 +362,7 @@ def decayed_partner(coupling: float) -> StudyProblem:
     return equations([stiffness, np.diag([1.0, 0.0]), np.eye(2)], [[1.0, 0.0], [0.0, 0.0]], [100.0])
 
 
-def groups_coupled_by_stiffness(coupling: float) -> StudyProblem:
-    return _two_groups(0, coupling)
-
-
-def groups_coupled_by_damping(coupling: float) -> StudyProblem:
-    return _two_groups(1, coupling)
-
-
-def groups_coupled_by_mass(coupling: float) -> StudyProblem:
-    return _two_groups(2, coupling)
+groups_coupled_by_stiffness, groups_coupled_by_damping, groups_coupled_by_mass = (partial(_two_groups, power) for power in range(3))
 
 
 def growth_through_a_tiny_entry(entry: float) -> StudyProblem:

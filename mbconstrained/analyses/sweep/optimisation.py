@@ -227,7 +227,7 @@ class _Search:
             init="sobol",
             polish=False,
             callback=generation,
-            **_random_state(seed),
+            rng=np.random.default_rng(seed),
         )
         if not np.isfinite(population.fun):
             raise InputError(f"no sample between the bounds has an answer: {self.reason or 'the figure is not finite'}")
@@ -235,16 +235,6 @@ class _Search:
         refined = minimize(self.at, population.x, method="Nelder-Mead", bounds=unit, options=options)
         best = refined if refined.fun <= population.fun else population
         return self.low + self.width * best.x, float(best.fun), tuple(history)
-
-
-def _random_state(seed: int) -> dict[str, Any]:
-    """The argument of SciPy for random numbers, whose name has changed."""
-    from inspect import signature
-
-    from scipy.optimize import differential_evolution
-
-    name = "rng" if "rng" in signature(differential_evolution).parameters else "seed"
-    return {name: np.random.default_rng(seed)}
 
 
 class Optimisation(Analysis):
