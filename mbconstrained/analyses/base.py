@@ -234,6 +234,12 @@ class Analysis:
         raise NotImplementedError
 
     @classmethod
+    def of(cls, scene: Any, **fields: Any) -> Answer:
+        """An answer with these fields, and the name, title, source and notices of the scene where no others are given."""
+        own = {"title": scene.title, "source": scene.table.source, "facts": (), "tables": (), "notices": scene.notices}
+        return Answer(kind=cls.name, name=scene.name, **{**own, **fields})
+
+    @classmethod
     def answer(cls, scene: Any, progress: Callable | None = None, **given) -> Answer:
         """The answer of a scene with some settings in the place of those in its table, by the names of its entries."""
         own = getattr(scene.table, cls.name, None)

@@ -434,11 +434,8 @@ class Frequency(Analysis):
         """The response in words, tables, plots and data."""
         scene, response = self.scene, self.response
         zeros = self._antiresonance_table()
-        return Answer(
-            kind="frequency",
-            name=scene.name,
-            title=scene.title,
-            source=scene.table.source,
+        return Frequency.of(
+            scene,
             facts=tuple(self._facts()),
             tables=(self.peak_table(wide=False), *zeros),
             notices=self.notices,

@@ -170,12 +170,8 @@ class ModalAnalysis(Analysis):
         self, robot = cls(scene), scene.equations.robot_scene
         masses = self.effective_masses
         tables = (masses.table(),) if masses else ()
-        return Answer(
-            kind="modes",
-            name=scene.name,
-            title=scene.title,
-            source=scene.table.source,
-            facts=(),
+        return cls.of(
+            scene,
             tables=(*(posture_tables(robot)[:1] if robot else ()), self.table(), *tables),
             notices=self.notices,
             data={

@@ -111,11 +111,9 @@ class Optimum(Displayed):
             "evaluations": self.evaluations,
             "history": self.history,
         }
-        return Answer(
-            kind="optimise",
-            name=scene.name,
+        return Optimisation.of(
+            scene,
             title=f"{scene.title}: {name} {'minimised' if self.sign > 0 else 'maximised'}",
-            source=scene.table.source,
             facts=((name, f"{value}, instead of {before} in the file, by {self.evaluations} samples"), *machine().items()),
             tables=(TextTable("Best values", ("parameter", "best", "from", "to"), tuple(rows)),),
             notices=(*scene.notices, *(Notice(NoticeKind.ACCURACY, text) for text in texts)),

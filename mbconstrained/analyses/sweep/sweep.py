@@ -502,11 +502,9 @@ class SweepResult(Displayed):
                 for place, reason in self.failures.items()
             ],
         }
-        return Answer(
-            kind="sweep",
-            name=scene.name,
+        return ParameterSweep.of(
+            scene,
             title=f"{scene.title}: {counted(len(self), 'sample')}",
-            source=scene.table.source,
             facts=self._facts,
             tables=self._tables(),
             notices=self._notices(strict),
