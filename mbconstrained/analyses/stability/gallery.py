@@ -30,28 +30,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class System:
-    """A family of problems, in the manner of NLEVP (Betcke, Higham, Mehrmann, Schroeder and Tisseur 2013).
+    """A family of problems, in the manner of NLEVP (Betcke, Higham, Mehrmann, Schroeder and Tisseur 2013)."""
 
-    Attributes:
-        name: for the command line; that of the function in ``problems``.
-        theme: the chapter of the gallery.
-        title: what it is.
-        difficulty: in one sentence.
-        parameter: with its unit if it has one.
-        values: values of the parameter, from harmless to extreme, most of them over decades; 0 is the limit itself.
-        source: a section of a paper or a referee case.
-        declared: known properties, by the names of ``PROPERTIES``.
-        declared_by_value: those that depend on the parameter, one for each of its values.
-    """
-
-    name: str
-    theme: str
-    title: str
-    difficulty: str
-    parameter: str
-    values: tuple[float, ...]
-    source: str = "made for this gallery"
-    declared: Mapping[str, object] = field(default_factory=dict, repr=False)
+    name: str  # for the command line; that of the function in ``problems``
+    theme: str  # the chapter of the gallery
+    title: str  # what it is
+    difficulty: str  # in one sentence
+    parameter: str  # with its unit if it has one
+    values: tuple[float, ...]  # values of the parameter, from harmless to extreme, most of them over decades; 0 is the limit itself
+    source: str = "made for this gallery"  # a section of a paper or a referee case
+    declared: Mapping[str, object] = field(default_factory=dict, repr=False)  # known properties, by the names of ``PROPERTIES``
+    #: those that depend on the parameter, one for each of its values
     declared_by_value: Mapping[str, list] = field(default_factory=dict, repr=False)
 
     def build(self, value: float) -> StudyProblem:
