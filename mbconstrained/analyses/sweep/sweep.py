@@ -1,4 +1,4 @@
-"""The analysis sweep: a study of many samples of a scene's parameters, its result, and its report.
+"""The analysis sweep: a study of many samples of a scene's parameters, and its result.
 
 A study is checked at the start, computed in chunks by a backend, and stored.
 """
