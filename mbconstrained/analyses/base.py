@@ -174,7 +174,7 @@ class Answer(Displayed):
             with Replacements() as files:
                 return Answer.write(self, folder, formats, viewer, files)
         from ..page.html import write_page
-        from ..page.plots import image_groups, plot_image, plot_images
+        from ..page.plots import image_groups, plot_image
 
         stem, chosen, before = ".".join(filter(None, (self.name, self.kind))), set(formats), len(files.paths)
         content = self.page() if chosen & {"page", "pictures", "images"} else None
@@ -183,9 +183,8 @@ class Answer(Displayed):
             files.temporary(folder / f"{stem}{part}.csv").write_text(csv_of(columns), encoding="utf-8")
         if "npz" in chosen:
             write_arrays(files.temporary(folder / f"{stem}.npz"), dict(self.arrays()), ".npz")
-        for name, plot in plot_images(content.plots).items() if content and "pictures" in chosen else ():
-            for kind in PICTURES:
-                files.temporary(folder / f"{stem}.{name}.{kind}").write_bytes(plot_image(plot, kind))
+        if content and "pictures" in chosen:
+            write_pictures(content.plots, folder, stem, files)
         if content and "page" in chosen:
             write_page(folder / f"{stem}.html", content, viewer, files)
         if content and "images" in chosen:
@@ -330,6 +329,15 @@ def json_value(value):
     if isinstance(value, (list, tuple)):
         return [json_value(one) for one in value]
     return finite_or_none(value) if isinstance(value, (float, np.floating)) else value
+
+
+def write_pictures(plots: Iterable[Plot], folder: Path, stem: str, files: Replacements) -> None:
+    """Each plot as SVG and PNG, named after its title."""
+    from ..page.plots import plot_image, plot_images
+
+    for name, plot in plot_images(plots).items():
+        for kind in PICTURES:
+            files.temporary(folder / f"{stem}.{name}.{kind}").write_bytes(plot_image(plot, kind))
 
 
 def formats_of(output: OutputTable) -> list[str]:

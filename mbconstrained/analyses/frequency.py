@@ -159,8 +159,9 @@ def _bode(drawn: _Drawn, entries: list[_Entry], title: str, quantity: str, unit:
     present = [each for each in entries if highest[each] > ABSENT * max(highest.values())]
     curves = drawn.curves(present, amplitude)
     if len(drawn.poles):  # an infinite peak has a finite picture
-        most = {each: 20 * np.log10(ABOVE * size) if is_decibel else ABOVE * size for each, size in _with(present, highest)}
-        curves = tuple(replace(curve, values=np.minimum(curve.values, most[each])) for curve, each in zip(curves, present))
+        most = ABOVE * np.array([highest[each] or 1.0 for each in present])
+        most = 20 * np.log10(most) if is_decibel else most
+        curves = tuple(replace(curve, values=np.minimum(curve.values, limit)) for curve, limit in zip(curves, most))
     if quantity == "transmissibility":
         one = np.full(len(drawn.lines), 0.0 if is_decibel else 1.0)
         curves += (Curve("as the support", one, max(curve.color or 0 for curve in curves) + 1),)
@@ -173,10 +174,6 @@ def _bode(drawn: _Drawn, entries: list[_Entry], title: str, quantity: str, unit:
         _plot(drawn, title, shown, curves, quantity, vertical),
         _plot(drawn, f"phase of the {title}", "°", phases, "phase"),
     ]
-
-
-def _with(entries: list[_Entry], sizes: dict[_Entry, float]) -> list[tuple[_Entry, float]]:
-    return [(each, sizes[each] or 1.0) for each in entries]
 
 
 def _phase(drawn: _Drawn, entries: list[_Entry]) -> Callable[[_Entry, np.ndarray, np.ndarray], np.ndarray]:

@@ -607,8 +607,8 @@ def _draw(axes: Axes, plot: Plot, letters: int) -> bool:
     named = set()
     for marks in plot.marks:
         if marks.shape == "text":
-            for point, text in zip(marks.points.tolist(), marks.texts):
-                axes.annotate(text, point, (3, 5), textcoords="offset points", color=MUTED, fontsize=7)
+            for point, name in zip(marks.points.tolist(), marks.texts):
+                axes.annotate(name, point, (3, 5), textcoords="offset points", color=MUTED, fontsize=7)
         elif marks.curve is None or marks.curve < len(curves):
             color = INK if marks.curve is None else PALETTE[(curves[marks.curve].color or 0) % len(PALETTE)]
             label = marks.name if marks.name not in named else ""
