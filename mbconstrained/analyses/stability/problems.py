@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from math import comb
+from typing import Literal
 
 import numpy as np
 
@@ -150,14 +151,15 @@ def chain_of_masses(count: float) -> StudyProblem:
 ONE, OTHER = np.array([2.0, -1.0, 2.0]) / 3, np.array([2.0, 2.0, -1.0]) / 3
 
 
-def _parallel_rows(level: str, angle: float) -> StudyProblem:
+def _parallel_rows(level: Literal["position", "acceleration"], angle: float) -> StudyProblem:
     rows = [ONE, np.cos(angle) * ONE + np.sin(angle) * OTHER]
     constraints = [Constraint(row, level=level, names=f"row {number}") for number, row in enumerate(rows, start=1)]
     system = MechanicalSystem(np.diag([1.0, 2.0, 3.0]), stiffness=np.diag([4.0, 5.0, 7.0]), constraints=constraints)
     return moving(system, spaced(0.1, 20.0), ([1.0, -0.5, 2.0], [0.0, 1.0, 0.0]))
 
 
-parallel_rows_position, parallel_rows_acceleration = (partial(_parallel_rows, level) for level in ("position", "acceleration"))
+parallel_rows_position = partial(_parallel_rows, "position")
+parallel_rows_acceleration = partial(_parallel_rows, "acceleration")
 
 
 def redundant_rows(factor: float) -> StudyProblem:
