@@ -116,10 +116,8 @@ def _ratio(values) -> float:
 
 
 def _symmetric(facts: Facts) -> bool:
-    problem = facts.problem
-    matrices = problem.polynomial_matrix.coefficients
-    if problem.system is not None:
-        matrices = (problem.system.stiffness, problem.system.damping, problem.system.mass)
+    system, A = facts.problem.system, facts.problem.polynomial_matrix
+    matrices = list(A.coefficients) if system is None else [system.stiffness, system.damping, system.mass]
     return all(np.array_equal(matrix, matrix.T) for matrix in matrices)
 
 
