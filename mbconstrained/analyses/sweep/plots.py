@@ -178,7 +178,7 @@ class SweepPlots:
             axis, _, end = variable.axis.partition(" (")
             name = variable.name.removeprefix("curve ")
             yield Plot(
-                f"band of {name}", unit, across, curves, across_unit=end[:-1], quantity=name, variable=axis, scales=scales,
+                f"band of {name}", "" if unit == "1" else unit, across, curves, across_unit=end[:-1], quantity=name, variable=axis, scales=scales,
                 note="Percentiles of all samples at each place.",
             )  # fmt: skip
 
