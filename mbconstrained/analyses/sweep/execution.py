@@ -234,7 +234,8 @@ def by_dask(
         pending: dict[Any, tuple[Chunk, str]] = {}
         waiting: list[Chunk] = []
         losses: dict[int, int] = {}
-        while True:
+        following = next(chunks, None)
+        while pending or waiting or following:  # also while no worker answers
             answering = workers.answering()
             for future, (chunk, worker) in list(pending.items()):
                 if worker not in answering:
@@ -248,12 +249,14 @@ def by_dask(
                         f"the cluster at {address} lost chunk {number + 1} with its worker {MOST_LOSSES} times"
                     )
             for worker in sorted(answering - {worker for _, worker in pending.values()}):
-                if (chunk := waiting.pop() if waiting else next(chunks, None)) is None:
+                if waiting:
+                    chunk = waiting.pop()
+                elif following:
+                    chunk, following = following, next(chunks, None)
+                else:
                     break
                 arguments = (job, chunk[1], files, CODE, seconds)
                 pending[client.submit(evaluate_there, *arguments, pure=False, workers=[worker])] = chunk, worker
-            if not pending and not waiting:
-                return
             for future in _done(distributed, client, list(pending), address):
                 chunk, _ = pending.pop(future)
                 try:
