@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from ..page.html import Delivery
     from ..scene.run.scene_data import SceneData
     from ..scene.schema.scene_schema import OutputTable
-    from .figures import Picture
 
 #: Rows of a table for a terminal, and on the page.
 MOST_ROWS, MOST_ROWS_OF_PAGE = 16, 200
@@ -56,7 +55,6 @@ class Answer(Displayed):
         columns: columns of each CSV file by their heads, the files by the text before their ending, such as ".peaks".
         arrays: arrays of the npz file, in SI.
         heading: for the terminal; by default the title.
-        figures: static figures of the page, before its plots.
         texts: for the terminal, after the tables.
         most_rows: rows of each table on the terminal; None for all.
         on_page: parts of the page that differ or are not here, such as a motion or shapes to draw, a function as the plots.
@@ -76,7 +74,6 @@ class Answer(Displayed):
     columns: Callable[[], Mapping[str, Mapping[str, Any]]] = dict
     arrays: Callable[[], Mapping[str, np.ndarray]] = dict
     heading: str = ""
-    figures: Callable[[], Iterable[Picture]] = tuple
     texts: tuple[str, ...] = ()
     most_rows: int | None = MOST_ROWS
     on_page: Callable[[], Mapping[str, Any]] = dict
@@ -138,11 +135,10 @@ class Answer(Displayed):
         return xarray.Dataset(variables, attrs={"title": self.title, "source": self.source})
 
     def page(self) -> PageContent:
-        """Figures, plots, tables, notices and facts as a page."""
+        """Plots, tables, notices and facts as a page."""
         from ..page.content import PageContent
 
         own: dict[str, Any] = {"tables": self.tables, "plots": tuple(self.plots()), "notices": self.notices, "facts": self.facts}
-        own["figures"] = tuple(picture.on_page() for picture in self.figures())
         own |= self.on_page()
         own["tables"] = tuple(limited(table, MOST_ROWS_OF_PAGE) for table in own["tables"])
         return PageContent(self.title, self.source, **own)
@@ -158,8 +154,8 @@ class Answer(Displayed):
 
         Args:
             folder: is created if it does not exist.
-            formats: one or some of "page", "csv", "npz", "pictures" (each plot as SVG and PNG by its title), "images" (all figures and plots
-                as PNG by their numbers), "json".
+            formats: one or some of "page", "csv", "npz", "pictures" (each plot as SVG and PNG by its title), "images" (all plots as
+                PNG by their numbers), "json".
             viewer: location of the script of the 3-D viewer, see ``mbconstrained.page.html``.
             files: take their places together with others; None for these alone.
 
@@ -178,7 +174,7 @@ class Answer(Displayed):
             with Replacements() as files:
                 return Answer.write(self, folder, formats, viewer, files)
         from ..page.html import write_page
-        from ..page.plots import plot_image, plot_images
+        from ..page.plots import image_groups, plot_image
 
         stem, chosen, before = ".".join(filter(None, (self.name, self.kind))), set(formats), len(files.paths)
         content = self.page() if chosen & {"page", "pictures", "images"} else None
@@ -187,15 +183,13 @@ class Answer(Displayed):
             files.temporary(folder / f"{stem}{part}.csv").write_text(csv_of(columns), encoding="utf-8")
         if "npz" in chosen:
             write_arrays(files.temporary(folder / f"{stem}.npz"), dict(self.arrays()), ".npz")
-        for name, plot in plot_images(content.plots).items() if content and "pictures" in chosen else ():
-            for kind in PICTURES:
-                files.temporary(folder / f"{stem}.{name}.{kind}").write_bytes(plot_image(plot, kind))
+        if content and "pictures" in chosen:
+            write_pictures(content.plots, folder, stem, files)
         if content and "page" in chosen:
             write_page(folder / f"{stem}.html", content, viewer, files)
         if content and "images" in chosen:
-            images = [*(picture.png() for picture in self.figures()), *(plot_image(plot, "png") for plot in content.plots)]
-            for number, image in enumerate(images, 1):
-                files.temporary(folder / f"{stem}{f'-{number}' * (number > 1)}.png").write_bytes(image)
+            for number, panels in enumerate(image_groups(content.plots), 1):
+                files.temporary(folder / f"{stem}{f'-{number}' * (number > 1)}.png").write_bytes(plot_image(panels, "png"))
         if "json" in chosen:
             data = {key: value for key, value in self.to_dict().items() if key != "files"}
             text = json.dumps(data, indent=2, allow_nan=False) + "\n"
@@ -237,6 +231,12 @@ class Analysis:
     def solve(cls, scene: Any, settings: Any) -> Answer:
         """The answer; a pure function of the scene and of the settings, whose types each analysis states."""
         raise NotImplementedError
+
+    @classmethod
+    def of(cls, scene: Any, **fields: Any) -> Answer:
+        """An answer with these fields, and the name, title, source and notices of the scene where no others are given."""
+        own = {"title": scene.title, "source": scene.table.source, "facts": (), "tables": (), "notices": scene.notices}
+        return Answer(kind=cls.name, name=scene.name, **{**own, **fields})
 
     @classmethod
     def answer(cls, scene: Any, progress: Callable | None = None, **given) -> Answer:
@@ -329,6 +329,15 @@ def json_value(value):
     if isinstance(value, (list, tuple)):
         return [json_value(one) for one in value]
     return finite_or_none(value) if isinstance(value, (float, np.floating)) else value
+
+
+def write_pictures(plots: Iterable[Plot], folder: Path, stem: str, files: Replacements) -> None:
+    """Each plot as SVG and PNG, named after its title."""
+    from ..page.plots import plot_image, plot_images
+
+    for name, plot in plot_images(plots).items():
+        for kind in PICTURES:
+            files.temporary(folder / f"{stem}.{name}.{kind}").write_bytes(plot_image(plot, kind))
 
 
 def formats_of(output: OutputTable) -> list[str]:

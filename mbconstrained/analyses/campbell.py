@@ -82,11 +82,9 @@ class CampbellDiagram(Analysis):
             text = "without damping there is no steady state at a critical speed: the amplitude has no bound"
             notices.append(Notice(NoticeKind.UNSTABLE, text))
         facts = (("speeds", own.range_text), ("stability", own.stability_text), ("spectra", str(own.diagram.evaluations)))
-        return Answer(
-            kind="campbell",
-            name=scene.name,
+        return cls.of(
+            scene,
             title=f"{scene.heading}: over the speed",
-            source=scene.table.source,
             facts=facts,
             tables=tuple(own.tables()),
             notices=tuple(notices),

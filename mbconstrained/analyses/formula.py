@@ -191,14 +191,9 @@ class FormulaOfMotion(Analysis):
         notes = filter(None, [parameters_text(form), form.step_note, *map(str, scene.notices)])
         text = written(form, own.language, digits)
         parts = [form.title, text, "\n".join(notes)] if own.language == "text" else [text]
-        return Answer(
-            kind="formula",
-            name=scene.name,
-            title=scene.title,
-            source=scene.table.source,
-            facts=(),
+        return cls.of(
+            scene,
             tables=(),
-            notices=scene.notices,
             data=records(form, digits),
             keys=(),
             text="\n\n".join(filter(None, parts)),

@@ -51,26 +51,6 @@ ABSENT = 1e-13
 MOST_LINES = 4000
 
 
-@dataclass(frozen=True)
-class ResponseLook:
-    """Style of the plots of a response.
-
-    Attributes:
-        kinds: a selection of "bode", "parts" and "nyquist".
-        amplitude: the vertical axis of amplitudes, "log", "linear" or "dB".
-        unwrapped: whether phases go on beyond 180 degrees.
-        axis, factor: unit of the horizontal axis, and its value for 1 Hz.
-        colors: numbers of the colours of the outputs.
-    """
-
-    kinds: tuple[str, ...] = ("bode",)
-    amplitude: str = "log"
-    unwrapped: bool = True
-    axis: str = "Hz"
-    factor: float = 1.0
-    colors: tuple[int, ...] = ()
-
-
 @dataclass(frozen=True, eq=False)
 class _Entry:
     """One response of a plot: its indices, its name, and its factor of the displayed unit."""
@@ -84,8 +64,9 @@ class _Entry:
 class _Drawn:
     """The functions of all responses of a page, evaluated once for each set of frequencies."""
 
-    def __init__(self, response: FrequencyResponse, look: ResponseLook):
-        self.harmonic, self.look = response.harmonic, look
+    def __init__(self, response: FrequencyResponse, table: FrequencyTable, colors: Sequence[int]):
+        self.harmonic, self.table, self.colors = response.harmonic, table, colors
+        self.axis_factor = AXIS_FACTORS[table.axis]
         given = response.frequencies_hz[response.frequencies_hz > 0]
         placed = frequencies_by_poles(self.harmonic)
         inside = placed[(placed > given[0]) & (placed < given[-1])]
@@ -120,7 +101,7 @@ class _Drawn:
 
     def curves(self, entries: list[_Entry], part: Callable[[_Entry, np.ndarray, np.ndarray], np.ndarray]) -> tuple[Curve, ...]:
         """A curve for each response."""
-        colors, factor = self.look.colors or tuple(range(len(self.harmonic.output_names))), self.look.factor
+        factor = self.axis_factor
 
         def functions(frequencies: np.ndarray) -> np.ndarray:
             H = self.at(frequencies / factor)
@@ -132,18 +113,20 @@ class _Drawn:
             Curve(
                 entry.name,
                 part(entry, self.lines, self.values[entry.i, entry.j]),
-                row if several else colors[entry.i],
+                row if several else self.colors[entry.i],
                 None if stored is None else (stored, row),
             )
             for row, entry in enumerate(entries)
         )
 
 
-def frequency_plots(response: FrequencyResponse, look: ResponseLook, units: np.ndarray, factors: np.ndarray) -> tuple[Plot, ...]:
-    """The plots of a response, amplitude and phase of one unit side by side."""
+def frequency_plots(
+    response: FrequencyResponse, table: FrequencyTable, colors: Sequence[int], units: np.ndarray, factors: np.ndarray
+) -> tuple[Plot, ...]:
+    """The plots of a response that a table selects, amplitude and phase of one unit side by side, with a colour for each output."""
     if (response.frequencies_hz > 0).sum() < 2:
         return ()
-    drawn, plots = _Drawn(response, look), []
+    drawn, plots = _Drawn(response, table, colors), []
     groups: dict[str, list[_Entry]] = {}
     for i, j in np.ndindex(len(response.outputs), len(response.inputs)):
         name = f"{response.outputs[i]} by {response.inputs[j]}" if len(response.inputs) > 1 else response.outputs[i]
@@ -152,39 +135,37 @@ def frequency_plots(response: FrequencyResponse, look: ResponseLook, units: np.n
     for unit, entries in groups.items():
         own = f" ({unit})" if len(groups) > 1 else ""
         titles = f"{response.quantity}{own}{by}", response.quantity, "" if unit == "1" else unit
-        for kind in look.kinds:
+        for kind in table.plots:
             plots += _KINDS[kind](drawn, entries, *titles)
     return tuple(plots)
 
 
 def _plot(drawn: _Drawn, title: str, unit: str, curves: tuple[Curve, ...], quantity: str, vertical: Scale = "linear") -> Plot:
-    look = drawn.look
-    lines = look.factor * drawn.lines
-    return Plot(
-        title, unit, lines, curves, across_unit=look.axis, quantity=quantity, variable="frequency", scales=("log", vertical)
-    )
+    axes: dict[str, Any] = {"across_unit": drawn.table.axis, "variable": "frequency", "scales": ("log", vertical)}
+    return Plot(title, unit, drawn.axis_factor * drawn.lines, curves, quantity=quantity, **axes)
 
 
 def _bode(drawn: _Drawn, entries: list[_Entry], title: str, quantity: str, unit: str) -> list[Plot]:
-    is_decibel = drawn.look.amplitude == "dB"
-    highest = {id(each): float(np.abs(each.factor * drawn.values[each.i, each.j][drawn.is_far]).max()) for each in entries}
+    is_decibel = drawn.table.amplitude == "dB"
+    highest = {each: float(np.abs(each.factor * drawn.values[each.i, each.j][drawn.is_far]).max()) for each in entries}
 
     def amplitude(entry: _Entry, _, H: np.ndarray) -> np.ndarray:
         size = np.abs(entry.factor * H)
         if not is_decibel:
             return size
-        lowest = highest[id(entry)] * 10 ** (-LOWEST_DECIBEL / 20) or 1.0
+        lowest = highest[entry] * 10 ** (-LOWEST_DECIBEL / 20) or 1.0
         return 20 * np.log10(np.maximum(size, lowest))
 
-    present = [each for each in entries if highest[id(each)] > ABSENT * max(highest.values())]
+    present = [each for each in entries if highest[each] > ABSENT * max(highest.values())]
     curves = drawn.curves(present, amplitude)
     if len(drawn.poles):  # an infinite peak has a finite picture
-        most = {id(each): 20 * np.log10(ABOVE * size) if is_decibel else ABOVE * size for each, size in _with(present, highest)}
-        curves = tuple(replace(curve, values=np.minimum(curve.values, most[id(each)])) for curve, each in zip(curves, present))
+        most = ABOVE * np.array([highest[each] or 1.0 for each in present])
+        most = 20 * np.log10(most) if is_decibel else most
+        curves = tuple(replace(curve, values=np.minimum(curve.values, limit)) for curve, limit in zip(curves, most))
     if quantity == "transmissibility":
         one = np.full(len(drawn.lines), 0.0 if is_decibel else 1.0)
         curves += (Curve("as the support", one, max(curve.color or 0 for curve in curves) + 1),)
-    vertical: Scale = "log" if drawn.look.amplitude == "log" and any((curve.values > 0).any() for curve in curves) else "linear"
+    vertical: Scale = "log" if drawn.table.amplitude == "log" and any((curve.values > 0).any() for curve in curves) else "linear"
     shown = f"dB re 1 {unit}".rstrip() if is_decibel else unit
     phases = drawn.curves(present, _phase(drawn, present))
     if not present:
@@ -195,10 +176,6 @@ def _bode(drawn: _Drawn, entries: list[_Entry], title: str, quantity: str, unit:
     ]
 
 
-def _with(entries: list[_Entry], sizes: dict[int, float]) -> list[tuple[_Entry, float]]:
-    return [(each, sizes[id(each)] or 1.0) for each in entries]
-
-
 def _phase(drawn: _Drawn, entries: list[_Entry]) -> Callable[[_Entry, np.ndarray, np.ndarray], np.ndarray]:
     """Phases in degrees, continued beyond 180 by the number of turns at the lines where requested."""
 
@@ -206,13 +183,13 @@ def _phase(drawn: _Drawn, entries: list[_Entry]) -> Callable[[_Entry, np.ndarray
         angles = np.degrees(np.angle(H))
         return np.where(angles > 180.0 - 1e-9, angles - 360.0, angles)  # past an undamped resonance -180
 
-    if not drawn.look.unwrapped:
+    if drawn.table.phase != "unwrapped":
         return lambda entry, _, H: principal(H)
-    along = {id(each): np.unwrap(principal(drawn.values[each.i, each.j]), period=360.0) for each in entries}
+    along = {each: np.unwrap(principal(drawn.values[each.i, each.j]), period=360.0) for each in entries}
 
     def unwrapped(entry: _Entry, frequencies: np.ndarray, H: np.ndarray) -> np.ndarray:
         own = principal(H)
-        return own + 360.0 * np.round((np.interp(frequencies, drawn.lines, along[id(entry)]) - own) / 360.0)
+        return own + 360.0 * np.round((np.interp(frequencies, drawn.lines, along[entry]) - own) / 360.0)
 
     return unwrapped
 
@@ -236,7 +213,7 @@ def _nyquist(drawn: _Drawn, entries: list[_Entry], title: str, quantity: str, un
         values = np.where(np.abs(values) > most, values * most / np.maximum(np.abs(values), most), values)
         curve, across = Curve(entry.name, values.imag), Curve(f"real part of the {quantity}", values.real)
         name = f"Nyquist plot of the {title}" if len(entries) == 1 else f"Nyquist plot of {entry.name}"
-        lines = drawn.look.factor * drawn.lines
+        lines = drawn.axis_factor * drawn.lines
         plots.append(Plot(name, unit, lines, (curve,), across, unit, "imaginary part", variable="frequency"))
     return plots
 
@@ -454,11 +431,8 @@ class Frequency(Analysis):
         """The response in words, tables, plots and data."""
         scene, response = self.scene, self.response
         zeros = self._antiresonance_table()
-        return Answer(
-            kind="frequency",
-            name=scene.name,
-            title=scene.title,
-            source=scene.table.source,
+        return Frequency.of(
+            scene,
             facts=tuple(self._facts()),
             tables=(self.peak_table(wide=False), *zeros),
             notices=self.notices,
@@ -555,11 +529,9 @@ class Frequency(Analysis):
             yield f"imag {name}", values[i, j].imag
 
     def _plots(self) -> tuple[Plot, ...]:
-        table, names = self.table, self.scene.equations.coordinates.names
+        names = self.scene.equations.coordinates.names
         colors = tuple(names.index(name) if name in names else i for i, name in enumerate(self.response.outputs))
-        unwrapped = table.phase == "unwrapped"
-        look = ResponseLook(tuple(table.plots), table.amplitude, unwrapped, table.axis, self.axis_factor, colors)
-        return frequency_plots(self.response, look, *self.shown)
+        return frequency_plots(self.response, self.table, colors, *self.shown)
 
     def deflections(self) -> Deflections | None:
         """Shapes of all coordinates at each frequency under a unit of an input; None where the model has no places, or nothing to draw."""

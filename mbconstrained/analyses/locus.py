@@ -75,14 +75,11 @@ class Locus(Analysis):
             ],
             "stability_limits": locus.stability_limits,
         }
-        return Answer(
-            kind="locus",
-            name=scene.name,
+        return cls.of(
+            scene,
             title=f"{scene.heading}: root locus over {locus.name}",
-            source=scene.table.source,
             facts=tuple(facts),
             tables=(*([locus.table()] if locus.break_points else []), _branches(locus)),
-            notices=scene.notices,
             data=data,
             plots=lambda: (_plot(locus, low, high),),
             most_rows=None,

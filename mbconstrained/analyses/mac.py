@@ -83,11 +83,9 @@ class ModalAssurance(Analysis):
 
         arrays = {"frequencies_hz": f, "other_frequencies_hz": g, "mac": mac, "coordinates": np.array(common)}
         shapes = {f"{other.name}, {number_text(g[j])} Hz, mode {j + 1}": mac[:, j] for j in range(len(g))}
-        return Answer(
-            kind="mac",
-            name=scene.name,
+        return cls.of(
+            scene,
             title=f"{scene.title} and {other.title}",
-            source=scene.table.source,
             facts=(("coordinates", ", ".join(common)),),
             tables=(TextTable("Modes of both scenes", columns, tuple(rows)),),
             notices=distinct(scene.notices, other.notices, own),

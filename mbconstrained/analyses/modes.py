@@ -61,22 +61,14 @@ Facts = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True)
 class ModeLine:
-    """One line of the list of modes: an eigenvalue, or one of its shapes where it has any.
+    """One line of the list of modes: an eigenvalue, or one of its shapes where it has any."""
 
-    Attributes:
-        number: from 1 on, the order of the list.
-        cells: texts by column (``Modes.table``).
-        value, multiplicity: the eigenvalue in 1/s.
-        mode: its meaning; None where A(s) was given by coefficients.
-        place: index of the shape among those of the eigenvalue, from 0; None where it has none.
-    """
-
-    number: int
-    cells: dict[str, str]
-    value: complex
+    number: int  # from 1 on, the order of the list
+    cells: dict[str, str]  # texts by column (``Modes.table``)
+    value: complex  # value, multiplicity: the eigenvalue in 1/s
     multiplicity: int
-    mode: Mode | None = None
-    place: int | None = None
+    mode: Mode | None = None  # its meaning; None where A(s) was given by coefficients
+    place: int | None = None  # index of the shape among those of the eigenvalue, from 0; None where it has none
 
     @property
     def shape(self) -> np.ndarray | None:
@@ -170,12 +162,8 @@ class ModalAnalysis(Analysis):
         self, robot = cls(scene), scene.equations.robot_scene
         masses = self.effective_masses
         tables = (masses.table(),) if masses else ()
-        return Answer(
-            kind="modes",
-            name=scene.name,
-            title=scene.title,
-            source=scene.table.source,
-            facts=(),
+        return cls.of(
+            scene,
             tables=(*(posture_tables(robot)[:1] if robot else ()), self.table(), *tables),
             notices=self.notices,
             data={

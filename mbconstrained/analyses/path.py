@@ -66,11 +66,9 @@ class RobotPath(Analysis):
             "joints": [posture and posture.joints for posture in along.postures],
             "unreachable": [{"place": i + 1, "distance": float(along.distances[i])} for i in along.unreachable],
         }
-        return Answer(
-            kind="path",
-            name=scene.name,
+        return cls.of(
+            scene,
             title=f"{scene.heading}: along the path of {settings.body}",
-            source=scene.table.source,
             facts=(("path", _summary(along)),),
             tables=(along.table, *([table] if missed else [])),
             notices=distinct(scene.notices, along.notices, doubts),

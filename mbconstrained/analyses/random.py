@@ -56,11 +56,8 @@ class Random(Analysis):
         system = scene.equations.system
         damping = system.damping_notices(any(entry.of != "force" for entry in settings.input)) if system is not None else ()
         inputs = zip(response.inputs, response.spectra.spectra)
-        return Answer(
-            kind="random",
-            name=scene.name,
-            title=scene.title,
-            source=scene.table.source,
+        return cls.of(
+            scene,
             facts=(
                 *(("input", f"{name}: {spectrum.of}, {spectrum.name}") for name, spectrum in inputs),
                 ("error estimate", f"{response.error_estimate.max(initial=0.0):.2g} of each variance"),

@@ -22,7 +22,7 @@ from ..scene.run.plan import Costs, Plan, Stage
 from ..scene.run.result import Result, aliasing_notices, folded, with_units
 from ..scene.run.scene import Scene
 from ..scene.run.stages import is_animated, plan_of, steps_of, still, too_large_for_formula
-from .base import PICTURES, Analysis, Answer, formats_of
+from .base import Analysis, Answer, formats_of, write_pictures
 from .motion_report import tables_of
 
 if TYPE_CHECKING:
@@ -319,11 +319,9 @@ class RunAnswer(Result, Answer):
         from ..page.html import write_page
 
         content, viewer = self.page(), self.scene.table.output.viewer
-        with self.writing_together() as files:
-            count = len(files.paths)
-            page = write_page(self._prepared("html", path), content, viewer, files)
-            self.files += files.paths[count:]
-        return page
+        path = self._prepared("html", path)
+        self._listed(lambda files: write_page(path, content, viewer, files))
+        return path
 
     def write_csv(self, path: str | Path | None = None) -> Path:
         """Write the curves as CSV, one line for each time, in the units of [output]; the path is that of ``write_page``."""
@@ -371,10 +369,9 @@ class RunAnswer(Result, Answer):
         if ending == ".npz":
             return self.write_npz(path)
         curves = self._all_shown if ending == ".csv" else [self.curves(kind) for kind in self.kinds]
-        with self.writing_together() as files:
-            path = write_trajectories(path, self.times, curves, arrays, excel=excel, geometry=geometry, binary=binary, files=files)
-        self.files.append(path)
-        return path
+        options: dict[str, Any] = {"excel": excel, "geometry": geometry, "binary": binary}
+        self._listed(lambda files: write_trajectories(path, self.times, curves, arrays, **options, files=files))
+        return Path(path)
 
     @property
     def _all_shown(self) -> list[Curves]:
@@ -389,15 +386,9 @@ class RunAnswer(Result, Answer):
 
     def write_plots(self, folder: str | Path | None = None) -> list[Path]:
         """Write each plot of the page as SVG and PNG, named after scene and plot; by default into the folder of the run."""
-        from ..page.plots import plot_image, plot_images
-
-        folder = Path(folder) if folder is not None else self.folder or Path()
-        with self.writing_together():
-            return [
-                self._written(kind, folder / f"{self.name}.{name}.{kind}", _bytes_writer(plot_image(plot, kind)))
-                for name, plot in plot_images(tuple(self.plots())).items()
-                for kind in PICTURES
-            ]
+        folder = Path(folder or self.folder or Path())
+        folder.mkdir(parents=True, exist_ok=True)
+        return self._listed(lambda files: write_pictures(self.plots(), folder, self.name, files))
 
     def write_still(self, path: str | Path | None = None, time: float | None = None) -> Path:
         """Write a picture of the model at a time as PNG, taken by an installed Chromium or Chrome.
@@ -416,7 +407,8 @@ class RunAnswer(Result, Answer):
         from ..page.photograph import photograph
 
         time = time if time is not None else self.scene.table.output.still or 0.0
-        return self._written("still.png", path, _bytes_writer(photograph(self.animation, time)))
+        image = photograph(self.animation, time)
+        return self._written("still.png", path, lambda path: path.write_bytes(image))
 
     def try_still(self) -> None:
         """Write the still picture; if the browser fails, a notice has the reason and all else is written."""
@@ -427,18 +419,21 @@ class RunAnswer(Result, Answer):
 
     def write_frequency(self) -> list[Path]:
         """Write the page, CSV and npz of the frequency response into the folder of the run, as far as [output] requests them."""
-        output = self.scene.table.output
-        with self.writing_together() as files:
-            written = self.frequency.to_answer().write(self.folder or Path(), formats_of(output), output.viewer, files)
-        self.files += written
-        return written
+        output, answer = self.scene.table.output, self.frequency.to_answer()
+        return self._listed(lambda files: answer.write(self.folder or Path(), formats_of(output), output.viewer, files))
 
     def _written(self, ending: str, path, write: Callable[[Path], object]) -> Path:
         path = self._prepared(ending, path)
-        with self.writing_together() as files:
-            write(files.temporary(path))
-        self.files.append(path)
+        self._listed(lambda files: write(files.temporary(path)))
         return path
+
+    def _listed(self, write: Callable[[Replacements], object]) -> list[Path]:
+        """Write files together with others, and list them among those of the run."""
+        with self.writing_together() as files:
+            count = len(files.paths)
+            write(files)
+            self.files += files.paths[count:]
+            return files.paths[count:]
 
     def _prepared(self, ending: str, path) -> Path:
         """The path of a file, in a folder that exists."""
@@ -457,10 +452,6 @@ class RunAnswer(Result, Answer):
                 yield self._together
         finally:
             self._together = None
-
-
-def _bytes_writer(content: bytes) -> Callable[[Path], object]:
-    return lambda path: path.write_bytes(content)
 
 
 # The summary on a screen.

@@ -69,14 +69,9 @@ class Sensitivity(Analysis):
             InputError: no mechanical system, an unknown name.
         """
         self = cls(scene, (settings and settings.to) or ())
-        return Answer(
-            kind="sensitivity",
-            name=scene.name,
-            title=scene.title,
-            source=scene.table.source,
-            facts=(),
+        return cls.of(
+            scene,
             tables=tuple(self.tables()),
-            notices=scene.notices,
             data=self._data(),
             heading=scene.heading,
             most_rows=None,

@@ -23,27 +23,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)  # a problem is equal to itself only, so that values can be kept for it
 class StudyProblem:
-    """A(d/dt) x = f with values at 0-, and the times of the solution.
+    """A(d/dt) x = f with values at 0-, and the times of the solution."""
 
-    Attributes:
-        title: for reports.
-        polynomial_matrix: A(s), for a mechanical system that of its constrained form.
-        initial: x^(i)(0-) as row i, shape (q, r).
-        force: f, r rows: the whole right-hand side, constraint values included.
-        times: shape (T,), ascending, in s.
-        system: mass, damping, stiffness and constraint rows, where there are any.
-        applied: the forces on the coordinates of the system beyond its own; None for none.
-        respond: the closed form by a method of its own, as for a transfer function; else None.
-    """
-
-    title: str
-    polynomial_matrix: PolynomialMatrix
-    initial: np.ndarray
-    force: ImpulsiveSmooth
-    times: np.ndarray
-    system: MechanicalSystem | None = None
-    applied: ImpulsiveSmooth | None = None
-    respond: Callable[[], Response] | None = None
+    title: str  # for reports
+    polynomial_matrix: PolynomialMatrix  # A(s), for a mechanical system that of its constrained form
+    initial: np.ndarray  # x^(i)(0-) as row i, shape (q, r)
+    force: ImpulsiveSmooth  # f, r rows: the whole right-hand side, constraint values included
+    times: np.ndarray  # shape (T,), ascending, in s
+    system: MechanicalSystem | None = None  # mass, damping, stiffness and constraint rows, where there are any
+    applied: ImpulsiveSmooth | None = None  # the forces on the coordinates of the system beyond its own; None for none
+    respond: Callable[[], Response] | None = None  # the closed form by a method of its own, as for a transfer function; else None
 
     def solve(self) -> Response:
         """Solve the problem in closed form, without earlier results."""

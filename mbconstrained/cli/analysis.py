@@ -5,6 +5,8 @@ from __future__ import annotations
 import inspect
 import typing
 from contextlib import nullcontext
+from dataclasses import dataclass
+from functools import partial
 from json import dumps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -38,8 +40,8 @@ File = Annotated[str, typer.Option("--out", metavar="FILE", help="Write into a f
 Source = Annotated[str, typer.Argument(metavar="SCENE|RECORD", help="A scene, a .toml; or a file with an acceleration over time.")]
 OptionalScene = Annotated[str, typer.Argument(metavar="SCENE", help="The scene file, a .toml; left out: the gallery.")]
 
-#: Exit code of shells for a process that SIGINT ended.
-INTERRUPTED = 130
+#: Formats of an analysis that prints a text of its own instead of writing files.
+TEXT = ("text",)
 
 #: Options of a record, by argument: the unit, the column and the step of the samples.
 RECORD = {
@@ -83,53 +85,24 @@ class Commands(TyperGroup):
 def command(analysis: type[Analysis]):
     """The function that typer makes a command of: its signature and help follow from the declaration."""
     reads_records, entries = hasattr(analysis, "of_record"), dict(_entries(analysis))
-    is_text = analysis.formats == ("text",)
 
-    def run(source: str, out: str, settings, json: bool, shared_viewer: bool = False, compress: bool = False, **given) -> None:
-        page, plots = given.pop("page", None), given.pop("plots", False)
+    def run(
+        source: str, out: str, settings, json: bool, shared_viewer=False, compress=False, page=None, plots=False, **given
+    ) -> None:
         if out and page is False:
             raise typer.BadParameter("only the page is written; give --page too", param_hint="--out")
-        reading = {key: given.pop(key) or None for key in RECORD} if reads_records else {}
+        reading = {key: given[key] or None for key in RECORD} if reads_records else {}
         chosen = {key: _value(given[f"{key}_"], *entry[:2]) for key, entry in entries.items() if _is_given(given[f"{key}_"])}
-        viewer: Any = viewer_of(shared_viewer, compress)
-        json = json or (is_text and "json" in chosen.values())
+        json = json or (analysis.formats == TEXT and "json" in chosen.values())
+        writing = _Writing(analysis, out, json, viewer_of(shared_viewer, compress), page, plots)
 
         def work(scene) -> int:
-            folder = Path(out or Path("results") / (scene.name if scene else "gallery"))
-            if not analysis.progress:
-                return write(analysis.answer(scene, **chosen), scene.table.output)
-            if not is_text:
-                _check_writable(folder)  # before hours of computation
-            try:
-                with _progress(analysis.progress) as progress:
-                    one = analysis.answer(scene, progress, **chosen) if scene else analysis.answer_without_scene(progress, **chosen)
-            except KeyboardInterrupt as problem:
-                if not problem.args:
-                    raise
-                return show_error(str(problem), json, INTERRUPTED)
-            if is_text:
-                return write_text(one, scene)
-            return write(one, scene.table.output if scene else None)
-
-        def write_text(one: Answer, scene) -> int:
-            text = dumps(one.to_dict(), indent=2, allow_nan=False, ensure_ascii=False) if json else one.text
-            if out:
-                _write(Path(out), text + "\n", scene.path)
-            else:
-                show_text(text)
-            return FINE
-
-        def write(one: Answer, output: OutputTable | None) -> int:
-            from ..analyses.base import formats_of
-
-            usual = {*(analysis.formats or formats_of(output)), *(["pictures"] if plots else [])}
-            formats = usual if page is None else {"page"} if page else set()
-            own: Any = output.viewer if output else "inside"
-            files = one.write(Path(out or Path("results") / one.name), formats, viewer or own) if formats else []
-            show(json, lambda: one.to_dict(files), lambda: one.blocks(files))
-            return FINE if one.is_trusted else NOT_TRUSTED
-
-        from .printing import show, show_error, show_text
+            if analysis.progress and analysis.formats != TEXT:
+                _check_writable(writing.folder(scene.name if scene else "gallery"))  # before hours of computation
+            with _progress(analysis.progress) as progress:
+                answer_of = partial(analysis.answer, scene) if scene else analysis.answer_without_scene
+                one = answer_of(progress, **chosen)
+            return writing.text(one, scene) if analysis.formats == TEXT else writing.files(one, scene and scene.table.output)
 
         if not source:
             if settings:
@@ -143,7 +116,7 @@ def command(analysis: type[Analysis]):
             answer(source, json, work, settings)
         if settings:
             raise typer.BadParameter("values are set in a scene; this is a record", param_hint="--set")
-        leave(Path(source).name, json, lambda: write(*_of_record(analysis, Path(source), chosen, reading)))
+        leave(Path(source).name, json, lambda: writing.files(*_of_record(analysis, Path(source), chosen, reading)))
 
     run.__signature__ = inspect.Signature(  # type: ignore[attr-defined]  # functions have it only once it is set
         [
@@ -155,6 +128,42 @@ def command(analysis: type[Analysis]):
     return run
 
 
+@dataclass(frozen=True)
+class _Writing:
+    """Where and how the answer of a command is written and printed; each method returns the exit code."""
+
+    analysis: type[Analysis]
+    out: str
+    json: bool
+    viewer: str
+    page: bool | None  # None for analyses that write without being asked
+    plots: bool
+
+    def folder(self, name: str) -> Path:
+        return Path(self.out or Path("results") / name)
+
+    def files(self, one: Answer, output: OutputTable | None) -> int:
+        from ..analyses.base import formats_of
+        from .printing import show
+
+        usual = {*(self.analysis.formats or formats_of(output)), *(["pictures"] if self.plots else [])}
+        formats = usual if self.page is None else {"page"} if self.page else set()
+        viewer: Any = self.viewer or (output.viewer if output else "inside")
+        files = one.write(self.folder(one.name), formats, viewer) if formats else []
+        show(self.json, lambda: one.to_dict(files), lambda: one.blocks(files))
+        return FINE if one.is_trusted else NOT_TRUSTED
+
+    def text(self, one: Answer, scene) -> int:
+        from .printing import show_text
+
+        text = dumps(one.to_dict(), indent=2, allow_nan=False, ensure_ascii=False) if self.json else one.text
+        if self.out:
+            _write(Path(self.out), text + "\n", scene.path)
+        else:
+            show_text(text)
+        return FINE
+
+
 def _parameters(analysis: type[Analysis], entries: dict) -> dict[str, tuple[Any, Any]]:
     """The parameters of a command by name: annotations for typer, and defaults."""
     place: tuple[Any, Any] = (Source if hasattr(analysis, "of_record") else ScenePath, inspect.Parameter.empty)
@@ -162,7 +171,7 @@ def _parameters(analysis: type[Analysis], entries: dict) -> dict[str, tuple[Any,
     result |= {f"{name}_": _option(*entry) for name, entry in entries.items()}  # "from" is a word of Python's grammar
     if hasattr(analysis, "of_record"):
         result |= {name: _option(flag, kind, text) for name, (flag, kind, text) in RECORD.items()}
-    if analysis.formats == ("text",):
+    if analysis.formats == TEXT:
         return result | {"out": (File, ""), "settings": (Settings, None), "json": (Json, False)}
     if not analysis.writes:
         result["page"] = _option("--page", bool, f"Write NAME.{analysis.name}.html too.")

@@ -28,16 +28,12 @@ _NUMBER = re.compile(r"[-+]?\.?\d")
 
 FINE, SCENE_WRONG, COMMAND_WRONG, NOT_TRUSTED = 0, 1, 2, 3
 
+#: Exit code of shells for a process that SIGINT ended.
+INTERRUPTED = 130
+
 
 def answer(path: str, json: bool, work: Callable[[Scene], int | None], settings: Sequence[str] | None = None) -> None:
-    """Read the scene, do the work, and leave with the exit code of the outcome.
-
-    Args:
-        path: path of the scene.
-        json: whether an error is printed as plain data.
-        work: returns the exit code, or None for 0.
-        settings: NAME=VALUE of each --set.
-    """
+    """Read the scene, changed by NAME=VALUE of each --set, do the work, and leave with its exit code, None for 0."""
     values: dict[str, Any] = {}
     for text in settings or ():
         name, value = setting(text)
@@ -53,14 +49,7 @@ def answer(path: str, json: bool, work: Callable[[Scene], int | None], settings:
 
 
 def setting(text: str, option: str = "--set") -> tuple[str, Any]:
-    """Name and value of a --set, or of another option of this form.
-
-    Args:
-        text: NAME=VALUE.
-        option: for messages.
-
-    Returns:
-        Both, the value as it could stand in the file.
+    """Name and value of a --set, or of another option of this form, the value as it could stand in the file.
 
     >>> setting("k=3 N/mm")
     ('k', '3 N/mm')
@@ -74,13 +63,7 @@ def setting(text: str, option: str = "--set") -> tuple[str, Any]:
 
 
 def several_values(text: str) -> list[str]:
-    """The values of a --set, separated by commas outside brackets and quotes.
-
-    Args:
-        text: NAME=VALUE or NAME=VALUE,VALUE.
-
-    Returns:
-        Their texts.
+    """The texts of the values of a --set, separated by commas outside brackets and quotes.
 
     >>> several_values("k=1 N/m, 2 N/m"), several_values("times=[0, 1]")
     (['1 N/m', '2 N/m'], ['[0, 1]'])
@@ -91,13 +74,7 @@ def several_values(text: str) -> list[str]:
 
 
 def leave(name: str, json: bool, work: Callable[[], int | None]) -> None:
-    """Do the work, and leave with the exit code of the outcome.
-
-    Args:
-        name: name of the object of the work, for messages.
-        json: whether an error is printed as plain data.
-        work: returns the exit code, or None for 0.
-    """
+    """Do the work on a thing of this name, and leave with its exit code, None for 0, or that of its error."""
     from ..ground.errors import MbconstrainedError, SceneError
     from .printing import show_error
 
@@ -109,6 +86,10 @@ def leave(name: str, json: bool, work: Callable[[], int | None]) -> None:
         code = show_error(named, json, SCENE_WRONG)
     except OSError as problem:
         code = show_error(f"the results cannot be written: {_cause(problem)}", json, COMMAND_WRONG)
+    except KeyboardInterrupt as problem:
+        if not problem.args:
+            raise
+        code = show_error(str(problem), json, INTERRUPTED)
     except MemoryError:
         code = show_error(f"{name}: this needs more memory than there is; ask for fewer points", json, SCENE_WRONG)
     raise typer.Exit(code)
@@ -120,18 +101,7 @@ def _cause(problem: OSError) -> str:
 
 
 def read(path: str, settings: Mapping[str, Any]) -> Scene:
-    """The scene; errors of the system while it is read are about the scene, not about the results.
-
-    Args:
-        path: path of the scene file.
-        settings: values by the name of a parameter or place.
-
-    Returns:
-        The scene.
-
-    Raises:
-        SceneError: a file that cannot be read, or what it has is no scene.
-    """
+    """The scene; errors of the system while it is read are about the scene, not about the results."""
     from ..ground.errors import SceneError
     from ..scene.run.scene import read_scene
 
@@ -142,15 +112,7 @@ def read(path: str, settings: Mapping[str, Any]) -> Scene:
 
 
 def viewer_of(shared: bool, compressed: bool) -> str:
-    """Location of the viewer's script, or an empty string for that in the scene.
-
-    Args:
-        shared: whether in a file that pages share.
-        compressed: whether compressed in the page.
-
-    Returns:
-        A value of [output] viewer.
-    """
+    """The value of [output] viewer, or an empty string for that in the scene."""
     if shared and compressed:
         raise typer.BadParameter("a viewer in a separate file is not compressed; leave out one of the two", param_hint="--compress")
     return "separate" if shared else "compressed" if compressed else ""

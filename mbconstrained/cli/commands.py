@@ -145,28 +145,24 @@ def _plan(
 
     Nothing is solved or written, but with --run: then all is done as by the command run, files are written into a temporary
     folder, so that writing counts too, and removed; each stage is listed with its time and memory. Exit codes are those of run."""
-    answer(scene, json, lambda loaded: _measured(loaded, json) if run else _planned(loaded, json), settings)
-
-
-def _planned(scene: Scene, json: bool) -> None:
-    from .printing import show
-
-    plan = scene.plan()
-    show(json, lambda: {"title": scene.heading, "plan": plan.to_list()}, lambda: [scene.heading, plan.table()])
-
-
-def _measured(scene: Scene, json: bool) -> int:
     from tempfile import TemporaryDirectory
 
     from .printing import show, stage_progress
 
-    with TemporaryDirectory(prefix="mbconstrained-") as folder, stage_progress() as progress:
-        result = scene.run(folder, progress)
-    plan, doubts = result.plan, [notice for notice in result.notices if notice.doubtful]
-    data: dict = {"title": scene.heading, "plan": plan.to_list(), "totals": plan.totals_to_dict()}
-    data |= {"notices": [notice.to_dict() for notice in doubts], "trusted": result.is_trusted}
-    show(json, lambda: data, lambda: [scene.heading, *plan.cost_tables(), *map(str, doubts)])
-    return FINE if result.is_trusted else NOT_TRUSTED
+    def work(loaded: Scene) -> int:
+        if not run:
+            plan = loaded.plan()
+            show(json, lambda: {"title": loaded.heading, "plan": plan.to_list()}, lambda: [loaded.heading, plan.table()])
+            return FINE
+        with TemporaryDirectory(prefix="mbconstrained-") as folder, stage_progress() as progress:
+            result = loaded.run(folder, progress)
+        plan, doubts = result.plan, [notice for notice in result.notices if notice.doubtful]
+        data: dict = {"title": loaded.heading, "plan": plan.to_list(), "totals": plan.totals_to_dict()}
+        data |= {"notices": [notice.to_dict() for notice in doubts], "trusted": result.is_trusted}
+        show(json, lambda: data, lambda: [loaded.heading, *plan.cost_tables(), *map(str, doubts)])
+        return FINE if result.is_trusted else NOT_TRUSTED
+
+    answer(scene, json, work, settings)
 
 
 @app.command("check", short_help="Check a scene; write nothing.")
@@ -174,20 +170,20 @@ def _check(scene: ScenePath, settings: Settings = None, json: Json = False) -> N
     """Read a scene and see whether everything in it is right; write nothing.
 
     It lists unconstrained bodies and, where the start violates the constraints, the jumps and impulses at t = 0."""
-    answer(scene, json, lambda loaded: _checked(loaded, json), settings)
-
-
-def _checked(scene: Scene, json: bool) -> None:
     from ..ground.checks import counted
-    from ..scene.run.result import start_notices
     from .printing import show
 
-    names, count = scene.equations.coordinates.names, len(scene.plan().needed)
-    notices = [str(notice) for notice in (*scene.notices, *start_notices(scene.equations))]
-    size = f"{counted(len(names), 'coordinate')} ({', '.join(names)}), {counted(count, 'stage')} to run"
-    lines = [f"{scene.path.name} is fine: {scene.title}", size, *notices]
-    data = {"title": scene.title, "coordinates": list(names), "stages": count, "notices": notices}
-    show(json, lambda: data, lambda: ["\n".join(lines)])
+    def work(loaded: Scene) -> None:
+        from ..scene.run.result import start_notices
+
+        names, count = loaded.equations.coordinates.names, len(loaded.plan().needed)
+        notices = [str(notice) for notice in (*loaded.notices, *start_notices(loaded.equations))]
+        size = f"{counted(len(names), 'coordinate')} ({', '.join(names)}), {counted(count, 'stage')} to run"
+        lines = [f"{loaded.path.name} is fine: {loaded.title}", size, *notices]
+        data = {"title": loaded.title, "coordinates": list(names), "stages": count, "notices": notices}
+        show(json, lambda: data, lambda: ["\n".join(lines)])
+
+    answer(scene, json, work, settings)
 
 
 def _moment(still: str) -> float | None:

@@ -46,14 +46,7 @@ def template_table() -> str:
 
 
 def write_template(path: Path, template: str = "") -> str:
-    """Write a template, and the files that belong to it, under a name, and name the next commands.
-
-    Args:
-        path: path of the scene.
-        template: left out: the one that the file is named after, or the one to begin with.
-
-    Returns:
-        The files written, and the next commands.
+    """Write a template with its files under a name, and return their names and the next commands; by default that named after the file.
 
     Raises:
         InputError: no such template, a name that no scene can have.

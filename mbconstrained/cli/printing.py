@@ -24,13 +24,7 @@ LINE_AFTER = 30.0
 
 
 def show(json: bool, data: Callable[[], dict], blocks: Callable[[], Sequence[str | TextTable]]) -> None:
-    """Print an answer, as the only thing that is printed.
-
-    Args:
-        json: whether as plain data.
-        data: makes them.
-        blocks: makes the texts and tables to be printed otherwise, one below the other.
-    """
+    """Print an answer, as plain data or as texts and tables one below the other; nothing else is printed."""
     if json:
         _say(json_format.dumps(data(), indent=2, allow_nan=False))
     else:
@@ -43,16 +37,7 @@ def line_width() -> int:
 
 
 def show_error(message: str, json: bool, code: int) -> int:
-    """Print one message, as the only thing that is printed.
-
-    Args:
-        message: without traceback.
-        json: whether as plain data.
-        code: the exit code.
-
-    Returns:
-        The exit code.
-    """
+    """Print a message, the only thing that is printed, and return the exit code."""
     if json:
         show(json, lambda: {"error": message, "exit_code": code}, list)
     else:
@@ -91,15 +76,7 @@ def step_progress() -> Iterator[Callable[[str], None] | None]:
 
 @contextmanager
 def bar_progress(what: str) -> Iterator[Callable[[int, int], None]]:
-    """A bar with the remaining time; elsewhere than in a terminal a line of it every ``LINE_AFTER`` seconds. It is called with what is
-    done, and with all.
-
-    Args:
-        what: before the bar.
-
-    Yields:
-        The function.
-    """
+    """A bar with the remaining time, called with the numbers done and in all; outside a terminal a line every ``LINE_AFTER`` seconds."""
     if not sys.stderr.isatty():
         yield _line_progress(what)
         return

@@ -1,11 +1,11 @@
-"""Content of a page: plots with their axes, formulas, figures, tables, notices and facts, and the typography of its texts."""
+"""Content of a page: plots with their axes, formulas, tables, notices and facts, and the typography of its texts."""
 
 from __future__ import annotations
 
 import html
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -60,7 +60,7 @@ def shortened(text: object, length: int = 40) -> str:
     return text if len(text) <= length else text[: length - 1].rstrip() + "…"
 
 
-Scale = Literal["linear", "log"]
+Scale = Literal["linear", "log", "rows"]
 
 #: A range narrower than this share of its values is rounding error and drawn as a constant.
 NOISE_SPAN = 1e-9
@@ -93,7 +93,7 @@ class Axis:
         ticks: values of the ticks.
         labels: their texts, in units of 10^exponent.
         exponent: a multiple of three, or 0 for labels without a common power of ten.
-        scale: "linear", or "log" for even steps of the logarithm.
+        scale: "linear", "log" for even steps of the logarithm, or "rows" for whole numbers that stand for names.
     """
 
     low: float
@@ -137,6 +137,8 @@ def axis_of(low: float, high: float, *, widen: bool = True, scale: Scale = "line
     """
     if scale == "log":
         return _log_axis(low, high, widen)
+    if scale == "rows":
+        return Axis(low - 0.5, high + 0.5, (), (), 0, scale)
     size = max(abs(low), abs(high))
     if size < SMALLEST:
         low, high = -1.0, 1.0
@@ -319,8 +321,8 @@ class Guide:
         return (a, b), (c, d)
 
 
-#: Shapes of marks.
-Shape = Literal["circle", "cross", "diamond"]
+#: Shapes of marks; "text" for the texts themselves, to the right of their points.
+Shape = Literal["circle", "cross", "diamond", "dot", "text"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -343,6 +345,30 @@ class Marks:
 
 
 @dataclass(frozen=True, eq=False)
+class Cells:
+    """A map: cells whose colour shows a value.
+
+    Attributes:
+        across, up: edges of the columns and of the rows, ascending, shapes (C + 1,) and (R + 1,).
+        values: shape (R, C); grey where NaN.
+        texts: of each cell, shown where the pointer rests on it, R rows of C.
+        unit: of the values, such as "Hz".
+    """
+
+    across: np.ndarray
+    up: np.ndarray
+    values: np.ndarray
+    texts: Sequence[Sequence[str]]
+    unit: str = ""
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The lowest and the highest value; 0 and 1 without any."""
+        known = self.values[np.isfinite(self.values)]
+        return (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
 class Plot:
     """Curves over time or another variable, or in a phase plane.
 
@@ -355,7 +381,7 @@ class Plot:
         across_unit: of the horizontal axis.
         quantity: title of the vertical axis; an empty string for that of the plot.
         variable: quantity along the horizontal axis, such as "frequency"; of a phase plane the one along its curves.
-        scales: of the horizontal and of the vertical axis, "linear" or "log"; values that are not positive are at the low end of a
+        scales: of the horizontal and of the vertical axis, see ``Axis``; values that are not positive are at the low end of a
             logarithmic axis.
         guides: further lines.
         marks: marks at points.
@@ -365,6 +391,8 @@ class Plot:
         bands: ranges of the horizontal axis with a background of their own.
         is_large: whether the picture is high and as wide as the page.
         variable_unit: in a phase plane, unit of the variable, whose value is shown at the pointer; None for no such text.
+        cells: a map behind the curves, which fills the axes.
+        image: successive plots with the same text here are panels of one image.
 
     Raises:
         InputError: shapes that do not match, NaN, infinity or numbers beyond 1e290, times that do not ascend; no positive value for
@@ -388,6 +416,8 @@ class Plot:
     bands: tuple[tuple[float, float], ...] = ()
     is_large: bool = False
     variable_unit: str | None = None
+    cells: Cells | None = None
+    image: str = ""
 
     def __post_init__(self):
         times = ascending_times(self.times, f'plot "{self.title[:60]}", {"times" if self.variable == "time" else self.variable}')
@@ -418,7 +448,8 @@ class Plot:
 
     def _drawn_values(self) -> tuple[np.ndarray, np.ndarray]:
         """All drawn values along both axes, and the points of all marks."""
-        points = np.concatenate([np.zeros((0, 2)), *(marks.points for marks in self.marks)])
+        corners = [np.array([self.cells.across[[0, -1]], self.cells.up[[0, -1]]]).T] if self.cells else []
+        points = np.concatenate([np.zeros((0, 2)), *corners, *(marks.points for marks in self.marks)])
         pairs = [(self.along(curve), curve.values, curve.drawn) for curve in self.curves]
         rows = [[row if drawn is None else row[drawn] for row in (x, y)] for x, y, drawn in pairs]
         xs, ys = zip(*rows) if self.across and rows else ([self.times], [y for _, y in rows])
@@ -428,7 +459,9 @@ class Plot:
     def axes(self) -> tuple[Axis, Axis]:
         """The horizontal and the vertical axis; of a plot with at least one curve."""
         across, up = (_range(values, scale) for values, scale in zip(self._drawn_values(), self.scales))
-        return axis_of(*across, widen=self.across is not None, scale=self.scales[0]), axis_of(*up, scale=self.scales[1])
+        return axis_of(*across, widen=self.across is not None, scale=self.scales[0]), axis_of(
+            *up, widen=self.cells is None, scale=self.scales[1]
+        )
 
 
 def _range(values: np.ndarray, scale: Scale) -> tuple[float, float]:
@@ -453,23 +486,6 @@ class Formulas:
 
 
 @dataclass(frozen=True)
-class Figure:
-    """A static figure over the full width.
-
-    Attributes:
-        title: heading.
-        svg: one element <svg> of shapes and texts, without references to anything outside it; the page includes it as it is.
-        description: a text alternative.
-        note: a sentence below, or an empty string.
-    """
-
-    title: str
-    svg: str
-    description: str
-    note: str = ""
-
-
-@dataclass(frozen=True)
 class PageContent:
     """The content of one page; parts that are None or empty are absent from the file.
 
@@ -478,7 +494,6 @@ class PageContent:
         animation: a motion over time, shapes in a list, or shapes over the frequency of the plots.
         frequencies: a narrow table next to the animation, in a narrow window below it.
         facts: pairs of a label and a text for the end of the page, such as ("Coordinates", "3").
-        figures: after the notices.
     """
 
     title: str
@@ -489,5 +504,4 @@ class PageContent:
     notices: tuple[Notice, ...] = ()
     facts: tuple[tuple[str, str], ...] = ()
     formulas: Formulas | None = None
-    figures: tuple[Figure, ...] = ()
     frequencies: TextTable | None = None

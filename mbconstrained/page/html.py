@@ -1,4 +1,4 @@
-"""A page as one static HTML file, with its sections: notices, figures, formulas, tables, animation and swinging shapes.
+"""A page as one static HTML file, with its sections: notices, formulas, tables, animation and swinging shapes.
 
 All texts are escaped.
 
@@ -28,7 +28,7 @@ from ..ground.errors import InputError, MbconstrainedError
 from ..ground.files import Replacements
 from ..ground.notices import Notice
 from .animation import MODE, Animation, Deflections, KeyFrames, ModePicture, Shapes, cycle, key_frames, packed
-from .content import Figure, Formulas, PageContent, shortened, typeset
+from .content import Formulas, PageContent, shortened, typeset
 from .drawing import Drawing
 from .figure import figure_data, force_scale, invisible_errors
 from .plots import PlotFunctions, plot_figures
@@ -68,14 +68,6 @@ def notice_section(notices: tuple[Notice, ...]) -> str:
         f'<details class="notices{" doubtful" * bool(doubtful)}"><summary><b>{", ".join(counts)}:</b> {typeset(first)}</summary>\n'
         f"{''.join(rows)}</details>"
     )
-
-
-def figure_section(figure: Figure) -> str:
-    """A <figure> over the full width; in a narrow window it scrolls, so that it stays readable."""
-    labelled = f'<svg role="img" aria-label="{html.escape(figure.description)}"'
-    svg = figure.svg.strip().replace("<svg", labelled, 1)
-    title = f'<figure class="static">\n<h2>{html.escape(figure.title)}</h2>'
-    return f"{title}\n{_scrollable(figure.title)}{svg}</div>{_note(figure.note, before=chr(10))}\n</figure>"
 
 
 def formula_section(formulas: Formulas) -> str:
@@ -271,7 +263,7 @@ def mode_sections(content: PageContent, shapes: Shapes, functions: PlotFunctions
         first,
     )
     plots = plot_figures(content.plots, functions) if content.plots else ""
-    return [picture, listed, *map(figure_section, content.figures), plots, *map(table_section, content.tables)], data
+    return [picture, listed, plots, *map(table_section, content.tables)], data
 
 
 def deflection_sections(content: PageContent, shapes: Deflections, functions: PlotFunctions) -> tuple[list[str], dict]:
@@ -523,7 +515,7 @@ def _parts(content: PageContent) -> tuple[list[str], dict, list[str], dict[str, 
         script, (sections, data) = "frequency.js", deflection_sections(content, shown, functions)
     else:
         script, (sections, data) = "run.js", _run_sections(content, shown, functions)
-    if functions.sets:
+    if functions.needed:
         blocks["plot-data"], names = functions.as_data(), list(_PLOTS)
     if data:
         names += [*_ANIMATION, *[f"{name}.js" for name in ("overlay", "posing") if name in data["figure"]], script]
@@ -550,7 +542,6 @@ def _run_sections(content: PageContent, animation: Animation | None, functions: 
     if stage and frequencies:
         frequencies, stage = "", f'<div class="overview">\n{frequencies}\n{stage}\n</div>'
     return [
-        *map(figure_section, content.figures),
         frequencies,
         stage,
         plot_figures(content.plots, functions),

@@ -15,15 +15,30 @@ import html
 import io
 import re
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import groupby, pairwise, zip_longest
+from textwrap import fill
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from .content import LEAST_SHARE, MOST_SHOWN, Axis, Curve, Marks, Plot, TimeFunctions, raised, shortened, superscript, typeset
+from ..ground.display import with_unit
+from .content import (
+    LEAST_SHARE,
+    MOST_SHOWN,
+    Axis,
+    Cells,
+    Curve,
+    Marks,
+    Plot,
+    TimeFunctions,
+    raised,
+    shortened,
+    superscript,
+    typeset,
+)
 from .figure import PALETTE
 from .readings import Readings, RecordReadings, RecordSteps, linear_readings, readings_of, record_readings, record_steps
 
@@ -57,6 +72,10 @@ COINCIDE = 1 / 200
 
 #: Shapes of marks, in px about their point.
 MARKS = {"circle": "M-4 0a4 4 0 1 0 8 0a4 4 0 1 0-8 0z", "cross": "M-4-4L4 4M-4 4L4-4", "diamond": "M0-5L5 0L0 5L-5 0z"}
+MARKS["dot"] = "M-2 0a2 2 0 1 0 4 0a2 2 0 1 0-4 0z"
+
+#: Colours of the cells of a map, from low to high: even steps of brightness, for colour-blind readers too; grey means no value.
+CELL_COLORS = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725")
 
 HELP = (
     "To zoom into a plot turn the wheel, pinch, or press + and −; drag or press the arrow keys to move the part that is shown; "
@@ -69,6 +88,7 @@ class PlotFunctions:
 
     def __init__(self, plots: tuple[Plot, ...]):
         drawn = [plot for plot in plots if plot.curves and len(plot.times) > 1]
+        self.needed = bool(drawn) or any(plot.cells for plot in plots)
         self.sets: list[tuple[Readings | RecordReadings, ...]] = []
         self.records: list[RecordSteps] = []
         self._steps: dict[tuple, int | None] = {}
@@ -143,7 +163,7 @@ def plot_figures(plots: tuple[Plot, ...], functions: PlotFunctions | None = None
         paired = 0 if is_large else len(own) - len(own) % 2
         texts += [_figure(plot, functions, " wide" if i >= paired else "") for i, plot in enumerate(own)]
     figures = "\n".join(texts)
-    note = f'\n<p class="note plot-help">{HELP}</p>' if functions.sets else ""
+    note = f'\n<p class="note plot-help">{HELP}</p>' if functions.needed else ""
     return f'<div class="plots">\n{figures}\n</div>{note}' if plots else ""
 
 
@@ -153,7 +173,7 @@ def _figure(plot: Plot, functions: PlotFunctions, wide: str) -> str:
         f'\n<p class="note">{typeset(plot.note)}</p>' if plot.note else "",
         '<p class="note">no curves</p>',
     )
-    if count:
+    if count or plot.cells:
         body = f"{_svg(plot)}\n{_legend(plot, functions)}"
     if count > plot.shown:
         note += f'\n<p class="note">{count} curves, {plot.shown} of them shown at first</p>'
@@ -166,8 +186,8 @@ def _svg(plot: Plot) -> str:
     across, up = plot.axes
     shown, height = plot.curves[: plot.shown], LARGE_HEIGHT if plot.is_large else HEIGHT
     x, y = (
-        np.array([_cells(across, plot.along(curve)) for curve in shown]),
-        CELLS - np.array([_cells(up, curve.values) for curve in shown]),
+        np.array([_cells(across, plot.along(curve)) for curve in shown]).reshape(len(shown), len(times)),
+        CELLS - np.array([_cells(up, curve.values) for curve in shown]).reshape(len(shown), len(times)),
     )
     right, upwards = map(html.escape, axis_titles(plot, across.exponent, up.exponent))
     elements = [
@@ -248,9 +268,32 @@ def _guides(plot: Plot, across: Axis, up: Axis) -> list[str]:
             (a, b), (c, d) = ends
             data = f"M{CELLS * a:.0f} {CELLS * (1 - b):.0f}L{CELLS * c:.0f} {CELLS * (1 - d):.0f}"
             lines.append(f'<path class="guide {guide.kind}" d="{data}"/>')
+    lines = [*_cell_rectangles(plot.cells, across, up), *lines] if plot.cells else lines
     if not lines:
         return []
     return [f'<svg class="guides" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">{"".join(lines)}</svg>']
+
+
+def _cell_rectangles(cells: Cells, across: Axis, up: Axis) -> Iterator[str]:
+    """The cells of a map, with their texts."""
+    x, y = np.rint(_cells(across, cells.across)).astype(int), CELLS - np.rint(_cells(up, cells.up)).astype(int)
+    for row, (colors, texts) in enumerate(zip(_colors(cells), cells.texts)):
+        for column, (color, text) in enumerate(zip(colors, texts)):
+            size = f'width="{x[column + 1] - x[column]}" height="{y[row] - y[row + 1]}"'
+            yield f'<rect x="{x[column]}" y="{y[row + 1]}" {size} fill="{color}"><title>{html.escape(text)}</title></rect>'
+
+
+def _colors(cells: Cells) -> list[list[str]]:
+    """Colours of the cells."""
+    low, high = cells.ends
+    anchors = np.array([[int(color[i : i + 2], 16) for i in (1, 3, 5)] for color in CELL_COLORS])
+    places = (len(anchors) - 1) * (cells.values - low) / ((high - low) or 1.0)
+    channels = np.array([np.interp(np.nan_to_num(places), range(len(anchors)), channel) for channel in anchors.T])
+    known = np.isfinite(cells.values)
+    return [
+        [f"#{r:02x}{g:02x}{b:02x}" if shown else LINE for (r, g, b), shown in zip(row, own)]
+        for row, own in zip(np.rint(np.moveaxis(channels, 0, -1)).astype(int).tolist(), known)
+    ]
 
 
 def _guide_names(plot: Plot, across: Axis, up: Axis, height: int) -> str:
@@ -272,12 +315,15 @@ def _marks(plot: Plot, across: Axis, up: Axis, height: int) -> Iterator[str]:
         own += ' visibility="hidden"' * (marks.curve is not None and marks.curve >= plot.shown)
         for point, text in zip_longest(marks.points.tolist(), marks.texts, fillvalue=""):
             x, y = (float(axis.shares(value)) for axis, value in zip((across, up), point))
-            title = f"<title>{html.escape(text)}</title>" if text else ""
+            title = html.escape(text)
+            title = title if marks.shape == "text" else f"<title>{title}</title>" if text else ""
             place = f'x="{100 * x:.2f}%" y="{height * (1 - y):.1f}" data-at="{point[0]!r} {point[1]!r}"'
             yield f'<svg class="mark" {place}{own}>{_mark(plot, marks, title)}</svg>'
 
 
 def _mark(plot: Plot, marks: Marks, title: str = "") -> str:
+    if marks.shape == "text":
+        return f'<text class="guide-name" dx="4" dy="-8">{title}</text>'
     color = "" if marks.curve is None else f" c{(plot.curves[marks.curve].color or 0) % COLORS}"
     return f'<path class="{marks.shape}{color}" d="{MARKS[marks.shape]}">{title}</path>'
 
@@ -342,6 +388,12 @@ def _legend(plot: Plot, functions: PlotFunctions) -> str:
         f"<span>{html.escape(marks.name)}</span></li>"
         for marks in {marks.name: marks for marks in plot.marks if marks.name}.values()
     ]
+    if plot.cells:
+        low, high = (with_unit(end, plot.cells.unit) for end in plot.cells.ends)
+        bar = "".join(f'<rect x="{10 * i}" width="10" height="10" fill="{color}"/>' for i, color in enumerate(CELL_COLORS))
+        rows.append(
+            f'<li class="of-marks">{typeset(low)} <svg width="90" height="10" aria-hidden="true">{bar}</svg> {typeset(high)}</li>'
+        )
     choice = ""
     if has_lines and len(curves) > FEW_CURVES:
         choice = (
@@ -377,17 +429,20 @@ MOST_CURVES = 24
 #: Size of an image without its legend, half a page of a report, and the height of a large one, inches.
 IMAGE_WIDTH, IMAGE_HEIGHT, LARGE_IMAGE_HEIGHT = 6.4, 3.1, 4.4
 
+#: Width of one of several panels, inches, and letters of a title, on a line of a panel and of a single plot.
+PANEL_WIDTH, PANEL_TITLE, TITLE = 3.2, 32, 80
+
 #: For each round through the colours another pattern of dashes, in widths of the line; the first is solid.
 _DASHES = (None, (4, 2.2), (1.2, 2.2), (5, 2.2, 1.2, 2.2))
 
 #: Marks of matplotlib by shape.
-_MARKERS = {"circle": "o", "cross": "x", "diamond": "D"}
+_MARKERS = {"circle": "o", "cross": "x", "diamond": "D", "dot": "."}
 
 #: Height of a row of the legend, width of the line before a name and of a letter, inches.
 _ROW, _SAMPLE, _LETTER = 0.19, 0.6, 0.075
 
-#: Colours of text, secondary text, lines and grid as in page.css, and a red and a grey for figures.
-INK, MUTED, LINE, GRID, RED, GREY = "#1c2530", "#5d6b79", "#b5c0ca", "#e8edf1", "#c8102e", "#aab4be"
+#: Colours of text, secondary text, lines and grid as in page.css, and a red for limits.
+INK, MUTED, LINE, GRID, RED = "#1c2530", "#5d6b79", "#b5c0ca", "#e8edf1", "#c8102e"
 
 #: Resolution of PNG files, dots per inch.
 DPI = 160
@@ -476,42 +531,67 @@ def plot_images(plots: Iterable[Plot]) -> dict[str, Plot]:
     for plot in plots:
         name = re.sub(r"[^\w]+", "-", plot.title).strip("-") or "plot"
         count = sum(other.title == plot.title for other in images.values())
-        if plot.curves:
+        if plot.curves or plot.cells:
             images[f"{name}-{count + 1}" if count else name] = plot
     return images
 
 
-def plot_image(plot: Plot, kind: Literal["svg", "png"]) -> bytes:
-    """The image of a plot; of more curves than a page can show, as many as it can.
+def plot_image(plot: Plot | Sequence[Plot], kind: Literal["svg", "png"]) -> bytes:
+    """The image of a plot, or of several side by side; of more curves than a page can show, as many as it can.
 
     >>> import numpy as np
     >>> plot_image(Plot("speed", "m/s", np.array([0.0, 1.0]), (Curve("cart", np.array([0.0, 2.0])),)), "png")[1:4]
     b'PNG'
     """
-    curves = plot.curves[: max(MOST_CURVES, plot.shown)]
-    longest = max(len(shortened(curve.name)) for curve in curves)
-    columns = min(len(curves), max(1, int((IMAGE_WIDTH - 0.3) / (_SAMPLE + _LETTER * longest))))
-    height = (LARGE_IMAGE_HEIGHT if plot.is_large else IMAGE_HEIGHT) + _ROW * -(
-        -(len(curves) + len({marks.name for marks in plot.marks if marks.name})) // columns
-    )
-    return drawn_image(lambda figure: _draw(figure, plot, curves, columns), IMAGE_WIDTH, height, kind)
+    panels = (plot,) if isinstance(plot, Plot) else tuple(plot)
+    first, width = panels[0], IMAGE_WIDTH if len(panels) == 1 else PANEL_WIDTH * len(panels)
+    names = [shortened(curve.name) for curve in first.curves[: _most(first)]]
+    columns = max(1, min(len(names), int((width - 0.3) / (_SAMPLE + _LETTER * max(map(len, names), default=0)))))
+    rows = -(-(len(names) + len({marks.name for marks in first.marks if marks.name})) // columns)
+
+    def draw(figure: Figure) -> None:
+        axes = [figure.add_subplot(1, len(panels), number) for number in range(1, len(panels) + 1)]
+        has_names = [_draw(each, own, PANEL_TITLE if len(panels) > 1 else TITLE) for each, own in zip(axes, panels)]
+        if has_names[0]:
+            lines = axes[0].get_legend_handles_labels()
+            figure.legend(*lines, loc="outside lower left", ncols=columns, labelcolor=INK, handlelength=2.2, columnspacing=1.6)
+
+    return drawn_image(draw, width, (LARGE_IMAGE_HEIGHT if first.is_large else IMAGE_HEIGHT) + _ROW * rows, kind)
 
 
-def _draw(figure: Figure, plot: Plot, curves: tuple[Curve, ...], columns: int) -> None:
-    axes = figure.add_subplot()
-    across, up = plot.axes
+def image_groups(plots: Iterable[Plot]) -> list[tuple[Plot, ...]]:
+    """The plots of each image."""
+    groups = groupby(enumerate(plots), lambda pair: pair[1].image or pair[0])
+    return [tuple(plot for _, plot in group) for _, group in groups]
+
+
+def _most(plot: Plot) -> int:
+    """Number of curves of an image."""
+    return max(MOST_CURVES, plot.shown)
+
+
+def _draw(axes: Axes, plot: Plot, letters: int) -> bool:
+    """Draw a plot with so many letters on a line of its title, and return whether its legend is needed."""
+    curves, (across, up) = plot.curves[: _most(plot)], plot.axes
     marker = "o" if len(plot.times) == 1 else ""
     for curve in curves:
         dashes = _DASHES[curve.color // len(PALETTE) % len(_DASHES)]
         values = curve.values if curve.drawn is None else np.where(curve.drawn, curve.values, np.nan)
         (line,) = axes.plot(plot.along(curve), values, label=shortened(curve.name), marker=marker)
         line.set(color=PALETTE[curve.color % len(PALETTE)], linestyle="-" if dashes is None else (0, dashes))
-    axes.set(xscale=across.scale, yscale=up.scale)
+    axes.set(xscale="log" if across.scale == "log" else "linear", yscale="log" if up.scale == "log" else "linear")
     axes.set_xlim(across.low, across.high)
     axes.set_ylim(up.low, up.high)
     axes.set_xticks(across.ticks, across.labels)
     axes.set_yticks(up.ticks, up.labels)
     axes.minorticks_off()
+    if plot.cells:
+        from matplotlib.colors import LinearSegmentedColormap
+
+        colors = LinearSegmentedColormap.from_list("cells", CELL_COLORS)
+        mesh = axes.pcolormesh(plot.cells.across, plot.cells.up, np.ma.masked_invalid(plot.cells.values), cmap=colors)
+        axes.set_facecolor(LINE)
+        axes.figure.colorbar(mesh, ax=axes, label=raised(plot.cells.unit))
     for guide in plot.guides:
         if ends := guide.ends(across, up):
             (line,) = axes.plot(*zip(*ends), transform=axes.transAxes, scalex=False, scaley=False)
@@ -526,7 +606,10 @@ def _draw(figure: Figure, plot: Plot, curves: tuple[Curve, ...], columns: int) -
         axes.axvspan(*band, color=RED, alpha=0.12, linewidth=0)
     named = set()
     for marks in plot.marks:
-        if marks.curve is None or marks.curve < len(curves):
+        if marks.shape == "text":
+            for point, name in zip(marks.points.tolist(), marks.texts):
+                axes.annotate(name, point, (3, 5), textcoords="offset points", color=MUTED, fontsize=7)
+        elif marks.curve is None or marks.curve < len(curves):
             color = INK if marks.curve is None else PALETTE[(curves[marks.curve].color or 0) % len(PALETTE)]
             label = marks.name if marks.name not in named else ""
             named.add(marks.name)
@@ -538,13 +621,12 @@ def _draw(figure: Figure, plot: Plot, curves: tuple[Curve, ...], columns: int) -
                 "clip_on": False,
                 "zorder": 3,
             }
-            axes.plot(*marks.points.T, color=color, markerfacecolor="white", **style)
+            axes.plot(*marks.points.T, color=color, markerfacecolor=color if marks.shape == "dot" else "white", **style)
     if 0.0 in up.ticks:
         axes.axhline(0.0, color=LINE, linewidth=0.8, zorder=0.9)
     xlabel, ylabel = axis_titles(plot, across.exponent, up.exponent)
     axes.set(xlabel=xlabel, ylabel=ylabel)
-    axes.set_title(shortened(plot.title, 80), loc="left", fontsize=10, fontweight="bold", color=INK)
-    if len(curves) > 1 or plot.across is None or named - {""}:
-        figure.legend(loc="outside lower left", ncols=columns, labelcolor=INK, handlelength=2.2, columnspacing=1.6)
+    axes.set_title(fill(shortened(plot.title, TITLE), letters), loc="left", fontsize=10, fontweight="bold", color=INK)
     if len(plot.curves) > MOST_CURVES:
         axes.set_title(f"the first {MOST_CURVES} of {len(plot.curves)} curves", loc="right", fontsize=8, color=MUTED)
+    return len(curves) > 1 or plot.across is None or bool(named - {""})

@@ -60,21 +60,13 @@ class Accuracy(Analysis):
 
 @dataclass(frozen=True)
 class AccuracyReport:
-    """Errors and run times of methods on one problem.
-
-    Attributes:
-        problem: the problem.
-        reference: the reference solution.
-        runs: every setting of every method, the closed form first, with those that failed or do not apply.
-        machine: processor, system and packages.
-        reduction: run time of the reduced equations that stepping methods get; None without them.
-    """
+    """Errors and run times of methods on one problem."""
 
     problem: StudyProblem
     reference: ReferenceSolution
-    runs: tuple[Measurement, ...]
-    machine: dict[str, str]
-    reduction: Timing | None = None
+    runs: tuple[Measurement, ...]  # every setting of every method, the closed form first, with those that failed or do not apply
+    machine: dict[str, str]  # processor, system and packages
+    reduction: Timing | None = None  # run time of the reduced equations that stepping methods get; None without them
 
     @property
     def answers(self) -> tuple[Measurement, ...]:

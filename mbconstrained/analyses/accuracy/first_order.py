@@ -36,25 +36,17 @@ BEGINNING = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Reduced:
-    """z' = S z + B f, x = C z + through.
+    """z' = S z + B f, x = C z + through."""
 
-    Attributes:
-        S, B, C: shapes (n, n), (n, r), (r, n).
-        through: sum of H_j f^(j) for t > 0, a function with r rows.
-        start: z(0+), shape (n,).
-        sizes: sizes of the states, shape (n,): of all coordinates together as errors are measured, and so of their derivatives.
-        places: coordinate and order of derivative of each state.
-        response: the closed form, from which start and sizes are.
-    """
-
-    S: np.ndarray
+    S: np.ndarray  # S, B, C: shapes (n, n), (n, r), (r, n)
     B: np.ndarray
     C: np.ndarray
-    through: BohlFunction
-    start: np.ndarray
+    through: BohlFunction  # sum of H_j f^(j) for t > 0, a function with r rows
+    start: np.ndarray  # z(0+), shape (n,)
+    #: sizes of the states, shape (n,): of all coordinates together as errors are measured, and so of their derivatives
     sizes: np.ndarray
-    places: tuple[tuple[int, int], ...]
-    response: Response
+    places: tuple[tuple[int, int], ...]  # coordinate and order of derivative of each state
+    response: Response  # the closed form, from which start and sizes are
 
     @property
     def count(self) -> int:
@@ -172,21 +164,15 @@ SAME_TIME = 8.0
 
 @dataclass(frozen=True, eq=False)
 class Interval:
-    """An interval of time between two knots of the force.
+    """An interval of time between two knots of the force."""
 
-    Attributes:
-        begin, end: in s; equal where they differ by rounding errors only.
-        times: the times of the problem in it, with its begin, and with its end in the last one only; a time within rounding
-            error of an end is that end.
-        force: f(t) by the formula of this interval, also beyond its end.
-        impulses: the k-th multiplies the k-th derivative of Dirac's delta at its begin, not those at t = 0.
-    """
-
-    begin: float
+    begin: float  # begin, end: in s; equal where they differ by rounding errors only
     end: float
+    #: the times of the problem in it, with its begin, and with its end in the last one only; a time within rounding error of an
+    #: end is that end
     times: np.ndarray
-    force: Formula
-    impulses: tuple[np.ndarray, ...]
+    force: Formula  # f(t) by the formula of this interval, also beyond its end
+    impulses: tuple[np.ndarray, ...]  # the k-th multiplies the k-th derivative of Dirac's delta at its begin, not those at t = 0
 
     @property
     def stops(self) -> np.ndarray:

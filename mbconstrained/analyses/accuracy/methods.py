@@ -80,27 +80,19 @@ def tolerances(*digits: int) -> tuple[MethodSetting, ...]:
 
 @dataclass(frozen=True)
 class ComparedMethod:
-    """Method with its settings.
+    """Method with its settings."""
 
-    Attributes:
-        name: name, such as "solve_ivp DOP853".
-        prepare: the set-up for a problem with the value of a setting; returns a function that evaluates x at the times, (r, T).
-        settings: settings from coarse to fine.
-        refusal: the reason why it does not apply to a problem; empty where it does.
-        concerns: whether it is listed for such a problem.
-        is_ours: whether it is a method of this package.
-        matters: whether the value of a setting has an effect on a problem; otherwise it is not run.
-        library: the module that it uses; loaded before run times are measured.
-    """
-
-    name: str
+    name: str  # such as "solve_ivp DOP853"
+    #: the set-up for a problem with the value of a setting; returns a function that evaluates x at the times, (r, T)
     prepare: Callable[[StudyProblem, float | None], Evaluate]
-    settings: tuple[MethodSetting, ...] = (MethodSetting(),)
+    settings: tuple[MethodSetting, ...] = (MethodSetting(),)  # settings from coarse to fine
+    #: the reason why it does not apply to a problem; empty where it does
     refusal: Callable[[StudyProblem], str] = lambda problem: ""
-    concerns: Callable[[StudyProblem], bool] = lambda problem: True
-    is_ours: bool = False
+    concerns: Callable[[StudyProblem], bool] = lambda problem: True  # whether it is listed for such a problem
+    is_ours: bool = False  # whether it is a method of this package
+    #: whether the value of a setting has an effect on a problem; otherwise it is not run
     matters: Callable[[StudyProblem, float | None], bool] = lambda problem, value: True
-    library: str = ""
+    library: str = ""  # the module that it uses; loaded before run times are measured
 
     def settings_for(self, problem: StudyProblem) -> tuple[MethodSetting, ...]:
         """The settings with an effect on a problem; at least the coarsest."""
@@ -401,25 +393,16 @@ class Descriptor:
 
     The unknowns u are the coordinates, with rows of constraints their multipliers too, and of each as many derivatives as occur in the equations,
     less one. Rows of constraints stand in the equations twice differentiated (index 1), once (index 2) or as they are (index 3).
-
-    Attributes:
-        E, F: shapes (N, N).
-        force: g, N rows.
-        places: unknown and order of derivative of each y, up to the order before the highest that occurs.
-        function: the unknowns u, coordinates first, in closed form.
-        index: differentiation index of the equations.
-        count: number of unknowns that are coordinates.
-        times: times of the problem, in s.
     """
 
-    E: np.ndarray
+    E: np.ndarray  # E, F: shapes (N, N)
     F: np.ndarray
-    force: ImpulsiveSmooth
-    places: tuple[tuple[int, int], ...]
-    function: BohlFunction
-    index: int
-    count: int
-    times: np.ndarray
+    force: ImpulsiveSmooth  # g, N rows
+    places: tuple[tuple[int, int], ...]  # unknown and order of derivative of each y, up to the order before the highest that occurs
+    function: BohlFunction  # the unknowns u, coordinates first, in closed form
+    index: int  # differentiation index of the equations
+    count: int  # number of unknowns that are coordinates
+    times: np.ndarray  # times of the problem, in s
 
     @property
     def algebraic(self) -> np.ndarray:

@@ -49,27 +49,17 @@ SMALLEST = Fraction(float(np.finfo(float).tiny))
 
 @dataclass(frozen=True)
 class Point:
-    """Point of a sweep.
+    """Point of a sweep."""
 
-    Attributes:
-        parameter: parameter of the sweep.
-        error: max |error| / max |x| at the times of the problem by exact arithmetic; None where refused or not known.
-        estimate: the error estimate; None where refused.
-        condition: condition number of the data; None where not known.
-        warnings: the reasons for exit code 3 of ``mbconstrained run``.
-        refused: the text of the error in place of an answer.
-        notices: other notices of the answer.
-        unknown: the reason where error or condition are not known.
-    """
-
-    parameter: float
+    parameter: float  # parameter of the sweep
+    #: max |error| / max |x| at the times of the problem by exact arithmetic; None where refused or not known
     error: float | None = None
-    estimate: float | None = None
-    condition: float | None = None
-    warnings: tuple[str, ...] = ()
-    refused: str = ""
-    notices: tuple[str, ...] = ()
-    unknown: str = ""
+    estimate: float | None = None  # the error estimate; None where refused
+    condition: float | None = None  # condition number of the data; None where not known
+    warnings: tuple[str, ...] = ()  # the reasons for exit code 3 of ``mbconstrained run``
+    refused: str = ""  # the text of the error in place of an answer
+    notices: tuple[str, ...] = ()  # other notices of the answer
+    unknown: str = ""  # the reason where error or condition are not known
 
     @property
     def right(self) -> float | None:

@@ -13,19 +13,14 @@ from pydantic import Field
 from ...ground.checks import counted
 from ...ground.display import TextTable
 from ...ground.notices import Notice, NoticeKind
-from ...page.content import Marks, Plot, Scale, curve_with_gaps, shortened
-from ...page.plots import INK, MUTED, RED
+from ...page.content import Marks, Plot, Scale, curve_with_gaps
 from ...scene.schema.entry_types import Table, Text
 from ..base import Analysis, Answer
-from ..figures import Picture, nothing_to_show, power_of_ten, powers
 from ..timing import Progress, machine, no_progress
 from .point import Point, points_of
 from .scaling_factors import ScalingSweep, scaling_factors
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from ...scene.run.scene import Scene
     from .gallery import System
 
@@ -138,7 +133,7 @@ class StabilityReport:
         return () if self.of_scene else ("The declared properties of the systems hold, by exact arithmetic.",)
 
     def answer(self, name: str) -> Answer:
-        """Digits, the reasons of all verdicts but "right", and curves; of a scene a heat map too."""
+        """Digits, the reasons of all verdicts but "right", and curves; of a scene those of all its factors together, too."""
         counts = {verdict: self.count(verdict) for verdict in ("right", "warned", "refused", "not judged", "wrong")}
         data = {
             "title": self.title,
@@ -149,7 +144,6 @@ class StabilityReport:
         }
         notice = Notice(NoticeKind.ACCURACY, " ".join(self.sentences), doubtful=not self.is_trusted)
         tables = (digit_table(self), *reason_tables(self), *(() if self.of_scene else (gallery_table(self),)))
-        maps = (heat_map("Digits right", self.sweeps),) if self.of_scene else ()
         return Answer(
             kind="stability",
             name=name,
@@ -159,8 +153,7 @@ class StabilityReport:
             tables=tables,
             notices=(notice,),
             data=data,
-            plots=lambda: digit_plots(self.sweeps),
-            figures=lambda: maps,
+            plots=lambda: (*(overview_plot(self.sweeps) if self.of_scene else ()), *digit_plots(self.sweeps)),
             most_rows=None,
         )
 
@@ -174,10 +167,10 @@ def gallery_report(systems: Sequence[System], progress: Progress = no_progress) 
 def _of_system(system: System, progress: Progress) -> ScalingSweep:
     from .gallery import broken_promises
 
-    title, difficulty, source = system.texts
-    points = points_of(system.build, system.values, lambda text: progress(f"{title}: {text}"))
+    points = points_of(system.build, system.values, lambda text: progress(f"{system.title}: {text}"))
     broken = [sentence for value in system.values for sentence in broken_promises(system, value)]
-    return ScalingSweep(system.name, title, system.theme, difficulty, source, system.parameter, points, tuple(broken))
+    texts = (system.name, system.title, system.theme, system.difficulty, system.source, system.parameter)
+    return ScalingSweep(*texts, points, tuple(broken))
 
 
 def scene_report(scene: Scene, decades: int = DECADES, step: int = STEP, progress: Progress = no_progress) -> StabilityReport:
@@ -242,22 +235,13 @@ def gallery_table(report: StabilityReport) -> TextTable:
     return TextTable("The systems", ("system", "title", "parameter", "difficulty", "source"), rows, folded=True)
 
 
-# --- plots and the heat map
+# --- plots
 
 #: Digits of a double.
 MOST = 16
 
 #: Least ratio of parameters on a logarithmic axis.
 LOGARITHMIC = 100.0
-
-#: A colour map with even steps of brightness, suitable for colour-blind readers, and without grey, which means refused.
-COLORS, REFUSED = "viridis", "#d5dbe0"
-
-#: Height of a row of the map and of all else, inches; letters of the longest name; most columns of cells with numbers in them.
-MAP_ROW_HIGH, AROUND_HIGH, NAME, MOST_NUMBERED = 0.3, 1.15, 34, 30
-
-#: Number of digits from which the colours of the map are bright, with dark numbers on them.
-BRIGHT = 8
 
 #: Verdicts other than "right" in legends, and the shapes of their marks.
 SHAPES = {
@@ -267,8 +251,39 @@ SHAPES = {
     "wrong": ("wrong without a warning", "cross"),
 }
 
-#: The mark of wrong answers in the map.
-CROSS = {"marker": "X", "color": RED, "markeredgecolor": "white", "markeredgewidth": 0.8, "markersize": 10.5, "zorder": 7}
+
+def overview_plot(sweeps: Sequence[ScalingSweep]) -> Iterator[Plot]:
+    """Digits right over the common factor, a curve for each sweep; none where nothing was judged."""
+    sweeps = [sweep for sweep in sweeps if sweep.points]
+    x = np.array(sorted({point.parameter for sweep in sweeps for point in sweep.points}))
+    curves, marks = [], []
+    for number, sweep in enumerate(sweeps):
+        right = {point.parameter: point.right for point in sweep.points}
+        curves.append(curve_with_gaps(sweep.title, np.array([right.get(value) for value in x], dtype=float)))
+        marks += _verdict_marks(sweep.points, number)
+    if any(sweep.answers for sweep in sweeps):
+        yield Plot(
+            "digits right",
+            "",
+            x,
+            tuple(curves),
+            across_unit="",
+            quantity="digits right",
+            variable="factor",
+            scales=("log", "linear"),
+            marks=tuple(marks),
+            includes=(0.0, float(MOST)),
+            shown=len(curves),
+            is_large=True,
+        )
+
+
+def _verdict_marks(points: Sequence[Point], curve: int | None = None) -> Iterator[Marks]:
+    """A mark where an answer is not right."""
+    for verdict, (text, shape) in SHAPES.items():
+        if own := [point for point in points if point.verdict == verdict]:
+            places = np.array([[point.parameter, point.right or 0.0] for point in own])
+            yield Marks(text, places, tuple(point.reason for point in own), shape, curve)
 
 
 def digit_plots(sweeps: Sequence[ScalingSweep]) -> Iterator[Plot]:
@@ -278,11 +293,7 @@ def digit_plots(sweeps: Sequence[ScalingSweep]) -> Iterator[Plot]:
         x = np.array([point.parameter for point in points])
         keys = ("right", "claimed", "expected") if sweep.answers else ()
         digits = {key: np.array([getattr(point, key) for point in points], dtype=float) for key in keys}
-        marks = []
-        for verdict, (text, shape) in SHAPES.items():
-            if own := [point for point in points if point.verdict == verdict]:
-                places = np.array([[point.parameter, point.right or 0.0] for point in own])
-                marks.append(Marks(text, places, tuple(point.reason for point in own), shape))
+        marks = _verdict_marks(points)
         is_wide = bool((x >= 0).all() and x.max() >= LOGARITHMIC * x[x > 0].min(initial=x.max()))
         curves = tuple(curve_with_gaps(f"digits {key}", values) for key, values in digits.items() if np.isfinite(values).any())
         if curves:
@@ -300,94 +311,3 @@ def digit_plots(sweeps: Sequence[ScalingSweep]) -> Iterator[Plot]:
                 marks=tuple(marks),
                 includes=(0.0, float(MOST)),
             )
-
-
-def _sentence(sweep: ScalingSweep) -> str:
-    least = [f"at least {min(point.right for point in sweep.answers):.1f} digits right"] if sweep.answers else []
-    counts = [(sweep.count(key), SHAPES[key][0]) for key in ("warned", "refused", "wrong")]
-    parts = [counted(len(sweep.points), "point"), *least, *(f"{count} {text}" for count, text in counts if count)]
-    return f"{shortened(sweep.title, 60)}: {', '.join(parts)}."
-
-
-def heat_map(title: str, sweeps: Sequence[ScalingSweep]) -> Picture:
-    """A row for each sweep, a column for each value of the parameter; the colour of a cell shows its correct digits.
-
-    Cells with a warning are framed, refused ones are grey, and wrong ones without a warning have a red cross.
-    """
-    sweeps = [sweep for sweep in sweeps if sweep.points]
-    if not sweeps:
-        return nothing_to_show(title, "Digits right")
-    values = sorted({point.parameter for sweep in sweeps for point in sweep.points})
-
-    def draw(figure: Figure) -> None:
-        import matplotlib
-
-        axes = figure.subplots()
-        digits = np.full((len(sweeps), len(values)), math.nan)
-        for row, sweep in enumerate(sweeps):
-            for point in sweep.points:
-                column = values.index(point.parameter)
-                digits[row, column] = math.nan if point.right is None else math.floor(point.right)
-                _cell(axes, column, row, point, len(values) <= MOST_NUMBERED)
-        colors = matplotlib.colormaps[COLORS].resampled(MOST + 1)
-        mesh = axes.pcolormesh(digits, cmap=colors, vmin=-0.5, vmax=MOST + 0.5, edgecolors="white", linewidth=1.0, zorder=1)
-        figure.colorbar(mesh, ax=axes, ticks=range(0, MOST + 1, 4), label="digits right", aspect=30, pad=0.01)
-        _names(axes, sweeps, values)
-        _map_legend(figure, sweeps)
-
-    return Picture(
-        title,
-        " ".join(["Digits right, claimed and expected over the parameter.", *map(_sentence, sweeps)]),
-        AROUND_HIGH + MAP_ROW_HIGH * max(len(sweeps), 3),
-        draw,
-    )
-
-
-def _cell(axes: Axes, column: int, row: int, point: Point, has_number: bool) -> None:
-    """Frame, cross, number, and grey where refused."""
-    from matplotlib.patches import Rectangle
-
-    color = "white" if point.right is not None and point.right < BRIGHT else INK
-    if point.verdict == "refused":
-        axes.add_patch(Rectangle((column, row), 1, 1, facecolor=REFUSED, edgecolor="white", zorder=2))
-    if point.verdict == "warned":
-        axes.add_patch(Rectangle((column + 0.09, row + 0.14), 0.82, 0.72, fill=False, edgecolor=color, linewidth=1.3, zorder=2))
-    if point.verdict == "wrong":
-        axes.plot(column + 0.5, row + 0.5, linestyle="none", **CROSS)
-    elif has_number:
-        missing = "–" if point.verdict == "refused" else "?"
-        number = missing if point.right is None else str(math.floor(point.right))
-        axes.text(column + 0.5, row + 0.5, number, ha="center", va="center_baseline", color=color, fontsize=7.5)
-
-
-def _names(axes: Axes, sweeps: Sequence[ScalingSweep], values: Sequence[float]) -> None:
-    """Names of the rows, factors below the columns."""
-    axes.invert_yaxis()
-    step = math.ceil(len(values) / 20)
-    axes.set_xticks(np.arange(0, len(values), step) + 0.5, [_value(value) for value in values[::step]])
-    axes.set_yticks(np.arange(len(sweeps)) + 0.5, [shortened(sweep.title, NAME) for sweep in sweeps], color=INK)
-    parameters = {sweep.parameter for sweep in sweeps}
-    axes.set_xlabel(shortened(parameters.pop(), 80) if len(parameters) == 1 else "scaling factor")
-    axes.grid(False)
-    axes.tick_params(length=0)
-    axes.spines[:].set_visible(False)
-
-
-def _value(value: float) -> str:
-    return power_of_ten(value) if f"{value:.2e}".startswith("1.00e") else powers(f"{value:.3g}")
-
-
-def _map_legend(figure: Figure, sweeps: Sequence[ScalingSweep]) -> None:
-    """The legend of verdicts other than "right"."""
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
-    handles = {
-        "warned": Patch(facecolor="white", edgecolor=INK, linewidth=1.3, label="with a warning"),
-        "refused": Patch(facecolor=REFUSED, edgecolor=REFUSED, label="refused"),
-        "not judged": Patch(facecolor="white", edgecolor=MUTED, linewidth=0.6, linestyle=":", label="? not judged"),
-        "wrong": Line2D([], [], linestyle="none", label="wrong without a warning", **CROSS),
-    }
-    shown = [handle for verdict, handle in handles.items() if any(sweep.count(verdict) for sweep in sweeps)]
-    if shown:
-        figure.legend(handles=shown, loc="outside lower center", ncols=4, handlelength=1.6, fontsize=8)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -100,7 +101,8 @@ class _Chunk:
         self.values = {one.name: np.full((len(rows), *one.shape), np.nan) for one in job.variables}
         self.scenes: dict[int, Scene] = {}
         for place, row in enumerate(rows):
-            self._try([place], lambda place=place, row=row: self.scenes.update({place: job.scene(row)}))
+            with self._answering(place):
+                self.scenes[place] = job.scene(row)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Values, status and reasons."""
@@ -120,20 +122,20 @@ class _Chunk:
     def _together(self, compute, variables: list[Variable], group: list[int]) -> None:
         """Compute a group; if that fails, each of its samples separately."""
         if len(group) > 1:
-            try:
+            with suppress(*FAILURES):
                 compute(variables, group)
                 return
-            except FAILURES:
-                group = list(group)
         for place in group:
-            self._try([place], lambda place=place: compute(variables, [place]))
+            with self._answering(place):
+                compute(variables, [place])
 
-    def _try(self, places: list[int], work) -> None:
+    @contextmanager
+    def _answering(self, place: int) -> Iterator[None]:
+        """A context whose failure is the reason for which a sample has no answer."""
         try:
-            work()
+            yield
         except FAILURES as problem:
-            for place in places:
-                self.reasons[place] = self.reasons[place] or (str(problem).strip() or type(problem).__name__).replace("\n", " ")
+            self.reasons[place] = self.reasons[place] or (str(problem).strip() or type(problem).__name__).replace("\n", " ")
 
     def _groups(self, alike: bool) -> list[list[int]]:
         """The samples without a reason for failure, grouped by structure."""

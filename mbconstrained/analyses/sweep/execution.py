@@ -16,9 +16,10 @@ from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
 from functools import cache
 from hashlib import sha256
-from multiprocessing.connection import Client, Listener, wait
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection, wait
 from pathlib import Path
-from threading import Event, Lock, Thread
+from threading import Lock, Thread
 from typing import Any, cast
 
 import numpy as np
@@ -97,9 +98,7 @@ class _TimedProcess:
     def _within_time(self, rows) -> dict[str, np.ndarray] | None:
         try:
             if self._connection is None:
-                key = os.urandom(32)
-                listener = self._stack.enter_context(closing(Listener(authkey=key)))
-                self._connection = self._stack.enter_context(closing(_worker(listener, key, (self.job, None), self._stack)))
+                self._connection = _worker(self.job, None, self._stack)
                 self._connection.send(None)  # what takes long only once is not part of a sample's time
                 self._connection.recv()
             self._connection.send(rows)
@@ -116,9 +115,7 @@ class _TimedProcess:
 
 def by_processes(job: Job, chunks: Iterator[Chunk], workers: int, seconds: float | None = None) -> Answers:
     """Compute chunks in processes with one thread of linear algebra each; lost ones are replaced, and their chunks repeated."""
-    key = os.urandom(32)
     with ExitStack() as stack:
-        listener = stack.enter_context(closing(Listener(authkey=key)))
         busy: dict[Any, Chunk] = {}
         losses: dict[int, int] = {}
         waiting: list[Chunk] = []
@@ -128,7 +125,7 @@ def by_processes(job: Job, chunks: Iterator[Chunk], workers: int, seconds: float
             if chunk is None:
                 return
             try:
-                connection = connection or stack.enter_context(closing(_worker(listener, key, (job, seconds), stack)))
+                connection = connection or _worker(job, seconds, stack)
                 connection.send(chunk[1])
             except (EOFError, OSError):  # it ended while it had nothing to do
                 lose(chunk)
@@ -161,33 +158,22 @@ def by_processes(job: Job, chunks: Iterator[Chunk], workers: int, seconds: float
                 give(ready)
 
 
-def _worker(listener: Listener, key: bytes, work: tuple[Job, float | None], stack: ExitStack):
-    """A new process for a job and a time limit per sample, which ends with its connection."""
+def _worker(job: Job, seconds: float | None, stack: ExitStack) -> Connection:
+    """The connection to a new process for a job and a time limit per sample, which ends with the connection."""
     threads = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     path = os.pathsep.join(filter(None, (str(_PACKAGE), os.environ.get("PYTHONPATH", ""))))
-    process = subprocess.Popen(
-        [sys.executable, "-c", _PROGRAM, str(listener.address)],
-        stdin=subprocess.PIPE,
-        env={**os.environ, **threads, "PYTHONPATH": path},
-    )
+    connection, other = Pipe()
+    stack.enter_context(closing(connection))
+    with closing(other):
+        process = subprocess.Popen(
+            [sys.executable, "-c", _PROGRAM, str(other.fileno())],
+            stdin=subprocess.DEVNULL,
+            env={**os.environ, **threads, "PYTHONPATH": path},
+            pass_fds=[other.fileno()],
+        )
     stack.callback(_end, process)
-    with suppress(BrokenPipeError):  # it has ended already
-        process.stdin.write(key)
-        process.stdin.close()
-    connected = Event()
-    Thread(target=_connect_for, args=(process, connected, listener, key), daemon=True).start()
-    connection = listener.accept()
-    connected.set()
-    connection.send(work)
+    connection.send((job, seconds))
     return connection
-
-
-def _connect_for(process: subprocess.Popen, connected: Event, listener: Listener, key: bytes) -> None:
-    """A connection, closed at once, on behalf of a process that ended without one."""
-    process.wait()
-    if not connected.is_set():
-        with suppress(OSError, EOFError):  # nobody listens any more
-            Client(listener.address, authkey=key).close()
 
 
 def _end(process: subprocess.Popen) -> None:
@@ -196,13 +182,13 @@ def _end(process: subprocess.Popen) -> None:
 
 
 def serve() -> None:
-    """Compute the requests from the connection at the address of the first argument, until it is closed: the program of a worker."""
+    """Compute the requests from the connection of the number in the first argument, until it is closed: the program of a worker."""
     import signal
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the run itself reports the interruption
     Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
     with ExitStack() as stack:
-        connection = stack.enter_context(Client(sys.argv[1], authkey=sys.stdin.buffer.read()))
+        connection = stack.enter_context(Connection(int(sys.argv[1])))
         try:
             job, seconds = connection.recv()
             work = stack.enter_context(_evaluation(job, seconds))
@@ -248,7 +234,8 @@ def by_dask(
         pending: dict[Any, tuple[Chunk, str]] = {}
         waiting: list[Chunk] = []
         losses: dict[int, int] = {}
-        while True:
+        following = next(chunks, None)
+        while pending or waiting or following:  # also while no worker answers
             answering = workers.answering()
             for future, (chunk, worker) in list(pending.items()):
                 if worker not in answering:
@@ -262,12 +249,14 @@ def by_dask(
                         f"the cluster at {address} lost chunk {number + 1} with its worker {MOST_LOSSES} times"
                     )
             for worker in sorted(answering - {worker for _, worker in pending.values()}):
-                if (chunk := waiting.pop() if waiting else next(chunks, None)) is None:
+                if waiting:
+                    chunk = waiting.pop()
+                elif following:
+                    chunk, following = following, next(chunks, None)
+                else:
                     break
                 arguments = (job, chunk[1], files, CODE, seconds)
                 pending[client.submit(evaluate_there, *arguments, pure=False, workers=[worker])] = chunk, worker
-            if not pending and not waiting:
-                return
             for future in _done(distributed, client, list(pending), address):
                 chunk, _ = pending.pop(future)
                 try:

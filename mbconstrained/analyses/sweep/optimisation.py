@@ -111,16 +111,14 @@ class Optimum(Displayed):
             "evaluations": self.evaluations,
             "history": self.history,
         }
-        return Answer(
-            kind="optimise",
-            name=scene.name,
+        return Optimisation.of(
+            scene,
             title=f"{scene.title}: {name} {'minimised' if self.sign > 0 else 'maximised'}",
-            source=scene.table.source,
             facts=((name, f"{value}, instead of {before} in the file, by {self.evaluations} samples"), *machine().items()),
             tables=(TextTable("Best values", ("parameter", "best", "from", "to"), tuple(rows)),),
             notices=(*scene.notices, *(Notice(NoticeKind.ACCURACY, text) for text in texts)),
             data=data,
-            plots=lambda: _plots(self, unit, factor),
+            plots=lambda: _plots(self, "" if unit == "1" else unit, factor),
         )
 
     def along(self, name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -227,7 +225,7 @@ class _Search:
             init="sobol",
             polish=False,
             callback=generation,
-            **_random_state(seed),
+            rng=np.random.default_rng(seed),
         )
         if not np.isfinite(population.fun):
             raise InputError(f"no sample between the bounds has an answer: {self.reason or 'the figure is not finite'}")
@@ -235,16 +233,6 @@ class _Search:
         refined = minimize(self.at, population.x, method="Nelder-Mead", bounds=unit, options=options)
         best = refined if refined.fun <= population.fun else population
         return self.low + self.width * best.x, float(best.fun), tuple(history)
-
-
-def _random_state(seed: int) -> dict[str, Any]:
-    """The argument of SciPy for random numbers, whose name has changed."""
-    from inspect import signature
-
-    from scipy.optimize import differential_evolution
-
-    name = "rng" if "rng" in signature(differential_evolution).parameters else "seed"
-    return {name: np.random.default_rng(seed)}
 
 
 class Optimisation(Analysis):

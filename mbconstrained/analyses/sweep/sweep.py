@@ -1,4 +1,4 @@
-"""The analysis sweep: a study of many samples of a scene's parameters, its result, and its report.
+"""The analysis sweep: a study of many samples of a scene's parameters, and its result.
 
 A study is checked at the start, computed in chunks by a backend, and stored.
 """
@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -22,7 +22,7 @@ from ...ground.checks import counted, nearest, optional_package, real_number, wh
 from ...ground.display import Displayed, TextTable, number_text, with_unit
 from ...ground.errors import InputError, MbconstrainedError, SceneError
 from ...ground.notices import Notice, NoticeKind
-from ...page.content import PageContent
+from ...page.content import PageContent, Plot
 from ...scene.file import read_tables, shown
 from ...scene.quantities.variations import Distribution, Values, Variation
 from ...scene.schema.analysis_tables import VaryTable
@@ -33,7 +33,7 @@ from ..timing import machine, version_of
 from .evaluation import ANSWERED, Job
 from .execution import by_dask, by_processes, hashes, in_process
 from .kept_quantities import SampleFigure, Variable, figures_of, limits_of, variables_of
-from .pictures import SweepPictures, bars
+from .plots import SweepPlots, row_plot
 from .samples import (
     QUANTILES,
     Estimate,
@@ -346,8 +346,235 @@ class SweepResult(Displayed):
         }
         return {"sample": np.arange(len(self)), **columns, REASON: self.chunks.read(REASON)}
 
+    # The report.
+
+    @cached_property
+    def _units(self) -> dict[str, tuple[str, float]]:
+        """Unit and factor of each quantity, as [output] requests."""
+        shown = self.scene.equations.coordinates.shown
+        return {name: shown.of(one.unit) if " or " not in one.unit else (one.unit, 1.0) for name, one in self.figures.items()}
+
+    def _text(self, name: str, value: float) -> str:
+        unit, factor = self._units[name]
+        return with_unit(factor * value, unit)
+
+    @cached_property
+    def _figures(self) -> list[str]:
+        """Names of the quantities with a value; without damping ratios of undamped systems."""
+        values = {name: self.values(name) for name in self.figures}
+        undamped = {
+            name
+            for name, one in self.figures.items()
+            if one.variable.name == "damping ratio" and not np.nan_to_num(values[name]).any()
+        }
+        return [name for name, own in values.items() if not np.isnan(own).all() and name not in undamped]
+
+    @cached_property
+    def _facts(self) -> tuple[tuple[str, str], ...]:
+        """The sampling, the scene and the machine."""
+        return ("samples", self._sampling()), ("scene", self.scene.path.name), *machine().items()
+
+    def _sampling(self) -> str:
+        """The number of samples, their sampling, and the number without an answer."""
+        samples, table = self.samples, self.table
+        drawn = {
+            "random": f"{table.samples} random points, seed {table.seed}",
+            "latin hypercube": f"a Latin hypercube of {table.samples} points, seed {table.seed}",
+            "sobol": f"{table.samples} Sobol points, seed {table.seed}",
+            "saltelli": f"Saltelli's design of blocks of {table.samples} points, seed {table.seed}",
+            "one at a time": "one parameter at a time, the others in the middle",
+        }[table.method]
+        given = [str(len(one.values)) for one in samples.grid.values()]
+        grid = f"a grid of {' × '.join(given)} values" if given and table.method != "one at a time" else ""
+        parts = [grid, drawn if samples.random or table.method == "one at a time" else ""]
+        failed = len(self.failures)
+        answers = "all have an answer" if not failed else f"{failed} have no answer, each with its reason"
+        return f"{counted(len(self), 'sample')}: {' by '.join(filter(None, parts))}; {answers}"
+
     def _tables(self) -> tuple[TextTable, ...]:
-        return SweepReport(self).tables
+        """Parameters, statistics, limits, sensitivities, samples without an answer."""
+        tables = [self._parameters(), self._statistics()]
+        tables += [self._limits()] if self.table.limits else []
+        tables += [self._sobol_table()] if self._sobol else []
+        return (*tables, *([self._failures()] if self.failures else []))
+
+    def _plots(self) -> Iterator[Plot]:
+        """Maps, distributions, scatter plots, sensitivities, bands."""
+        plots = SweepPlots(self, self._figures, self._units)
+        yield from plots.all()
+        names = list(self.samples.variations)
+        for figure, indices in self._sobol.items():
+            groups = {"alone": indices.first, "with the others": indices.total}
+            values = {label: [one.value for one in group] for label, group in groups.items()}
+            intervals = tuple(groups.values())
+            yield row_plot(f"Sobol indices of {figure}", names, values, "share of the variance", intervals=intervals)
+        for figure, ranks in self._correlations.items():
+            order = np.argsort(-np.abs(np.nan_to_num(ranks)))
+            of, own = [names[i] for i in order], {"rank correlation": np.nan_to_num(ranks)[order]}
+            yield row_plot(f"tornado plot of {figure}: rank correlations", of, own, "rank correlation")
+        yield from plots.bands()
+
+    def _animated(self) -> dict[str, Any]:
+        """Parts of the page: an animation of variants at quantiles of the first quantity, in their lowest mode."""
+        system = self.scene.equations.system
+        if not self._figures or system is None or system.size > MOST_COORDINATES:
+            return {}
+        name, variants = self._figures[0], []
+        values = self.values(name)
+        places = np.argsort(values, kind="stable")[: int(np.isfinite(values).sum())]
+        for number in np.unique(np.linspace(0, len(places) - 1, MOST_VARIANTS).round().astype(int)).tolist():
+            place = int(places[number])
+            with suppress(MbconstrainedError):
+                facts = (*self._values(place), (name, self._text(name, values[place])))
+                variants.append((f"sample {place + 1}", facts, self.sample_scene(place)))
+        shown = ("animation", f"{len(variants)} samples at quantiles of {name}, each in the shape of its lowest mode")
+        content = variants_content(variants, PageContent("", facts=(shown, *self._facts)))
+        return {} if content is None else {"animation": content.animation, "facts": content.facts}
+
+    @cached_property
+    def _sobol(self) -> dict[str, SobolIndices]:
+        """The Sobol indices of each quantity; none without Saltelli's design, or where a sample has no value."""
+        if self.table.method != "saltelli":
+            return {}
+        whole = [name for name in self._figures if np.isfinite(self.values(name)).all()]
+        return {name: self.sobol_indices(name) for name in whole}
+
+    @cached_property
+    def _correlations(self) -> dict[str, list[float]]:
+        """Rank correlations of the first quantities with several random parameters."""
+        samples = self.samples
+        if len(samples.variations) < 2 or not samples.is_random or self._sobol:
+            return {}
+        columns = [self.parameter(name) for name in samples.variations]
+        return {name: rank_correlations(columns, self.values(name)) for name in self._figures[:MOST_MATTERING]}
+
+    def _notices(self, strict: bool) -> tuple[Notice, ...]:
+        """Notices on samples without an answer, and on invalid intervals."""
+        notices = []
+        if self.samples.is_random and self.table.method in ("sobol", "latin hypercube"):
+            text = (
+                f"the intervals are those of independent samples; those of a {self.table.method} design are narrower in most cases"
+            )
+            notices.append(Notice(NoticeKind.ACCURACY, text))
+        if damaged := self.chunks.damaged:
+            numbers = ", ".join(map(str, damaged[:MOST_DAMAGED])) + (" ..." if len(damaged) > MOST_DAMAGED else "")
+            text = f"{counted(len(damaged), 'chunk')} of the store ({numbers}) {'was' if len(damaged) == 1 else 'were'} damaged, and computed again"
+            notices.append(Notice(NoticeKind.OMITTED, text))
+        if failed := len(self.failures):
+            text = f"{failed} of {counted(len(self), 'sample')} have no answer; statistics are those of the others"
+            notices.append(Notice(NoticeKind.OMITTED, text, doubtful=strict))
+        return (*self.scene.notices, *notices)
+
+    def answer(self, strict: bool = False) -> Answer:
+        """Return statistics, sensitivities and reasons as an ``Answer``, whose CSV file has the samples.
+
+        Args:
+            strict: whether it is not to be trusted where a sample has no answer.
+
+        Returns:
+            The answer, to be printed or written.
+        """
+        samples, scene = self.samples, self.scene
+        data = {
+            "title": scene.title,
+            "samples": len(self),
+            "answered": int(self.answered.sum()),
+            "method": self.table.method if samples.random else "given values",
+            "seed": self.table.seed,
+            "parameters": {name: one.to_dict() for name, one in samples.variations.items()},
+            "figures": {
+                name: {"unit": self.figures[name].unit, **_summary_data(self.statistics(name), samples.is_random)}
+                for name in self._figures
+            },
+            "limits": {
+                name: {"limit": limit, **_estimate_data(self.exceedance(name, limit))} for name, limit in self.limits.items()
+            },
+            "sobol_indices": {
+                name: {
+                    parameter: {"first": _estimate_data(a), "total": _estimate_data(b)}
+                    for parameter, a, b in zip(samples.variations, one.first, one.total)
+                }
+                for name, one in self._sobol.items()
+            },
+            "rank_correlations": {name: dict(zip(samples.variations, ranks)) for name, ranks in self._correlations.items()},
+            "failures": [
+                {"sample": place, "reason": reason, "values": samples.rows(slice(place, place + 1))[0]}
+                for place, reason in self.failures.items()
+            ],
+        }
+        return ParameterSweep.of(
+            scene,
+            title=f"{scene.title}: {counted(len(self), 'sample')}",
+            facts=self._facts,
+            tables=self._tables(),
+            notices=self._notices(strict),
+            data=data,
+            plots=self._plots,
+            columns=lambda: {"": self._columns()},
+            on_page=self._animated,
+            most_rows=None,
+        )
+
+    def _parameters(self) -> TextTable:
+        shown = self.scene.equations.coordinates.shown
+        rows = tuple((name, _described(one, shown)) for name, one in self.samples.variations.items())
+        return TextTable("Parameters", ("parameter", "varied"), rows)
+
+    def _statistics(self) -> TextTable:
+        if not self.samples.is_random:
+            return self._extremes()
+        rows = []
+        for name in self._figures:
+            unit, factor = self._units[name]
+            of = self.statistics(name)
+            quantiles = [estimate_text(of.quantiles[p], factor) if of.quantiles else "–" for p in QUANTILES]
+            title = f"{name} ({unit})" if unit not in ("", "1") else name
+            rows.append((title, number_text(factor * of.mean), number_text(factor * of.deviation), *quantiles))
+        note = "In parentheses: intervals that contain the quantile with a probability of 95 %."
+        columns = ("figure", "mean", "standard deviation", "5 %", "median", "95 %")
+        return TextTable("Statistics", columns, tuple(rows), note)
+
+    def _extremes(self) -> TextTable:
+        rows = []
+        for name in self._figures:
+            values = self.values(name)
+            ends = int(np.nanargmin(values)), int(np.nanargmax(values))
+            rows.append((name, *(f"{self._text(name, values[at])} at {self._place(at)}" for at in ends)))
+        return TextTable("Least and largest values", ("figure", "least", "largest"), tuple(rows))
+
+    def _values(self, sample: int) -> tuple[tuple[str, str], ...]:
+        """The parameters of a sample as texts."""
+        shown = self.scene.equations.coordinates.shown
+        row, texts = self.samples.rows(slice(sample, sample + 1))[0], []
+        for name, value in row.items():
+            unit, factor = shown.of(getattr(self.samples.variations[name], "unit", ""))
+            texts.append((name, value if isinstance(value, str) else with_unit(factor * value, unit)))
+        return tuple(texts)
+
+    def _place(self, sample: int) -> str:
+        return ", ".join(f"{name} = {text}" for name, text in self._values(sample))
+
+    def _limits(self) -> TextTable:
+        rows = []
+        for name, limit in self.limits.items():
+            estimate = self.exceedance(name, limit)
+            text = f"{100 * estimate.value:.4g} % ({100 * estimate.low:.3g} to {100 * estimate.high:.3g} %)"
+            rows.append((name, self._text(name, limit), text))
+        return TextTable("Probabilities of exceeding limits", ("figure", "limit", "probability"), tuple(rows))
+
+    def _sobol_table(self) -> TextTable:
+        rows = [
+            (figure, name, estimate_text(first), estimate_text(total))
+            for figure, indices in self._sobol.items()
+            for name, first, total in zip(self.samples.variations, indices.first, indices.total)
+        ]
+        return TextTable("Sobol indices", ("figure", "parameter", "alone", "with the others"), tuple(rows))
+
+    def _failures(self) -> TextTable:
+        failures = list(self.failures.items())
+        rows = tuple((self._place(place), reason) for place, reason in failures[:MOST_FAILURES])
+        note = f"and {len(failures) - MOST_FAILURES} more, which the CSV file has" if len(failures) > MOST_FAILURES else ""
+        return TextTable("Samples without an answer", ("sample", "reason"), rows, note)
 
 
 class StudyInterrupted(KeyboardInterrupt):
@@ -442,13 +669,6 @@ class ParameterSweep(Analysis):
     study = staticmethod(sweep)
 
     @classmethod
-    def solve(cls, scene: Scene, settings: VaryTable | None) -> Answer:
-        """The answer of a scene."""
-        return cls.answer(
-            scene, **({} if settings is None else {name: getattr(settings, name) for name in settings.model_fields_set})
-        )
-
-    @classmethod
     def answer(cls, scene: Scene, progress: Progress | None = None, **given) -> Answer:
         """The answer of a scene with some settings in the place of those in [vary], and parameters in addition to them."""
         running: dict[str, Any] = {key: str(given.pop(key)) for key in ("store", "dask") if key in given}
@@ -456,247 +676,7 @@ class ParameterSweep(Analysis):
         strict = given.pop("strict", False)
         study = sweep(scene, given.pop("parameters", None), **given)
         result = study.run(**running, progress=progress, message=lambda text: print(text, file=sys.stderr, flush=True))
-        return SweepReport(result, strict).answer()
-
-
-class SweepReport:
-    """The report of a sweep.
-
-    Attributes:
-        result: of the sweep.
-        strict: whether samples without an answer make the exit code 3.
-    """
-
-    def __init__(self, result: SweepResult, strict: bool = False):
-        self.result, self.strict = result, strict
-
-    @cached_property
-    def units(self) -> dict[str, tuple[str, float]]:
-        """Unit and factor of each quantity, as [output] requests."""
-        shown = self.result.scene.equations.coordinates.shown
-        return {
-            name: shown.of(one.unit) if " or " not in one.unit else (one.unit, 1.0) for name, one in self.result.figures.items()
-        }
-
-    @cached_property
-    def figures(self) -> list[str]:
-        """Names of the quantities with a value; without damping ratios of undamped systems."""
-        values = {name: self.result.values(name) for name in self.result.figures}
-        undamped = {
-            name
-            for name, one in self.result.figures.items()
-            if one.variable.name == "damping ratio" and not np.nan_to_num(values[name]).any()
-        }
-        return [name for name, own in values.items() if not np.isnan(own).all() and name not in undamped]
-
-    @cached_property
-    def facts(self) -> tuple[tuple[str, str], ...]:
-        """The sampling, the scene and the machine."""
-        return ("samples", self._sampling()), ("scene", self.result.scene.path.name), *machine().items()
-
-    def _sampling(self) -> str:
-        """The number of samples, their sampling, and the number without an answer."""
-        samples, table = self.result.samples, self.result.table
-        drawn = {
-            "random": f"{table.samples} random points, seed {table.seed}",
-            "latin hypercube": f"a Latin hypercube of {table.samples} points, seed {table.seed}",
-            "sobol": f"{table.samples} Sobol points, seed {table.seed}",
-            "saltelli": f"Saltelli's design of blocks of {table.samples} points, seed {table.seed}",
-            "one at a time": "one parameter at a time, the others in the middle",
-        }[table.method]
-        given = [str(len(one.values)) for one in samples.grid.values()]
-        grid = f"a grid of {' × '.join(given)} values" if given and table.method != "one at a time" else ""
-        parts = [grid, drawn if samples.random or table.method == "one at a time" else ""]
-        failed = len(self.result.failures)
-        answers = "all have an answer" if not failed else f"{failed} have no answer, each with its reason"
-        return f"{counted(len(self.result), 'sample')}: {' by '.join(filter(None, parts))}; {answers}"
-
-    @property
-    def tables(self) -> tuple[TextTable, ...]:
-        """Parameters, statistics, limits, sensitivities, samples without an answer."""
-        tables = [self._parameters(), self._statistics()]
-        tables += [self._limits()] if self.result.table.limits else []
-        tables += [self._sobol_table()] if self.sobol else []
-        return (*tables, *([self._failures()] if self.result.failures else []))
-
-    def pictures(self) -> list:
-        """Maps, distributions, scatter plots, bands, sensitivities."""
-        pictures = SweepPictures(self.result, self.figures, self.units).all()
-        names = list(self.result.samples.variations)
-        for figure, indices in self.sobol.items():
-            groups: dict[str, Sequence[Estimate]] = {"alone": indices.first, "with the others": indices.total}
-            pictures.append(bars(f"Sobol indices of {figure}", names, groups, "share of the variance"))
-        for figure, ranks in self.correlations.items():
-            order = np.argsort(-np.abs(np.nan_to_num(ranks)))
-            values = [Estimate(0.0 if np.isnan(ranks[i]) else ranks[i], np.nan, np.nan) for i in order]
-            title = f"Tornado plot of {figure}: rank correlations"
-            pictures.append(bars(title, [names[i] for i in order], {"": values}, "rank correlation"))
-        return pictures
-
-    def animated(self) -> dict[str, Any]:
-        """Parts of the page: an animation of variants at quantiles of the first quantity, in their lowest mode."""
-        result = self.result
-        system = result.scene.equations.system
-        if not self.figures or system is None or system.size > MOST_COORDINATES:
-            return {}
-        name, variants = self.figures[0], []
-        unit, factor = self.units[name]
-        values = result.values(name)
-        places = np.argsort(values, kind="stable")[: int(np.isfinite(values).sum())]
-        for number in np.unique(np.linspace(0, len(places) - 1, MOST_VARIANTS).round().astype(int)).tolist():
-            place = int(places[number])
-            text = with_unit(factor * values[place], unit)
-            with suppress(MbconstrainedError):
-                variants.append((f"sample {place + 1}", (*self._values(place), (name, text)), result.sample_scene(place)))
-        shown = ("animation", f"{len(variants)} samples at quantiles of {name}, each in the shape of its lowest mode")
-        content = variants_content(variants, PageContent("", facts=(shown, *self.facts)))
-        return {} if content is None else {"animation": content.animation, "facts": content.facts}
-
-    @cached_property
-    def sobol(self) -> dict[str, SobolIndices]:
-        """The Sobol indices of each quantity; none without Saltelli's design, or where a sample has no value."""
-        if self.result.table.method != "saltelli":
-            return {}
-        whole = [name for name in self.figures if np.isfinite(self.result.values(name)).all()]
-        return {name: self.result.sobol_indices(name) for name in whole}
-
-    @cached_property
-    def correlations(self) -> dict[str, list[float]]:
-        """Rank correlations of the first quantities with several random parameters."""
-        samples = self.result.samples
-        if len(samples.variations) < 2 or not samples.is_random or self.sobol:
-            return {}
-        columns = [self.result.parameter(name) for name in samples.variations]
-        return {name: rank_correlations(columns, self.result.values(name)) for name in self.figures[:MOST_MATTERING]}
-
-    @property
-    def notices(self) -> tuple[Notice, ...]:
-        """Notices on samples without an answer, and on invalid intervals."""
-        result, texts = self.result, []
-        if result.samples.is_random and result.table.method in ("sobol", "latin hypercube"):
-            texts.append(
-                f"the intervals are those of independent samples; those of a {result.table.method} design are narrower in most cases"
-            )
-        notices = [Notice(NoticeKind.ACCURACY, text) for text in texts]
-        if damaged := result.chunks.damaged:
-            numbers = ", ".join(map(str, damaged[:MOST_DAMAGED])) + (" ..." if len(damaged) > MOST_DAMAGED else "")
-            text = f"{counted(len(damaged), 'chunk')} of the store ({numbers}) {'was' if len(damaged) == 1 else 'were'} damaged, and computed again"
-            notices.append(Notice(NoticeKind.OMITTED, text))
-        if failed := len(result.failures):
-            text = f"{failed} of {counted(len(result), 'sample')} have no answer; statistics are those of the others"
-            notices.append(Notice(NoticeKind.OMITTED, text, doubtful=self.strict))
-        return (*result.scene.notices, *notices)
-
-    def answer(self) -> Answer:
-        """Statistics, sensitivities and reasons; samples are in the store and the CSV file."""
-        result, samples, scene = self.result, self.result.samples, self.result.scene
-        random = samples.is_random
-        data = {
-            "title": scene.title,
-            "samples": len(result),
-            "answered": int(result.answered.sum()),
-            "method": result.table.method if samples.random else "given values",
-            "seed": result.table.seed,
-            "parameters": {name: one.to_dict() for name, one in samples.variations.items()},
-            "figures": {
-                name: {"unit": result.figures[name].unit, **_summary_data(result.statistics(name), random)} for name in self.figures
-            },
-            "limits": {
-                name: {"limit": limit, **_estimate_data(result.exceedance(name, limit))} for name, limit in result.limits.items()
-            },
-            "sobol_indices": {
-                name: {
-                    parameter: {"first": _estimate_data(a), "total": _estimate_data(b)}
-                    for parameter, a, b in zip(samples.variations, one.first, one.total)
-                }
-                for name, one in self.sobol.items()
-            },
-            "rank_correlations": {name: dict(zip(samples.variations, ranks)) for name, ranks in self.correlations.items()},
-            "failures": [
-                {"sample": place, "reason": reason, "values": samples.rows(slice(place, place + 1))[0]}
-                for place, reason in result.failures.items()
-            ],
-        }
-        title = f"{scene.title}: {counted(len(result), 'sample')}"
-        return Answer(
-            kind="sweep",
-            name=scene.name,
-            title=title,
-            source=scene.table.source,
-            facts=self.facts,
-            tables=self.tables,
-            notices=self.notices,
-            data=data,
-            plots=SweepPictures(result, self.figures, self.units).bands,
-            columns=lambda: {"": result._columns()},
-            figures=cache(self.pictures),
-            on_page=self.animated,
-            most_rows=None,
-        )
-
-    def _parameters(self) -> TextTable:
-        shown = self.result.scene.equations.coordinates.shown
-        rows = tuple((name, _described(one, shown)) for name, one in self.result.samples.variations.items())
-        return TextTable("Parameters", ("parameter", "varied"), rows)
-
-    def _statistics(self) -> TextTable:
-        if not self.result.samples.is_random:
-            return self._extremes()
-        rows = []
-        for name in self.figures:
-            unit, factor = self.units[name]
-            of = self.result.statistics(name)
-            quantiles = [estimate_text(of.quantiles[p], factor) if of.quantiles else "–" for p in QUANTILES]
-            title = f"{name} ({unit})" if unit not in ("", "1") else name
-            rows.append((title, number_text(factor * of.mean), number_text(factor * of.deviation), *quantiles))
-        note = "In parentheses: intervals that contain the quantile with a probability of 95 %."
-        columns = ("figure", "mean", "standard deviation", "5 %", "median", "95 %")
-        return TextTable("Statistics", columns, tuple(rows), note)
-
-    def _extremes(self) -> TextTable:
-        rows = []
-        for name in self.figures:
-            unit, factor = self.units[name]
-            values = self.result.values(name)
-            ends = [int(np.nanargmin(values)), int(np.nanargmax(values))]
-            texts = [f"{with_unit(factor * values[at], unit)} at {self._place(at)}" for at in ends]
-            rows.append((name, *texts))
-        return TextTable("Least and largest values", ("figure", "least", "largest"), tuple(rows))
-
-    def _values(self, sample: int) -> tuple[tuple[str, str], ...]:
-        """The parameters of a sample as texts."""
-        shown = self.result.scene.equations.coordinates.shown
-        row, texts = self.result.samples.rows(slice(sample, sample + 1))[0], []
-        for name, value in row.items():
-            unit, factor = shown.of(getattr(self.result.samples.variations[name], "unit", ""))
-            texts.append((name, value if isinstance(value, str) else with_unit(factor * value, unit)))
-        return tuple(texts)
-
-    def _place(self, sample: int) -> str:
-        return ", ".join(f"{name} = {text}" for name, text in self._values(sample))
-
-    def _limits(self) -> TextTable:
-        rows = []
-        for name, limit in self.result.limits.items():
-            unit, factor = self.units[name]
-            estimate = self.result.exceedance(name, limit)
-            text = f"{100 * estimate.value:.4g} % ({100 * estimate.low:.3g} to {100 * estimate.high:.3g} %)"
-            rows.append((name, with_unit(factor * limit, unit), text))
-        return TextTable("Probabilities of exceeding limits", ("figure", "limit", "probability"), tuple(rows))
-
-    def _sobol_table(self) -> TextTable:
-        rows = [
-            (figure, name, estimate_text(first), estimate_text(total))
-            for figure, indices in self.sobol.items()
-            for name, first, total in zip(self.result.samples.variations, indices.first, indices.total)
-        ]
-        return TextTable("Sobol indices", ("figure", "parameter", "alone", "with the others"), tuple(rows))
-
-    def _failures(self) -> TextTable:
-        failures = list(self.result.failures.items())
-        rows = tuple((self._place(place), reason) for place, reason in failures[:MOST_FAILURES])
-        note = f"and {len(failures) - MOST_FAILURES} more, which the CSV file has" if len(failures) > MOST_FAILURES else ""
-        return TextTable("Samples without an answer", ("sample", "reason"), rows, note)
+        return result.answer(strict)
 
 
 def estimate_text(estimate: Estimate, factor: float = 1.0) -> str:

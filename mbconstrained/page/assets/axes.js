@@ -8,6 +8,7 @@ class Axis {
   constructor(ends, unit) {
     const [low, high, exponent, scale] = ends.split(" ");
     this.log = scale === "log";
+    this.rows = scale === "rows"; // whole numbers that stand for names
     this.unit = unit;
     this.exponent = Number(exponent);
     this.whole = [Number(low), Number(high)];
@@ -59,6 +60,7 @@ class Axis {
 
   // Values and texts of the ticks.
   ticks() {
+    if (this.rows) return [];
     return this.log ? logTicks(...this.ends) : linearTicks(...this.ends, this.exponent);
   }
 

@@ -447,7 +447,7 @@ function rangesOf(text, whole) {
 
 // The height of a curve in its plot, in cells.
 function spanOf(curve) {
-  const numbers = (curve.original || curve.path.getAttribute("d")).match(/-?[\d.]+/g).map(Number);
+  const numbers = (curve.original || curve.path.getAttribute("d")).match(/-?[\d.]+/g)?.map(Number) ?? [0, 0];
   let [y, low, high] = [numbers[1], numbers[1], numbers[1]];
   for (let i = 3; i < numbers.length; i += 2) {
     y = curve.original ? y + numbers[i] : numbers[i];

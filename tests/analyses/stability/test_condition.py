@@ -12,8 +12,9 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.analyses.stability import point as module
-from mbconstrained.analyses.stability.gallery import GALLERY, bodies, equations, moving, system
+from mbconstrained.analyses.stability.gallery import GALLERY, system
 from mbconstrained.analyses.stability.point import STEP, condition_of, values_of
+from mbconstrained.analyses.stability.problems import bodies, equations, moving
 from mbconstrained.analyses.study_problem import StudyProblem, mechanical_problem
 
 

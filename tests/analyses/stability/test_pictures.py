@@ -1,15 +1,13 @@
 """Pictures of digits: what is wrong is red, what was claimed can be compared with what is right, every point is there."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from mbconstrained.analyses.stability.point import Point
-from mbconstrained.analyses.stability.stability import digit_plots, heat_map
-from mbconstrained.page.plots import RED, plot_image
-from tests.analyses.pictures import HOSTILE, HOSTILE_SHOWN, drawn, markers, texts
+from mbconstrained.analyses.stability.stability import digit_plots, overview_plot
+from mbconstrained.page.plots import plot_image
 from tests.analyses.stability.points import point, sweep
 
 pytestmark = pytest.mark.long  # pictures are drawn by Matplotlib one by one
@@ -67,67 +65,19 @@ def test_each_verdict_has_a_mark_of_its_own_at_its_place():
 def test_odd_sweeps_are_drawn(points):
     for plot in digit_plots([sweep("odd", *points)]):
         assert plot_image(plot, "png")[1:4] == b"PNG"
-    assert heat_map("odd", [sweep("odd", *points)]).svg.startswith("<svg")
 
 
-def test_nothing_measured_is_a_picture_that_says_so():
-    assert list(digit_plots([])) == []
-    empty = heat_map("a", [sweep("b")])
-    assert texts(empty) == ["nothing was measured"]
-    assert empty.description == "Digits right: nothing was measured."
+def test_nothing_measured_has_no_plots():
+    assert list(digit_plots([])) == [] == list(overview_plot([sweep("b")]))
 
 
-def cells(picture):
-    """Digits of the cells by row and column."""
-    digits = drawn(picture).axes[0].collections[0].get_array()
-    return {place: value for place, value in np.ndenumerate(digits.filled(math.nan)) if not math.isnan(value)}
-
-
-def test_a_map_has_a_cell_for_each_point_with_its_whole_digits():
-    picture = heat_map("Map", [CALM, MIXED])
+def test_all_sweeps_together_have_their_digits_and_marks():
+    (plot,) = overview_plot([CALM, MIXED])
     factors = sorted({point.parameter for sweep in (CALM, MIXED) for point in sweep.points})
-    assert cells(picture) == {
-        (row, factors.index(point.parameter)): math.floor(point.right)
-        for row, sweep in enumerate((CALM, MIXED))
-        for point in sweep.points
-        if point.right is not None
-    }
-    assert texts(picture).count("15") == len(FACTORS) and {"12", "8", "5", "–", "?"} <= set(texts(picture))
-    assert {"calm", "mixed", "digits right", "10⁻⁸", "1", "10⁸"} <= set(texts(picture))
-
-
-def test_digits_are_rounded_down():
-    assert "14" in texts(heat_map("Map", [sweep("a", point(1.0, 14.99))]))
-
-
-def test_in_a_map_the_wrong_has_a_cross_and_the_told_a_frame():
-    picture = heat_map("Map", [CALM, MIXED])
-    assert len(markers(picture, RED)) == 1 + 1  # the cell and the legend
-    assert "1" not in [text.get_text() for text in drawn(picture).axes[0].texts]
-    frames = [patch for patch in drawn(picture).axes[0].patches if not patch.get_fill()]
-    assert [(int(frame.get_x()), int(frame.get_y())) for frame in frames] == [(5, 1)]
-
-
-def test_narrow_cells_have_no_numbers():
-    many = sweep("many", *(point(1.0 + k) for k in range(60)))
-    assert "15" not in texts(heat_map("Map", [many])) and len(cells(heat_map("Map", [many]))) == 60
-
-
-def test_the_map_names_the_parameter_if_there_is_one():
-    assert "stiffness ratio" in texts(heat_map("Map", [CALM, MIXED]))
-    assert "scaling factor" in texts(heat_map("Map", [CALM, replace(MIXED, parameter="factor on k1")]))
-
-
-def test_names_are_texts():
-    hostile = replace(MIXED, title=HOSTILE, parameter=HOSTILE)
-    assert HOSTILE_SHOWN in texts(heat_map(HOSTILE, [hostile]))
-
-
-def test_the_same_points_give_the_same_picture_and_words():
-    def make():
-        return heat_map("a", [CALM, MIXED])
-
-    assert make().svg == make().svg and make().on_page().svg == make().svg
-    assert (
-        "mixed: 6 points, at least 1.0 digits right, 1 with a warning, 1 refused, 1 wrong without a warning." in make().description
-    )
+    assert plot.times.tolist() == factors and plot.shown == 2
+    for curve, one in zip(plot.curves, (CALM, MIXED)):
+        right = {point.parameter: point.right for point in one.points if point.right is not None}
+        assert curve.name == one.title
+        assert dict(zip(plot.times[curve.drawn], curve.values[curve.drawn])) == pytest.approx(right)
+    assert {marks.curve for marks in plot.marks} == {1} and len(plot.marks) == 4
+    assert plot_image(plot, "png") == plot_image(plot, "png")

@@ -174,3 +174,37 @@ def test_a_large_study_says_how_large_it_is_before_it_begins(tmp_path, monkeypat
     large = scene.sweep({"k": "normal(100 N/m, 5 %)"}, samples=10_000_000, keep=["curve a"])
     with pytest.raises(mb.InputError, match="10000000 samples need 8.17 GB of memory; give a store, or keep less"):
         large.run()
+
+
+def test_a_run_waits_for_a_cluster_that_does_not_answer_at_first(monkeypatch):
+    pytest.importorskip("distributed")
+    answers = iter([set(), {"worker"}])
+
+    class Workers:
+        silent = frozenset()
+
+        def __init__(self, *_):
+            pass
+
+        def check(self, distributed):
+            pass
+
+        def answering(self):
+            return next(answers, {"worker"})
+
+    class Future:
+        def __init__(self, rows):
+            self.rows = rows
+
+        def result(self, timeout):
+            return self.rows
+
+    class Client:
+        def submit(self, function, job, rows, *_, **options):
+            return Future(rows)
+
+    monkeypatch.setattr(execution, "_DaskWorkers", Workers)
+    monkeypatch.setattr(execution, "_client", lambda *_: Client())
+    monkeypatch.setattr(execution, "_done", lambda distributed, client, futures, address: futures)
+    chunks = [(0, ["first"]), (1, ["second"])]
+    assert list(execution.by_dask(None, iter(chunks), "address", {})) == chunks

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.analyses.sweep.sweep import MOST_VARIANTS, SweepReport
+from mbconstrained.analyses.sweep.sweep import MOST_VARIANTS
 from tests.scene.scenes import EXAMPLES
 
 SCENE = """
@@ -128,7 +128,7 @@ def test_the_page_animates_samples_at_quantiles(tmp_path):
     """At most 25 variants, from the least to the largest first frequency, each named with its parameters."""
     scene = mb.read_scene(EXAMPLES / "gear_tolerances.toml")
     result = scene.sweep(samples=60).run()
-    content = SweepReport(result).answer().page().animation
+    content = result.answer().page().animation
     assert content.word == "variant"
     assert len(content.modes) == MOST_VARIANTS
     values = [float(dict(variant.facts)["frequency 1"].split()[0]) for variant in content.modes]
@@ -140,4 +140,4 @@ def test_the_page_animates_samples_at_quantiles(tmp_path):
         assert 1 / variant.period == pytest.approx(frequency, rel=1e-5)
     assert {name for name, _ in content.modes[0].facts} == {*result.samples.variations, "frequency 1"}
     # one sample cannot be chosen from, and coefficients have no shapes
-    assert SweepReport(scene.sweep(samples=1).run()).answer().page().animation is None
+    assert scene.sweep(samples=1).run().answer().page().animation is None
