@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 import mpmath
 import numpy as np
 import pytest
@@ -38,22 +36,10 @@ def test_it_is_the_recursion(gaps):
     assert np.allclose(recursion(BLOCKS, start, gained, gaps), np.array(known).T, rtol=1e-13, atol=1e-13)
 
 
-def test_it_is_done_in_chunks(monkeypatch):
-    gaps, start, gained = np.linspace(0.1, 1, 9), np.ones(SIZE), np.ones((SIZE, 9))
-    whole = recursion(BLOCKS, start, gained, gaps)
-    monkeypatch.setattr("mbconstrained.linalg.recursion.CHUNK_ENTRIES", 40)
-    assert np.allclose(recursion(BLOCKS, start, gained, gaps), whole, rtol=1e-14)
-
-
 def test_growth_that_is_not_excited_stays_out_however_long_the_gap():
     blocks = [np.array([[1.0]]), np.array([[-1.0]]), np.eye(3) + np.eye(3, k=1)]
     states = recursion(blocks, np.array([0.0, 1.0, 0, 0, 0]), np.zeros((5, 2)), np.array([1e4, 1.0]))
     assert not states[:, 1:].any()
-
-
-def test_no_gaps_and_no_states():
-    assert recursion([], np.zeros(0), np.zeros((0, 2)), np.ones(2)).shape == (0, 3)
-    assert recursion([np.eye(1)], np.ones(1), np.zeros((1, 0)), np.zeros(0)).tolist() == [[1.0]]
 
 
 def test_every_time_may_have_its_own_start():
@@ -61,12 +47,6 @@ def test_every_time_may_have_its_own_start():
     starts = RANDOM.normal(size=(SIZE, 4))
     known = np.array([exponential(time) @ start for time, start in zip(times, starts.T)]).T
     assert np.allclose(block_states(BLOCKS, starts, times), known, rtol=1e-12, atol=1e-12)
-
-
-def test_a_start_of_zero_stays_zero_beside_others():
-    times, starts = np.array([1e4, 1e-3]), np.array([[0.0, 1.0]] * 3)
-    states = block_states([np.eye(3) + np.diag([1e-3, 1e-3], k=1)], starts, times)
-    assert not states[:, 0].any() and np.allclose(states[2, 1], np.exp(1e-3))
 
 
 @pytest.mark.parametrize("few", [1, 3], ids=["equal gaps", "three lengths of gaps"])
@@ -88,20 +68,6 @@ def test_groups_that_would_leave_the_range_are_taken_step_by_step():
     gaps = np.full(200, 400.0)
     states = recursion([np.array([[1.0]]), np.array([[-1.0]])], np.array([0.0, 1.0]), np.zeros((2, 200)), gaps)
     assert not states[0].any() and states[1, 1] == np.exp(-400.0) and not states[1, 5:].any()
-
-
-@pytest.mark.parametrize("end", [1.0, 8237.0, 1e-9])
-def test_even_times_have_one_gap(end):
-    knots = np.linspace(0.0, end, 10_001)
-    gaps = shared_gaps(knots)
-    assert len(set(gaps)) == 1
-    exact = sum((Fraction(gap) for gap in gaps), Fraction(0))
-    assert abs(exact - Fraction(knots[-1])) <= 4 * np.finfo(float).eps * end
-
-
-def test_gaps_that_differ_stay_as_they_are():
-    knots = np.cumsum(np.append(0.0, RANDOM.uniform(0.5, 1.0, 50)))
-    assert np.array_equal(shared_gaps(knots), np.diff(knots))
 
 
 def test_gaps_that_creep_apart_are_not_taken_for_the_same():

@@ -7,8 +7,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from mbconstrained.polynomial import direct_reduction as elimination
-from mbconstrained.polynomial.direct_reduction import FEW_ROWS, matching_rows
+from mbconstrained.polynomial.direct_reduction import matching_rows
 
 
 def unlike(seed: int, size: int, part: float = 0.6) -> np.ndarray:
@@ -30,14 +29,6 @@ def test_no_order_of_few_rows_has_a_larger_product_on_the_diagonal(seed):
         assert found is None or np.array_equal(M, M.T)  # what is symmetric stays as it is
     else:
         assert sorted(found) == list(range(len(M))) and np.isclose(product_of(M, found), best, rtol=1e-12)
-
-
-@pytest.mark.parametrize("seed", range(10))
-def test_few_rows_are_matched_as_many_are(seed, monkeypatch):
-    M = unlike(seed, FEW_ROWS, 0.3) + np.diag(np.full(FEW_ROWS, 1e-3))[::-1]
-    few = matching_rows(M)
-    monkeypatch.setattr(elimination, "FEW_ROWS", 0)
-    assert np.isclose(product_of(M, few), product_of(M, matching_rows(M)), rtol=1e-10)
 
 
 def test_an_order_of_named_equations_is_found_back():

@@ -17,12 +17,6 @@ def test_evaluation_is_horners_sum_at_real_and_complex_points():
     assert np.isrealobj(A(2.0))
 
 
-def test_degree_is_declared_not_found():
-    A = mb.PolynomialMatrix([A0, A1, np.zeros((2, 2))])
-    assert (A.degree, A.size) == (2, 2)
-    assert repr(A) == "PolynomialMatrix(degree=2, size=2)"
-
-
 def test_integers_are_converted_and_the_data_is_copied_and_locked():
     mine = np.array([[[1, 2], [3, 4]]])
     A = mb.PolynomialMatrix(mine)
@@ -38,18 +32,6 @@ def test_dual_reverses_the_coefficients():
     assert np.array_equal(A.dual.coefficients, A.coefficients[::-1])
     assert A.dual.coordinates == ("a", "b")
     assert np.allclose(A.dual(0.5), 0.25 * A(2.0))
-
-
-def test_coordinates_and_equations_have_names():
-    assert mb.PolynomialMatrix([A0]).coordinates == ("x1", "x2")
-    assert mb.PolynomialMatrix([A0]).equations == ("equation 1", "equation 2")
-    named = mb.PolynomialMatrix([A0], coordinates=["cart", "bob"], equations=["force", "row"])
-    assert (named.coordinates, named.equations) == (("cart", "bob"), ("force", "row"))
-
-
-def test_jordan_pairs_are_computed_once():
-    A = mb.PolynomialMatrix([A0, A1])
-    assert A.jordan_pairs() is A.jordan_pairs()
 
 
 @pytest.mark.parametrize(

@@ -29,14 +29,6 @@ def test_separate_zeros_have_separate_blocks_and_clusters_share_one():
     assert sorted(len(block) for block in cluster.blocks) == [1, 3]
 
 
-def test_blocks_are_quasi_triangular_and_j_is_their_diagonal():
-    A = coefficients([(2, 1, 1), ONE, ZERO], [ZERO, (1, 2, 1), ONE], [ONE, ZERO, (3, 1)])
-    finite = mb.PolynomialMatrix(A).jordan_pairs().finite
-    assert not np.tril(finite.J, -2).any()
-    assert sum(len(block) for block in finite.blocks) == len(finite.J) == 5
-    assert (finite.C.shape, finite.B.shape) == ((3, 5), (5, 3))
-
-
 def test_decoupling_entries_are_bounded_and_told():
     """Zeros 1e-5 apart with a coupling of one would need a transformation with entries of 1e5: they share a block."""
     A = coefficients([(1, 1), ONE], [ZERO, (1.00001, 1)])
@@ -45,13 +37,6 @@ def test_decoupling_entries_are_bounded_and_told():
     known = {item.name: item for item in pairs.evidence}
     assert known["decoupling"].value == pairs.finite.coupling <= 1e3
     assert all(item.text for item in pairs.evidence)
-
-
-def test_evidence_of_an_easy_matrix_is_good():
-    evidence = {item.name: item.value for item in mb.PolynomialMatrix([np.diag([1.0, 2.0]), np.eye(2)]).jordan_pairs().evidence}
-    assert evidence["residual"] < 1e-14
-    assert evidence["rank gap"] > 1e6
-    assert evidence["rank remainder"] == 0.0
 
 
 @pytest.mark.parametrize("size", [0, 1, 3])
@@ -67,13 +52,6 @@ def test_a_matrix_without_finite_zeros_has_an_empty_finite_pair(size, degree):
     assert pairs.structure.infinite_divisors == (degree,) * size
 
 
-def test_a_matrix_without_infinite_part_has_an_empty_infinite_pair():
-    pairs = mb.PolynomialMatrix([np.diag([1.0, 2.0]), np.eye(2)]).jordan_pairs()
-    assert (pairs.infinite.C.shape, pairs.infinite.J.shape, pairs.infinite.B.shape) == ((2, 0), (0, 0), (0, 2))
-    assert not pairs.laurent(0).any()
-    assert np.allclose(pairs.laurent(-3), np.diag([1.0, 4.0]), rtol=1e-15)
-
-
 def test_small_entries_of_independent_parts_keep_their_digits():
     """H_-20 of diag(s + 10, s + 1/10) is diag((-10)^19, (-1/10)^19)."""
     H = mb.PolynomialMatrix([np.diag([10.0, 0.1]), np.eye(2)]).jordan_pairs().laurent(-20)
@@ -85,11 +63,6 @@ def test_laurent_beyond_float64_is_an_overflow():
     assert pairs.laurent(-301)[0, 0] == pytest.approx(1e300, rel=1e-12)
     with pytest.raises(mb.Overflow, match="H_-500 has entries beyond the range of float64"):
         pairs.laurent(-500)
-
-
-def test_laurent_indices_are_whole():
-    with pytest.raises(mb.InputError, match="index: found 1.5; expected a whole number"):
-        mb.PolynomialMatrix([[[1.0]]]).jordan_pairs().laurent(1.5)
 
 
 def test_units_of_rows_columns_and_time_appear_in_c_b_and_j():

@@ -73,13 +73,6 @@ def test_rotation_and_rounding_do_not_hide_a_singular_matrix(name, seed):
     assert not mb.PolynomialMatrix(Q @ A @ Z).is_regular
 
 
-def test_the_text_names_names_and_says_what_to_do():
-    A = mb.PolynomialMatrix(np.diag([1.0, 0.0])[None], coordinates=["cart", "bob"], equations=["force", "row"])
-    text = 'the equations "row" are dependent or empty, and the coordinates "bob" can move without any force. Attach what is free'
-    with pytest.raises(mb.SingularPolynomialMatrix, match=text):
-        mb.solve(A)
-
-
 @pytest.mark.parametrize("smallest", [1e-14, 1e-100, 1e-300])
 def test_a_small_entry_is_not_a_zero(smallest):
     """diag(1, 1e-14) is regular: its units are unusual, nothing more. diag(1, 0) is singular."""
