@@ -96,12 +96,6 @@ def test_rigid_bodies_and_offsets_are_told_apart():
     assert np.allclose(offset.shapes, [[0], [1]])
 
 
-def test_drift_is_not_a_rigid_body():
-    train = MechanicalSystem(np.eye(2), constraints=Constraint([1, -1], level="acceleration"))
-    assert kinds(train) == [("rigid body", 2), ("drift", 2)]
-    assert np.allclose(train.modes()[0].shapes, [[1], [1]])
-
-
 def test_critical_damping_is_one_double_zero():
     critical = MechanicalSystem([[1.0]], [[2.0]], [[1.0]])
     (mode,) = critical.modes()
@@ -153,15 +147,6 @@ def test_computed_zeros_are_freed_of_what_cannot_be():
     assert cleaned(1e-9 + 0j, 1, both) == 0
 
 
-def test_equal_oscillators_share_a_zero_with_two_shapes():
-    twins = MechanicalSystem(np.eye(2), stiffness=4 * np.eye(2)).modes()
-    (mode,) = twins
-    assert (mode.multiplicity, mode.shapes.shape) == (2, (2, 2))
-    assert np.linalg.matrix_rank(mode.shapes) == 2
-    assert twins.natural_frequencies.tolist() == pytest.approx([2.0, 2.0])
-    assert np.linalg.matrix_rank(twins.shapes) == 2
-
-
 def test_an_upside_down_pendulum_grows():
     modes = MechanicalSystem([[1.0]], stiffness=[[-4.0]]).modes()
     assert sorted((mode.kind, mode.eigenvalue.real) for mode in modes) == [
@@ -199,26 +184,6 @@ def test_a_very_soft_support_never_makes_growth(stiffness):
     # the square of its frequency is near or below the rounding of the other one
     system = MechanicalSystem(np.eye(3), stiffness=[[1 + stiffness, -1, 0], [-1, 2, -1], [0, -1, 1]])
     assert {mode.kind for mode in system.modes()} <= {"oscillation", "rigid body", "offset"}
-
-
-def test_the_table_is_text():
-    rows = two_masses().modes().table()
-    assert rows[0] == {
-        "kind": "drift",
-        "eigenvalue (1/s)": "0",
-        "frequency (Hz)": "",
-        "natural frequency (rad/s)": "",
-        "damping ratio": "",
-        "multiplicity": "2",
-        "meaning": "drift of constraint rows at velocity or acceleration level, no motion of the bodies",
-    }
-    assert rows[1]["frequency (Hz)"] == "0.0439893"  # (5 - sqrt 5)/(20 pi)
-    assert rows[1]["natural frequency (rad/s)"] == "0.276393"
-    assert rows[1]["damping ratio"] == "0"
-    assert rows[1]["eigenvalue (1/s)"] == "± 0.276393 i"
-    damped = massless_joints().modes().table()[1]
-    assert damped["eigenvalue (1/s)"] == "-0.133333 ± 0.426875 i"
-    assert damped["meaning"] == "oscillation at 0.0711763 Hz, damping ratio 0.2981"
 
 
 def test_undetermined_motion_is_refused():

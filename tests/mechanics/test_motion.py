@@ -102,17 +102,6 @@ def test_jump_projector_of_the_massless_joints(m, k2, c2, values):
     assert np.allclose(found, [[u3 / 3, u2, u3], [v3 / 3, v3 / 3, v3]], atol=1e-12)
 
 
-def test_shapes_of_what_is_asked():
-    motion = two_masses().solve(START)
-    for function, rows in ((motion, 3), (motion.velocity, 3), (motion.acceleration, 3), (motion.reaction, 1)):
-        assert function(1.0).shape == (rows,)
-        assert function([1.0, 0.0]).shape == (rows, 2)
-        assert function([]).shape == (rows, 0)
-    assert motion.energy(1.0).total.shape == ()
-    assert motion.energy([1.0, 0.0]).total.shape == (2,)
-    assert motion.names == ("x1", "q1", "q2")
-
-
 @st.composite
 def tied_networks(draw):
     """Masses joined by springs, dampers and position rows that hold at the start, and one constant force."""
@@ -155,27 +144,6 @@ def test_a_motion_can_be_taken_up_at_any_time(case, pause):
     rest = system.solve(whole(pause), whole.velocity(pause), force=force)
     expected = whole(pause + 1.0)
     assert np.allclose(rest(1.0), expected, atol=1e-9 * (1 + np.abs(expected).max()))
-
-
-def test_a_velocity_row_drives_a_body():
-    # a belt runs at 2 m/s under the first mass, a spring joins the second: x2'' + x2 = x1 = 2 t, x2 = 2 t - 2 sin t
-    belt = Constraint([1, 0], level="velocity", value=2.0)
-    motion = MechanicalSystem(np.eye(2), stiffness=[[1, -1], [-1, 1]], constraints=belt).solve(velocity=[2.0, 0.0])
-    times = np.linspace(0, 7, 5)
-    assert np.allclose(motion(times), [2 * times, 2 * times - 2 * np.sin(times)], atol=1e-13)
-    assert np.allclose(motion.reaction(times), [2 * np.sin(times)], atol=1e-13)  # what drives the belt
-
-
-def test_an_acceleration_row_with_a_value():
-    motion = MechanicalSystem(np.diag([3.0]), constraints=Constraint([2], level="acceleration", value=4.0)).solve([1.0], [1.0])
-    assert np.isclose(motion(2.0)[0], 1 + 2 + 4)
-    assert np.isclose(motion.reaction(2.0)[0], 3.0)  # m x'' = 6 = 2 lambda
-
-
-def test_it_is_a_response():
-    motion = two_masses().solve(START)
-    assert isinstance(motion, mb.Response)
-    assert motion.error_estimate([0.0, 50.0]) < 1e-10
 
 
 def test_rounding_in_place_of_zeros_does_not_choose_the_units():

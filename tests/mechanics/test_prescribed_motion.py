@@ -131,12 +131,6 @@ def test_sparse_matrices_refuse_a_prescribed_motion():
         mb.MechanicalSystem(scipy.sparse.eye_array(2), constraints=[mb.Constraint([1.0, 0.0], value=SINE)])
 
 
-def test_further_rows_do_not_change_the_system_that_they_were_added_to():
-    whole = mb.MechanicalSystem(np.eye(2))
-    assert [row.name for row in whole.with_constraints(mb.Constraint([1.0, 0.0], value=SINE, names="base")).rows] == ["base"]
-    assert whole.rows == () and whole.polynomial_matrix().coefficients[0].tolist() == np.zeros((2, 2)).tolist()
-
-
 def test_proved_values_and_reactions_contain_the_motion():
     x = quarter_car(SINE).solve()
     for box, value in [(x.enclose(TIMES[1:9:2]), x(TIMES[1:9:2])), (x.enclose(1.0, of="reaction"), x.reaction(1.0))]:

@@ -67,8 +67,3 @@ def test_a_system_without_algebraic_equations_admits_all():
     found = mb.admissible(mb.PolynomialMatrix([[[4.0]], [[0.0]], [[1.0]]]), [[1.0], [2.0]])
     assert found.is_continuous and found.residuals == () and found.dimensions == (2, 2, 2)
     assert np.array_equal(found.nearest_continuous, [[1.0], [2.0]])
-
-
-def test_a_constant_matrix_has_no_values_at_0_minus():
-    found = mb.admissible(mb.PolynomialMatrix([[[2.0]]]), force=mb.step([1.0]))
-    assert found.is_continuous and found.nearest.shape == (0, 1) and found.dimensions == (0, 0, 0)

@@ -45,13 +45,6 @@ def test_a_row_keeps_its_own_digits_just_after_the_start():
     assert np.allclose(x.of("x3")(times)[0], times**2 / 2 * np.exp(-times), rtol=1e-14, atol=0)  # (d/dt + 1)^3 x3 = 0
 
 
-def test_one_coordinate_does_not_make_the_coefficients_of_all():
-    x = mb.solve(chain(), np.zeros((2, COUNT)), mb.step(np.eye(COUNT)[0]))
-    chosen = x.of("x5")
-    assert chosen.output.shape[0] == 1 and chosen.modal.coefficients.shape[0] == 1
-    assert "modal" not in x.function.__dict__
-
-
 @pytest.mark.parametrize(
     "chosen, text",
     [

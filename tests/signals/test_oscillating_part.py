@@ -70,16 +70,6 @@ def test_tiny_coefficients_of_huge_states_are_ordinary_values(rows):
     assert np.allclose(f(times), reference(times), rtol=0, atol=1e-12 * np.abs(reference.coefficients).sum())
 
 
-def test_what_does_not_move_adds_nothing():
-    f, times = function(4), TIMES["even"]
-    still = BohlFunction(f.coefficients, f.blocks, 0 * f.start)
-    assert not still(times).any()
-    alone = np.zeros(f.state_count)
-    alone[:2] = f.start[:2]
-    one = BohlFunction(f.coefficients, f.blocks, alone)
-    assert np.allclose(one(times), one_by_one(one, times), rtol=0, atol=1e-12)
-
-
 @pytest.mark.parametrize("pairs", [1, PAIRS])
 @pytest.mark.parametrize("name", ["even", "uneven"])
 def test_zeros_at_zero_add_straight_lines(pairs, name):
