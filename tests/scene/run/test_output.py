@@ -1,7 +1,6 @@
 """What is written: CSV, npz, page; and what is not lost when something goes wrong."""
 
 import csv
-import json
 import zipfile
 
 import numpy as np
@@ -85,27 +84,11 @@ def test_the_same_scene_gives_the_same_bytes_but_for_what_stages_took(tmp_path):
         assert {info.date_time for info in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
 
 
-def test_a_result_writes_where_it_is_told(tmp_path):
-    result = scene_of(tmp_path, OSCILLATOR).run()
-    assert result.write_page(tmp_path / "deep" / "page.html").read_text("utf-8").startswith("<!DOCTYPE html>")
-    assert result.write_csv(tmp_path / "a.csv").exists() and result.write_npz(tmp_path / "a.npz").exists()
-    assert [path.name for path in result.files] == ["page.html", "a.csv", "a.npz"]
-
-
 def test_texts_are_escaped_on_the_page(tmp_path):
     text = OSCILLATOR.replace("[model]", 'title = "<script>alert(1)</script>"\nsource = "a < b & c"\n[model]', 1)
     page = scene_of(tmp_path, text).run().write_page(tmp_path / "a.html").read_text("utf-8")
     assert "<script>alert" not in page
     assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page and "a &lt; b &amp; c" in page
-
-
-def test_only_the_coordinates_asked_for_are_plotted(tmp_path):
-
-    text = MATRICES.replace("[time]", '[model.units]\nb = "rad"\n[time]')
-    both = scene_of(tmp_path, text).run().page()
-    assert [(plot.title, plot.unit) for plot in both.plots] == [("displacement", "m"), ("angle", "rad")]
-    one = scene_of(tmp_path, text + '[output]\ncoordinates = ["b"]\n').run().page()
-    assert [curve.name for plot in one.plots for curve in plot.curves] == ["b"]
 
 
 def test_an_unfinished_file_leaves_the_earlier_one(tmp_path):
@@ -141,11 +124,3 @@ def test_an_answer_beyond_the_range_of_numbers_leaves_earlier_output(tmp_path):
     with pytest.raises(MbconstrainedError, match="beyond the range of float64"):
         scene_of(tmp_path, growing.replace("points = 5", "")).run(tmp_path / "out")
     assert {path: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
-
-
-@pytest.mark.parametrize("name", sorted(path.stem for path in EXAMPLES.glob("*.toml")))
-def test_every_example_can_be_told_as_data(name):
-    result = read_scene(EXAMPLES / f"{name}.toml").run()
-    data = json.loads(json.dumps(result.to_dict(), allow_nan=False))
-    assert data["trusted"] is True
-    assert sum(len(data[key]) for key in ("coordinates", "eigenvalues", "evidence", "plan")) > 10

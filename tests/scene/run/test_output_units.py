@@ -5,7 +5,6 @@ import re
 import numpy as np
 import pytest
 
-from mbconstrained.analyses.motion_plots import plots_of
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.scene.quantities.output_units import OutputUnits, output_units
 from tests.scene.scenes import OSCILLATOR, scene_of
@@ -25,16 +24,6 @@ def test_csv_and_page_have_the_units_and_npz_is_in_si(tmp_path):
     page = (tmp_path / "scene.html").read_text(encoding="utf-8")
     assert "displacement in mm" in page and "velocity in mm/s" in page and not re.search(r"in m<", page)
     assert "cart (mm)" in result.summary()
-
-
-def test_readings_of_the_page_have_the_units_of_the_curves(tmp_path):
-    quantity = '\n[[output.quantity]]\nbetween = ["ground", "cart"]\nquantity = "acceleration"\n'
-    result = scene_of(tmp_path, OSCILLATOR + OUTPUT.format("mm, kJ") + quantity).run()
-    plots = plots_of(result)
-    assert [plot.unit for plot in plots] == ["mm", "mm/s", "kJ", "mm/s", "m/s^2"]
-    for times, curve in ((plot.times, curve) for plot in plots for curve in (*plot.curves, plot.across) if curve):
-        functions, row = curve.function
-        assert functions.at(times)[row] == pytest.approx(curve.values, rel=1e-12)
 
 
 def test_jumps_impulses_and_constraints_have_the_units(tmp_path):

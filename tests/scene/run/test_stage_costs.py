@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -67,23 +66,3 @@ def test_without_any_measure_none_is_told_and_nothing_fails(monkeypatch):
     assert memory_note() == NOT_MEASURED
     cost = Costs().lap("")
     assert (cost.memory, cost.peak) == (None, None) and cost.seconds >= 0
-
-
-@pytest.mark.parametrize("text", ["", "VmRSS:\n", "VmRSS: many kB\n", "nothing\n"])
-def test_a_strange_status_is_no_measure(monkeypatch, tmp_path, text):
-    (tmp_path / "status").write_text(text)
-    monkeypatch.setattr(stage_costs, "_STATUS", str(tmp_path / "status"))
-    assert stage_costs._status("VmRSS:") is None
-
-
-def test_laps_of_one_name_are_added():
-    costs = Costs()
-    for name in ("a", "b", "a"):
-        time.sleep(0.002)
-        costs.lap(name)
-    assert list(costs.by_name) == ["a", "b"]
-    assert costs.by_name["a"].seconds >= 0.004 and costs.by_name["b"].seconds >= 0.002
-
-
-def test_an_unknown_memory_makes_the_sum_unknown():
-    assert Cost(1.0, None, None) + Cost(2.0, 5, 9) == Cost(3.0, None, 9)

@@ -4,19 +4,16 @@ import contextlib
 import json
 import tomllib
 from pathlib import Path
-from typing import get_args
 
 import pytest
 from jsonschema import Draft202012Validator
 from pydantic import ValidationError
 
-from mbconstrained import cli
 from mbconstrained.cli import new
 from mbconstrained.ground.errors import InputError, SceneError
-from mbconstrained.page import drawing
 from mbconstrained.scene.run.scene import read_scene
 from mbconstrained.scene.schema.entry_types import KINDS_OF_ENTRIES, Table
-from mbconstrained.scene.schema.scene_schema import LinkKind, SceneFile, Shape, robot_schema, scene_schema
+from mbconstrained.scene.schema.scene_schema import SceneFile, robot_schema, scene_schema
 from tests.scene.scenes import EXAMPLES, OSCILLATOR
 
 SCHEMA = SceneFile.model_json_schema()
@@ -43,11 +40,6 @@ def references_lead_somewhere(schema):
 def test_the_schema_of_scenes_is_complete():
     tables_are_closed_and_described(SCHEMA)
     references_lead_somewhere(SCHEMA)
-
-
-def test_drawing_knows_the_shapes_and_links_of_the_page():
-    assert (*get_args(Shape), "solids") == get_args(drawing.Shape)  # solids come from a URDF, never from a scene
-    assert get_args(LinkKind) == get_args(drawing.LinkKind)
 
 
 def test_kinds_in_messages_are_those_of_the_schema():
@@ -99,12 +91,6 @@ def test_every_example_and_template_is_valid(path):
     assert [error.message for error in CHECK.iter_errors(data_of(path))] == []
 
 
-def test_a_scene_that_includes_another_needs_no_model_of_its_own():
-    data = tomllib.loads(OSCILLATOR)
-    del data["model"]
-    assert not CHECK.is_valid(data) and CHECK.is_valid({**data, "include": "parts/model.toml"})
-
-
 @pytest.mark.parametrize(
     ("old", "new"),
     [
@@ -118,14 +104,6 @@ def test_a_scene_that_includes_another_needs_no_model_of_its_own():
 def test_mistakes_are_marked_while_one_writes(old, new):
     assert old in OSCILLATOR and CHECK.is_valid(tomllib.loads(OSCILLATOR))
     assert not CHECK.is_valid(tomllib.loads(OSCILLATOR.replace(old, new, 1)))
-
-
-@pytest.mark.parametrize(("arguments", "schema"), [([], scene_schema), (["--robot"], robot_schema)])
-def test_the_command_prints_it(capsys, monkeypatch, arguments, schema):
-    monkeypatch.setattr("sys.argv", ["mbconstrained", "schema", *arguments])
-    with pytest.raises(SystemExit) as left:
-        cli.main()
-    assert not left.value.code and json.loads(capsys.readouterr().out) == schema()
 
 
 VALUES = ("0", "-1", "1.5", '"x"', '""', "[]", "{}", "true", "nan", "inf", "1979-05-27")

@@ -26,10 +26,6 @@ def test_the_fastest_motion_has_twenty_frames_in_a_period(tmp_path, angular_freq
     assert np.allclose(rates[1], -angular_frequency * np.sin(angular_frequency * times), atol=1e-6)
 
 
-def test_what_is_too_small_to_be_seen_asks_for_no_frames(tmp_path):
-    assert len(frames(tmp_path, fast=1e4, amplitude=1e-8)[1][0]) == 101
-
-
 def test_there_are_no_more_than_allowed_and_never_fewer_than_the_scene_has(tmp_path):
     assert len(frames(tmp_path, fast=1e6, most=500)[1][0]) == 500
     result, (times, values, _) = frames(tmp_path, fast=1e6, points=901, most=500)

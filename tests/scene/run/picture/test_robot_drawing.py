@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from mbconstrained.scene.run.animation import MOST_POSES
 from mbconstrained.scene.run.drawing import VISIBLE, RobotPicture, drawing_of_robot
 from mbconstrained.scene.run.scene import read_scene
-from tests.scene.robots import SCENE, TOML, press
+from tests.scene.robots import SCENE, press
 from tests.scene.scenes import EXAMPLES, scene_of
 
 
@@ -70,15 +69,6 @@ def test_motion_at_rest_and_motion_that_goes_far_are_drawn_as_they_are(tmp_path)
     assert read_scene(EXAMPLES / "satellite.toml").run().animation.drawing.scale == 1
 
 
-def test_many_points_in_time_need_not_as_many_poses(tmp_path):
-    press(tmp_path)
-    result = scene_of(tmp_path, SCENE.replace("points = 21", "points = 20001")).run()
-    animation = result.animation
-    assert len(animation.times) == MOST_POSES and animation.times[[0, -1]].tolist() == [0.0, 1.0]
-    assert animation.values.shape == animation.rates.shape == (2, MOST_POSES)
-    assert result.values.shape == (2, 20001)
-
-
 def test_loops_stay_closed_in_the_picture():
     result = read_scene(EXAMPLES / "four_bar.toml").run()
     drawing = result.animation.drawing
@@ -89,9 +79,3 @@ def test_loops_stay_closed_in_the_picture():
     ]
     assert drawing.scale > 5 and np.abs(ends[0] - ends[1]).max() < 1e-5
     assert pin.kind == "loop"
-
-
-def test_a_page_has_the_links_and_no_mesh_loader_is_needed(tmp_path):
-    press(tmp_path, TOML)
-    page = scene_of(tmp_path, SCENE).run().write_page(tmp_path / "a.html").read_text("utf-8")
-    assert "small motions about the equilibrium" in page
