@@ -6,9 +6,8 @@ import pytest
 from mbconstrained.ground.display import TextTable
 from mbconstrained.ground.errors import InputError
 from mbconstrained.page.animation import Animation
-from mbconstrained.page.content import Curve, PageContent, Plot
+from mbconstrained.page.content import Curve, Plot
 from mbconstrained.page.drawing import Drawing
-from mbconstrained.page.html import page_html
 
 EMPTY = Drawing(())
 
@@ -32,13 +31,3 @@ EMPTY = Drawing(())
 def test_what_cannot_be_shown_is_refused(make, message):
     with pytest.raises(InputError, match=message):
         make()
-
-
-def test_an_empty_page_has_its_title_and_no_script():
-    page = page_html(PageContent("Nothing"))
-    assert "<h1>Nothing</h1>" in page
-    assert "<script" not in page
-
-
-def test_cells_need_not_be_texts():
-    assert TextTable("t", ("n",), ((1,), (2.5,))).rows == (("1",), ("2.5",))

@@ -6,18 +6,13 @@ import pytest
 from mbconstrained.ground.errors import InputError
 from mbconstrained.page.animation import PHASES, ModePicture, cycle
 from mbconstrained.page.drawing import Path
-from tests.page.mode_pages import NAMES, robot_modes, two_bodies, two_modes
+from tests.page.mode_pages import NAMES, two_bodies, two_modes
 
 
 def test_a_cycle_is_a_circle_in_the_plane_of_real_and_imaginary_part():
     values = cycle([2.0, 1 - 1j])
     phases = 2 * np.pi * np.linspace(0, 1, PHASES)
     assert np.allclose(values, [2 * np.cos(phases), np.cos(phases) + np.sin(phases)], atol=1e-14)
-
-
-def test_a_cycle_ends_where_it_begins():
-    values = cycle(np.exp(1j * np.arange(5)))
-    assert np.array_equal(values[:, 0], values[:, -1])
 
 
 def test_frames_have_the_factor_of_the_mode_in_their_values():
@@ -40,14 +35,6 @@ def test_frames_have_the_factor_of_the_mode_in_their_values():
 def test_a_mode_in_which_nothing_moves_is_one_key_frame(mode):
     frames = mode.frames(two_bodies(), NAMES)
     assert (frames.times.tolist(), frames.values.shape) == ([0], (2, 1))
-
-
-def test_paths_of_a_mode_replace_those_of_the_drawing():
-    content = robot_modes().animation
-    swing, rest = (mode.frames(content.drawing, content.names) for mode in content.modes)
-    assert (len(swing.times), len(rest.times)) == (33, 1)
-    assert [path and path.count for path in swing.paths] == [33, 33, 33, None, None, None]
-    assert all(path is None or path.count == 1 for path in rest.paths)
 
 
 def test_a_mode_that_cannot_be_drawn_is_refused():

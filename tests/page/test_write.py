@@ -47,7 +47,3 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path, place):
     with pytest.raises(InputError, match=r'the page ".*" cannot be written: .*; give another path'):
         write_page(tmp_path / place, PageContent("t"))
     assert os.listdir(tmp_path) == []
-
-
-def test_half_characters_do_not_stop_it(tmp_path):
-    assert b"a?b" in write_page(tmp_path / "page.html", PageContent("a\ud800b")).read_bytes()

@@ -41,21 +41,6 @@ def test_wrong_coordinates(guess, message):
         mb.Robot(PLANAR).equilibrium(guess)
 
 
-def test_a_scene_names_coordinates_and_joints_with_several(tmp_path):
-    (tmp_path / "plate.urdf").write_text(PLANAR)
-    (tmp_path / "robot.toml").write_text(
-        'urdf = "plate.urdf"\ngravity = 0\njoint_stiffness = { "slide x" = "5 N/m", "slide rz" = 2 }\n'
-        '[posture]\nguess = { slide = ["10 cm", 0, "30 deg"] }\nhold = ["slide"]'
-    )
-    robot, data = mb.read_robot(tmp_path)
-    assert data.posture["guess"] == {"slide": pytest.approx((0.1, 0.0, np.pi / 6))} and data.posture["hold"] == ("slide",)
-    assert robot.joint_stiffness.tolist() == [5.0, 0.0, 2.0]
-    assert robot.equilibrium(**data.posture).torques == pytest.approx(dict.fromkeys(robot.coordinates, 0.0), abs=1e-15)
-    (tmp_path / "robot.toml").write_text('urdf = "plate.urdf"\n[posture]\nguess = { slide = [1, 2] }')
-    with pytest.raises(mb.SceneError, match=r"guess: slide: found an array of 2; expected \[x, y, angle\]"):
-        mb.read_robot(tmp_path)
-
-
 def test_the_table_of_a_posture_has_the_loads_of_joints_with_several(tmp_path):
     """The weight of a body on springs, and its moment about the origin."""
     body = urdf(GROUND, link("table", 20.0, (0.1, 0, 0.2), (0.5, 0.6, 0.9)), joint("mount", "frame", "table", kind="floating"))

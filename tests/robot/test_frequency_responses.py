@@ -187,15 +187,6 @@ def test_reactions_in_loops_are_those_of_the_motion():
     np.testing.assert_allclose(motion.reaction(times), expected, atol=1e-9 * np.abs(expected).max())
 
 
-def test_a_moving_base_is_drawn_where_it_is_and_no_loop():
-    built, posture = robot("moving")
-    d = np.zeros((9, 1))
-    d[[0, 2], 0] = 0.2, -0.1
-    poses = built.poses(posture, d)
-    np.testing.assert_allclose(poses["root"].positions[:, 0], [0.2, 0.0, -0.1], atol=1e-15)
-    assert built.connection_points(posture) == ()
-
-
 @pytest.mark.parametrize(
     ("motions", "message"),
     [

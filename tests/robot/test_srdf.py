@@ -33,16 +33,6 @@ def test_states_and_rotors_are_those_that_pinocchio_reads(srdf):
     assert robot.states == {"raised": {"base": (0, 0, 1, 0, 0, 0, 1), "shoulder": 0.6, "elbow": -0.4}}
 
 
-def test_a_state_is_a_guess_by_name(srdf):
-    robot = mb.Robot(URDF, srdf=srdf)
-    assert robot.states == {"raised": {"shoulder": 0.6, "elbow": -0.4}}
-    assert robot.equilibrium("raised", hold="all").joints == pytest.approx({"shoulder": 0.6, "elbow": -0.4})
-    with pytest.raises(mb.InputError, match='there is no "raise"; did you mean "raised"'):
-        robot.equilibrium("raise")
-    with pytest.raises(mb.InputError, match="no SRDF file with one is given"):
-        mb.Robot(URDF).equilibrium("raised")
-
-
 def test_own_motors_and_locked_joints_come_first(srdf):
     assert mb.Robot(URDF, srdf=srdf, motors={"shoulder": mb.Motor(armature=0.3)}).model.armature.tolist() == [0.3, 0.0]
     assert mb.Robot(URDF, srdf=srdf, locked={"shoulder": 0.1}).model.armature.tolist() == [0.0]

@@ -59,11 +59,6 @@ def test_tags_that_may_act_and_are_not_read_are_doubtful(extra, name):
     assert [notice for notice in notices if notice.doubtful and name in notice.text]
 
 
-def test_tags_without_effect_are_no_warning():
-    extra = '<gazebo reference="a"><mu1>0.2</mu1><kp>1e6</kp><material>Grey</material></gazebo>'
-    assert not mb.Robot(pendulum(extra)).description_notices
-
-
 def test_mimics_that_follow_each_other_in_a_circle_are_named():
     joints = "".join(
         f'<link name="l{n}">{BODY}</link><joint name="{own}" type="continuous"><parent link="base"/><child link="l{n}"/>'
