@@ -4,7 +4,7 @@ import gc
 
 import pytest
 
-from mbconstrained.analyses.timing import Timing, duration, machine, timed, without_garbage_collection
+from mbconstrained.analyses.timing import Timing, without_garbage_collection
 
 
 def test_median_and_quartiles():
@@ -19,11 +19,6 @@ def test_a_sum_is_taken_repeat_by_repeat():
     assert (Timing((1.0, 9.0, 5.0)) + Timing((5.0, 1.0, 3.0))).median == 8.0
 
 
-def test_timed_gives_what_the_work_gives():
-    found, seconds = timed(lambda: 42)
-    assert found == 42 and seconds >= 0
-
-
 @pytest.mark.parametrize("enabled", [True, False])
 def test_garbage_collection_is_as_it_was(enabled):
     was = gc.isenabled()
@@ -35,15 +30,3 @@ def test_garbage_collection_is_as_it_was(enabled):
         assert gc.isenabled() == enabled
     finally:
         (gc.enable if was else gc.disable)()
-
-
-@pytest.mark.parametrize(
-    "seconds, text", [(3e-9, "3 ns"), (1e-3, "1 ms"), (0.9999, "1 s"), (0.00099949, "999 µs"), (1.0, "1 s"), (75.0, "75 s")]
-)
-def test_durations_read_well(seconds, text):
-    assert duration(seconds) == text
-
-
-def test_the_machine_is_described_without_blanks():
-    found = machine()
-    assert all(found.values()) and "numpy" in found["packages"] and "scipy" in found["packages"]

@@ -114,11 +114,6 @@ def test_to_scipy_and_back(form):
     agrees(StateSpace.from_scipy(system), lambda s: rational(B, A, s), rel=1e-11)
 
 
-def test_scipy_with_several_outputs():
-    system = scipy.signal.TransferFunction([[1.0, 2.0], [3.0, 4.0]], [1.0, 5.0, 6.0])
-    agrees(StateSpace.from_scipy(system), lambda s: np.array([[s + 2], [3 * s + 4]]) / (s * s + 5 * s + 6))
-
-
 def test_one_of_several_has_to_be_named():
     system = StateSpace(np.diag([-1.0, -2.0]), np.eye(2), np.eye(2))
     with pytest.raises(mb.InputError, match=r"output: the system has 2 \(y1, y2\); give output by name or number"):
@@ -189,24 +184,6 @@ def test_control_transfer_functions_of_many_inputs_and_outputs():
     agrees(ours, ours.to_control("transfer function"), rel=1e-9)
 
 
-def test_control_and_we_give_the_same_step_response():
-    control = pytest.importorskip("control")
-    theirs = control.ss(control.tf(B, A))
-    times = np.linspace(0, 5, 11)
-    ours = StateSpace.from_control(theirs).solve(input=mb.step([1.0])).output(times)[0]
-    assert control.step_response(theirs, times).outputs == pytest.approx(ours, abs=1e-12)
-
-
-def test_static_systems_go_there_and_back():
-    control = pytest.importorskip("control")
-    D = [[2.0, 3.0], [0.0, -1.0], [5.0, 0.0]]
-    ours = StateSpace.from_control(control.ss([], [], [], D, inputs=["a", "b"], outputs=["p", "q", "r"]))
-    assert (ours.inputs, ours.outputs) == (("a", "b"), ("p", "q", "r")) and ours(0.7j).tolist() == D
-    assert ours.solve(input=mb.step([1.0, 10.0])).output(1.0).tolist() == [32.0, -10.0, 5.0]
-    assert StateSpace.from_control(ours.to_control())(3.0).tolist() == D
-    assert StateSpace.from_scipy(ours.to_scipy())(3.0).tolist() == D
-
-
 @pytest.mark.parametrize("given", [{"B": [[1.0]]}, {"C": [[1.0]]}, {}])
 def test_a_system_without_inputs_or_outputs_has_no_transfer_function(given):
     pytest.importorskip("control")
@@ -221,11 +198,6 @@ def test_discrete_time_is_refused(step):
         StateSpace.from_control(control.tf([1.0], [1.0, 0.5], step))
     with pytest.raises(mb.InputError, match="found a discrete-time system"):
         StateSpace.from_scipy(scipy.signal.StateSpace([[0.5]], [[1.0]], [[1.0]], [[0.0]], dt=step))
-
-
-def test_systems_without_a_time_base_are_taken_as_continuous():
-    control = pytest.importorskip("control")
-    agrees(StateSpace.from_control(control.tf(B, A, None)), lambda s: rational(B, A, s))
 
 
 @pytest.mark.parametrize("other", [3.0, "1/(s+1)", np.eye(2), None])

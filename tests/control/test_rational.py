@@ -11,7 +11,6 @@ import sympy
 
 import mbconstrained as mb
 from mbconstrained.control.rational import rational_function
-from mbconstrained.polynomial.structure import polynomial_text
 
 
 @pytest.mark.parametrize(
@@ -55,11 +54,6 @@ def test_numbers_of_all_kinds_are_taken_exactly(half):
     found = rational_function([half], [np.int64(1), half])
     assert found.numerator == (Fraction(1, 2),) and found.denominator == (Fraction(1, 2), Fraction(1))
     assert all(type(c) is Fraction for c in (*found.numerator, *found.denominator))
-
-
-def test_a_number_is_a_polynomial_too():
-    assert rational_function(2, 4.0).numerator == (Fraction(2),)
-    assert mb.transfer_function_response(2, 4.0)(1.0).tolist() == [0.5]
 
 
 def test_only_floats_are_known_to_a_rounding():
@@ -110,12 +104,3 @@ def test_binary_numbers_have_the_common_factor_that_they_are():
     small = 1 / 64
     y = mb.transfer_function_response([1, -small], np.polymul([1, -small], np.polymul([1, small], [1, small / 4])))
     assert y.common_factor == (1, Fraction(-1, 64))
-
-
-def test_polynomials_as_text():
-    assert polynomial_text((Fraction(0), Fraction(-1), Fraction(0), Fraction(-3, 2))) == "-1.5 s^3 - s"
-    assert polynomial_text(()) == "0" and polynomial_text((Fraction(1),)) == "1"
-
-
-def test_poles_at_round_numbers_have_notices_like_others():
-    assert mb.transfer_function_response([1], [1, -2, 5]).notices  # it grows; its poles are 1 +- 2 i

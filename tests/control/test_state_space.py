@@ -125,14 +125,6 @@ def test_the_value_of_the_transfer_function():
         StateSpace([[-1.0]], [[1.0]], [[1.0]])(-1.0)
 
 
-def test_names_and_units_are_kept():
-    system = StateSpace([[-1.0]], [[1.0]], [[1.0]], states=["speed"], inputs=["volts"], outputs=["tacho"], units={"volts": "V"})
-    assert system.units == {"speed": "1", "volts": "V", "tacho": "1"}
-    assert system.solve({"speed": 2.0}).initial.tolist() == [[2.0]]
-    assert system.polynomial_matrix_with_outputs().coordinates == ("speed", "tacho")
-    assert repr(system) == "StateSpace(1 state, 1 input, 1 output)"
-
-
 def test_without_inputs_or_outputs():
     free = StateSpace([[-1.0]]).solve([1.0])
     assert free(T)[0] == pytest.approx(np.exp(-T)) and free.output(T).shape == (0, len(T))
@@ -187,23 +179,6 @@ def test_a_singular_pencil_has_no_transfer_function(s):
     system = StateSpace([[2, 1], [-2, -1]], [[1], [0]], [[1, 0]], descriptor=[[1, -1], [-1, 1]])
     with pytest.raises(mb.SingularPolynomialMatrix, match='the equations "row 1", "row 2" are dependent'):
         system(s)
-
-
-def test_notices_and_text_count_states_and_outputs():
-    # x' = -2 x + 2 u, y = x + 3 u with u = 2 + 5 delta: both jump, y has an impulse too.
-    x = StateSpace(**LAG, D=[[3.0]], states=["v"], outputs=["w"]).solve([1.0], mb.step([2.0]) + mb.impulse([5.0]))
-    assert [(n.kind, n.text[:2]) for n in x.notices if n.kind in ("jump", "impulse")] == [
-        ("jump", "v:"),
-        ("jump", "w:"),
-        ("impulse", "w:"),
-    ]
-    assert str(x) == "StateSpaceResponse(2 coordinates: v, w; 2 jumps and 1 impulse at t = 0; 0 events later)"
-
-
-def test_without_outputs_the_notices_are_of_the_states():
-    x = StateSpace([[1.0]], [[1.0]]).solve(input=mb.impulse([1.0]))
-    assert [n.kind for n in x.notices] == ["jump", "unstable"]
-    assert str(x) == "StateSpaceResponse(1 coordinate: x1; 1 jump and 0 impulses at t = 0; 0 events later)"
 
 
 def test_the_error_estimate_of_the_outputs_covers_the_error():

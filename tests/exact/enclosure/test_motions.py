@@ -43,12 +43,6 @@ def test_elements_are_taken_as_they_are():
     assert [int(p[0]) for p in exact] == [10**16 + 1, 10**16]
 
 
-def test_an_unknown_quantity_is_named():
-    motion = mb.MechanicalSystem([[1.0]]).solve([1.0])
-    with pytest.raises(mb.InputError, match="velocty.*velocity"):
-        motion.enclose(1.0, of="velocty")
-
-
 def test_without_rows_there_are_no_reactions_to_enclose():
     motion = mb.MechanicalSystem([[1.0]], stiffness=[[4.0]]).solve([1.0])
     assert motion.enclose([0.0, 1.0], of="reaction").lower.shape == (0, 2)

@@ -51,15 +51,6 @@ def test_both_pairs_give_the_laurent_coefficients(name):
 
 
 @everywhere
-def test_sizes_are_those_of_the_structure(name):
-    x = known(name)
-    finite, infinite, mu = x.pairs.finite, x.pairs.infinite, sum(x.structure.infinite_chains)
-    assert (finite.C.shape, finite.J.shape, finite.B.shape) == ((x.r, x.n), (x.n, x.n), (x.n, x.r))
-    assert (infinite.C.shape, infinite.J.shape, infinite.B.shape) == ((x.r, mu), (mu, mu), (mu, x.r))
-    assert not power(infinite.J, x.highest + 1).any()
-
-
-@everywhere
 def test_finite_pair_is_a_pair_of_a(name):
     """sum A_j C J^j = 0, sum J^j B A_j = 0, and C, J is minimal."""
     x = known(name)

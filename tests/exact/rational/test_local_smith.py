@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from itertools import islice
 
 import flint
 import mpmath
@@ -13,9 +12,8 @@ import pytest
 import mbconstrained as mb
 from mbconstrained.exact import rational as modular
 from mbconstrained.exact.engine import ExactMatrix
-from mbconstrained.exact.rational import RationalMatrix, enclosed_roots, rounded_roots
+from mbconstrained.exact.rational import RationalMatrix, rounded_roots
 from tests.exact.rational.products import MATRICES, known, product
-from tests.oracles import exact
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -32,12 +30,6 @@ def test_a_prime_that_lowers_a_rank_is_unlucky(monkeypatch):
     A = [[[0, 3], [0, 0]], [[1, 0], [0, 1]]]
     monkeypatch.setattr(modular, "FIRST_NUMBER", 3)
     assert mb.exact.structure(mb.PolynomialMatrix(A)).elementary_divisors[0].exponents == (2,)
-
-
-def test_primes_have_roots():
-    p = flint.fmpz_poly([2, 0, 0, 1])
-    for prime, root in islice(modular.rooted_primes(p), 5):
-        assert flint.fmpz(prime).is_prime() and (root**3 + 2) % prime == 0
 
 
 @pytest.mark.parametrize("name", MATRICES)
@@ -74,19 +66,6 @@ def _principal_part(terms):
     return [[sum((t.right[i] * t.left[j] * p ** (K - t.length) for t in terms), zero) % p**K for j in r] for i in r]
 
 
-@pytest.mark.parametrize("name", MATRICES)
-def test_minor_gives_the_determinant_and_the_adjugate(name):
-    x = known(name)
-    R = RationalMatrix.of(x.matrix)
-    assert _fractions(R.determinant) == exact.determinant(x.A.tolist())
-    adjugate = [[exact.trimmed(entry) for entry in row] for row in exact.adjugate(x.A.tolist())]
-    assert [[_fractions(entry) for entry in row] for row in R.adjugate] == adjugate
-
-
-def _fractions(p) -> list[Fraction]:
-    return [Fraction(int(c.p), int(c.q)) for c in p.coeffs()]
-
-
 @pytest.mark.parametrize(
     "coefficients",
     [
@@ -111,13 +90,6 @@ def test_roots_are_the_nearest_numbers(coefficients):
         ]
         expected = {complex(float(mpmath.nstr(re, 40)), float(mpmath.nstr(im, 40))) for re, im in parts if im >= 0}
     assert set(rounded_roots(flint.fmpz_poly(coefficients))) == expected
-
-
-def test_parts_that_are_zero_are_exactly_zero():
-    for coefficients in ([1, 0, 3, 0, 1], [2, 0, 1], [3, 0, 1, 0, 5, 0, 1]):
-        for root in enclosed_roots(flint.fmpz_poly(coefficients), 64):
-            assert root.real == 0 or not root.real.contains(0)
-            assert root.imag == 0 or not root.imag.contains(0)
 
 
 def test_a_root_between_two_neighbours_is_rounded_to_even():

@@ -95,11 +95,6 @@ def test_the_derivatives_of_the_convolution_count():
         assert list(solve_symbolically(FREE_AND_DECAYING, start, [0, 1]).jump) == jumps
 
 
-def test_conditions_of_a_rigid_link():
-    a, b, _ = initial_symbols(RIGID_LINK)[0, :]
-    assert impulse_equations(RIGID_LINK) == (sympy.Eq(a, b), sympy.Eq(*initial_symbols(RIGID_LINK)[1, :2]))
-
-
 @pytest.mark.parametrize("force", FORCES, ids=["free", "forced"])
 @pytest.mark.parametrize("A", CASES)
 def test_they_hold_exactly_where_there_are_no_impulses_and_no_jumps(A, force):

@@ -7,7 +7,7 @@ import pytest
 import sympy
 
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
-from tests.exact.symbolic.gallery import MODELS, PRODUCTS, product, s
+from tests.exact.symbolic.gallery import MODELS, PRODUCTS, s
 from tests.exact.symbolic.models import MASSLESS_JOINTS, TWO_MASSES, k, m
 
 DIGITS = 40
@@ -36,14 +36,6 @@ def kinds(A):
     return [(block.kind, block.length, block.J.rows) for block in A.jordan_pairs().finite.blocks]
 
 
-def test_kinds_of_blocks():
-    assert kinds(PRODUCTS["rational, derogatory"]) == [("jordan", 1, 1), ("jordan", 3, 3)]
-    assert kinds(PRODUCTS["complex pair, twice"]) == [("real jordan", 1, 2), ("real jordan", 2, 4)]
-    assert kinds(PRODUCTS["quartic in squares"]) == [("real jordan", 2, 4), ("real jordan", 2, 4)]
-    assert kinds(PRODUCTS["cubic"]) == [("hypercompanion", 1, 3), ("hypercompanion", 2, 6)]
-    assert kinds(PRODUCTS["no zeros"]) == []
-
-
 def test_overdamped_or_underdamped_is_left_to_the_symbols():
     """m s^2 + 2 s + k: -1/m +- sqrt(1 - k m)/m, of both kinds."""
     A = PRODUCTS["damped pair"]
@@ -60,13 +52,6 @@ def test_real_block_of_a_double_pair():
     J = PRODUCTS["complex pair, twice"].jordan_pairs().finite.J[2:, 2:]
     w = sympy.sqrt(k) / sympy.sqrt(m)
     assert J == sympy.Matrix([[0, w, 1, 0], [-w, 0, 0, 1], [0, 0, 0, w], [0, 0, -w, 0]])
-
-
-def test_rational_block_is_the_hypercompanion_matrix():
-    J = PRODUCTS["cubic"].jordan_pairs().finite.J[3:, 3:]
-    companion = sympy.Matrix([[0, 1, 0], [0, 0, 1], [k, 0, 0]])
-    corner = sympy.Matrix(3, 3, lambda i, j: int((i, j) == (2, 0)))
-    assert J == sympy.Matrix(sympy.BlockMatrix([[companion, corner], [sympy.zeros(3), companion]]).as_explicit())
 
 
 def test_one_factor_without_a_closed_form_has_the_state_matrix():
@@ -109,12 +94,6 @@ def test_symbols_are_positive_whether_declared_so_or_not():
         difference = getattr(pair, name).subs(back) - getattr(known, name)
         assert difference.applyfunc(sympy.simplify) == sympy.zeros(*difference.shape)
     assert pair.J.free_symbols == set(back)
-
-
-def test_what_is_not_asked_for_is_not_computed():
-    pairs = product(1, s, s + k).jordan_pairs()
-    pairs.laurent(0)
-    assert "finite" not in vars(pairs) and "structure" not in vars(pairs)
 
 
 @pytest.mark.parametrize("A", [TWO_MASSES, MASSLESS_JOINTS], ids=["two masses", "massless joints"])

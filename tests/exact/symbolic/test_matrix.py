@@ -9,7 +9,7 @@ import sympy
 import mbconstrained as mb
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 from tests.exact.symbolic.gallery import MODELS, s
-from tests.exact.symbolic.models import MASSLESS_JOINTS, OSCILLATOR, TWO_MASSES, k, m
+from tests.exact.symbolic.models import OSCILLATOR, TWO_MASSES, k, m
 
 every = pytest.mark.parametrize("A", MODELS.values(), ids=MODELS)
 
@@ -38,28 +38,6 @@ def test_other_shapes_are_refused(coefficients, message):
 def test_matrices_may_be_given_in_every_usual_form():
     forms = ([[k, 0], [0, 1]], sympy.diag(k, 1), sympy.diag(k, 1).as_immutable(), np.array([[k, 0], [0, 1]]), ((k, 0), (0, 1)))
     assert {SymbolicPolynomialMatrix([form]).coefficients for form in forms} == {(sympy.diag(k, 1).as_immutable(),)}
-
-
-def test_attributes():
-    A = SymbolicPolynomialMatrix([[[k]], [[0]], [[m]]], coordinates=["x"], equations=["balance"])
-    assert (A.size, A.degree, A.symbols, A.coordinates, A.equations) == (1, 2, (k, m), ("x",), ("balance",))
-    assert A.variable == s
-    assert repr(A) == "SymbolicPolynomialMatrix(degree=2, size=1, symbols=(k, m))"
-    assert A.dual.coefficients == A.coefficients[::-1]
-    assert A.dual.coordinates == ("x",)
-    assert TWO_MASSES.equations == ("equation 1", "equation 2", "equation 3")
-
-
-def test_names_are_checked():
-    with pytest.raises(mb.InputError, match="coordinates"):
-        SymbolicPolynomialMatrix([[[k]]], coordinates=["x", "y"])
-
-
-@every
-def test_values(A):
-    for at in (0, 0.5, sympy.Symbol("w"), s):
-        expected = sum((M * sympy.nsimplify(at) ** i for i, M in enumerate(A.coefficients)), sympy.zeros(A.size))
-        assert (A(at) - expected).expand() == sympy.zeros(A.size)
 
 
 @every
@@ -96,11 +74,6 @@ def test_a_singular_matrix_names_equations_and_coordinates():
             ask()
 
 
-def test_a_singular_matrix_of_square_roots():
-    with pytest.raises(mb.SingularPolynomialMatrix, match='"x1", "x2"'):
-        SymbolicPolynomialMatrix([[[sympy.sqrt(2) * k, 2], [k, sympy.sqrt(2)]]]).structure()
-
-
 def test_what_is_singular_for_one_value_of_a_symbol_only_is_regular():
     A = SymbolicPolynomialMatrix([[[1, 1], [1, k]], [[0, 0], [0, 0]]])
     assert A.determinant.as_expr() == k - 1
@@ -126,17 +99,6 @@ def test_numbers_of_a_numerical_matrix_are_the_rationals_they_are():
 def test_only_numerical_matrices_are_taken_as_such(given, name):
     with pytest.raises(mb.InputError, match=f"A: found an object of type {name}; expected a PolynomialMatrix"):
         SymbolicPolynomialMatrix.of(given)
-
-
-@pytest.mark.parametrize("index", [-2, np.int64(-2), sympy.Integer(-2)])
-def test_laurent_takes_every_kind_of_whole_number(index):
-    assert OSCILLATOR.jordan_pairs().laurent(index)[0] == 1 / m
-
-
-@pytest.mark.parametrize("index", [1.0, True, "1", None])
-def test_laurent_takes_whole_numbers(index):
-    with pytest.raises(mb.InputError, match="expected a whole number"):
-        MASSLESS_JOINTS.jordan_pairs().laurent(index)
 
 
 def test_local_smith_forms():
