@@ -12,15 +12,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from mbconstrained.analyses.accuracy.accuracy import (
-    Accuracy,
-    AccuracyReport,
-    accuracy_report,
-    fastest,
-    further,
-    one_run,
-    ratio,
-)
+from mbconstrained.analyses.accuracy.accuracy import Accuracy, AccuracyReport, accuracy_report, fastest, further, one_run, ratio
 from mbconstrained.analyses.study_problem import problem_of
 from mbconstrained.analyses.timing import duration
 from mbconstrained.scene.run.scene import read_scene

@@ -98,16 +98,6 @@ def test_the_text_fits_80_columns_and_lists_places_out_of_reach(path, tmp_path):
 
 
 @pytest.mark.long
-def test_a_robot_without_oscillation_has_a_page_without_a_picture(path, tmp_path):
-    """A weightless pendulum without springs: nothing oscillates."""
-    text = SCENE.replace("joint_stiffness = { shoulder = 900, elbow = 300 }", "gravity = 0").replace(
-        f"value = {FORCE}", "value = 0"
-    )
-    code, output, _ = path(text)
-    assert code == 0 and "nothing oscillates" in output and not list((tmp_path / "out").glob("*.png"))
-
-
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("text", "options", "message"),
     [

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import mbconstrained as mb
 from mbconstrained import InputError
-from mbconstrained.models.elements import Gear, Mass, Spring
+from mbconstrained.models.elements import Spring
 from mbconstrained.models.lumped import LumpedModel
 
 
@@ -29,29 +29,6 @@ def test_assembled_matrices_by_hand():
     assert system.stiffness.tolist() == [[7, -5, 0], [-5, 5, 0], [0, 0, 0]]
     assert system.damping.tolist() == [[0, 0, 0], [0, 3, -3], [0, -3, 3]]
     assert system.static_force.tolist() == pytest.approx([2 * 0.2 - 5 * 0.4, 5 * 0.4, 0])
-
-
-def test_at_rest_lengths_no_spring_pulls():
-    model = cart_and_hook()
-    system = model.assemble()
-    rest = np.array([0.2, 0.6, 7.0])
-    assert np.allclose(system.stiffness @ rest, system.static_force)
-
-
-def test_elements_coordinates_units():
-    model = LumpedModel()
-    cart = model.mass("cart", 10, position=0.5)
-    shaft = model.inertia("shaft", 0.3)
-    model.node("pin")
-    model.node("flange", rotational=True)
-    spring = model.spring("ground", "cart", 2)
-    assert model.elements[:2] == (cart, shaft) and model.elements[-1] == spring
-    assert cart == Mass("cart", 10.0, 0.5)
-    assert model.coordinates == ("cart", "shaft", "pin", "flange")
-    assert model.units == {"cart": "m", "shaft": "rad", "pin": "m", "flange": "rad"}
-    assert model.assemble().units == model.units
-    with pytest.raises(AttributeError):
-        cart.mass = 3.0
 
 
 def test_names_are_made_where_none_are_given():
@@ -97,18 +74,6 @@ def test_rows_of_pulleys_by_hand():
     model.pulley("ground", "a", over="block", length=-2.0)
     rows = [(c.rows[0].tolist(), c.values[0]) for c in model.assemble().constraints]
     assert rows == [([1, 1, -2], -3.0), ([1, 0, -2], 2.0)]
-
-
-def test_internal_gears_turn_the_same_way():
-    assert Gear("p", "q", 0.1, 0.3, internal=True).row == {"p": 1.0, "q": pytest.approx(-3.0)}
-
-
-def test_gravity_acts_on_masses_only():
-    model = cart_and_hook()
-    model.inertia("shaft", 1.0)
-    without = model.assemble().static_force
-    model.gravity(-9.81)
-    assert (model.assemble().static_force - without).tolist() == pytest.approx([-98.1, 0, -19.62, 0])
 
 
 def test_forces_add_up_and_act_on_their_body():
@@ -321,11 +286,6 @@ def test_sparse_assembly_has_the_same_equations():
     assert np.allclose(
         sparse.modes(5, damped=False).natural_frequencies, dense.modes(5, damped=False).natural_frequencies, rtol=1e-9
     )
-
-
-def test_modes_of_a_large_damped_chain_satisfy_the_equations():
-    modes = long_chain(120).assemble().modes()
-    assert len(modes.eigenvalues) == 120 and modes.residuals.max() < 1e-13
 
 
 def test_rotors_have_no_sparse_matrices():

@@ -167,11 +167,6 @@ def test_elements_that_cannot_be_used(directions, constants, words):
         mb.ElementMatrix(directions, constants)
 
 
-def test_elements_of_another_size():
-    with pytest.raises(mb.InputError, match="stiffness: expected shape 2 x 2, found 1 x 1"):
-        mb.MechanicalSystem(np.eye(2), stiffness=mb.ElementMatrix([[1.0]], [1.0]))
-
-
 def test_a_ratio_that_no_arithmetic_here_can_bear_is_refused():
     springs = mb.ElementMatrix([[1, 0], [1, -1]], [1.0, 1e70])
     with pytest.raises(mb.IllConditioned, match="1e\\+70 times the softest"):

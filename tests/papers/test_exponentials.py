@@ -116,12 +116,6 @@ def test_zeros_and_exponents_that_are_not_those_of_the_matrix_are_refused(struct
         exponential_by_blocks(collected([(zero, sizes)]), [taken[0]], [taken[1]], t)
 
 
-def test_nested_lists_are_matrices():
-    known = exponential_by_interpolation(sympy.diag(1, 2), {1: 1, 2: 1}, t)
-    assert exponential_by_interpolation([[1, 0], [0, 2]], {1: 1, 2: 1}, t) == known == sympy.diag(sympy.exp(t), sympy.exp(2 * t))
-    assert exponential_by_blocks([[[1]], [[2]]], [1, 2], [1, 1], t) == known
-
-
 def test_two_times_multiply():
     one = exponential_of_jordan_block(a, 3, t) * exponential_of_jordan_block(a, 3, u)
     assert is_zero(one - exponential_of_jordan_block(a, 3, t + u))

@@ -22,9 +22,7 @@ def example_system(name: str) -> MechanicalSystem:
             constraints=[Constraint([1, -1, 0], level="acceleration")],
         )
     return MechanicalSystem(
-        mass=np.diag([0.0, 0.0, 10.0]),
-        damping=[[0, 0, 0], [0, 12, -4], [0, -4, 4]],
-        stiffness=[[9, 0, -3], [0, 0, 0], [-3, 0, 3]],
+        mass=np.diag([0.0, 0.0, 10.0]), damping=[[0, 0, 0], [0, 12, -4], [0, -4, 4]], stiffness=[[9, 0, -3], [0, 0, 0], [-3, 0, 3]]
     )
 
 
