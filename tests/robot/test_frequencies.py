@@ -277,68 +277,23 @@ def test_force_at_a_joint():
     assert np.cos(posture.joints["swing"]) == pytest.approx(2.0 / (0.5 * G), rel=1e-12)  # m g l cos(q) = torque
 
 
-def test_string_with_preload_instead_of_a_rest_length():
+@pytest.mark.parametrize(
+    "options, lateral, damping",
+    [({"preload": 80.0}, 160.0, 0.0), ({"preload": -80.0}, -160.0, 0.0), ({"damping": 3.0}, 0.0, 6.0)],
+    ids=["pulled", "pressed", "slack"],
+)
+def test_string_with_preload_instead_of_a_rest_length(options, lateral, damping):
     # tension T on both sides: lateral 2 T / (m L), along 2 k / m; a preload does not depend on the length at rest
-    mass, half, tension, k = 0.5, 1.0, 80.0, 800.0
+    half, k = 1.0, 800.0
     model = urdf(
-        GROUND, link("a"), link("b"), link("bead", mass),
+        GROUND, link("a"), link("b"), link("bead", 0.5),
         joint("x", "frame", "a", "prismatic", axis=(1, 0, 0)), joint("y", "a", "b", "prismatic", axis=(0, 1, 0)), joint("z", "b", "bead", "prismatic"),
     )  # fmt: skip
-    springs = [
-        mb.BodySpring(
-            "bead",
-            (0, 0, 0),
-            "ground",
-            (x, 0, 0),
-            stiffness=k,
-            preload=tension,
-            name=f"at {x}",
-        )
-        for x in (-half, half)
-    ]
+    springs = [mb.BodySpring("bead", (0, 0, 0), "ground", (x, 0, 0), stiffness=k, name=f"at {x}", **options) for x in (-half, half)]
     robot = mb.Robot(model, springs=springs, gravity=0)
     system = robot.linearize(robot.equilibrium())
-    expected = np.diag([2 * k, 2 * tension / half, 2 * tension / half])
-    assert near(system.stiffness, expected, 1e-13)
-    pressed = mb.Robot(
-        model,
-        springs=[
-            mb.BodySpring(
-                "bead",
-                (0, 0, 0),
-                "ground",
-                (x, 0, 0),
-                stiffness=k,
-                preload=-tension,
-                name=f"at {x}",
-            )
-            for x in (-half, half)
-        ],
-        gravity=0,
-    )
-    assert near(
-        pressed.linearize(pressed.equilibrium()).stiffness,
-        np.diag([2 * k, -2 * tension / half, -2 * tension / half]),
-        1e-13,
-    )
-    slack = mb.Robot(
-        model,
-        springs=[
-            mb.BodySpring(
-                "bead",
-                (0, 0, 0),
-                "ground",
-                (x, 0, 0),
-                stiffness=k,
-                damping=3.0,
-                name=f"at {x}",
-            )
-            for x in (-half, half)
-        ],
-        gravity=0,
-    )
-    without = slack.linearize(slack.equilibrium())
-    assert near(without.stiffness, np.diag([2 * k, 0, 0]), 1e-13) and near(without.damping, np.diag([6.0, 0, 0]), 1e-13)
+    assert near(system.stiffness, np.diag([2 * k, lateral / half, lateral / half]), 1e-13)
+    assert near(system.damping, np.diag([damping, 0, 0]), 1e-13)
 
 
 def test_bushing_along_the_axes_of_its_frame():
