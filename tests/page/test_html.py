@@ -14,9 +14,12 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from mbconstrained.ground.errors import MbconstrainedError
-from mbconstrained.page.content import PageContent
-from mbconstrained.page.html import _ANIMATION, _ASSETS, _PLOTS, VIEWER_FILE, page_html, script_json, viewer_script
+from mbconstrained.ground.display import TextTable
+from mbconstrained.ground.errors import InputError, MbconstrainedError
+from mbconstrained.page.animation import Animation
+from mbconstrained.page.content import Curve, PageContent, Plot, typeset
+from mbconstrained.page.drawing import Drawing, DrawnBody
+from mbconstrained.page.html import _ANIMATION, _ASSETS, _PLOTS, VIEWER_FILE, page_html, script_json, viewer_script, write_page
 from tests.page.contents import HOSTILE, hostile_content, two_masses_content
 
 
@@ -167,3 +170,86 @@ def test_scripts_of_one_page_have_different_names_at_the_top(last):
     text = "\n".join((_ASSETS / name).read_text(encoding="utf-8") for name in scripts)
     names = re.findall(r"^(?:async )?(?:function\*?|const|let|class) (\w+)", text, re.M)
     assert sorted(name for name in set(names) if names.count(name) > 1) == []
+
+
+EMPTY = Drawing(())
+
+
+@pytest.mark.parametrize(
+    "make, message",
+    [
+        (lambda: Animation(EMPTY, ("x",), [0, 1], [[0, np.nan]]), "animation, values: the entry at .* is nan"),
+        (lambda: Animation(EMPTY, ("x",), [0, 1], [[0, 1, 2]]), "animation, values: expected shape 1 x 2, found 1 x 3"),
+        (lambda: Animation(EMPTY, ("x", "y"), [0, 1], [[0, 1]]), "animation, values: expected shape 2 x 2, found 1 x 2"),
+        (lambda: Animation(EMPTY, ("x",), [0, 1], [[0, 1]], [[0]]), "animation, rates: expected shape 1 x 2, found 1 x 1"),
+        (lambda: Animation(EMPTY, ("x",), [0, 1], [[0, 1e300]]), "found 1e.300, which is too large to draw; give an earlier end"),
+        (lambda: Animation(EMPTY, (), [], np.zeros((0, 0))), "animation, times: no times found"),
+        (lambda: Plot("p", "m", [0, 2, 1], ()), 'plot "p", times: 2 s is followed by 1 s; times must ascend'),
+        (lambda: Plot("p", "m", [0, 0], ()), "0 s is followed by 0 s"),
+        (lambda: Plot("p", "m", [0, 1], (Curve("c", [0, np.inf]),)), 'plot "p", curve "c": the entry at .* is inf'),
+        (lambda: Plot("p", "m", [0, 1], (Curve("c", [0]),)), 'plot "p", curve "c": expected shape 2, found 1'),
+        (lambda: TextTable("t", ("a", "b"), (("1", "2"), ("1",))), 'table "t": row 2 has 1 entries for 2 columns'),
+    ],
+)
+def test_what_cannot_be_shown_is_refused(make, message):
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+def test_the_file_is_the_page(tmp_path):
+    content = PageContent("Größe × 2")
+    path = write_page(tmp_path / "page.html", content)
+    assert path.read_bytes() == page_html(content).encode("utf-8")
+    assert os.listdir(tmp_path) == ["page.html"]
+
+
+def test_a_failure_leaves_the_earlier_file(tmp_path):
+    path = tmp_path / "page.html"
+    path.write_text("earlier")
+    wrong = Animation(Drawing((DrawnBody("b", moves={"x": (1, 0, 0)}),)), ("x",), [0, 1], [[0, 1e200]])
+    with pytest.raises(InputError, match='body "b" is drawn up to 1e'):
+        write_page(path, PageContent("t", animation=wrong))
+    assert path.read_text() == "earlier"
+    assert os.listdir(tmp_path) == ["page.html"]
+
+
+def test_a_failure_while_writing_leaves_the_earlier_file(tmp_path, monkeypatch):
+    path = tmp_path / "page.html"
+    path.write_text("earlier")
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.replace", full)
+    with pytest.raises(InputError, match="cannot be written: No space left on device; give another path"):
+        write_page(path, PageContent("t"))
+    assert path.read_text() == "earlier"
+    assert os.listdir(tmp_path) == ["page.html"]
+
+
+@pytest.mark.parametrize("place", ["missing/page.html", "."])
+def test_a_place_that_cannot_be_written_is_named(tmp_path, place):
+    with pytest.raises(InputError, match=r'the page ".*" cannot be written: .*; give another path'):
+        write_page(tmp_path / place, PageContent("t"))
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    "text, shown",
+    [
+        ("", ""),
+        ("m/s^2", "m/s²"),
+        ("kg m^2/s^-10", "kg m²/s⁻¹⁰"),
+        ("x^2", "x^2"),
+        ("x_m^2", "x_m^2"),
+        ("δ^(4)", "δ^(4)"),
+        ("m^2a", "m^2a"),
+        ("± 1 i", "±\xa01\xa0i"),
+        ("-1 ± 1e-05 i", "-1\xa0±\xa01e-05\xa0i"),
+        ("at 3 in all", "at 3 in all"),
+        ("a ± b", "a ± b"),
+        ("<b>", "&lt;b&gt;"),
+    ],
+)
+def test_a_text_is_typeset(text, shown):
+    assert typeset(text) == shown

@@ -8,6 +8,7 @@ import sympy
 
 from mbconstrained.exact.closed_form import ClosedForm, Impulse, Jump, terms_of
 from mbconstrained.exact.formula_printers import formula_text, latex, mathml, records
+from mbconstrained.exact.symbolic_equations import Symbols
 from tests.exact.formulas.answers import damped, hostile, k, m, t
 
 w = sympy.sqrt(k / m)
@@ -123,3 +124,22 @@ def test_latex_has_letters_beyond_ascii_only_as_text(name):
 def test_terms_add_up_to_the_expression():
     expression = (t + k) ** 2 * sympy.exp(-t) * (sympy.cos(m * t) + 2) - 5 * t**3 + k
     assert sympy.expand(sum(term.expression for term in terms_of(expression, t)) - expression) == 0
+
+
+NAMES = ("π", "s", "s_", "x_0", "k", "k_")
+
+
+def test_no_name_is_another():
+    symbols = Symbols(dict.fromkeys(NAMES, 1.0))
+    engine = {symbol for name in NAMES for symbol in symbols._engine[name].free_symbols}
+    assert len(engine) == len(NAMES)
+    assert not {symbol.name for symbol in engine} & {*NAMES, "t", "pi", symbols.pi.name}
+
+
+def test_names_come_back_with_their_signs():
+    symbols = Symbols({"π": 2.0, "s": -3.0})
+    inner, negative = symbols._engine["π"], symbols._engine["s"]
+    found = symbols.finished(ClosedForm(("x",), (inner * symbols.pi + negative * symbols.time,), symbols.time))
+    values = {**found.defaults, symbols.time: sympy.Integer(5)}
+    assert [p.name for p in found.parameters] == ["π", "s"]
+    assert found.values[0].xreplace(values) == 2 * sympy.pi - 15
