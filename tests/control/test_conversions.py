@@ -114,6 +114,11 @@ def test_to_scipy_and_back(form):
     agrees(StateSpace.from_scipy(system), lambda s: rational(B, A, s), rel=1e-11)
 
 
+def test_scipy_with_several_outputs():
+    system = scipy.signal.TransferFunction([[1.0, 2.0], [3.0, 4.0]], [1.0, 5.0, 6.0])
+    agrees(StateSpace.from_scipy(system), lambda s: np.array([[s + 2], [3 * s + 4]]) / (s * s + 5 * s + 6))
+
+
 def test_one_of_several_has_to_be_named():
     system = StateSpace(np.diag([-1.0, -2.0]), np.eye(2), np.eye(2))
     with pytest.raises(mb.InputError, match=r"output: the system has 2 \(y1, y2\); give output by name or number"):
@@ -182,6 +187,16 @@ def test_control_transfer_functions_of_many_inputs_and_outputs():
     ours = StateSpace.from_control(theirs)  # one of them is improper
     agrees(ours, theirs)
     agrees(ours, ours.to_control("transfer function"), rel=1e-9)
+
+
+def test_static_systems_go_there_and_back():
+    control = pytest.importorskip("control")
+    D = [[2.0, 3.0], [0.0, -1.0], [5.0, 0.0]]
+    ours = StateSpace.from_control(control.ss([], [], [], D, inputs=["a", "b"], outputs=["p", "q", "r"]))
+    assert (ours.inputs, ours.outputs) == (("a", "b"), ("p", "q", "r")) and ours(0.7j).tolist() == D
+    assert ours.solve(input=mb.step([1.0, 10.0])).output(1.0).tolist() == [32.0, -10.0, 5.0]
+    assert StateSpace.from_control(ours.to_control())(3.0).tolist() == D
+    assert StateSpace.from_scipy(ours.to_scipy())(3.0).tolist() == D
 
 
 @pytest.mark.parametrize("given", [{"B": [[1.0]]}, {"C": [[1.0]]}, {}])

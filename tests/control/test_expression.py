@@ -9,6 +9,7 @@ import pytest
 import sympy
 
 import mbconstrained as mb
+from mbconstrained.exact.symbolic.response.inverse_transform import time_expression
 
 t, s = sympy.Symbol("t", real=True), sympy.Symbol("s")
 
@@ -82,6 +83,14 @@ def test_numerical_roots_have_thirty_digits():
 def test_a_common_factor_is_not_in_it():
     form = mb.transfer_function_response([1, -3], [1, -2, -3], 0).expression(t)
     assert form == sympy.exp(-t)
+
+
+def test_the_symbol():
+    assert mb.transfer_function_response([1], [1, 1]).expression().free_symbols == {t}
+    own = sympy.Symbol("tau")
+    assert time_expression([Fraction(1)], [Fraction(1), Fraction(1)], 0, own) == sympy.exp(-own)
+    with pytest.raises(mb.InputError, match="t: found 't'; expected a sympy.Symbol"):
+        mb.transfer_function_response([1], [1, 1]).expression("t")
 
 
 def test_a_long_sum_evaluates_to_the_response():

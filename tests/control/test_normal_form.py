@@ -251,3 +251,11 @@ def test_freedom_keeps_the_form(seed):
     tolerance = 1e-12 * np.linalg.cond(T)
     assert np.allclose(state[:4], np.eye(4, 8, k=4), rtol=0, atol=tolerance * 10)
     assert np.allclose(T @ B, np.eye(8, 2, k=-6), rtol=0, atol=tolerance)
+
+
+def test_shows_its_evidence():
+    form = mb.mechanical_normal_form(*case(short("E2"))[:2])
+    text = str(form)
+    assert "3 coordinates, 1 input" in text and "one of a family of 12 dimensions" in text
+    assert {item.name for item in form.evidence} == {"condition", "residual", "input residual", "input margin", "eigenvalue margin"}
+    assert all(np.isfinite(item.value) for item in form.evidence)

@@ -181,6 +181,23 @@ def test_a_singular_pencil_has_no_transfer_function(s):
         system(s)
 
 
+def test_notices_and_text_count_states_and_outputs():
+    # x' = -2 x + 2 u, y = x + 3 u with u = 2 + 5 delta: both jump, y has an impulse too.
+    x = StateSpace(**LAG, D=[[3.0]], states=["v"], outputs=["w"]).solve([1.0], mb.step([2.0]) + mb.impulse([5.0]))
+    assert [(n.kind, n.text[:2]) for n in x.notices if n.kind in ("jump", "impulse")] == [
+        ("jump", "v:"),
+        ("jump", "w:"),
+        ("impulse", "w:"),
+    ]
+    assert str(x) == "StateSpaceResponse(2 coordinates: v, w; 2 jumps and 1 impulse at t = 0; 0 events later)"
+
+
+def test_without_outputs_the_notices_are_of_the_states():
+    x = StateSpace([[1.0]], [[1.0]]).solve(input=mb.impulse([1.0]))
+    assert [n.kind for n in x.notices] == ["jump", "unstable"]
+    assert str(x) == "StateSpaceResponse(1 coordinate: x1; 1 jump and 0 impulses at t = 0; 0 events later)"
+
+
 def test_the_error_estimate_of_the_outputs_covers_the_error():
     random = np.random.default_rng(5)
     S = random.normal(size=(3, 3))

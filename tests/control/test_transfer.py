@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.control.state_equations import roots_of
+from mbconstrained.control.rational import rational_function
+from mbconstrained.control.state_equations import rational_transfer, roots_of
 from mbconstrained.control.state_space import StateSpace
 
 
@@ -96,3 +97,11 @@ def test_a_gain_beyond_the_poles_at_zero():
 def test_unknown_inputs_and_outputs(key):
     with pytest.raises(mb.InputError, match="output: found .*; expected one of y1, or a number from 0"):
         StateSpace([[-1.0]], [[1.0]], [[1.0]]).transfer(key)
+
+
+def test_fractions_of_polynomials():
+    found = rational_transfer(rational_function([2, 2, 0], [1, 6, 5, 0]))  # 2 s (s + 1) / s (s + 1)(s + 5)
+    assert found.zeros == () and values(found.poles) == [(-5, 1)]
+    assert (found.gain, found.dc_gain) == (2.0, 0.4)
+    assert rational_transfer(rational_function([1], [1, 0])).dc_gain is None
+    assert rational_transfer(rational_function([0], [1, 1])).gain == 0.0

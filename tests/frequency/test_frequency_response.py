@@ -243,6 +243,25 @@ def test_bad_frequencies_are_refused(frequencies, message):
         mb.MechanicalSystem([[1.0]], None, [[1.0]]).frequency_response(frequencies)
 
 
+def test_tables_and_files(tmp_path):
+    H = chain(3).frequency_response([1.0, 2.0], ["x1"], ["x2", "x3"])
+    array, frame = H.to_xarray(), H.to_pandas()
+    assert array.sel(output="x3", input="x1").values.tolist() == H.values[1, 0].tolist() == frame["x3", "x1"].tolist()
+    stored = np.load(H.write(tmp_path / "H.npz"), allow_pickle=False)
+    assert (stored["values"] == H.values).all() and stored["units"].tolist() == [["m/N"], ["m/N"]]
+    lines = H.write(tmp_path / "H.csv").read_text().splitlines()
+    assert lines[0].split(",")[3] == "real x3/x1 (m/N)" and float(lines[1].split(",")[3]) == H.values[1, 0, 0].real
+    with pytest.raises(mb.InputError, match="ending"):
+        H.write(tmp_path / "H.txt")
+
+
+def test_plots_have_an_axes_for_each_curve():
+    H = chain(3).frequency_response([1.0, 2.0, 3.0], ["x1"], ["x2", "x3"])
+    assert [len(H.plot(kind).axes) for kind in ("bode", "nyquist", "parts")] == [4, 2, 4]
+    with pytest.raises(mb.InputError, match="bode"):
+        H.plot("polar")
+
+
 def response(**options):
     system = mb.MechanicalSystem(np.diag([1.0, 2.0]), 0.1 * np.eye(2), [[5.0, -4.0], [-4.0, 4.0]], names=["a", "b"])
     return system.frequency_response("auto", **options)

@@ -194,6 +194,26 @@ def test_a_double_zero_is_refused():
     assert quadratic_modes(*model) is None
 
 
+@pytest.mark.parametrize(
+    "K",
+    [
+        2 * np.eye(3) - np.roll(np.eye(3), 1, 0) - np.roll(np.eye(3), -1, 0) + np.eye(3),
+        np.eye(3),
+        np.array([[2.0, 1.0, 1.0], [1.0, 2.0, 1.0], [1.0, 1.0, 2.0]]),
+    ],
+    ids=["a ring", "not coupled", "all coupled"],
+)
+def test_what_is_no_tree_is_not_taken(K):
+    assert quadratic_modes(np.eye(3), np.zeros((3, 3)), K) is None
+
+
+def test_many_branches_at_one_place_are_not_divided():
+    count = 2 * DENSE
+    parents = [0] * (count - 1)
+    model = tree(parents, np.linspace(1, 2, count - 1), np.zeros(count - 1), np.ones(count))
+    assert quadratic_modes(*model) is None
+
+
 ROOTS = {
     "real ones": [-1.0, -2.0, -5.0, 3.0],
     "pairs": [-1 + 2j, -1 - 2j, 0.5 + 1j, 0.5 - 1j],

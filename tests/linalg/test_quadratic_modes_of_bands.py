@@ -86,3 +86,7 @@ def test_a_beam_of_integers_with_one_damper_keeps_its_modes():
     K = D.T @ D
     K[[0, 1, -1], [0, 1, -1]] += 1.0
     check(quadratic_modes(np.eye(len(K)), np.diag(one), K), np.eye(len(K)), np.diag(one), K)
+
+
+def test_what_has_too_few_coordinates_for_its_width_is_left_to_others():
+    assert quadratic_modes(*ring(2 * EACH - 2)) is None

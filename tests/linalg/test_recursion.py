@@ -104,6 +104,16 @@ def test_it_is_one_step_after_the_other(seed, rows, driven, count, sparse):
         assert np.allclose(found, known, rtol=0, atol=1e-13 * (1 + np.abs(known).max()))
 
 
+def test_unused_states_are_not_made_and_the_values_are_the_same():
+    random = np.random.default_rng(0)
+    step, drive = 0.2 * random.normal(size=(9, 9)), random.normal(size=(9, 2))
+    start, inputs = random.normal(size=9), random.normal(size=(2, 50))
+    output = np.zeros((40, 9))
+    output[:, 3] = random.normal(size=40)
+    found = values_of_steps(csr_array(output), step, drive, start, inputs)
+    assert np.allclose(found, output @ values_of_steps(np.eye(9), step, drive, start, inputs), rtol=0, atol=1e-13)
+
+
 @given(st.integers(0, 2**32 - 1), st.integers(0, 60), st.booleans())
 def test_scalars_side_by_side(seed, count, same):
     random = np.random.default_rng(seed)

@@ -87,3 +87,8 @@ def _free_chain(count):
     K = 2 * np.eye(count) - np.eye(count, k=1) - np.eye(count, k=-1)
     K[0, 0] = K[-1, -1] = 1.0
     return K
+
+
+def test_what_is_too_densely_coupled_is_none():
+    for width in (9, 20):
+        assert sparse_quadratic(*band(40, width)) is None

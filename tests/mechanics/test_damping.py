@@ -141,6 +141,11 @@ def test_relative_damping_acts_on_the_motion_relative_to_the_static_response(sup
     assert np.allclose(motion(2.0 - 1e-12)[s:], y + R @ records[:, -1], rtol=1e-9, atol=1e-10)
 
 
+def test_which_velocity_is_damped_is_reported():
+    texts = [str(notice) for relative in (False, True) for notice in building(relative).solve().notices if notice.kind == "damping"]
+    assert "absolute velocities" in texts[0] and "relative to the static response" in texts[1] and len(texts) == 2
+
+
 def test_relative_damping_is_the_same_where_nothing_moves():
     """A fixed base: (I - R A)^T M (I - R A) is M on all motions with A x = 0."""
     system = mb.MechanicalSystem(np.diag([2.0, 1.0, 0.0]), None, [[5, -2, -3], [-2, 2, 0], [-3, 0, 3]], [mb.Constraint([0, 0, 1])])

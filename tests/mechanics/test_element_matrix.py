@@ -33,6 +33,10 @@ def test_a_polynomial_matrix_takes_elements_and_keeps_their_digits():
     assert slow == pytest.approx(0.5**0.5, rel=1e-14)
 
 
+def test_it_is_shown_in_one_line():
+    assert repr(mb.ElementMatrix([[1, 0], [-1, 1]], [2.0, 3.0])) == "ElementMatrix(2 coordinates, 2 elements)"
+
+
 @pytest.mark.parametrize("of", [["velocity"], {"velocity"}, 3, "velocty", None])
 def test_the_quantity_of_an_error_estimate_is_a_word(of):
     motion = mb.MechanicalSystem(mass=[[1.0]], stiffness=[[1.0]], names=["a"]).solve(displacement=[1.0])

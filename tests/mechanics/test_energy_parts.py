@@ -133,6 +133,16 @@ def test_by_coordinate_both_energies_of_a_free_mode_are_shared_alike(count, data
             assert shares.strain == pytest.approx(shares.kinetic, abs=1e-10)
 
 
+def test_by_coordinate_a_share_may_be_negative():
+    # x2 = q1 + q2: M couples q1 and q2, and in the fast mode of Moysis et al., section 5.1, q1 works against q2
+    row = Constraint([1, -1, 0], level="position")
+    system = MechanicalSystem([[10, 0, 0], [0, 10, 10], [0, 10, 10]], stiffness=np.diag([2, 0, 2]), constraints=row)
+    assert system.energy_parts.is_by_coordinate and not chain([1], [1, 1]).assemble().energy_parts.is_by_coordinate
+    slow, fast = (mode.shares[0] for mode in system.modes())
+    assert values(slow.kinetic) == pytest.approx([(5 - 5**0.5) / 10, 1 / 5**0.5, (5 - 5**0.5) / 10], abs=1e-13)
+    assert values(fast.kinetic) == pytest.approx([(5 + 5**0.5) / 10, -1 / 5**0.5, (5 + 5**0.5) / 10], abs=1e-13)
+
+
 @pytest.mark.parametrize("gear", [1.0, 1 / 3, 1e3])
 def test_a_rigid_body_strains_nothing(gear):
     model = mb.LumpedModel()

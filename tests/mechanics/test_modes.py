@@ -186,6 +186,26 @@ def test_a_very_soft_support_never_makes_growth(stiffness):
     assert {mode.kind for mode in system.modes()} <= {"oscillation", "rigid body", "offset"}
 
 
+def test_the_table_is_text():
+    rows = two_masses().modes().table()
+    assert rows[0] == {
+        "kind": "drift",
+        "eigenvalue (1/s)": "0",
+        "frequency (Hz)": "",
+        "natural frequency (rad/s)": "",
+        "damping ratio": "",
+        "multiplicity": "2",
+        "meaning": "drift of constraint rows at velocity or acceleration level, no motion of the bodies",
+    }
+    assert rows[1]["frequency (Hz)"] == "0.0439893"  # (5 - sqrt 5)/(20 pi)
+    assert rows[1]["natural frequency (rad/s)"] == "0.276393"
+    assert rows[1]["damping ratio"] == "0"
+    assert rows[1]["eigenvalue (1/s)"] == "± 0.276393 i"
+    damped = massless_joints().modes().table()[1]
+    assert damped["eigenvalue (1/s)"] == "-0.133333 ± 0.426875 i"
+    assert damped["meaning"] == "oscillation at 0.0711763 Hz, damping ratio 0.2981"
+
+
 def test_undetermined_motion_is_refused():
     with pytest.raises(mb.SingularPolynomialMatrix, match="x2"):
         MechanicalSystem(np.diag([1.0, 0.0])).modes()

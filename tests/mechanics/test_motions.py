@@ -77,3 +77,10 @@ def test_what_does_not_match_is_told(given, text):
     with pytest.raises(mb.InputError) as told:
         SYSTEM.solve(**given)
     assert text in str(told.value)
+
+
+def test_a_slice_is_of_the_same_kind():
+    xs = SYSTEM.solve(RANDOM.normal(size=(5, 3)))
+    assert len(xs[1:4]) == 3
+    assert np.array_equal(xs[1:4][-1](TIMES), xs[3](TIMES))
+    assert np.array_equal(xs[::2](TIMES), xs(TIMES)[::2])

@@ -45,6 +45,11 @@ def test_contradictory_rows_are_refused_at_once():
         MechanicalSystem(np.eye(2), constraints=[Constraint([1, -1]), Constraint([1, -1], value=1.0)])
 
 
+def test_the_level_in_force_is_printed():
+    assert repr(two_masses("velocity")) == "MechanicalSystem(3 coordinates, 1 constraint row at velocity level)"
+    assert repr(MechanicalSystem([[1.0]])) == "MechanicalSystem(1 coordinate)"
+
+
 def test_starts_by_name():
     system = two_masses()
     by_name = system.solve({"x1": 0.8, "q1": 1.2, "q2": 2}, {"q1": 0.1})

@@ -17,6 +17,12 @@ def test_evaluation_is_horners_sum_at_real_and_complex_points():
     assert np.isrealobj(A(2.0))
 
 
+def test_degree_is_declared_not_found():
+    A = mb.PolynomialMatrix([A0, A1, np.zeros((2, 2))])
+    assert (A.degree, A.size) == (2, 2)
+    assert repr(A) == "PolynomialMatrix(degree=2, size=2)"
+
+
 def test_integers_are_converted_and_the_data_is_copied_and_locked():
     mine = np.array([[[1, 2], [3, 4]]])
     A = mb.PolynomialMatrix(mine)

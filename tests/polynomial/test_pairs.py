@@ -65,6 +65,11 @@ def test_laurent_beyond_float64_is_an_overflow():
         pairs.laurent(-500)
 
 
+def test_laurent_indices_are_whole():
+    with pytest.raises(mb.InputError, match="index: found 1.5; expected a whole number"):
+        mb.PolynomialMatrix([[[1.0]]]).jordan_pairs().laurent(1.5)
+
+
 def test_units_of_rows_columns_and_time_appear_in_c_b_and_j():
     """k x' + c x = f with x in km and t in ms: C J^i B has the unit of H_(-1-i)."""
     A = mb.PolynomialMatrix([[[3e-12]], [[2e6]]])

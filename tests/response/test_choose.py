@@ -9,6 +9,7 @@ import pytest
 from scipy.linalg import block_diag
 
 import mbconstrained as mb
+from mbconstrained.ground.errors import InputError
 from mbconstrained.response.choose import (
     MODES,
     PAIRS,
@@ -16,6 +17,7 @@ from mbconstrained.response.choose import (
     STEPS,
     Request,
     choose,
+    decomposition_cost,
 )
 from mbconstrained.response.problem import Problem
 
@@ -122,6 +124,18 @@ def test_members_of_a_family_have_the_method_that_each_has_alone():
     A, random = matrix(size=8), np.random.default_rng(1)
     xs = mb.solve(A, random.normal(size=(5, 2, 8)))
     assert [(m.name, m.reason) for m in xs.methods] == [(x.method.name, x.method.reason) for x in xs]
+
+
+def test_other_words_are_refused():
+    with pytest.raises(InputError, match='evaluations: found \'often\'; expected "once" or "many"'):
+        mb.solve(matrix(), evaluations="often")
+
+
+def test_a_symmetric_eigenproblem_costs_less_than_a_general_one_and_a_sparse_topology_less_than_that():
+    costs = [decomposition_cost(A.reduction) for A in (matrix(), matrix("some"))]
+    assert costs[0] < costs[1]
+    long, grid = matrix("some", size=120, damped=8), matrix("some", kind="grid", size=121)
+    assert decomposition_cost(long.reduction) < decomposition_cost(grid.reduction)
 
 
 # The same call gives the same bits, whatever was asked before.

@@ -58,6 +58,20 @@ def test_derivatives_are_derivatives():
         assert difference(lower(begin + length), lower(begin) + rate @ weights * length / 2) <= 1e-13
 
 
+def test_sums_multiples_and_maps():
+    found, matrix = function(), np.random.default_rng(2).normal(size=(3, 36))
+    values = found(UNEVEN)
+    for made, expected in (
+        (found.mapped(matrix), matrix @ values),
+        (2.5 * found, 2.5 * values),
+        (-found, -values),
+        (found + found.derivative(), values + found.derivative()(UNEVEN)),
+        (found - found.mapped(np.eye(36)), 0 * values),
+    ):
+        assert np.abs(made(UNEVEN) - expected).max() <= 1e-12 * np.abs(values).max()
+    assert isinstance(found.mapped(matrix) * 2.0, FlowFunction)
+
+
 def test_without_any_force():
     found = function(force=False)
     first = found(EVEN)

@@ -273,3 +273,12 @@ def test_bodies_of_stiff_links_on_soft_springs_keep_their_digits_whatever_the_un
         x = mb.solve(mb.PolynomialMatrix([K, unit * C, unit**2 * np.eye(n)]), [np.ones(n), np.ones(n) / unit])
         error = np.abs(x(100.0 * unit) - exact).max() / np.abs(exact).max()
         assert is_reduced(x) and error <= 1e-11 and error <= 10 * x.error_estimate(100.0 * unit)
+
+
+def test_pairs_notices_and_evidence_are_there():
+    system = MODELS["chain"]
+    x = system.solve(*fitting_start(system))
+    assert len(x.pairs.finite.zeros) > 0
+    assert x.notices == ()
+    assert [item.name for item in x.evidence] == ["condition"]
+    assert x._coupling >= 0

@@ -40,6 +40,13 @@ def test_the_function_is_reached_to_the_tolerance(name):
     assert not f([10.0, 11.0, 1e6]).any()
 
 
+def test_a_function_of_one_time_will_do():
+    f = mb.approximated(lambda t: math.sin(t) if t < 4.4 else 0.0, 10.0)
+    assert f([1.0, 5.0])[0] == pytest.approx([math.sin(1.0), 0.0], abs=1e-12)
+    g = mb.approximated(lambda t: [math.sin(t), 2.0], 10.0)
+    assert g(1.0) == pytest.approx([math.sin(1.0), 2.0], abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("name", "orders", "places"),
     [
@@ -128,3 +135,8 @@ def test_the_maps_between_values_and_coefficients():
 def test_what_is_no_real_function_of_time_is_refused(function, text):
     with pytest.raises(mb.InputError, match=text):
         mb.approximated(function, 1.0)
+
+
+def test_a_shortest_end():
+    with pytest.raises(mb.InputError, match="end: found 1e-307 s; expected at least"):
+        mb.approximated(np.sin, 1e-307)

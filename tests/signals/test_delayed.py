@@ -115,6 +115,14 @@ def test_a_jump_of_a_record_is_delayed():
     assert record([1e9, 1e9 + 0.5, 1e9 + 1]).tolist() == [[1.0, 1.5, 5.0]]
 
 
+def test_inputs_are_shown_in_one_line():
+    late = (mb.pulse([1.0, 2.0], duration=1.0) + mb.impulse([1.0, 0.0])).delayed(2.0)
+    assert repr(late) == "ImpulsiveSmooth(2 rows, smooth part of 1 state, impulses at 1 time)"
+    assert repr(late.smooth) == "BohlFunction(2 rows, 1 state)"
+    assert repr(late.smooth.start) == "Restarts(1 state, set at 3 times)"
+    assert repr(mb.approximated(lambda t: 0 * t, 1.0)).startswith("Approximation(1 row, ")
+
+
 def test_a_sine_written_as_a_cosine_begins_at_zero():
     assert mb.harmonic([1.0], angular_frequency=2.0, phase=-np.pi / 2)(0.0)[0] == 0.0
     assert mb.harmonic([1.0], angular_frequency=2.0, phase=1e-20)(0.0)[0] == 1.0

@@ -193,6 +193,16 @@ def test_questions_that_make_no_sense_are_refused(arguments, message):
         mb.solve(OSCILLATOR, [[1.0], [0.0]]).enclose(*arguments)
 
 
+def test_shapes_are_those_of_x():
+    x = mb.solve(mb.PolynomialMatrix([np.eye(2), np.eye(2)]), [[1.0, 2.0]])
+    for times in (0.5, [0.5], [], [0.5, 1.0, 2.0]):
+        assert x.enclose(times).lower.shape == x(times).shape == x.enclose(times).error_bounds(x(times)).shape
+    with pytest.raises(mb.InputError, match="shape"):
+        x.enclose(0.5).contains([1.0])
+    with pytest.raises(mb.InputError, match="finite"):
+        x.enclose(0.5).contains([np.nan, 1.0])
+
+
 def test_a_float_stands_for_what_rounds_to_it():
     """The nearest float of e^-1 is contained, its neighbours are not; the number that it is, taken exactly, is not either."""
     box = mb.solve(mb.PolynomialMatrix([[[1.0]], [[1.0]]]), [[1.0]]).enclose([1.0], 25)
@@ -282,3 +292,11 @@ def test_the_working_precision_is_nobody_elses():
 
 def exact(strings):
     return np.vectorize(Fraction, otypes=[object])(strings)
+
+
+def test_other_numbers_and_other_shapes():
+    box = mb.solve(mb.PolynomialMatrix([np.eye(2), np.eye(2)]), [[1.0, 2.0]]).enclose(0.0)
+    assert box.contains([1.0, "2"]) and box.contains(np.array([1.0, 2.0], dtype=np.float32)) and box.contains([1, Fraction(2)])
+    for wrong in ([0.1, [1]], [[1.0, 2.0]], ["a", 1]):
+        with pytest.raises(mb.InputError, match="values"):
+            box.contains(wrong)

@@ -9,7 +9,8 @@ import sympy
 from mbconstrained.exact.closed_form import ClosedForm, Impulse, Jump, terms_of
 from mbconstrained.exact.formula_printers import formula_text, latex, mathml, records
 from mbconstrained.exact.symbolic_equations import Symbols
-from tests.exact.formulas.answers import damped, hostile, k, m, t
+from mbconstrained.ground.errors import InputError
+from tests.exact.formulas.answers import HOSTILE, damped, hostile, k, m, t
 
 w = sympy.sqrt(k / m)
 OSCILLATOR = ClosedForm.of(
@@ -115,10 +116,39 @@ def test_matplotlib_sets_the_latex(tmp_path):
         MathTextParser("path").parse(f"${row.replace('&', '').strip()}$")
 
 
+@pytest.mark.parametrize("value", [1 / m, -1 / m, 1 / (k + m), m**-2])
+def test_reciprocals_are_printed(value):
+    form = ClosedForm(("x",), (value,), t)
+    assert r"\frac{" in latex(form) and "<mfrac>" in mathml(form)[0]
+    assert records(form)["formulas"]["x"]["text"] == formula_text(form)
+
+
+def test_of_late_terms_only_the_slope_has_a_name():
+    T, rate = sympy.Symbol("T", positive=True), sympy.sqrt(k / m - 1) / 4
+    form = ClosedForm(("x",), (sympy.cos(rate * (t - T)) * sympy.exp(-(rate**2) * (t - T)) * sympy.Heaviside(t - T),), t)
+    text = formula_text(form)
+    assert text.startswith("x(t) = exp(-a1 (t - T)) H(t - T) cos(w1 (t - T))")
+    assert all(" t" not in line and "(t" not in line for line in text.split("\n\n")[1].splitlines())
+    assert r"\cos{\left(w_{1} \left(t - T\right) \right)}" in latex(form)
+
+
+def test_late_terms_in_numbers_are_one_number_times_a_function():
+    late = sympy.exp(-(t - sympy.Rational(1, 2)) / 4) * sympy.cos(7 * sympy.sqrt(3) * (t - sympy.Rational(1, 2)) / 4)
+    assert formula_text(ClosedForm(("x",), (3 * late,), t), digits=4) == "x(t) = 3.399 exp(-0.25 t) cos(3.031 t - 1.516)"
+
+
 @pytest.mark.parametrize("name", ["ü", "größe", "θ links", "é_1", "名"])
 def test_latex_has_letters_beyond_ascii_only_as_text(name):
     text = latex(ClosedForm((name,), (sympy.Symbol(name) * t,), t))
     assert re.sub(r"\\text\{[^{}]*\}", "", text).isascii()
+
+
+def test_only_some_coordinates():
+    form = hostile()
+    assert form.only(["I", "lambda"]).names == ("I", "lambda")
+    assert form.only(["I"]).values == (form.values[HOSTILE.index("I")],)
+    with pytest.raises(InputError, match='there is no coordinate "z"'):
+        form.only(["z"])
 
 
 def test_terms_add_up_to_the_expression():

@@ -8,6 +8,7 @@ from itertools import combinations, pairwise
 import flint
 import numpy as np
 import pytest
+import sympy
 
 import mbconstrained as mb
 from tests.exact.rational.products import MATRICES, known, larger_product
@@ -174,6 +175,22 @@ def test_only_polynomial_matrices_have_an_exact_structure():
         mb.exact.structure([[[1.0]], [[1.0]]])
 
 
+def test_a_symbolic_matrix_has_one_too():
+    m, k = sympy.symbols("m k", positive=True)
+    A = mb.SymbolicPolynomialMatrix([[[k]], [[0]], [[m]]])
+    assert mb.exact.structure(A) == A.structure() and mb.exact.jordan_pairs(A) is A.jordan_pairs()
+
+
 def test_a_matrix_without_rows():
     structure = mb.exact.structure(mb.PolynomialMatrix(np.zeros((1, 0, 0))))
     assert (structure.determinant, structure.invariant_polynomials, structure.infinite_divisors) == ((1,), (), ())
+
+
+def test_what_is_shown_is_short():
+    """However long the numbers are: the determinant of random floats has thousands of digits."""
+    random = np.random.default_rng(0)
+    A = mb.PolynomialMatrix(random.standard_normal((3, 8, 8)))
+    structure = mb.exact.structure(A)
+    assert repr(structure.elementary_divisors[0]) == "ElementaryDivisor(degree 16, exponents (1,))" and len(repr(structure)) < 200
+    one = mb.exact.structure(mb.PolynomialMatrix([[[1.0]], [[0.0]], [[2.0]]]))
+    assert repr(one.elementary_divisors[0]) == "ElementaryDivisor(s^2 + 0.5, exponents (1,))"

@@ -36,6 +36,14 @@ def kinds(A):
     return [(block.kind, block.length, block.J.rows) for block in A.jordan_pairs().finite.blocks]
 
 
+def test_kinds_of_blocks():
+    assert kinds(PRODUCTS["rational, derogatory"]) == [("jordan", 1, 1), ("jordan", 3, 3)]
+    assert kinds(PRODUCTS["complex pair, twice"]) == [("real jordan", 1, 2), ("real jordan", 2, 4)]
+    assert kinds(PRODUCTS["quartic in squares"]) == [("real jordan", 2, 4), ("real jordan", 2, 4)]
+    assert kinds(PRODUCTS["cubic"]) == [("hypercompanion", 1, 3), ("hypercompanion", 2, 6)]
+    assert kinds(PRODUCTS["no zeros"]) == []
+
+
 def test_overdamped_or_underdamped_is_left_to_the_symbols():
     """m s^2 + 2 s + k: -1/m +- sqrt(1 - k m)/m, of both kinds."""
     A = PRODUCTS["damped pair"]

@@ -9,7 +9,7 @@ import sympy
 import mbconstrained as mb
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 from tests.exact.symbolic.gallery import MODELS, s
-from tests.exact.symbolic.models import OSCILLATOR, TWO_MASSES, k, m
+from tests.exact.symbolic.models import MASSLESS_JOINTS, OSCILLATOR, TWO_MASSES, k, m
 
 every = pytest.mark.parametrize("A", MODELS.values(), ids=MODELS)
 
@@ -99,6 +99,12 @@ def test_numbers_of_a_numerical_matrix_are_the_rationals_they_are():
 def test_only_numerical_matrices_are_taken_as_such(given, name):
     with pytest.raises(mb.InputError, match=f"A: found an object of type {name}; expected a PolynomialMatrix"):
         SymbolicPolynomialMatrix.of(given)
+
+
+@pytest.mark.parametrize("index", [1.0, True, "1", None])
+def test_laurent_takes_whole_numbers(index):
+    with pytest.raises(mb.InputError, match="expected a whole number"):
+        MASSLESS_JOINTS.jordan_pairs().laurent(index)
 
 
 def test_local_smith_forms():

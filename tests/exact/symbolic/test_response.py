@@ -426,6 +426,14 @@ def test_a_force_of_another_time_is_refused(force):
     assert moving.time == w and w in moving.regular.free_symbols
 
 
+def test_a_constant_force_may_have_an_angle():
+    """m g sin(alpha), where the time is given; a step that does not depend on time is no force all the same."""
+    x = solve_symbolically(SymbolicPolynomialMatrix([[[0]], [[0]], [[m]]]), None, [m * sympy.sin(p)], t)
+    assert x.regular[0] == t**2 * sympy.sin(p) / 2
+    with pytest.raises(mb.InputError, match=r"found Heaviside\(w - 1\), in which there is no t"):
+        solve_symbolically(OSCILLATOR, None, [F * t * sympy.Heaviside(w - 1)], t)
+
+
 def test_start_times_are_positive():
     early = sympy.Symbol("T", negative=True)
     for force in (sympy.Heaviside(t - early), sympy.Heaviside(t + 2 * early), sympy.DiracDelta(t - early)):

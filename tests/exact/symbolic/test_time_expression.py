@@ -102,6 +102,10 @@ def test_impulses_have_symbols_too():
     )
 
 
+def test_a_common_factor_cancels():
+    assert time_expression(ascending((m * s + k) * 3), ascending((m * s + k) * (s + c)), 0, t) == 3 * sympy.exp(-c * t)
+
+
 @pytest.mark.parametrize(
     ("ask", "text"),
     [

@@ -255,6 +255,16 @@ def test_values_in_bands():
     assert np.isinf(undamped.rms_in_bands([0.0, 0.2, 0.4, 1.0])).tolist() == [[False, True, False]]
 
 
+def test_tables_of_xarray():
+    """Spectra with their frequencies, units and RMS values."""
+    pytest.importorskip("xarray")
+    R = oscillator(0.3).random_response({"x1": mb.white_noise(2.0)})
+    table = R.to_xarray([1.0, 2.0])
+    assert (table.values == R.psd([1.0, 2.0])).all()
+    assert table.rms.item() == R.rms[0]
+    assert table.unit.item() == "(m)^2/Hz"
+
+
 def test_one_output_of_several():
     """A response of some outputs is that of the whole, and has a path although another one has none."""
     R = oscillator(0.1).random_response({"x1": mb.psd([0.1, 5.0], [2.0, 0.5])})

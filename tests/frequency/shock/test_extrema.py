@@ -6,8 +6,9 @@ from scipy.optimize import minimize_scalar
 
 import mbconstrained as mb
 from mbconstrained.frequency.shock.extrema import EXTREMA_ACCURACY, extrema, positive_times, root_mean_squares, sampled_extrema
+from mbconstrained.ground.errors import InputError
 from mbconstrained.signals.bohl import BohlFunction
-from mbconstrained.signals.inputs import sampled
+from mbconstrained.signals.inputs import harmonic, sampled
 
 KINDS = ("displacement", "velocity", "acceleration")
 
@@ -197,6 +198,14 @@ def test_rms_of_a_record_with_a_constant_and_its_kinks():
     parts = np.diff(knots) * (values[:-1] ** 2 + values[:-1] * values[1:] + values[1:] ** 2) / 3  # Simpson's rule is exact
     assert root_mean_squares(record, 0.0, 2.0, np.array([2.0])).values[0] == pytest.approx(np.sqrt(parts.sum() / 2), rel=1e-14)
     assert root_mean_squares(0.0 * record, 0.0, 2.0).values[0] == 0
+
+
+def test_rms_of_more_accurate_values():
+    wave = harmonic([1.0], angular_frequency=3.0).smooth
+    accurate = lambda times: np.cos(3.0 * np.atleast_1d(times))[None]  # noqa: E731
+    assert root_mean_squares(1.001 * wave, 0.0, 2 * np.pi, accurate=accurate).values[0] == pytest.approx(0.5**0.5, rel=1e-14)
+    with pytest.raises(InputError, match="too many periods"):
+        root_mean_squares(1.001 * wave, 0.0, 1e7, accurate=accurate)
 
 
 def test_first_and_largest_positive_values_between_samples():

@@ -179,6 +179,15 @@ def test_interpolation_of_records_is_reported():
     assert abs(smooth.maximax - truth.maximax)[0] < 0.2 * abs(linear.maximax - truth.maximax)[0]
 
 
+def test_table_of_xarray():
+    """All five spectra over the frequency."""
+    pytest.importorskip("xarray")
+    spectrum = mb.shock_response_spectrum(half_sine(0.011), [10.0, 100.0])
+    table = spectrum.to_xarray()
+    assert (table.sel(part="residual").values == spectrum.residual).all()
+    assert table.attrs == {"units": "m/s^2", "damping_ratio": 0.05}
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
