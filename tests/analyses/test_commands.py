@@ -129,6 +129,10 @@ def test_an_unknown_system_is_told_with_the_nearest_name(app, tmp_path):
     assert done.exit_code == 1 and '"heavy_damper"' in done.stderr
 
 
+def test_a_scene_and_systems_together_are_a_wrong_command_line(app, scene):
+    assert run(app, "stability", scene, "--systems", "heavy_damper").exit_code == 2
+
+
 @pytest.mark.parametrize("option", [("accuracy", "--seconds", "0"), ("stability", "--decades", "0"), ("stability", "--step", "-1")])
 def test_options_out_of_range_are_a_wrong_command_line(app, scene, option):
     command, *others = option

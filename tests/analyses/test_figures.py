@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from mbconstrained.analyses.campbell import _spectra
-from mbconstrained.analyses.figures import WIDTH, Picture
+from mbconstrained.analyses.figures import HEADING, WIDTH, Picture, nothing_to_show
 from mbconstrained.page.content import shortened
+from mbconstrained.page.plots import DPI
 from tests.analyses.pictures import HOSTILE, HOSTILE_SHOWN, texts
 from tests.page.svg import checked_svg
 
@@ -41,6 +42,15 @@ def test_the_svg_is_one_element_that_takes_the_size_and_the_font_of_the_page():
     assert "system-ui" in root.get("style") and "DejaVu" not in picture.svg
     assert not {"style", "metadata", "image"} & {element.tag.rsplit("}")[-1] for element in root.iter()}
     checked_svg(picture.svg)
+
+
+def test_the_file_has_the_title_and_the_svg_leaves_it_to_the_page(tmp_path):
+    picture, path = labelled("x", "Some title"), tmp_path / "picture.png"
+    image = picture.png(path)
+    assert path.read_bytes() == image and [file.name for file in tmp_path.iterdir()] == ["picture.png"]
+    assert size(image) == (round(DPI * WIDTH), int(DPI * (1.5 + HEADING)))
+    assert image != labelled("x", "Another title").png()
+    assert "Some title" not in texts(picture)
 
 
 def test_names_are_shown_as_they_are_and_are_no_formulas():
@@ -98,6 +108,13 @@ def test_matplotlib_comes_when_a_picture_is_drawn_and_its_global_figures_never()
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.split() == ["False", "True", "False"]
+
+
+def test_nothing_to_show_says_so():
+    picture = nothing_to_show("Empty", "Digits right")
+    assert texts(picture) == ["nothing was measured"]
+    assert picture.description == "Digits right: nothing was measured."
+    assert picture.on_page().title == "Empty"
 
 
 def test_a_peak_hides_the_lines_behind_it():

@@ -8,7 +8,7 @@ import pytest
 from mbconstrained.analyses.frequency import Frequency
 from mbconstrained.ground.display import TextTable, table_text
 from mbconstrained.ground.errors import SceneError
-from tests.scene.scenes import OSCILLATOR, scene_of
+from tests.scene.scenes import COEFFICIENTS, OSCILLATOR, scene_of
 
 #: A machine of 2 kg and 50 Hz on a mount of damping ratio 0.05, on a floor that moves.
 K = 2 * (2 * np.pi * 50) ** 2
@@ -109,6 +109,15 @@ def test_the_picture_of_an_undamped_resonance_is_finite_and_its_phase_falls_by_h
     (peak,) = data["peaks"]
     assert peak["amplitude"] is None and np.isclose(peak["frequency_hz"], 1 / np.pi)
     json.dumps(data, allow_nan=False)
+
+
+def test_models_of_coefficients_have_responses_without_units(tmp_path):
+    own = frequency_of(tmp_path, COEFFICIENTS)
+    omega = own.response.angular_frequencies
+    far = np.abs(omega - 2) > 1e-3  # nearer to the pole 4 - w^2 loses digits
+    assert np.allclose(own.response.values[0, 0, far], 1 / (4 - omega[far] ** 2), rtol=1e-10)
+    with pytest.raises(SceneError, match="frequency: loss_factor belongs to models with mass"):
+        frequency_of(tmp_path, COEFFICIENTS, loss_factor=0.1).response
 
 
 def test_structural_damping_by_spring_is_that_of_the_formula(tmp_path):

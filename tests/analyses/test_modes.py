@@ -1,5 +1,6 @@
 """The modes of a scene: one line a shape, in 80 characters, as numbers, and as pictures that move sensibly."""
 
+import json
 import re
 
 import numpy as np
@@ -71,6 +72,20 @@ Mode 1: oscillation at 0.31831 Hz, undamped
 
 The largest entry of a shape is 1; its amplitude is free."""
     assert printed(modes_of(tmp_path, OSCILLATOR)) == expected
+
+
+@pytest.mark.parametrize("example", ALL)
+def test_every_example_is_readable_in_80_columns_and_as_data(example):
+    modes = ModalAnalysis(mb.read_scene(EXAMPLES / example))
+    text = printed(modes)
+    assert max(map(len, text.splitlines())) <= WIDTH
+    assert "nan" not in text and "inf" not in text
+    data = as_json(modes)
+    assert json.loads(json.dumps(data, allow_nan=False)) == data
+    assert [line["number"] for line in data["modes"]] == list(range(1, len(data["modes"]) + 1))
+    for line in data["modes"]:
+        for shares in filter(None, (line["kinetic_shares"], line["strain_shares"])):
+            assert sum(shares.values()) == pytest.approx(1.0, abs=1e-13)
 
 
 def test_the_response_is_not_solved_for(tmp_path, monkeypatch):
@@ -174,6 +189,16 @@ def test_rack_and_pinion_are_both_seen_whatever_the_units_of_the_shape(tmp_path,
 def test_what_is_not_drawn_makes_nothing_else_move(tmp_path):
     text = MATRICES.replace('"b"]', '"b"]\nunits = { a = "1" }').replace("[[1, 0], [0, 4]]", "[[1, 1e-18], [1e-18, 4]]")
     assert max(move for move, _, _ in drawn(modes_of(tmp_path, text))[1][:1]) < 1e-9
+
+
+def test_the_page_has_every_line_and_tells_drift_without_motion():
+    modes = ModalAnalysis(mb.read_scene(EXAMPLES / "two_masses.toml"))
+    drift, slow, fast = modes.shapes().modes
+    assert (drift.name, drift.values, drift.shares) == ("drift", None, ()) and "no motion of the bodies" in drift.note
+    assert slow.period == pytest.approx(2 * np.pi / modes.lines[1].value.imag)
+    assert [row[0] for row in slow.shares] == ["x1", "q1", "q2"]  # 72 % of the strain, 45 % of the kinetic energy, 28 %
+    assert (slow.values[:, 0] == slow.values[:, -1]).all() and slow.values.max() == 1.0
+    assert dict(fast.facts)["frequency (Hz)"] == "0.115166"
 
 
 def test_texts_of_a_hostile_scene_are_escaped(tmp_path):

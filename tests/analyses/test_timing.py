@@ -4,7 +4,7 @@ import gc
 
 import pytest
 
-from mbconstrained.analyses.timing import Timing, without_garbage_collection
+from mbconstrained.analyses.timing import Timing, duration, without_garbage_collection
 
 
 def test_median_and_quartiles():
@@ -30,3 +30,10 @@ def test_garbage_collection_is_as_it_was(enabled):
         assert gc.isenabled() == enabled
     finally:
         (gc.enable if was else gc.disable)()
+
+
+@pytest.mark.parametrize(
+    "seconds, text", [(3e-9, "3 ns"), (1e-3, "1 ms"), (0.9999, "1 s"), (0.00099949, "999 µs"), (1.0, "1 s"), (75.0, "75 s")]
+)
+def test_durations_read_well(seconds, text):
+    assert duration(seconds) == text

@@ -125,6 +125,14 @@ def test_the_value_of_the_transfer_function():
         StateSpace([[-1.0]], [[1.0]], [[1.0]])(-1.0)
 
 
+def test_names_and_units_are_kept():
+    system = StateSpace([[-1.0]], [[1.0]], [[1.0]], states=["speed"], inputs=["volts"], outputs=["tacho"], units={"volts": "V"})
+    assert system.units == {"speed": "1", "volts": "V", "tacho": "1"}
+    assert system.solve({"speed": 2.0}).initial.tolist() == [[2.0]]
+    assert system.polynomial_matrix_with_outputs().coordinates == ("speed", "tacho")
+    assert repr(system) == "StateSpace(1 state, 1 input, 1 output)"
+
+
 def test_without_inputs_or_outputs():
     free = StateSpace([[-1.0]]).solve([1.0])
     assert free(T)[0] == pytest.approx(np.exp(-T)) and free.output(T).shape == (0, len(T))

@@ -90,17 +90,6 @@ def test_a_motion_near_the_frequency_of_its_force(apart, rates):
         assert np.abs(found - known).max() <= 1e-13 * (1 + time) * np.abs(known).max()
 
 
-@pytest.mark.parametrize("name", CLUSTERS)
-def test_semigroup(name):
-    """e^{J (t + s)} v = e^{J t} (e^{J s} v)."""
-    block, accuracy = CLUSTERS[name]
-    start = START[: len(block)]
-    middle = block_states([block], start, np.array([1.5]))[:, 0]
-    twice = block_states([block], middle, np.array([2.25]))[:, 0]
-    once = block_states([block], start, np.array([3.75]))[:, 0]
-    assert np.abs(twice - once).max() <= 10 * accuracy * np.abs(once).max()
-
-
 @pytest.mark.parametrize("time", [1e3, 1e6, 1e12])
 def test_stiff_decay_ends_in_zero_without_a_warning(time):
     for block in (np.array([[-1e6]]), triangle([-1e6, -2e6]), triangle([-1e6, -1.1e6, -1.2e6]), rotation_chain(-1e6, 1e6)):

@@ -11,16 +11,6 @@ from tests.polynomial.test_singular import coefficients
 S_PLUS_1, ZERO, ONE = (1, 1), (0,), (1,)
 
 
-def test_an_oscillator_is_one_real_block():
-    """s^2 + 2 s + 5: zeros -1 +- 2i, C e^{Jt} B = e^{-t} sin(2t)/2 is the inverse transform of A(s)^-1."""
-    finite = mb.PolynomialMatrix([[[5.0]], [[2.0]], [[1.0]]]).jordan_pairs().finite
-    (block,) = finite.blocks
-    assert block.shape == (2, 2)
-    assert np.isrealobj(block)
-    assert np.allclose(np.sort_complex(np.linalg.eigvals(block)), [-1 - 2j, -1 + 2j], rtol=1e-14)
-    assert np.allclose([finite.C @ finite.B, finite.C @ finite.J @ finite.B], [[[0]], [[1]]], atol=1e-15)
-
-
 def test_separate_zeros_have_separate_blocks_and_clusters_share_one():
     """(s+1)(s+2)(s+3): three blocks of one; (s+1)^3 (s+9): blocks of three and one."""
     apart = mb.PolynomialMatrix(np.poly([-1.0, -2, -3])[::-1][:, None, None]).jordan_pairs().finite

@@ -89,31 +89,6 @@ def test_ties(rows):
     check(tied(*masses_and(), rows=rows), states=2 * (6 - len(rows)))
 
 
-def test_ties_between_joints_with_and_without_mass_and_damping():
-    K, C, M = masses_and(static=1, damped=2, seed=5)
-    static, damped = np.flatnonzero(~(M.any(axis=0) | C.any(axis=0))), np.flatnonzero(C.any(axis=0))
-    heavy = np.flatnonzero(M.any(axis=0))
-    row = np.zeros((2, 6))
-    row[0, [heavy[0], heavy[1]]] = 1.0, -2.0
-    row[1, [static[0], damped[0], heavy[2]]] = 1.0, 1.0, -1.0
-    equations = np.delete(np.arange(6), [heavy[0], static[0]])
-    nothing = np.zeros((2, 6))
-    mapped = np.eye(6)[equations]
-    mapped[:, heavy[0]] = 0.0
-    mapped[list(equations).index(heavy[1]), heavy[0]] = 2.0
-    A = PolynomialMatrix([np.vstack([mapped @ K, row]), np.vstack([mapped @ C, nothing]), np.vstack([mapped @ M, nothing])])
-    check(A)
-
-
-def test_rows_at_the_level_of_acceleration():
-    """The row has s^2 and nothing else: a double zero at 0."""
-    K, C, M = masses_and()
-    K[0], C[0], M[0] = 0.0, 0.0, [1.0, -1.0, 0, 0, 0, 0]
-    check(PolynomialMatrix([K, C, M]), states=12)
-    K[0] = [1.0, -1.0, 0, 0, 0, 0]  # stabilized
-    check(PolynomialMatrix([K, C, M]), states=12)
-
-
 def test_random_models_with_ties_to_joints_and_dampers():
     random = np.random.default_rng(3)
     found = 0

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 import mbconstrained as mb
 from mbconstrained.ground.tolerances import DIVISOR_CONDITION
-from mbconstrained.polynomial.reduced_equations import NotReducible, Reduction
+from mbconstrained.polynomial.reduced_equations import NotReducible
 from mbconstrained.response.methods.reduced_solution import ReducedSolution
 
-from .plain_models import assembled, fitting_start, general, plain_system
+from .plain_models import assembled, general
 
 TIMES = np.concatenate([[0.0, 1e-9, 1e-3], np.linspace(0.1, 25.0, 40)])
 
@@ -40,30 +40,6 @@ def agree(x, tolerance: float = 3e-12) -> None:
         residual, decoupling, condition = x.evidence
         assert (residual.name, decoupling.name, condition.name) == ("residual", "decoupling", "condition")
         assert residual.value <= 1e-10 and condition.value <= DIVISOR_CONDITION
-
-
-@given(
-    seed=st.integers(0, 10**6),
-    size=st.integers(4, 9),
-    parts=st.tuples(st.integers(0, 1), st.integers(0, 1), st.integers(0, 1)),
-    damping=st.sampled_from(["none", "proportional", "some"]),
-    force=st.sampled_from(["none", "step", "harmonic", "late"]),
-)
-def test_chains_and_trees_with_joints_and_ties(seed, size, parts, damping, force):
-    static, damped, ties = parts
-    kind = "tree" if seed % 2 else "chain"
-    system = plain_system(kind, seed, size, static=static, damped=damped, ties=ties, damping=damping, values=0.25)
-    F = np.random.default_rng(seed).normal(size=size)
-    applied = {
-        "none": None,
-        "step": mb.step(F),
-        "harmonic": mb.harmonic(F, angular_frequency=0.8),
-        "late": mb.step(F).delayed(3.0),
-    }[force]
-    x = system.solve(*fitting_start(system), applied)
-    if force != "late" and isinstance(x.polynomial_matrix.reduction, Reduction) and x.polynomial_matrix.reduction.spread <= 100:
-        assert is_reduced(x)
-    agree(mb.solve(x.polynomial_matrix, x.initial, x.force))
 
 
 @given(

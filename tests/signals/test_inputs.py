@@ -43,26 +43,12 @@ def test_power_is_the_gamma_fold_integral_of_the_impulse(gamma):
         assert [row.tolist() for row in force.impulses] == [[0.0, 0.0]] * -gamma + [V.tolist()]
 
 
-def test_impulses_add_order_by_order():
-    total = mb.impulse(V) + 2 * mb.impulse(V, order=2) - mb.impulse([1.0, 1.0]) + mb.step(V)
-    assert [row.tolist() for row in total.impulses] == [[0.0, -3.0], [0.0, 0.0], [2.0, -4.0]]
-    assert np.array_equal(total(1.0), V)
-    assert [row.tolist() for row in (-total).impulses] == [[0.0, 3.0], [0.0, 0.0], [-2.0, 4.0]]
-
-
 def test_a_matrix_maps_regular_part_and_impulses():
     matrix = np.array([[1.0, 1.0]])
     mapped = (mb.impulse(V) + mb.ramp(V)).mapped(matrix)
     assert mapped.size == 1
     assert mapped.impulses[0].tolist() == [-1.0]
     assert mapped(2.0).tolist() == [-2.0]
-
-
-@pytest.mark.parametrize("number", [2, 2.0, np.float64(2.0), np.int64(2)])
-def test_numbers_of_every_kind_scale(number):
-    for product in (number * mb.ramp(V), mb.ramp(V) * number):
-        assert isinstance(product, mb.ImpulsiveSmooth)
-        assert np.array_equal(product(1.0), 2 * V)
 
 
 def test_a_frequency_in_hz_is_that_of_whole_periods():

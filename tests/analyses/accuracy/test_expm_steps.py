@@ -30,6 +30,13 @@ def test_uneven_times_change_nothing(force):
     assert error(found, answer(STEPS, found), 8) < 1e-11
 
 
+@pytest.mark.parametrize("force", ["none", "harmonic", "t^2 e^(a t) cos", "impulse at 0"])
+def test_each_time_by_itself_gives_the_same(force):
+    found = problem("tied", force)
+    assert EACH.refusal(found) == ""
+    assert error(found, answer(EACH, found)) < 1e-11
+
+
 @pytest.mark.parametrize("scene", [scene for scene in EXAMPLES if scene != "stiff_stack.toml"])
 def test_examples_agree_with_the_closed_form(scene):
     found = problem_of(mb.read_scene(f"examples/{scene}"))
@@ -69,6 +76,11 @@ def test_one_exponential_serves_even_times_with_rounded_steps(monkeypatch):
     monkeypatch.setattr(scipy.linalg, "expm", lambda matrix: made.append(matrix) or expm(matrix))
     STEPS.prepare(problem("regular mass", "harmonic", np.linspace(0.0, 0.7, 1001)), None)
     assert len(made) == 1
+
+
+def test_a_single_time():
+    found = problem("regular mass", "step", np.array([0.0]))
+    np.testing.assert_array_equal(answer(STEPS, found)[:, 0], [0.3, 0.0, -0.2])
 
 
 def test_refusals():

@@ -107,6 +107,11 @@ def test_a_problem_without_an_answer_keeps_no_promise_and_stops_nothing():
     )
 
 
+def test_an_unknown_property_is_an_error():
+    with pytest.raises(KeyError, match="colour"):
+        broken_promises(replace(system("damping_ratio"), declared={"colour": "red"}), 1.0)
+
+
 # --- answers
 
 
