@@ -149,20 +149,6 @@ def test_beside_its_viewer_a_page_holds_its_own_data_only():
     assert "script-src 'sha256-" in page_html(replace(two_masses_content(), animation=None), "separate")
 
 
-def test_without_plots_tables_notices_and_facts_there_is_no_trace_of_them():
-    page = page_html(PageContent("t", animation=two_masses_content().animation))
-    for word in (
-        '<div class="plots"',
-        "<figure",
-        "<svg",
-        "<table",
-        'class="notices"',
-        "<footer>\n<dl",
-        "<header>\n<h1>t</h1>\n<p",
-    ):
-        assert word not in page
-
-
 @pytest.mark.parametrize("last", ["run.js", "modes.js", "frequency.js"])
 def test_scripts_of_one_page_have_different_names_at_the_top(last):
     """All scripts of a page share one scope, in which the later of two functions of one name is taken."""

@@ -170,26 +170,3 @@ def test_frames_are_pictures_of_the_whole_motion_in_an_archive(opened):
     assert names[0] == "frame_0001.png" and names == sorted(names)
     assert all(frame.startswith(b"\x89PNG\r\n\x1a\n") for frame in frames) and len(set(frames)) == len(frames)
     assert opened.evaluate("document.getElementById('frames').textContent") == "Save frames" and opened.messages == []
-
-
-def test_what_is_recorded_and_printed_has_the_perspective_of_the_page(opened):
-    opened.size(800, 1400)  # in which nothing scrolls
-    opened.evaluate("document.getElementById('stage').style.backgroundImage = 'none'")
-    opened.click("input[data-shows=names]")  # which have no halo there
-    seen = []
-    for _ in range(2):
-        keep_what_is_saved(opened)
-        opened.evaluate("[1, 2].forEach(() => document.getElementById('frames').click())")  # the first picture
-        recorded = imread(BytesIO(next(iter(pictures_of(saved(opened)[2]).values()))))[..., :3]
-        page = imread(BytesIO(opened.picture("#stage")))[..., :3]
-        inside = np.s_[12:-12, 12:-12]  # the corners of the section are round
-        assert np.mean(np.abs(recorded - page)[inside]) < 2e-3
-        opened.evaluate("dispatchEvent(new Event('beforeprint'))")
-        paper = imread(BytesIO(base64.b64decode(opened.evaluate("document.querySelector('.paper').toDataURL().split(',')[1]"))))
-        opened.evaluate("dispatchEvent(new Event('afterprint'))")
-        drawn = paper[..., 3] == 1
-        assert np.count_nonzero(drawn) > 1000 and np.mean(np.abs(paper[..., :3] - recorded)[drawn]) < 2e-3
-        seen.append(recorded)
-        opened.click("input[data-shows=perspective]")
-    opened.call("Emulation.clearDeviceMetricsOverride")
-    assert np.mean(np.abs(seen[0] - seen[1])) > 1e-2

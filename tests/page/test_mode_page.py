@@ -36,16 +36,6 @@ def test_only_the_two_scripts_of_the_page_may_run_and_nothing_is_loaded():
     )
 
 
-def test_every_mode_has_a_row_with_its_facts_and_the_first_that_moves_is_selected():
-    page = page_html(two_modes())
-    heads = re.findall(r'<th scope="col"[^>]*>(.*?)</th>', page.split('class="modes"')[1])
-    assert heads == ["no.", "mode", "frequency (Hz)", "meaning"]
-    rows = re.findall(r'<tr data-mode="(\d)"( class=selected)?>', page)
-    assert rows == [("0", " class=selected"), ("1", ""), ("2", "")]
-    assert len(re.findall('type="radio" name="mode"', page)) == 3
-    assert len(re.findall(r'type="radio"[^>]* checked>', page)) == 1
-
-
 def test_bounds_hold_all_modes():
     bounds = data_of(page_html(two_modes()))["figure"]["bounds"]
     assert bounds["low"][0] == pytest.approx(-0.6 - 0.4) and bounds["high"][0] == pytest.approx(3 + 0.6 + 0.4)

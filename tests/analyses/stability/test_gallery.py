@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.analyses.stability.gallery import GALLERY, PROPERTIES, System, broken_promises, system
+from mbconstrained.analyses.stability.gallery import GALLERY, System, broken_promises, system
 from mbconstrained.analyses.stability.point import point_of, points_of
 
 #: Wrong without a warning, and why. Empty is the goal.
@@ -53,18 +53,6 @@ def points(name: str):
 
 
 # --- the catalogue
-
-
-@everywhere
-def test_a_system_tells_what_is_hard_and_where_it_is_from(name):
-    one = system(name)
-    title, difficulty, source = one.texts
-    assert difficulty.endswith(".") and title and source and one.parameter
-    assert name == name.lower() and " " not in name
-    assert 5 <= len(one.values) <= 17 and len(set(one.values)) == len(one.values)
-    limits = [value for value in one.values if value]
-    assert limits == sorted(limits) or limits == sorted(limits, reverse=True)
-    assert one.declared and set(one.declared) <= set(PROPERTIES)
 
 
 def test_a_wrong_name_is_answered_with_the_nearest():

@@ -95,25 +95,6 @@ def test_an_arrow_of_a_body_that_turns_turns_with_it(browser, tmp_path):
     assert browser.state()["errors"] == []
 
 
-def test_a_small_moment_has_an_arc(browser, tmp_path):
-    moments = (Arrow("wheel", (0, -1, 0), "N m", True), 1.0), (Arrow("other", (0, -1, 0), "N m", True), 0.0187)
-    wheels = (DrawnBody("wheel", "disc", turns={"x": (0, -1, 0)}), DrawnBody("other", "disc", rest=(4, 0, 0)))
-    force = ForceArrows("motor", 0.3 + 0 * X, 0 * X, moments)
-    given = Animation(Drawing(wheels), ("x",), TIMES, [X], [-np.sin(TIMES)], Overlay((), (force,)))
-    browser.open(write_page(tmp_path / "page.html", PageContent("t", animation=given)))
-    arcs = browser.evaluate("""[0, 1].map((k) => {
-        const { object } = mbconstrained.viewer.scene_tree.find(["mbconstrained", "overlay", `force 0 ${k}`]);
-        let arc = null;
-        object.traverse((part) => { if (part.geometry?.parameters?.arc) arc = part.geometry.parameters.arc; });
-        return [object.visible, arc];
-    })""")
-    assert arcs == [[True, pytest.approx(1.5 * math.pi)], [True, pytest.approx(math.pi / 6)]]
-    assert browser.evaluate("[...document.querySelectorAll('.label.force')].map((l) => l.textContent)") == [
-        "0.3 N m",
-        "0.00561 N m",
-    ]
-
-
 def test_a_turned_drawing_moves_the_way_it_was_turned_to(browser, page):
     heights = """(() => {
         const tree = mbconstrained.viewer.scene_tree;
