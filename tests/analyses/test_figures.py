@@ -6,11 +6,9 @@ import sys
 import warnings
 from xml.etree import ElementTree
 
-import numpy as np
 import pytest
 
-from mbconstrained.analyses.campbell import _spectra
-from mbconstrained.analyses.figures import HEADING, WIDTH, Picture, nothing_to_show
+from mbconstrained.analyses.figures import HEADING, WIDTH, Picture, nothing_to_show, power_of_ten, powers
 from mbconstrained.page.content import shortened
 from mbconstrained.page.plots import DPI
 from tests.analyses.pictures import HOSTILE, HOSTILE_SHOWN, texts
@@ -44,6 +42,13 @@ def test_the_svg_is_one_element_that_takes_the_size_and_the_font_of_the_page():
     checked_svg(picture.svg)
 
 
+def test_every_name_in_the_svg_is_referred_to():
+    root = ElementTree.fromstring(labelled("x").svg)
+    names = [element.get("id") for element in root.iter() if element.get("id")]
+    assert names and len(set(names)) == len(names)
+    assert all(f"#{name}" in labelled("x").svg for name in names)
+
+
 def test_the_file_has_the_title_and_the_svg_leaves_it_to_the_page(tmp_path):
     picture, path = labelled("x", "Some title"), tmp_path / "picture.png"
     image = picture.png(path)
@@ -56,6 +61,10 @@ def test_the_file_has_the_title_and_the_svg_leaves_it_to_the_page(tmp_path):
 def test_names_are_shown_as_they_are_and_are_no_formulas():
     assert HOSTILE_SHOWN in texts(labelled(shortened(HOSTILE)))
     assert labelled(shortened(HOSTILE), title=HOSTILE).png()[1:4] == b"PNG"
+
+
+def test_long_names_are_shortened():
+    assert shortened("W" * 10_000) == "W" * 39 + "…" and len(shortened("a b " * 100, 7)) <= 7
 
 
 def test_letters_that_the_font_does_not_have_are_left_to_the_browser_without_a_complaint():
@@ -117,15 +126,6 @@ def test_nothing_to_show_says_so():
     assert picture.on_page().title == "Empty"
 
 
-def test_a_peak_hides_the_lines_behind_it():
-    """A peak of 3 at 5 on the first line; the second line, 1 above, is visible where the triangle is below it."""
-    x, y = _spectra(np.array([0.0, 1.0]), np.array([[5.0, 8.0]]), np.array([[3.0, 0.0]]), 1.0, 10.0)
-    parts = np.split(np.arange(len(x)), np.flatnonzero(np.isnan(y)))
-    lines = [part[~np.isnan(y[part])] for part in parts]
-    first, left, right = (line for line in lines if len(line))
-    assert np.interp([0, 4, 4.5, 5, 6, 10], x[first], y[first]).tolist() == [0, 0, 1.5, 3, 0, 0]
-    assert (y[left] == 1).all() and (y[right] == 1).all()
-    assert (
-        x[left][0] == 0 and abs(x[left][-1] - (4 + 1 / 3)) < 0.01 and abs(x[right][0] - (6 - 1 / 3)) < 0.01 and x[right][-1] == 10
-    )
-    assert len(x) < 20  # corners alone
+def test_powers_are_raised_but_in_names_they_stay():
+    assert powers("rtol 1e-06, h 2e+03, be1e5, 1.0e2") == "rtol 10⁻⁶, h 2·10³, be1e5, 10²"
+    assert [power_of_ten(10.0**power) for power in (-17, -1, 0, 1, 2)] == ["10⁻¹⁷", "10⁻¹", "1", "10", "10²"]

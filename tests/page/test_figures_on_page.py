@@ -1,5 +1,6 @@
 """Still pictures and folded tables on a page: where they stand, what they may hold, what a browser makes of them."""
 
+import html
 import re
 
 import pytest
@@ -39,6 +40,18 @@ def picture(text: str = HOSTILE) -> Picture:
         axes.legend()
 
     return Picture("From matplotlib", "A line from 0 to 1.", 3.0, draw)
+
+
+def test_pictures_stand_between_notices_and_plots():
+    page = page_html(content())
+    places = [page.index(part) for part in ("a notice", "<h2>A picture</h2>", "<path", "note in m/s²", "<h2>a plot</h2>")]
+    assert places == sorted(places)
+
+
+def test_the_description_is_the_name_of_the_picture_for_those_who_do_not_see_it():
+    page = page_html(content(figures=(Figure(HOSTILE, PLAIN, HOSTILE, HOSTILE),), plots=()))
+    assert f'<svg role="img" aria-label="{html.escape(HOSTILE)}" viewBox="0 0 4 1">' in page
+    assert f"<h2>{html.escape(HOSTILE)}</h2>" in page and "<script" not in page
 
 
 def test_a_page_with_pictures_has_no_script_and_its_policy_allows_none():
@@ -88,6 +101,18 @@ def test_the_browser_shows_the_texts_and_shapes_of_the_picture(browser, page):
     assert len(boxes) > 20 and max(boxes) > 100
     family, size = browser.evaluate("(s => [s.fontFamily, s.fontSize])(getComputedStyle(document.querySelector('.static text')))")
     assert family.startswith("system-ui") and size == "8px"
+
+
+@needs_chromium
+@pytest.mark.parametrize("width", [1280, 900, 400])
+def test_pictures_take_the_width_and_scroll_where_it_is_narrow(browser, page, width):
+    sized(browser, width)
+    browser.open(page)
+    drawn, box = browser.evaluate(
+        "['svg', '.scroll'].map(kind => document.querySelector('.static ' + kind).getBoundingClientRect().width)"
+    )
+    assert drawn == pytest.approx(max(800, box), abs=1)
+    assert browser.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
 @needs_chromium
