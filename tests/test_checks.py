@@ -1,7 +1,5 @@
 """What the checks at the door let in, and the words with which they refuse."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.sparse

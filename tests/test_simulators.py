@@ -1,7 +1,5 @@
 """The table of Hauksdottir and Sigurdsson: what is exact, what is of second order, and what is told when a tool is missing."""
 
-from __future__ import annotations
-
 import json
 import runpy
 from fractions import Fraction

@@ -7,8 +7,6 @@ Measures each example as ``mbconstrained accuracy`` does, writes EXAMPLE.accurac
 the fastest with an error of 1e-9 or less, its time over that of the closed form, one run and each further evaluation.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

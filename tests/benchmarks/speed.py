@@ -12,8 +12,6 @@ arithmetic or long doubles, which take some minutes. A run that takes longer tha
 kind are not tried.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

@@ -1,7 +1,5 @@
 """The command campbell: a rotor over its speed as tables, page, pictures and data."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

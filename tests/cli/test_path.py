@@ -1,7 +1,5 @@
 """The command path: frequencies of a robot along a path as tables, page, picture and data."""
 
-from __future__ import annotations
-
 import json
 import shutil
 

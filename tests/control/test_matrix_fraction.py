@@ -1,7 +1,5 @@
 """Systems with several inputs and outputs, D(s)^-1 N(s): entry by entry, through common factors, at infinity."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The mechanical normal form: worked examples, identities of every form, the way on to modes and motions."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

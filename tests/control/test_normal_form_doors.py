@@ -1,7 +1,5 @@
 """What cannot be turned into a normal form is refused at the door, and the text says what was found."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What is read: numbers of many kinds, exactly; what cannot be used, told in plain words."""
 
-from __future__ import annotations
-
 from decimal import Decimal
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """The formulas of Hauksdottir and Sigurdsson, as corrected, against exact rational arithmetic and a matrix exponential."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

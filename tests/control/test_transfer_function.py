@@ -1,7 +1,5 @@
 """Responses of transfer functions: published values, exact rational and multiprecision oracles, and the theorems."""
 
-from __future__ import annotations
-
 import json
 from fractions import Fraction
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Values entry by entry against 50 digits; poles, residues and polynomial part against exact pairs; what a pole on a line gives."""
 
-from __future__ import annotations
-
 import mpmath as mp
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Lines next to sharp peaks, where a solution of A(i w) x = b has few digits: against 60 digits, data and frequency taken exactly."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Public objects at the prompt and in notebooks: one short line, and tables whose texts are escaped."""
 
-from __future__ import annotations
-
 import re
 from xml.etree import ElementTree
 

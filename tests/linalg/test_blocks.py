@@ -1,7 +1,5 @@
 """Block diagonal form of real Schur forms: exact similarity, bounded decoupling, clusters together."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg

@@ -1,7 +1,5 @@
 """Clusters of one size taken together: each as alone, whatever the others beside it are, from whichever times it starts at."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """A matrix decoupled by its eigenvectors: identities, mpmath's eigenvalues, defective matrices."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

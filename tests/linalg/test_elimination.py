@@ -1,7 +1,5 @@
 """Orders of elimination against the pattern of Cholesky's factor."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

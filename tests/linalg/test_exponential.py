@@ -1,7 +1,5 @@
 """e^{J t} v against the same in sixty digits (mpmath) and against closed forms."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Complex scalars of a decoupled matrix, and what is left of it, against its exponential."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg

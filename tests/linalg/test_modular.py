@@ -1,7 +1,5 @@
 """Modulo a prime: the multiplicity of the zero at s = 0 is that of the rational numbers."""
 
-from __future__ import annotations
-
 import numpy as np
 import sympy
 from hypothesis import given

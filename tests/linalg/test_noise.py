@@ -1,7 +1,5 @@
 """Carried noise bounds what rounding really does, and what is exact stays exact."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

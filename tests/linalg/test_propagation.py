@@ -1,7 +1,5 @@
 """e^{S k h} v by powers, against SciPy's exponential, sixty digits (mpmath) and closed forms."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

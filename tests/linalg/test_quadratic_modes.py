@@ -1,7 +1,5 @@
 """Modes of models with few couplings against closed forms, LAPACK's eigenvalues of the generator, and the identities that modes obey."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg

@@ -1,7 +1,5 @@
 """Modes of rings, ladders, bands and beams against LAPACK's eigenvalues, the identities that modes obey and closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Rank decisions: exact zeros against small numbers, rounding against independence, and the gap that is told."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Exponentials and steps at many times, and the scalars of a decoupled matrix: against exponentials and one step after the other."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import mpmath

@@ -1,7 +1,5 @@
 """Units: powers of two take them out of the data, and units that balance a sparse generator bound its eigenvalues."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Elimination of few couplings against dense matrices."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Pencils split into finite and infinite parts, against pencils put together from known parts."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg

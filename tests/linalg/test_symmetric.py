@@ -1,7 +1,5 @@
 """M x'' + C x' + K x = 0 decoupled by a symmetric eigenproblem: identities, closed forms, exponentials, mpmath, exact arithmetic."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import mpmath

@@ -1,7 +1,5 @@
 """A regular pencil as s I - T: an equivalence with standardized real Schur form, accurate for slow zeros beside fast ones."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Forces that begin, end or have impulses later on a mechanical system: velocities, reactions, energy, notices, by momentum and by hand."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Prescribed motion A x^(level) = b(t): supports that move, against minimal coordinates and against numerical integration."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

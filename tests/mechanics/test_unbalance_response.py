@@ -1,7 +1,5 @@
 """Unbalance response: the Jeffcott rotor in closed form, rotors on their resonances, other orders, speed tables."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

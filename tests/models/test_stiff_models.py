@@ -4,8 +4,6 @@ A frequency known to a unit in the last place moves the phase by w t eps: no ans
 floor of a motion is that of the fastest zero that takes part in it.
 """
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Animated GIFs of a motion: the encoder, and what a page saves, as Pillow reads them."""
 
-from __future__ import annotations
-
 import base64
 import json
 from io import BytesIO

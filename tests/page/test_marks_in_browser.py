@@ -1,7 +1,5 @@
 """Names, frames and centres of mass that can be shown, and the film of the motion, in a browser."""
 
-from __future__ import annotations
-
 import base64
 import zipfile
 from io import BytesIO

@@ -1,7 +1,5 @@
 """Sliders that pose a robot, in a browser: the links stand where the model puts them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The three formulas for e^{J t} with symbols, against the equations that define them and each other."""
 
-from __future__ import annotations
-
 import pytest
 import sympy
 

@@ -1,7 +1,5 @@
 """PolynomialMatrix: what it accepts, what it evaluates to, what it refuses."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

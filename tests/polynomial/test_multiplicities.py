@@ -1,7 +1,5 @@
 """Partial multiplicities: zeros whose elementary divisors are known by construction, and those of the referee's cases."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.linalg import block_diag

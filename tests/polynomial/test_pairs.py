@@ -1,7 +1,5 @@
 """The pairs in the user's units: shapes, block form, and what is exact in them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

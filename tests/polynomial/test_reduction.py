@@ -1,7 +1,5 @@
 """Plain A(s) reduced to first-order equations: A(s)^-1 by theorem, and what is not plain is left alone."""
 
-from __future__ import annotations
-
 from itertools import permutations
 
 import numpy as np

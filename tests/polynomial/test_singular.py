@@ -1,7 +1,5 @@
 """det A(s) = 0 for every s is an error that names the equations that depend on each other and the free coordinates."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

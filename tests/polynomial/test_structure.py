@@ -1,7 +1,5 @@
 """Zeros and structure at infinity of matrices whose Smith forms can be read off."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

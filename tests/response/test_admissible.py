@@ -1,7 +1,5 @@
 """Admissibility (58) and continuity (60), corrected, against counter-examples, the structure and solve itself."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Forces that begin after t = 0 on motions that are slow beside them: every digit of a small difference of large deflections."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """The choice of the method: one pure function of the problem and the request, with the condition that decided in its reason."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

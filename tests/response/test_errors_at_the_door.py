@@ -1,7 +1,5 @@
 """What solve and its answer refuse, and the words they use."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """The estimate of the error: never far below the error, and quiet where there is none to speak of."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg

@@ -1,7 +1,5 @@
 """Events: forces that start, stop, change or have an impulse after t = 0, against restarts, closed forms and other solvers."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import mpmath

@@ -1,7 +1,5 @@
 """Functions of a large linear system: evaluated by powers, by modes or by a series, always the same function."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Long times, fast decay, growth to the end of float64, clusters of zeros, resonance: against closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

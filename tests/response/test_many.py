@@ -1,7 +1,5 @@
 """Many starts and forces at once: each as it is solved alone, and one decomposition for all."""
 
-from __future__ import annotations
-
 import tracemalloc
 
 import numpy as np

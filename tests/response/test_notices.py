@@ -1,7 +1,5 @@
 """What an answer says about itself without being asked."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

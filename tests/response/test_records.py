@@ -1,7 +1,5 @@
 """Records on large models, in all places where they may be asked: against oscillators in forty digits and the general route."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import mpmath

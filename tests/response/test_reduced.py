@@ -1,7 +1,5 @@
 """Large plain problems: the reduced equations against the Jordan pairs, closed forms and enclosures, and which way is taken."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Only what is asked for: some coordinates, and long answers piece by piece."""
 
-from __future__ import annotations
-
 import tracemalloc
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The Taylor series at 0+: exact where the structure is, accurate entry by entry, and no seam where the modes take over."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from math import factorial
 

@@ -1,7 +1,5 @@
 """Degenerate systems and the shapes of what comes out."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Small plain models: the reduced equations against the Jordan pairs, for every kind of part that they may have."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Motions of long damped chains and trees by their modes, against exponentials of the generator and against powers of them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg

@@ -1,7 +1,5 @@
 """Inverse kinematics against closed forms and pinocchio's forward kinematics; modes along paths of a point, followed by shape."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Feet on compliant ground: the limit of stiff ground, differences of pinocchio's rnea with forces of feet, soles in closed form."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest

@@ -1,7 +1,5 @@
 """Joints with several degrees of freedom by the names of their coordinates, as messages print them; points as channels."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio
 import pinocchio as pin

@@ -1,7 +1,5 @@
 """Effective masses and the ellipsoids of inertia: closed forms, and the tensors of pinocchio."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest

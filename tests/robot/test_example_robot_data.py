@@ -1,7 +1,5 @@
 """Robots of example-robot-data: Talos on two feet, and arms with fixed joints, against central differences of all forces."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

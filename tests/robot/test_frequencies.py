@@ -1,7 +1,5 @@
 """Linearized robots against minimal-coordinate models in 80 digits (tests/oracles/linkages.py) and against closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Frequency responses and prescribed motions of robots against state spaces of the tests' own, by differences of pinocchio's rnea."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest

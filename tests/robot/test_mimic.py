@@ -1,7 +1,5 @@
 """Joints that follow others (URDF <mimic>): one coordinate less, found by putting one angle into the energies by hand."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq

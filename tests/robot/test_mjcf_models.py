@@ -1,7 +1,5 @@
 """MJCF files are what MuJoCo compiles: constructs with known values, random models against MuJoCo, files, hostile files."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """States, motors and models that pinocchio reads."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The same machine described in two ways moves in one way: units, joints, frames, locks, motors, levels."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest

@@ -1,7 +1,5 @@
 """Angles of a URDF with few digits: where loops stay open or lock by them it is said which they are."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Tags of Drake, Gazebo and Isaac in a URDF, by closed forms of a pendulum (m = 1 kg, 0.5 m, J = 0.01 kg m^2)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Validation: invalid arguments raise errors that name the place, what was found, and the nearest known name."""
 
-from __future__ import annotations
-
 import re
 import time
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Motions and modes that were computed in Python have pages, plots and views of their own."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Functions known by their values: reached to the tolerance, kinks and jumps found, and refused where they cannot be."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Bohl functions: evaluation, algebra and derivatives against their closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Delayed inputs: values, derivatives, algebra, and how few states they need."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Inputs: what the constructors mean, and that Dirac impulses are separate from the regular part."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

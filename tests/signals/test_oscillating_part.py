@@ -1,7 +1,5 @@
 """Sums of many oscillations, made from cosines and sines: against the states at every time, each for itself."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

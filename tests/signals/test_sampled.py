@@ -1,7 +1,5 @@
 """Records: exactly the linear interpolation, as a function, as a sum of ramps, and with what jumps known exactly."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """The condition against formulas, against finite differences in multiprecision, and what counts as data."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath

@@ -1,7 +1,5 @@
 """The gallery: every system is what it declares to be, and no answer is wrong without a warning but those that are known."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Verdicts: on problems whose answers are known, on answers that lie, on none; and what counts as a warning."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """All that was asked for, one after another, and what becomes of it: text, data, picture, a part of a page of the documentation."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable

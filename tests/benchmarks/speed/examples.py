@@ -1,7 +1,5 @@
 """Examples 5.1 and 5.2 of Moysis et al.: as they are given, and by hand as first-order equations in fractions."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

@@ -6,8 +6,6 @@ error of 1e-15 or so of the largest value, as the balls of the shortest chain co
 Neither uses the package or float64 on the way: the equations are reduced anew from the data in fractions or long doubles.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

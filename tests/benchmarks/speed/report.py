@@ -1,7 +1,5 @@
 """The report: ratios to the fastest peer of equal or smaller error, whether they are as small as wanted, tables and data."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """References agree with one another and with formulas; peers are written as right as they can be."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

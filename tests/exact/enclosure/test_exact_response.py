@@ -1,7 +1,5 @@
 """Impulses, values at 0+ and intervals against rational arithmetic and mpmath, which share nothing with them."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 

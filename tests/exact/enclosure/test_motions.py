@@ -1,7 +1,5 @@
 """Motions of mechanical systems: the multiplier form encloses what the constrained form answers."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """True Jordan chains: for rational zeros, and for all roots of an irreducible polynomial at once."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from math import comb
 

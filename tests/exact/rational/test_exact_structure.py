@@ -1,7 +1,5 @@
 """The exact structure against minors, published values and cases whose multiplicities are known."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import combinations, pairwise
 

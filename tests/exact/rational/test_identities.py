@@ -1,7 +1,5 @@
 """The identities between A(s), its exact pairs and H_i (Moysis et al., section 2, corrected), with == throughout."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

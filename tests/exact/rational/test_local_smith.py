@@ -1,7 +1,5 @@
 """The parts that the exact structure is made of: pivots modulo primes, minors by interpolation, rounded roots."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import flint

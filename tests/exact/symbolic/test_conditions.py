@@ -1,7 +1,5 @@
 """Conditions on the values at 0-: the papers', the counter-examples', and against impulses and jumps themselves."""
 
-from __future__ import annotations
-
 import pytest
 import sympy
 

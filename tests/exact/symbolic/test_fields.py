@@ -1,7 +1,5 @@
 """What entries may be, and what they become."""
 
-from __future__ import annotations
-
 from decimal import Decimal
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """The identities between A(s), its pairs and H_i hold exactly, for every value of the symbols (Moysis et al., sections 2 and 3)."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

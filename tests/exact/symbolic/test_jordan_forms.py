@@ -1,7 +1,5 @@
 """J in Jordan form with zeros in radicals: the same C J^i B as by long division, in 40 digits at some values of the symbols."""
 
-from __future__ import annotations
-
 import mpmath
 import pytest
 import sympy

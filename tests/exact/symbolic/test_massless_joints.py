@@ -1,7 +1,5 @@
 """Moysis et al., section 5.2: (93)-(99), and with m, k1, k2, c1, c2 all free."""
 
-from __future__ import annotations
-
 import sympy
 from sympy import sqrt
 

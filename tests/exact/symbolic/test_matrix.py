@@ -1,7 +1,5 @@
 """SymbolicPolynomialMatrix: shapes, names, values, determinants and numerators."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy

@@ -1,7 +1,5 @@
 """Signs, square roots and zeros in radicals, against their values at numbers for the symbols."""
 
-from __future__ import annotations
-
 import mpmath
 import pytest
 import sympy

@@ -1,7 +1,5 @@
 """The motion in closed form against the papers, mpmath's inversion of X(s), the numeric engine, sympy and rational arithmetic."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import mpmath

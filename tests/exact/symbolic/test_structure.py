@@ -1,7 +1,5 @@
 """Structures known beforehand, and those of random matrices against minors in rational arithmetic."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Inverse transforms with symbols in the coefficients: right for every sign of what positivity leaves open."""
 
-from __future__ import annotations
-
 import mpmath
 import pytest
 import sympy

@@ -1,7 +1,5 @@
 """Forces as sums of terms: their values, and their transforms."""
 
-from __future__ import annotations
-
 import mpmath
 import pytest
 import sympy

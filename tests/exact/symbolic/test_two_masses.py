@@ -1,7 +1,5 @@
 """Moysis et al., section 5.1 with m and k as symbols: (84)-(88), (88) corrected, at all three levels of the constraint."""
 
-from __future__ import annotations
-
 import pytest
 import sympy
 from sympy import Rational, sqrt

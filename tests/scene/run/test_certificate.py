@@ -1,7 +1,5 @@
 """Proved digits: asked for by the scene or by the command line, on the page, in JSON and in the plan; wrong answers are found."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

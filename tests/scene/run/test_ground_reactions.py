@@ -1,7 +1,5 @@
 """Forces of loops of a robot during the motion along the axes of the ground: pinocchio's placements of the links, Newton's law, feet."""
 
-from __future__ import annotations
-
 import re
 from shutil import copy
 

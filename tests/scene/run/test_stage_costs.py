@@ -1,7 +1,5 @@
 """What a stage takes: nothing is lost, how memory is measured is reported, totals are sums, and a limit of time is kept."""
 
-from __future__ import annotations
-
 import ast
 import hashlib
 import os
