@@ -1,5 +1,7 @@
 """Points of a sweep with given digits."""
 
+from __future__ import annotations
+
 from mbconstrained.analyses.stability.point import Point
 from mbconstrained.analyses.stability.scaling_factors import ScalingSweep
 from mbconstrained.ground.tolerances import EPS

@@ -1,6 +1,10 @@
 """The condition against formulas, against finite differences in multiprecision, and what counts as data."""
 
+from __future__ import annotations
+
 import math
+from dataclasses import replace
+from fractions import Fraction
 
 import mpmath
 import numpy as np
@@ -9,7 +13,7 @@ import pytest
 import mbconstrained as mb
 from mbconstrained.analyses.stability import point as module
 from mbconstrained.analyses.stability.gallery import GALLERY, bodies, equations, moving, system
-from mbconstrained.analyses.stability.point import STEP, condition_of
+from mbconstrained.analyses.stability.point import STEP, condition_of, values_of
 from mbconstrained.analyses.study_problem import StudyProblem, mechanical_problem
 
 
@@ -205,3 +209,10 @@ def test_it_is_of_first_order():
     finally:
         module.STEP = original
     assert other == pytest.approx(one, rel=1e-10)
+
+
+def test_values_are_the_middles():
+    box = equations([[[1.0]], [[1.0]]], [[1.0]], [0.0, 1.0]).solve().enclose([0.0, 1.0], 20)
+    values = values_of(replace(box, notices=()))
+    assert values[0, 0] == 1 and isinstance(values[0, 1], Fraction)
+    assert abs(float(values[0, 1]) - math.exp(-1)) < 1e-16

@@ -1,5 +1,7 @@
 """The gallery: every system is what it declares to be, and no answer is wrong without a warning but those that are known."""
 
+from __future__ import annotations
+
 import subprocess
 import sys
 from dataclasses import replace
@@ -9,7 +11,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.analyses.stability.gallery import GALLERY, System, broken_promises, system
+from mbconstrained.analyses.stability.gallery import GALLERY, PROPERTIES, THEMES, System, broken_promises, decades, system
 from mbconstrained.analyses.stability.point import point_of, points_of
 
 #: Wrong without a warning, and why. Empty is the goal.
@@ -53,6 +55,28 @@ def points(name: str):
 # --- the catalogue
 
 
+def test_the_gallery_is_listed_by_themes():
+    assert len(set(names)) == len(names) == 49
+    assert [one.theme for one in GALLERY] == sorted((one.theme for one in GALLERY), key=THEMES.index)
+    assert {one.theme for one in GALLERY} == set(THEMES)
+
+
+@everywhere
+def test_a_system_tells_what_is_hard_and_where_it_is_from(name):
+    one = system(name)
+    title, difficulty, source = one.texts
+    assert difficulty.endswith(".") and title and source and one.parameter
+    assert name == name.lower() and " " not in name
+    assert 5 <= len(one.values) <= 17 and len(set(one.values)) == len(one.values)
+    limits = [value for value in one.values if value]
+    assert limits == sorted(limits) or limits == sorted(limits, reverse=True)
+    assert one.declared and set(one.declared) <= set(PROPERTIES)
+
+
+def test_every_property_is_declared_somewhere():
+    assert {name for one in GALLERY for name in one.declared} == set(PROPERTIES)
+
+
 def test_a_wrong_name_is_answered_with_the_nearest():
     with pytest.raises(mb.InputError, match=r"no system 'penalty_lnk'.*penalty_link"):
         system("penalty_lnk")
@@ -62,6 +86,16 @@ def test_importing_the_gallery_loads_nothing_heavy():
     script = "import mbconstrained.analyses.stability.gallery, sys; print(*{name.split('.')[0] for name in sys.modules})"
     loaded = set(subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split())
     assert not loaded & {"flint", "sympy", "pydantic", "pint", "typer", "rich", "matplotlib", "pinocchio", "meshcat"}
+
+
+def test_building_is_reproducible_and_solves_nothing():
+    one, other = (system("stiff_chain").build(1e4) for _ in range(2))
+    assert np.array_equal(one.polynomial_matrix.coefficients, other.polynomial_matrix.coefficients)
+    assert np.array_equal(one.times, other.times) and not one.polynomial_matrix._pairs
+
+
+def test_decades_are_the_nearest_numbers_to_powers_of_ten():
+    assert decades(-16, -16) == (1e-16,) and decades(0, -3) == (1.0, 0.1, 0.01, 0.001) and decades(3, 5, 2) == (1e3, 1e5)
 
 
 # --- promises

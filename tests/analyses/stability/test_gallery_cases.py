@@ -1,5 +1,7 @@
 """Where the gallery and the referee cases overlap: the same problem, the same truth to 30 digits, the same judgement."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache

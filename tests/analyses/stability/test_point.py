@@ -1,5 +1,7 @@
 """Verdicts: on problems whose answers are known, on answers that lie, on none; and what counts as a warning."""
 
+from __future__ import annotations
+
 import json
 import math
 from dataclasses import dataclass
@@ -12,7 +14,7 @@ import mbconstrained as mb
 from mbconstrained.analyses.stability.gallery import bodies, equations, moving
 from mbconstrained.analyses.stability.point import MOST_EXPECTED, Point, point_of
 from mbconstrained.analyses.study_problem import StudyProblem, problem_of
-from mbconstrained.ground.tolerances import EPS
+from mbconstrained.ground.tolerances import EPS, TRUST_LIMIT
 from mbconstrained.scene.run import stages
 from tests.oracles.referee import case
 
@@ -107,6 +109,12 @@ def test_a_notice_that_is_no_doubt_is_no_warning():
     assert point.verdict == "wrong" and point.warnings == () and point.notices == (notice.text,)
 
 
+def test_estimates_at_the_limit():
+    assert told(estimate=TRUST_LIMIT).warnings == ()
+    assert len(told(estimate=np.nextafter(TRUST_LIMIT, 1)).warnings) == 1
+    assert len(told(estimate=math.nan).warnings) == 1 and told(estimate=math.nan).claimed == 0
+
+
 @pytest.mark.parametrize("value", [math.nan, math.inf])
 def test_what_is_no_number_is_wrong(value):
     values = DECAY.solve()(DECAY.times)
@@ -186,6 +194,11 @@ def test_data_that_were_rounded_out_of_their_structure_have_no_truth_here(name):
 def test_a_matrix_without_derivatives():
     constant = StudyProblem("constant", mb.PolynomialMatrix([[[2.0]]]), np.zeros((0, 1)), mb.step([3.0]), np.array([1.0]))
     assert point_of(constant).verdict == "right" and point_of(constant).right == 16
+
+
+def test_one_time_and_no_condition():
+    point = point_of(DECAY.at([0.0]), variations=0)
+    assert point.verdict == "right" and point.right == 16 and math.isnan(point.expected) and point.unknown == ""
 
 
 # --- as data

@@ -12,6 +12,8 @@ from mbconstrained.analyses.stability.stability import (
     StabilityReport,
     digit_table,
     gallery_report,
+    gallery_table,
+    reason_tables,
     scene_report,
 )
 from mbconstrained.analyses.study_problem import mechanical_problem
@@ -40,6 +42,20 @@ WRONG = report(
 )
 
 
+def test_the_verdict_in_words():
+    assert CALM.sentences == (
+        "None of 2 answers compared with exact arithmetic is wrong without a warning.",
+        "2 answers had the digits that the estimate claims.",
+        "Fewest digits without a warning: 12.0 right, 12.0 claimed, 12.3 determined by the data (The spring, stiffness in N/m = 10).",
+        "The declared properties of the systems hold, by exact arithmetic.",
+    )
+    assert WRONG.sentences[:2] == (
+        "1 of 3 answers compared with exact arithmetic is wrong without a warning.",
+        "1 answer had the digits that the estimate claims, 1 came with a warning, 1 refused with a reason, "
+        "1 not judged by exact arithmetic.",
+    )
+
+
 def test_what_is_wrong_without_a_warning_is_not_trusted_and_nothing_else_is():
     assert CALM.is_trusted and not WRONG.is_trusted
     assert report(spring(WRONG.sweeps[0].points[2], WRONG.sweeps[0].points[3])).is_trusted
@@ -55,6 +71,25 @@ def test_fewer_digits_than_the_data_allow_are_told():
         spring(point(1.0, right=9.0, expected=15.0, claimed=8.0), point(2.0, right=8.0, expected=8.1, claimed=8.0)), of_scene=True
     )
     assert "Furthest below what the data determine: 9.0 right" in found.sentences[-1]
+
+
+def test_tables_count_and_name():
+    (row,) = digit_table(WRONG).rows
+    assert row == ("stiffness", "spring", "1 … 1e+08", "5", "1", "1", "1", "1", "3.0", "15.5", "12.0")
+    titles = {table.title: table.rows for table in reason_tables(WRONG)}
+    assert titles["Wrong without a warning"] == (
+        ("spring", "100", "only 3.0 digits are right, the estimate claims 12.0, without a warning"),
+    )
+    assert titles["Warnings"] == (("spring", "1e+04", "a rank decision has no clear gap"),)
+    assert titles["Refused"] == (("spring", "1e+06", "beyond float64"),)
+    assert titles["Not judged"] == (("spring", "1e+08", "took more than 30 s"),)
+    assert reason_tables(CALM) == []
+    assert gallery_table(CALM).rows == (("spring", "The spring", "stiffness in N/m", "it is stiff", "made for this gallery"),)
+
+
+def test_themes_stand_once():
+    rows = digit_table(report(spring(point(1.0)), spring(point(1.0), name="other"), spring(point(1.0), theme="mass"))).rows
+    assert [row[0] for row in rows] == ["stiffness", "", "mass"]
 
 
 def test_nothing_answered_at_all():

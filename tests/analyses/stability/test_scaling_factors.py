@@ -109,6 +109,11 @@ def test_all_of_a_kind_are_turned_together_and_each_alone(tmp_path):
     assert np.array_equal(np.diag(together.system.mass), [20.0, 10.0])
 
 
+def test_the_horizon_is_longer_at_the_same_number_of_times(tmp_path):
+    problem = scaling_factors(scene(tmp_path))["horizon"](1e6)
+    assert problem.times[-1] == 3e6 and len(problem.times) == 25
+
+
 def test_matrices_are_turned_as_wholes_with_what_they_may_be_wrong_by():
     robot = read_scene("examples/four_bar.toml")
     before = problem_of(robot).system

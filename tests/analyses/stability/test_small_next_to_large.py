@@ -1,5 +1,7 @@
 """Small next to large: answer and estimate against exponentials in ball arithmetic, not against the package's exact engine."""
 
+from __future__ import annotations
+
 from fractions import Fraction
 
 import numpy as np

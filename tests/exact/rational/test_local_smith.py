@@ -1,6 +1,9 @@
 """The parts that the exact structure is made of: pivots modulo primes, minors by interpolation, rounded roots."""
 
+from __future__ import annotations
+
 from fractions import Fraction
+from itertools import islice
 
 import flint
 import mpmath
@@ -12,6 +15,7 @@ from mbconstrained.exact import rational as modular
 from mbconstrained.exact.engine import ExactMatrix
 from mbconstrained.exact.rational import RationalMatrix, rounded_roots
 from tests.exact.rational.products import MATRICES, known, product
+from tests.oracles import exact
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -28,6 +32,12 @@ def test_a_prime_that_lowers_a_rank_is_unlucky(monkeypatch):
     A = [[[0, 3], [0, 0]], [[1, 0], [0, 1]]]
     monkeypatch.setattr(modular, "FIRST_NUMBER", 3)
     assert mb.exact.structure(mb.PolynomialMatrix(A)).elementary_divisors[0].exponents == (2,)
+
+
+def test_primes_have_roots():
+    p = flint.fmpz_poly([2, 0, 0, 1])
+    for prime, root in islice(modular.rooted_primes(p), 5):
+        assert flint.fmpz(prime).is_prime() and (root**3 + 2) % prime == 0
 
 
 @pytest.mark.parametrize("name", MATRICES)
@@ -62,6 +72,19 @@ def _principal_part(terms):
     p, K, r = terms[-1].divisor, terms[-1].length, range(len(terms[-1].right))
     zero = flint.fmpq_poly([0])
     return [[sum((t.right[i] * t.left[j] * p ** (K - t.length) for t in terms), zero) % p**K for j in r] for i in r]
+
+
+@pytest.mark.parametrize("name", MATRICES)
+def test_minor_gives_the_determinant_and_the_adjugate(name):
+    x = known(name)
+    R = RationalMatrix.of(x.matrix)
+    assert _fractions(R.determinant) == exact.determinant(x.A.tolist())
+    adjugate = [[exact.trimmed(entry) for entry in row] for row in exact.adjugate(x.A.tolist())]
+    assert [[_fractions(entry) for entry in row] for row in R.adjugate] == adjugate
+
+
+def _fractions(p) -> list[Fraction]:
+    return [Fraction(int(c.p), int(c.q)) for c in p.coeffs()]
 
 
 @pytest.mark.parametrize(

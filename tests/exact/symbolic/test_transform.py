@@ -1,5 +1,7 @@
 """Forces as sums of terms: their values, and their transforms."""
 
+from __future__ import annotations
+
 import mpmath
 import pytest
 import sympy
@@ -81,6 +83,15 @@ def test_what_starts_later_is_moved_to_its_start(expression):
             if time > term.start.subs(VALUES)
         )
         assert abs(found - sympy.N(expression.subs(t, time).subs(VALUES), DIGITS)) < 1e-30
+
+
+def test_impulses():
+    (one,) = terms_of(F * sympy.DiracDelta(t), t)
+    assert (one.coefficient, one.impulse, one.start) == (F, 0, 0)
+    (later,) = terms_of(sympy.DiracDelta(3 - 2 * t, 1), t)
+    assert (later.coefficient, later.impulse, later.start) == (sympy.Rational(-1, 4), 1, sympy.Rational(3, 2))
+    assert terms_of(sympy.DiracDelta(t + 1), t) == []
+    assert transform_of(one, s).parts == ((F, 1),)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pint
 import pytest
 
 from mbconstrained.ground.errors import InputError
-from mbconstrained.ground.quantities import quantity
+from mbconstrained.ground.quantities import count_texts, expected, quantity
 from mbconstrained.ground.units import AMBIGUOUS, UNITS, instead_of, is_accepted, registry
 from mbconstrained.scene.file import shown
 
@@ -162,9 +162,17 @@ def test_an_ambiguous_spelling_is_no_unit(name):
     assert " or " in instead_of(name)
 
 
+def test_a_kind_without_a_name_is_told_by_its_unit():
+    assert expected("N/s^2") == 'a quantity in N/s^2, e.g. "2 N/s^2", or a number in N/s^2'
+
+
 def test_shown_values_are_short_and_printable():
     assert shown("a\x07b") == '"a\\x07b"'
     assert len(shown("x" * 10**6)) < 70
+
+
+def test_texts_that_look_like_quantities_are_counted():
+    assert count_texts({"a": "3 N/mm", "b": ["2 m", 4, {"c": "spring"}], "d": "ground"}) == 2
 
 
 def test_plain_numbers_do_not_import_pint():

@@ -1,5 +1,8 @@
 """The plan: what is listed as taken runs, what is left out does not."""
 
+import os
+import subprocess
+import sys
 from itertools import pairwise
 
 import pytest
@@ -19,6 +22,23 @@ def stages(scene) -> dict[str, bool]:
 
 def constrained(folder, level, extra=""):
     return scene_of(folder, MATRICES.replace("[time]", CONSTRAINT.replace("LEVEL", level)).replace("[time]", f"{extra}\n[time]"))
+
+
+def test_a_free_oscillator_needs_little(tmp_path):
+    plain = OSCILLATOR.replace('"2 kg"', "2").replace('"8 N/m"', "8").replace('"5 s"', "5")
+    taken = [stage.name for stage in scene_of(tmp_path, plain + "\n[output]\npage = false\nnpz = false\n").plan().needed]
+    assert taken == [
+        "read the scene",
+        "assemble the model",
+        "scaling and staircase",
+        "finite pair",
+        "response",
+        "displacements",
+        "modes",
+        "error estimate",
+        "proof (python-flint)",
+        "CSV",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -99,6 +119,39 @@ PREPARED = (
     "scaling and staircase",
     "proof (python-flint)",  # part of the error estimate
 )
+
+AUDIT = """
+import sys
+from mbconstrained import read_scene
+scene = read_scene({path!r})
+plan = scene.plan()
+result = scene.run({folder!r})
+result.summary(), result.to_dict()
+print(*(name for name in sys.modules if name.split(".")[0] in
+    ("pinocchio", "sympy", "meshcat", "matplotlib", "pandas", "typer", "rich", "IPython")
+    or name.startswith("mbconstrained.page") or name == "pint"))
+"""
+
+
+def imported(path, folder) -> list[str]:
+    code = AUDIT.format(path=str(path), folder=str(folder))
+    environment = {**os.environ, "PYTHONPATH": str(EXAMPLES.parent)}
+    found = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env=environment)
+    return found.stdout.split()
+
+
+@pytest.mark.long
+def test_a_lumped_scene_imports_no_robot_viewer_symbols_or_plots(tmp_path):
+    names = imported(EXAMPLES / "critically_damped.toml", tmp_path)
+    assert "mbconstrained.page.html" in names  # the page was made
+    assert all(name.startswith("mbconstrained.page") or name == "pint" for name in names)
+
+
+@pytest.mark.long
+def test_without_a_page_and_units_neither_is_imported(tmp_path):
+    path = tmp_path / "plain.toml"
+    path.write_text(MATRICES + "[output]\npage = false\n")
+    assert imported(path, tmp_path) == []
 
 
 def test_planning_solves_nothing(monkeypatch):
