@@ -73,6 +73,20 @@ def test_json_is_data_and_nothing_else(command, tmp_path):
     assert (code, err, json.loads(out)["exit_code"]) == (1, "", 1)
 
 
+def test_modes_lists_zeros_shares_and_shapes_and_writes_nothing(command, tmp_path):
+    code, out, err = command("modes", TWO_MASSES)
+    assert (code, err) == (0, "") and list(tmp_path.iterdir()) == []
+    for words in (
+        r"^  no\.  Hz +damping +kind +eigenvalue \(1/s\) +rad/s +times$",
+        r"^  1 +drift +0 +2$",
+        r"^  3 +0\.115166 +0 +oscillation +± 0\.723607 i +0\.723607 +1$",
+        r"^Mode 3: oscillation at 0\.115166 Hz, undamped$",
+        r"^  kinetic energy x1 72\.4 %, q2 72\.4 %, q1 -44\.7 %$",
+        r"^  shape +q2 1 m, x1 -0\.618 m, q1 -0\.618 m$",
+    ):
+        assert re.search(words, out, re.MULTILINE), words
+
+
 def test_modes_as_json_are_numbers(command):
     code, out, err = command("modes", EXAMPLES / "pulled_joint.toml", "--json")
     (mode,) = json.loads(out)["modes"]
@@ -87,6 +101,14 @@ def test_modes_that_cannot_be_trusted_are_printed_and_are_three(command, monkeyp
     monkeypatch.setattr("mbconstrained.analyses.modes.pair_notices", lambda pairs: (doubt,))
     code, out, _ = command("modes", TWO_MASSES)
     assert code == 3 and "Mode 2: " in out and "warning (rank): a rank decision has no clear gap" in out
+
+
+def test_plan_lists_reasons_and_writes_nothing(command, tmp_path):
+    code, out, _ = command("plan", TWO_MASSES)
+    assert code == 0 and list(tmp_path.iterdir()) == []
+    assert re.search(r"taken +constrained form +1 independent row at", out)
+    assert re.search(r"left out +infinite pair +A_2 is nonsingular", out)
+    assert re.search(r"left out +robot model \(pinocchio\) +no robot in the scene", out)
 
 
 @pytest.mark.long
@@ -289,6 +311,23 @@ def test_hostile_scene_in_a_process_of_its_own(tmp_path):
 
 
 FORMULA = str(EXAMPLES / "two_masses_formula.toml")
+
+
+@pytest.mark.long
+def test_formula_prints_text(command):
+    code, out, err = command("formula", FORMULA)
+    assert (code, err) == (0, "")
+    assert "x1(t) = (2/5 + 12 sqrt(5)/25) cos(w1 t)" in out and "Default values: m = 10 kg, k = 2 N/m." in out
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("kind", "says"),
+    [("latex", r"\begin{align*}"), ("python", "def x(t, m=10.0, k=2.0):"), ("c", "#include <math.h>"), ("json", '"parameters": {')],
+)
+def test_formula_prints_other_forms(command, kind, says):
+    code, out, err = command("formula", FORMULA, "--as", kind, "--coordinates", "x1, q2")
+    assert (code, err) == (0, "") and says in out and "q1" not in out.replace("of q1", "")
 
 
 @pytest.mark.long

@@ -123,14 +123,6 @@ def reference_rotation(time, pairs) -> np.ndarray:
     return np.concatenate([time**k * np.array([sine, cosine]) for k in reversed(range(pairs))])
 
 
-@pytest.mark.parametrize("late", [1e4, 1e8])
-def test_a_late_time_does_not_cost_an_early_one(late):
-    block = triangle([-1.0, -1.05, -1.1])
-    early = np.array([0.01, 1.0, 5.0])
-    alone = block_states([block], START[:3], early)
-    assert np.allclose(block_states([block], START[:3], np.array([*early, late]))[:, :3], alone, rtol=1e-12, atol=0)
-
-
 def test_no_blocks_and_no_times():
     assert block_states([], np.zeros(0), np.array([1.0, 2.0])).shape == (0, 2)
     assert block_states([NILPOTENT], START, np.zeros(0)).shape == (6, 0)

@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.sparse import csr_array
 
-from mbconstrained.linalg.exponential import block_states
 from mbconstrained.linalg.recursion import recursion, scanned, shared_gaps, values_of_steps
 
 BLOCKS = [
@@ -43,13 +42,6 @@ def test_growth_that_is_not_excited_stays_out_however_long_the_gap():
     blocks = [np.array([[1.0]]), np.array([[-1.0]]), np.eye(3) + np.eye(3, k=1)]
     states = recursion(blocks, np.array([0.0, 1.0, 0, 0, 0]), np.zeros((5, 2)), np.array([1e4, 1.0]))
     assert not states[:, 1:].any()
-
-
-def test_every_time_may_have_its_own_start():
-    times = np.array([0.0, 0.2, 3.0, 11.0])
-    starts = RANDOM.normal(size=(SIZE, 4))
-    known = np.array([exponential(time) @ start for time, start in zip(times, starts.T)]).T
-    assert np.allclose(block_states(BLOCKS, starts, times), known, rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize("few", [1, 3], ids=["equal gaps", "three lengths of gaps"])

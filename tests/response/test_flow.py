@@ -46,16 +46,6 @@ def test_derivatives_are_those_of_the_modes(order, later):
     assert isinstance(found.derivative(order), FlowFunction)
 
 
-def test_derivatives_are_derivatives():
-    """By the integral over a short time, Gauss with 8 points."""
-    points, weights = np.polynomial.legendre.leggauss(8)
-    found, begin, length = function(), np.array([0.0, 0.4, 5.0]), 0.3
-    for order in (1, 2):
-        rate = found.derivative(order)((begin[:, None] + length * (points + 1) / 2).ravel()).reshape(36, 3, 8)
-        lower = found.derivative(order - 1)
-        assert difference(lower(begin + length), lower(begin) + rate @ weights * length / 2) <= 1e-13
-
-
 def test_sums_multiples_and_maps():
     found, matrix = function(), np.random.default_rng(2).normal(size=(3, 36))
     values = found(UNEVEN)

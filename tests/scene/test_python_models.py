@@ -49,6 +49,12 @@ def test_the_last_time_follows_from_the_slowest_motion(matrix, initial, end):
     assert result.times[-1] == pytest.approx(end, rel=0.05)
 
 
+def test_a_frame_for_notebooks_holds_the_page_as_text():
+    text = machine().solve([0.1, 0.0]).view(height=500, end=1.0)._repr_html_()
+    assert text.startswith('<iframe srcdoc="') and 'height="500"' in text
+    assert "<script" not in text, "all of the page is escaped inside of the attribute"
+
+
 def test_notebooks_show_a_motion_with_its_plot():
     text = machine().solve([0.1, 0.0])._repr_html_()
     assert "<svg" in text and "2 coordinates" in text
@@ -64,6 +70,13 @@ def test_curves_in_axes_of_matplotlib_are_the_motion(quantity, count, label):
     assert len(axes.lines) == count and axes.get_ylabel() == label
     if quantity == "displacement":
         assert (np.array([line.get_ydata() for line in axes.lines]) == motion(np.linspace(0.0, 2.0, 9))).all()
+
+
+def test_show_opens_the_page_in_a_browser(monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    path = mb.show(machine().solve([0.1, 0.0]), end=1.0)
+    assert opened == [path.as_uri()] and path.is_file()
 
 
 @pytest.mark.parametrize(

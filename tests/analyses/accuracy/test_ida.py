@@ -90,14 +90,6 @@ def test_the_start_fits_the_equations_of_every_index(index, force):
         np.testing.assert_allclose(residual(form, t, form.force), 0.0, atol=1e-11)
 
 
-@pytest.mark.parametrize("force", FORCES)
-def test_the_start_fits_the_equations_without_rows(force):
-    form = descriptor(problem("massless and damped", force), 0)
-    assert form.index <= 1 and len(form.E) == 5  # the massless coordinate has no velocity among the unknowns
-    for t in (0.0, 0.9, 3.3):
-        np.testing.assert_allclose(residual(form, t, form.force), 0.0, atol=1e-11)
-
-
 def test_refusals(monkeypatch):
     free, tied = problem("regular mass", "none"), problem("tied", "none")
     assert [method for method in METHODS if method.concerns(free)] == [PLAIN]

@@ -95,13 +95,6 @@ def test_hypercompanion_matrix():
     assert hypercompanion(RATIONALS, flint.fmpq_poly([flint.fmpq(1, 2), 0, 1]), 1).tolist() == [[0, 1], [Fraction(-1, 2), 0]]
 
 
-def test_free_motion_of_the_two_masses():
-    """Section 5.1 at acceleration level: q1 moves alone, e_2 and e_2 t."""
-    block = mb.exact.jordan_pairs(mb.PolynomialMatrix(two_masses(2))).finite.blocks[0]
-    assert block.C.tolist() == [[0, 0], [1, 0], [0, 0]]
-    assert block.J.tolist() == [[0, 1], [0, 0]]
-
-
 def test_laurent_coefficients_of_the_two_masses():
     pairs = mb.exact.jordan_pairs(mb.PolynomialMatrix(two_masses(2)))
     tenth = Fraction(1, 10)

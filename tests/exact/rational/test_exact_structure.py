@@ -126,15 +126,6 @@ def test_two_masses(level, smith, infinite):
     assert frequencies == [0.27639320225002103036j, 0.72360679774997896964j]  # (5 -+ sqrt 5) / 10
 
 
-def test_two_masses_at_acceleration_level_have_one_chain_at_zero():
-    structure = mb.exact.structure(mb.PolynomialMatrix(two_masses(2)))
-    assert structure.determinant == fractions(0, 0, -4, 0, -60, 0, -100)
-    assert [(d.polynomial, d.exponents) for d in structure.elementary_divisors] == [
-        (fractions(0, 1), (2,)),
-        (fractions("1/25", 0, "3/5", 0, 1), (1,)),
-    ]
-
-
 def test_massless_joints():
     """Moysis et al., section 5.2."""
     structure = mb.exact.structure(mb.PolynomialMatrix(massless_joints()))

@@ -70,11 +70,6 @@ def test_invariant_polynomials_divide_each_other_and_multiply_to_the_determinant
 
 
 @every
-def test_infinite_divisors_are_the_zeros_of_the_dual_at_0(A):
-    assert A.dual.local_smith_form(0).exponents == A.structure().infinite_divisors
-
-
-@every
 def test_laurent_coefficients_are_those_of_the_inverse(A):
     """sum of H_(k-j) A_j = sum of A_j H_(k-j) = delta_k I, and H_i = 0 above the highest zero at infinity (28)."""
     H, coefficients, top = laurent(A), coefficients_of(A), A.structure().highest_impulse

@@ -1,5 +1,7 @@
 """What is told before anything is run: bodies that nothing holds, starts that break a constraint."""
 
+import json
+
 import pytest
 
 from mbconstrained.scene.run.result import start_notices
@@ -58,6 +60,13 @@ def test_equations_that_the_start_breaks_are_told_as_well(tmp_path):
     )
     assert "lambda: its value contains the first derivative of a Dirac impulse of -0.5 N s^2 at t = 0" in told
     assert start_notices(read_scene(EXAMPLES / "two_masses.toml").equations) == ()
+
+
+def test_check_prints_them(command, tmp_path):
+    scene_of(tmp_path, with_parts(LOAD, TIE).replace('"ground", "cart"', '"load", "cart"'))
+    code, out, _ = command("check", "scene.toml")
+    assert code == 0 and "note (rigid body): cart and load: unconstrained" in out and 'note (jump): constraint "rod"' in out
+    assert len(json.loads(command("check", "scene.toml", "--json")[1])["notices"]) >= 3
 
 
 def test_springs_without_rest_length_are_reported_next_to_some_with_one(tmp_path):

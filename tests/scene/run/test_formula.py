@@ -1,5 +1,6 @@
 """The formula of a scene agrees with its numeric run; what has none says so."""
 
+import json
 import shutil
 
 import numpy as np
@@ -9,6 +10,7 @@ from mbconstrained.analyses.formula import formula_of, parameters_text, written
 from mbconstrained.ground.errors import ContradictoryConstraints, InputError
 from mbconstrained.scene.run.plan import OutOfTime, time_limit
 from mbconstrained.scene.run.scene import read_scene
+from mbconstrained.scene.run.stages import plan_of
 from tests.exact.formulas.answers import c_values, python_values
 from tests.scene.scenes import EXAMPLES, MATRICES, OSCILLATOR, scene_of
 
@@ -309,6 +311,11 @@ def test_symbols_without_a_closed_form_are_told(tmp_path):
     assert agrees(scene, numbers=True)
 
 
+def test_a_robot_has_no_formula():
+    with pytest.raises(InputError, match="no formula with symbols for a robot"):
+        formula_of(read_scene(EXAMPLES / "pendulum.toml"))
+
+
 def test_too_large_and_too_long(tmp_path):
     masses = "".join(f'[[model.mass]]\nname = "m{i}"\nmass = 1\n' for i in range(40))
     with pytest.raises(InputError, match="too many for formulas"):
@@ -336,3 +343,29 @@ def test_impulses_jumps_and_conditions_are_those_of_the_run():
     names = motion.coordinates if hasattr(motion, "coordinates") else ("q1", "q2", "lambda")
     assert jumps == pytest.approx({(names[i], order): motion.jump[order, i] for order, i in np.argwhere(motion.jump)})
     assert len(form.admissible) == 2 and len(form.continuous) == 4
+
+
+def test_the_page_shows_the_formula_if_it_is_asked_for(tmp_path):
+    text = OSCILLATOR.replace('"8 N/m"', '"=k"') + "[parameters]\nk = 8\n[output]\nformula = true\n"
+    scene = scene_of(tmp_path, text)
+    stage = next(stage for stage in plan_of(scene).stages if stage.name.startswith("symbols"))
+    assert (stage.needed, stage.reason) == (True, "formula = true: 1 parameter as symbols")
+    result = scene.run(tmp_path / "results")
+    page = (tmp_path / "results" / "scene.html").read_text("utf-8")
+    assert '<section class="formulas">' in page and "<math" in page and "Default values: k = 8." in page
+    assert result.is_trusted
+
+
+def test_a_formula_that_is_not_found_is_a_notice_on_the_page(tmp_path, monkeypatch):
+    monkeypatch.setattr("mbconstrained.scene.run.stages.MOST_FORMULA_STATES", 0)
+    scene = scene_of(tmp_path, OSCILLATOR + "[output]\nformula = true\n")
+    result = scene.run(tmp_path / "results")
+    assert any("the formula is left out: " in notice.text for notice in result.notices)
+    assert "<math" not in (tmp_path / "results" / "scene.html").read_text("utf-8")
+
+
+def test_json_is_plain_data():
+    form = formula_of(read_scene(EXAMPLES / "two_masses_formula.toml"))
+    found = json.loads(written(form, "json"))
+    assert found["parameters"] == {"m": {"value": 10.0, "unit": "kg"}, "k": {"value": 2.0, "unit": "N/m"}}
+    assert list(found["formulas"]) == ["x1", "q1", "q2"]

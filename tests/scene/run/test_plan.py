@@ -5,6 +5,7 @@ import subprocess
 import sys
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
 from mbconstrained.analyses.run import RunAnswer
@@ -169,6 +170,24 @@ def chain(masses: int, more: str = "") -> str:
     bodies = [f'[[model.mass]]\nname = "{name}"\nmass = {1 + 0.1 * k}' for k, name in enumerate(names[1:-1])]
     start, time = "[initial]\ndisplacement = { m0 = 0.1 }", '[time]\nend = "5 s"\npoints = 501'
     return "\n".join(['[model]\nkind = "lumped"', *bodies, *springs, more, start, time])
+
+
+DAMPER = '[[model.damper]]\nbetween = ["ground", "m2"]\ndamping = 3'
+
+
+@pytest.mark.parametrize(
+    ("masses", "more", "way"),
+    [
+        (3, "", "by eigenvectors: 6 states are few"),
+        (30, "", "by a symmetric eigenproblem: powers of e^(S h) cost about"),
+        (30, DAMPER, "by powers of e^(S h): they cost about"),
+    ],
+)
+def test_the_way_to_find_values_is_told_with_its_cost(tmp_path, masses, more, way):
+    scene = scene_of(tmp_path, chain(masses, more))
+    (reason,) = (stage.reason for stage in scene.plan().stages if stage.name == "response")
+    assert reason.startswith("from the values at 0-, with jumps and impulses; values ") and way in reason
+    assert np.isfinite(scene.run().values).all()
 
 
 def test_the_plan_names_the_method_of_the_run(tmp_path):

@@ -9,6 +9,7 @@ import pytest
 from jsonschema import Draft202012Validator
 from pydantic import ValidationError
 
+from mbconstrained import cli
 from mbconstrained.cli import new
 from mbconstrained.ground.errors import InputError, SceneError
 from mbconstrained.scene.run.scene import read_scene
@@ -104,6 +105,14 @@ def test_every_example_and_template_is_valid(path):
 def test_mistakes_are_marked_while_one_writes(old, new):
     assert old in OSCILLATOR and CHECK.is_valid(tomllib.loads(OSCILLATOR))
     assert not CHECK.is_valid(tomllib.loads(OSCILLATOR.replace(old, new, 1)))
+
+
+@pytest.mark.parametrize(("arguments", "schema"), [([], scene_schema), (["--robot"], robot_schema)])
+def test_the_command_prints_it(capsys, monkeypatch, arguments, schema):
+    monkeypatch.setattr("sys.argv", ["mbconstrained", "schema", *arguments])
+    with pytest.raises(SystemExit) as left:
+        cli.main()
+    assert not left.value.code and json.loads(capsys.readouterr().out) == schema()
 
 
 VALUES = ("0", "-1", "1.5", '"x"', '""', "[]", "{}", "true", "nan", "inf", "1979-05-27")

@@ -5,10 +5,10 @@ import math
 import pytest
 
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.page.drawing import View
+from mbconstrained.page.drawing import View, matrix_of
 from mbconstrained.scene.run.drawing import ShapeDrawing
 from tests.scene.robots import SCENE, press
-from tests.scene.scenes import MATRICES, OSCILLATOR, scene_of
+from tests.scene.scenes import COEFFICIENTS, MATRICES, OSCILLATOR, scene_of
 
 CART = '[[drawing.body]]\nname = "cart"\n'
 LINK = '[[drawing.link]]\nkind = "rod"\nstart = "cart"\nend = "hok"\n'
@@ -79,6 +79,14 @@ def test_displacements_go_along_what_is_asked_for_and_up_where_there_is_gravity(
     assert ShapeDrawing(scene_of(tmp_path, FALLING), []).drawing.turn == pytest.approx(up)
 
 
+def test_one_body_goes_along_what_it_says_itself_in_space(tmp_path):
+    own = f"{CART}along = [0, 2, 0]\n"
+    for text, model in (("", OSCILLATOR), ("[drawing]\nalong = [0, 0, 1]\n", OSCILLATOR), ("", FALLING)):
+        scene = scene_of(tmp_path, f"{model}\n{text}{own}")
+        for drawing in (scene.run().animation.drawing, ShapeDrawing(scene, []).drawing):
+            assert matrix_of(drawing.turn) @ body(drawing, "cart").moves["cart"] == pytest.approx((0, 1, 0), abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -108,6 +116,15 @@ def test_what_is_wrong_is_said_with_its_place(tmp_path, text, message):
     for output in ("", "[output]\npage = false\n"):
         with pytest.raises(SceneError, match=rf"(?s)scene\.toml: drawing.*{message}"):
             scene_of(tmp_path, f"{OSCILLATOR}{output}\n[drawing]\n{text}\n")
+
+
+@pytest.mark.parametrize(("model", "body"), [(MATRICES, "a"), (COEFFICIENTS, "q")])
+def test_so_it_is_of_what_is_drawn_from_its_coordinates(tmp_path, model, body):
+    wrong, right = ("about", "along") if body == "a" else ("along", "about")
+    text = f'{model}[[drawing.body]]\nname = "{body}"\n'
+    assert scene_of(tmp_path, f"{text}{right} = [0, 1, 1]\n").run().animation
+    with pytest.raises(SceneError, match=rf'drawing\.body\[1\] \(of "{body}"\): it has {wrong}, .*: say {right}'):
+        scene_of(tmp_path, f"{text}{wrong} = [0, 1, 1]\n")
 
 
 def test_states_are_no_places_even_with_a_view(tmp_path):

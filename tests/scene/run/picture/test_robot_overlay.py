@@ -5,6 +5,8 @@ import pinocchio
 import pytest
 
 from mbconstrained.page.animation import Arrow
+from mbconstrained.page.content import PageContent
+from mbconstrained.page.html import page_html
 from mbconstrained.scene.run.scene import read_scene
 from tests.scene.build.test_robot_mimic import MIMIC, PLAIN, POSTURE
 from tests.scene.robots import ROBOTS, SCENE, press
@@ -67,6 +69,12 @@ def test_an_impulse_and_the_one_of_the_loop_change_all_momenta(four_bar):
     assert (pin_arrow.body, told) == ("coupler", f"{np.linalg.norm(impulse):.3g} N s")
     assert (load.body, load.turns, load.point, told_load) == ("crank", True, (0, 0, 0), "0.02 N m s")
     assert size == pytest.approx([0, -0.02, 0])  # in the crank's frame, whose joint turns about -y
+
+
+def test_the_legend_says_what_is_drawn(four_bar):
+    animation = four_bar[1]
+    assert animation.overlay.description == "reactions on rocker, the load at rest included"
+    assert f"arrows: {animation.overlay.description}, longest arrow 4.12 N" in page_html(PageContent("t", animation=animation))
 
 
 def test_an_impulse_on_a_point_is_an_arrow_there_in_its_own_direction():

@@ -78,13 +78,6 @@ def test_motors_do_not_limit_what_is_drawn(tmp_path, ratio):
     assert drawn.amplitude(motor.shape) > 10 * TURN
 
 
-def test_a_motor_that_moves_alone_leaves_the_links_at_rest(tmp_path):
-    press(tmp_path, with_motor(1e2))
-    drawn = ShapeDrawing(scene_of(tmp_path, SCENE), [])
-    shape = np.array([1e-17, -1e-17, 1.0])
-    assert drawn.amplitude(shape) == 1.0 and not any(path.moves for path in drawn.paths(shape, 1.0).values())
-
-
 def test_a_shape_that_cannot_be_drawn_names_the_urdf(tmp_path):
     folder = press(tmp_path, TOML, URDF.replace(BOX, '<geometry><mesh filename="bad.obj"/></geometry>'))
     (folder / "bad.obj").write_text("no mesh at all")

@@ -14,17 +14,6 @@ def texts(result, kind):
     return [notice.text for notice in result.notices if notice.kind == kind]
 
 
-def test_notices_of_coefficients_have_units():
-    # By hand (see test_examples): q1 1 -> 1/2, q2 0 -> 1/2, lambda contains -1/2 delta'.
-    result = read_scene(LINK).run()
-    assert texts(result, "jump") == [
-        "q1: its displacement jumps at t = 0 by -0.5 m, from 1 m to 0.5 m",
-        "q2: its displacement jumps at t = 0 by 0.5 m, from 0 m to 0.5 m",
-        "lambda: its value jumps at t = 0 by 0.25 N, from 0 N to 0.25 N",
-    ]
-    assert texts(result, "impulse") == ["lambda: its value contains the first derivative of a Dirac impulse of -0.5 N s^2 at t = 0"]
-
-
 def test_notices_and_tables_give_the_same_numbers():
     result = read_scene(LINK).run()
     summary = result.summary()

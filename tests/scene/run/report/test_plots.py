@@ -1,10 +1,8 @@
 """What the page of a scene plots."""
 
-import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from mbconstrained.analyses.motion_plots import plots_of
 from mbconstrained.cli.commands import app
 from mbconstrained.scene.run.scene import read_scene
 
@@ -31,32 +29,12 @@ def result(folder, output):
     return read_scene(path).run(folder)
 
 
-def test_a_phase_plane_for_each_coordinate_that_moves(tmp_path):
-    found = result(tmp_path, 'plots = ["phase"]')
-    x, turn = plots_of(found)
-    assert (x.curves[0].name, x.across_unit, x.unit, x.across.name, x.quantity) == ("x", "m", "m/s", "displacement", "velocity")
-    assert (turn.title, turn.across_unit, turn.unit) == ("phase plane of turn", "rad", "rad/s")
-    assert (turn.across.name, turn.quantity) == ("angle", "angular velocity")
-    assert np.allclose(turn.across.values**2 + (turn.curves[0].values / 2) ** 2, 0.25)
-    assert "phase plane of turn" in (tmp_path / "scene.html").read_text()
-
-
 def test_a_phase_plane_needs_velocities_and_they_are_written_too(tmp_path):
     found = result(tmp_path, 'plots = ["phase"]')
     stage = next(stage for stage in found.plan.stages if stage.name == "velocities")
     assert (stage.needed, stage.reason) == (True, "phase is among the plots")
     assert found.kinds == ["displacement", "velocity"]
     assert "x velocity (m/s)" in (tmp_path / "scene.csv").read_text().splitlines()[0]
-
-
-@pytest.mark.parametrize("viewer, files", [("inside", set()), ("separate", {"mbconstrained-viewer.js"}), ("compressed", set())])
-def test_where_the_viewer_is(tmp_path, viewer, files):
-    text = SCENE.replace("animation = false", f'viewer = "{viewer}"\ncsv = false\nnpz = false')
-    (tmp_path / "scene.toml").write_text(text)
-    found = read_scene(tmp_path / "scene.toml").run(tmp_path / "out")
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {"scene.html"} | files
-    assert {path.name for path in found.files} == {"scene.html"} | files
-    assert ("application/gzip" in (tmp_path / "out/scene.html").read_text()) is (viewer == "compressed")
 
 
 @pytest.mark.parametrize(
