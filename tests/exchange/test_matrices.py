@@ -232,6 +232,11 @@ def test_a_file_that_may_not_be_read_is_wrong_input(tmp_path, monkeypatch, name)
         read_matrix(tmp_path / name)
 
 
+def test_a_name_that_no_file_can_have(tmp_path):
+    with pytest.raises(InputError, match=r"a{300}\.csv: the file cannot be read \(File name too long\)"):
+        read_matrix(tmp_path / ("a" * 300 + ".csv"))
+
+
 def test_reading_op4_does_not_change_how_numpy_prints():
     """pyyeti sets NumPy's legacy mode of 1.13 when it is imported."""
     assert repr(np.array([0.0, 6.0])) == "array([0., 6.])"

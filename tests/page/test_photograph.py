@@ -60,6 +60,12 @@ def fake(tmp_path, text):
     return str(program)
 
 
+def test_a_browser_that_takes_none_is_quoted(tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "BROWSERS", (fake(tmp_path, "import sys; sys.exit('no display')"),))
+    with pytest.raises(MbconstrainedError, match="browser failed: no display"):
+        photograph(ANIMATION, 0.0)
+
+
 def test_a_browser_that_hangs_is_ended_with_what_it_has_started(tmp_path, monkeypatch):
     alive = tmp_path / "alive"
     child = f"import time; [(open({str(alive)!r}, 'a').write('.'), time.sleep(0.05)) for _ in range(400)]"

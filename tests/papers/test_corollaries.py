@@ -120,6 +120,12 @@ def test_the_sign_of_the_infinite_start():
     assert [list(impulse) for impulse in x.impulses] == [[-1, 0]]
 
 
+@pytest.mark.parametrize("A", [DAMPED, ALGEBRAIC], ids=["damping", "degree 0"])
+def test_other_forms_are_refused(A):
+    with pytest.raises(mb.InputError, match="with q >= 1 and nothing between"):
+        apostol_kolodner(A, None)
+
+
 EVERY = [free_motion_by_jordan_blocks, free_motion_by_interpolation, free_motion_by_zeros]
 SYMBOLIC = [*EVERY, apostol_kolodner]
 

@@ -129,6 +129,11 @@ def test_a_motor_and_its_gear_are_linear():
     assert system.linear_range(system.solve({"hinge": 0.5})).deviation < 1e-6
 
 
+def test_the_amplitude_does_not_depend_on_that_of_the_motion():
+    limits = [swing(amplitude)[0].linear_range(swing(amplitude)[1]).limit for amplitude in (0.05, 0.5, 1.5)]
+    np.testing.assert_allclose(limits, limits[0], rtol=0.05)
+
+
 def test_held_joints_have_no_stiffness_and_are_named():
     robot = mb.Robot(PENDULUM)
     texts = [notice.text for notice in robot.equilibrium({"hinge": 0.5}, hold=["hinge"]).notices]

@@ -170,6 +170,14 @@ def test_numbers_and_kinds(what):
         NUMBERS[what]()
 
 
+def test_names_that_would_be_said_twice():
+    with refused('"base x"|"base"'):  # the coordinates of a free base have these names
+        mb.Robot(urdf(bar("frame", 1, 1), bar("bob", 1, 1), joint("base x", "frame", "bob")), base="free")
+    robot = mb.Robot(urdf(GROUND, bar("ground", 1, 1), joint("swing", "frame", "ground")))  # "ground" is what does not move
+    assert robot.bodies == ("frame", "ground link")
+    assert 'the link "ground" is called "ground link" here' in robot.description_notices[0].text
+
+
 def test_locked_joint_differs_from_an_unknown_one():
     with refused('"j1".*locked'):
         mb.Robot(TEXT, locked={"j1": 0.3}, joint_stiffness={"j1": 3.0})
@@ -244,6 +252,11 @@ def test_a_robot_that_nothing_carries_is_told_which_force_is_without_balance():
     with refused("39.24 N on base z stay without balance"):
         mb.Robot(body, base="free").equilibrium()
     assert not mb.Robot(body, base="free", gravity=0).equilibrium().residual
+
+
+def test_a_robot_without_masses_is_noted_in_these_words():
+    (notice,) = mb.Robot('<robot name="r"><link name="a"/><link name="b"/>' + joint("j", "a", "b") + "</robot>").description_notices
+    assert "no link has an <inertial>" in notice.text
 
 
 def test_a_mimic_joint_without_its_leader_moves_by_itself():

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from mbconstrained.ground.errors import SceneError
+from mbconstrained.scene.quantities.settings import value_of
 from mbconstrained.scene.run.scene import read_scene
 from tests.scene.scenes import OSCILLATOR, scene_of
 
@@ -81,6 +82,11 @@ def test_a_scene_without_parameters_says_so(tmp_path):
     scene_of(tmp_path, OSCILLATOR)
     with pytest.raises(SceneError, match="--set: k: there is no such parameter: the scene has none; give .* e.g. time.end"):
         read_scene(tmp_path / "scene.toml", {"k": 3})
+
+
+def test_texts_of_the_command_line_become_values():
+    texts = ["3", "3e2", "true", "[1, 2]", "3 N/mm", "=2*k", "", "1\nother = 2", "{a = 1}", '"3 N"']
+    assert [value_of(text) for text in texts] == [3, 300.0, True, [1, 2], "3 N/mm", "=2*k", "", "1\nother = 2", "{a = 1}", "3 N"]
 
 
 @pytest.mark.long

@@ -30,6 +30,15 @@ def test_totals_are_those_of_the_stages():
     assert PLAN.totals_to_dict() == {"taken": 3, "left_out": 1, "seconds": 1.0, "memory": 7_000_000, "peak": 107_000_000}
 
 
+def test_shares_are_of_the_whole():
+    rows = {row[0]: row[1:] for row in PLAN.cost_tables()[0].rows}
+    assert rows["first"] == ("250.0", "25.0 %", "3.0", "always")
+    assert rows["inside"] == ("–", "–", "–", "because (in: first)")
+    assert rows["second"] == ("750.0", "75.0 %", "5.0", "asked for")
+    assert rows["all"][:3] == ("1000.0", "100 %", "7.0")
+    assert PLAN.cost_tables()[1].rows == (("third", "not asked for"),)
+
+
 def test_a_plan_that_has_not_run_has_no_costs(tmp_path):
     plan = Plan((Stage("first", True, "always"),))
     assert plan.total == Cost(0)

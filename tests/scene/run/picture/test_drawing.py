@@ -127,6 +127,13 @@ def test_so_it_is_of_what_is_drawn_from_its_coordinates(tmp_path, model, body):
         scene_of(tmp_path, f"{text}{wrong} = [0, 1, 1]\n")
 
 
+@pytest.mark.parametrize("text", ['[[drawing.body]]\nname = "crank"\n', "along = [0, 0, 1]\n", "about = [0, 0, 1]\n"])
+def test_a_robot_is_drawn_from_its_urdf(tmp_path, text):
+    press(tmp_path)
+    with pytest.raises(SceneError, match="drawing: a robot"):
+        scene_of(tmp_path, f"{SCENE}\n[drawing]\n{text}")
+
+
 def test_states_are_no_places_even_with_a_view(tmp_path):
     model = '[model]\nkind = "transfer-function"\nnumerator = [1]\ndenominator = [1, 1]\ngamma = 1\n'
     text = f'{model}[time]\nend = 1\n[drawing]\nview = "top"\n'
