@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from mbconstrained.scene.run.scene import read_scene
+from tests.oracles.models import close, table
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 TESTS = ("test_examples.py", "test_robot_examples.py", "test_control_examples.py", "test_vibration_examples.py")
@@ -24,79 +25,16 @@ def nothing_happens_at_zero(motion) -> bool:
     return not motion.jump.any() and not any(impulse.any() for impulse in motion.impulses)
 
 
-# Moysis et al., section 5.1. Trajectories from the closed form and, independently, from a matrix exponential with 60
-# digits, which agree to 40: t, x1, q1, q2, x1', q2'.
-TWO_MASSES = np.array(
-    [
-        [0, 0.8, 1.2, 2.0, 0.0, 0.0],
-        [
-            0.5,
-            0.82954374510880989736,
-            1.22954374510880989736,
-            1.92078827181386863281,
-            0.11635825510275700160,
-            -0.31370737324639116093,
-        ],
-        [
-            1,
-            0.91279875330444957214,
-            1.31279875330444957214,
-            1.69245090886507842543,
-            0.21145670759006875322,
-            -0.59062386363696409454,
-        ],
-        [
-            2,
-            1.17088634365746355497,
-            1.57088634365746355497,
-            0.90923710548940196469,
-            0.26968595154057381037,
-            -0.91445885635993525301,
-        ],
-        [
-            5,
-            0.87488327242276163606,
-            1.27488327242276163606,
-            -0.79719351152473922141,
-            -0.62342093021359114180,
-            0.11434461301236856262,
-        ],
-        [
-            10,
-            -1.75956216930780201938,
-            -1.35956216930780201938,
-            -0.21523689709457451535,
-            0.24696362665032997740,
-            -0.73536077775350820446,
-        ],
-        [
-            20,
-            1.29399197659739198984,
-            1.69399197659739198984,
-            0.30478915889112180232,
-            0.73928862824477588577,
-            -0.57198653389816895094,
-        ],
-        [
-            50,
-            0.42495383113354081890,
-            0.82495383113354081890,
-            0.34092706255110139776,
-            -0.87341414444106984941,
-            0.54816911653854423170,
-        ],
-    ]
-)
+# Moysis et al., section 5.1.
 FREQUENCIES = [(5 - SQRT5) / 10, (5 + SQRT5) / 10]  # rad/s, roots of s^4 + 3/5 s^2 + 1/25
 
 
 @pytest.mark.parametrize("name", ["two_masses", "two_masses_position", "two_masses_formula"])
 def test_two_masses_follow_the_published_solution(name):
     result = run(name)
-    times, states = TWO_MASSES[:, 0], TWO_MASSES[:, 1:4].T
-    assert np.abs(result.motion(times) - states).max() <= 1e-12 * np.abs(states).max()
-    velocities = result.motion.velocity(times)[[0, 2]]
-    assert np.abs(velocities - TWO_MASSES[:, 4:].T).max() <= 1e-12 * np.abs(velocities).max()
+    times, *states = (table("ex51", name) for name in ("t", "x1bar", "q1", "q2bar"))
+    assert close(result.motion(times), states)
+    assert close(result.motion.velocity(times)[[0, 2]], [table("ex51", name) for name in ("x1bar_dot", "q2bar_dot")])
     assert nothing_happens_at_zero(result.motion)
     assert result.modes.natural_frequencies == pytest.approx(FREQUENCIES, rel=1e-14)
     assert result.is_trusted and result.error_estimate < 1e-12
@@ -138,16 +76,9 @@ def test_massless_joints_follow_the_mass(name):
 
 
 def test_massless_joints_reach_the_published_values():
-    # 25 digits from exact arithmetic: t, u1, u2, u3
-    published = np.array(
-        [
-            [1, 0.60654454973530868859, 0.93987788306864202192, 1.8196336492059260658],
-            [10, -0.12500485184830809596, 0.20832848148502523737, -0.37501455554492428788],
-            [50, -0.00051692035227767701, 0.33281641298105565632, -0.0015507610568330310308],
-        ]
-    )
     motion = run("massless_joints").motion
-    assert motion(published[:, 0]) == pytest.approx(published[:, 1:].T, rel=1e-12)
+    times, *states = (table("ex52", name) for name in ("t", "u1", "u2", "u3"))
+    assert motion(times) == pytest.approx(np.array(states), rel=1e-12)
     assert nothing_happens_at_zero(motion)
 
 

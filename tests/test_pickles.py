@@ -1,7 +1,5 @@
 """Answers and models go through pickle, as to other processes: the copy has the same bits."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

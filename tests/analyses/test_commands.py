@@ -67,11 +67,6 @@ def test_accuracy_writes_page_picture_and_data(app, scene, tmp_path, two_methods
     assert "<svg" in files[0].read_text() and files[1].read_bytes()[1:4] == b"PNG"
 
 
-def test_accuracy_as_json_is_one_document(app, scene, tmp_path, two_methods):
-    done = run(app, "accuracy", scene, "--json", "--out", tmp_path)
-    assert done.exit_code == 0 and json.loads(done.stdout)["title"] == "A cart"
-
-
 def test_a_hostile_title_is_a_text(app, tmp_path, two_methods):
     path = tmp_path / "hostile.toml"
     path.write_text(SCENE.format(title="<script>alert(1)</script> $x_1$ &amp;"))
@@ -142,12 +137,3 @@ def test_a_scene_and_systems_together_are_a_wrong_command_line(app, scene):
 def test_options_out_of_range_are_a_wrong_command_line(app, scene, option):
     command, *others = option
     assert run(app, command, scene, *others).exit_code == 2
-
-
-@pytest.mark.long
-def test_the_commands_stand_in_the_help():
-    import subprocess
-    import sys
-
-    done = subprocess.run([sys.executable, "-m", "mbconstrained", "--help"], capture_output=True, text=True, check=True)
-    assert "accuracy" in done.stdout and "stability" in done.stdout

@@ -7,13 +7,11 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.analyses.modes import ModalAnalysis, shape_entries
-from mbconstrained.analyses.motion_report import share_entries
+from mbconstrained.analyses.modes import ModalAnalysis
 from mbconstrained.ground.display import WIDTH, TextTable, table_text
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.page.animation import cycle
 from mbconstrained.page.layout import WIDEST_ANGLE
-from mbconstrained.scene.quantities.coordinates import Coordinates
 from mbconstrained.scene.run.drawing import ShapeDrawing
 from mbconstrained.scene.run.scene import read_scene
 from tests.page.contents import positions
@@ -143,22 +141,6 @@ def test_damped_shapes_have_phases_in_degrees(tmp_path):
     assert line["frequency_hz"] == pytest.approx(line["angular_frequency"] / (2 * np.pi))
 
 
-def test_long_lists_are_cut_and_the_rest_is_counted():
-    assert share_entries({f"m{i}": 0.125 for i in range(8)})[-2:] == ["m5 12.5 %", "2 more 25.0 %"]
-    assert share_entries({"a": 0.9999, "b": 0.0001}) == ["a 100.0 %"]
-    assert share_entries({"a": -0.25, "b": 1.25}) == ["b 125.0 %", "a -25.0 %"]
-    units = Coordinates(tuple(f"x{i}" for i in range(9)), ("m",) * 9)
-    assert shape_entries(np.array([1.0, *[-0.5] * 7, 1e-17]), units)[-2:] == ["x5 -0.5 m", "2 more"]
-    assert shape_entries(np.array([1.0]), Coordinates(("ratio",), ("1",))) == ["ratio 1"]
-
-
-def test_a_phase_is_told_where_it_is_neither_0_nor_180_degrees():
-    phases = np.exp(1j * np.radians([0.0, 1e-9, 180.0, -179.999, 30.0, -90.04]))
-    units = Coordinates(tuple(f"x{i}" for i in range(6)), ("rad",) * 6)
-    expected = ["1 rad", "1 rad", "-1 rad", "-1 rad", "1 rad at 30 deg", "1 rad at -90 deg"]
-    assert shape_entries(phases, units) == [f"x{i} {text}" for i, text in enumerate(expected)]
-
-
 def test_doubt_is_told_and_makes_the_modes_untrusted(tmp_path, monkeypatch):
     assert ModalAnalysis.solve(scene_of(tmp_path, OSCILLATOR)).is_trusted
     doubt = mb.Notice("rank", "no clear gap between " + "very " * 40 + "small numbers", doubtful=True)
@@ -167,12 +149,6 @@ def test_doubt_is_told_and_makes_the_modes_untrusted(tmp_path, monkeypatch):
     assert not as_json(modes)["trusted"]
     assert "Notices\n  warning (rank): no clear gap" in printed(modes)
     assert max(map(len, printed(modes).splitlines())) <= WIDTH
-
-
-def test_growth_is_told(tmp_path):
-    modes = modes_of(tmp_path, MATRICES.replace("[0, 4]]", "[0, -4]]"))
-    assert "growth, time constant 0.5 s" in printed(modes)
-    assert any(notice.kind == "unstable" for notice in modes.notices) and as_json(modes)["trusted"]
 
 
 def drawn(modes):
@@ -215,12 +191,6 @@ def test_what_is_not_drawn_makes_nothing_else_move(tmp_path):
     assert max(move for move, _, _ in drawn(modes_of(tmp_path, text))[1][:1]) < 1e-9
 
 
-def test_rest_lengths_do_not_shift_the_drawing(tmp_path):
-    with_length, without = (modes_of(tmp_path, RACK.replace("3 m", length)) for length in ("3 m", "0 m"))
-    places = [[body.rest for body in drawn(modes)[0].bodies] for modes in (with_length, without)]
-    assert places[0] == places[1]
-
-
 def test_the_page_has_every_line_and_tells_drift_without_motion():
     modes = ModalAnalysis(mb.read_scene(EXAMPLES / "two_masses.toml"))
     drift, slow, fast = modes.shapes().modes
@@ -229,13 +199,6 @@ def test_the_page_has_every_line_and_tells_drift_without_motion():
     assert [row[0] for row in slow.shares] == ["x1", "q1", "q2"]  # 72 % of the strain, 45 % of the kinetic energy, 28 %
     assert (slow.values[:, 0] == slow.values[:, -1]).all() and slow.values.max() == 1.0
     assert dict(fast.facts)["frequency (Hz)"] == "0.115166"
-
-
-def test_the_page_says_what_it_leaves_out(tmp_path):
-    notes = [picture.note for picture in modes_of(tmp_path, RACK).shapes().modes]
-    assert any(note.endswith("; drawn without decay") for note in notes)
-    (decay,) = ModalAnalysis(mb.read_scene(EXAMPLES / "critically_damped.toml")).shapes().modes
-    assert decay.note.endswith("; drawn as if its shape swung") and decay.period is None
 
 
 def test_texts_of_a_hostile_scene_are_escaped(tmp_path):
@@ -270,13 +233,6 @@ def test_robots_swing_visibly_along_their_modes(example):
             assert np.allclose(path.positions, poses[name].positions, atol=1e-12)
             assert np.allclose(path.positions[:, 0], path.positions[:, -1], atol=1e-12)
         assert turn > 0.02 or max(np.ptp(path.positions, axis=1).max() for path in picture.paths.values()) > 1e-3
-
-
-def test_the_drawing_of_a_robot_keeps_the_note_of_its_scene(tmp_path):
-    text = (EXAMPLES / "pendulum.toml").read_text("utf-8").replace("../robots", "robots")
-    (tmp_path / "robots").symlink_to(EXAMPLES.parent / "robots")
-    content = modes_of(tmp_path, text + '\n[drawing]\nnote = "hangs in the hall"\n').shapes()
-    assert content.drawing.note == "hangs in the hall" and "rod" in [body.name for body in content.drawing.bodies]
 
 
 @pytest.mark.long

@@ -38,11 +38,6 @@ def test_nothing_that_was_found_before_is_used_again(monkeypatch, example, name)
     assert formed
 
 
-def test_a_transfer_function_has_a_problem_too():
-    transfer = problem_of(read_scene("examples/transfer_function.toml"))
-    assert transfer.respond is not None
-
-
 def test_a_mechanical_problem_is_what_its_system_solves():
     system = mb.MechanicalSystem(
         np.diag([2.0, 1.0]), stiffness=[[3, -1], [-1, 1]], constraints=[mb.Constraint([1, -1], level="velocity")], force=[0, 1]

@@ -1,7 +1,5 @@
 """Every analysis is a method of a scene, and every answer has the same forms of data and files."""
 
-from __future__ import annotations
-
 import inspect
 import json
 

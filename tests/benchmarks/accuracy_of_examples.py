@@ -7,20 +7,10 @@ Measures each example as ``mbconstrained accuracy`` does, writes EXAMPLE.accurac
 the fastest with an error of 1e-9 or less, its time over that of the closed form, one run and each further evaluation.
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 
-from mbconstrained.analyses.accuracy.accuracy import (
-    Accuracy,
-    AccuracyReport,
-    accuracy_report,
-    fastest,
-    further,
-    one_run,
-    ratio,
-)
+from mbconstrained.analyses.accuracy.accuracy import Accuracy, AccuracyReport, accuracy_report, fastest, further, one_run, ratio
 from mbconstrained.analyses.study_problem import problem_of
 from mbconstrained.analyses.timing import duration
 from mbconstrained.scene.run.scene import read_scene

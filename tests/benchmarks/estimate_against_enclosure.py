@@ -7,8 +7,6 @@ above 1000 it frightens. Prints, by kind of system, how many lie outside, the ex
 what exact arithmetic takes beside the numeric answer.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 from collections import defaultdict

@@ -5,8 +5,6 @@
 Prints medians in seconds and, where the numeric engine answers the same question, the ratio to its time in the same process.
 """
 
-from __future__ import annotations
-
 import statistics
 import sys
 import time

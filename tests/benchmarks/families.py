@@ -7,8 +7,6 @@ loop takes numpy.linalg.eig of the first-order matrix and sums over its eigenvec
 highest that NumPy holds in another run, besides the answer, for each system: chunks add little, poles and equations are kept.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 import tracemalloc

@@ -8,8 +8,6 @@ Memory is the peak of a child process that does nothing else, above what it had 
 straight lines through the logarithms.
 """
 
-from __future__ import annotations
-
 import json
 import resource
 import statistics

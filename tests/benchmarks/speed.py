@@ -2,17 +2,15 @@
 
     python tests/benchmarks/speed.py                       # all: half an hour
     python tests/benchmarks/speed.py --quick               # small models, few repeats: a minute
-    python tests/benchmarks/speed.py --only W1 "n = 100"   # workloads by key or part of the name; also: set-up, growth
+    python tests/benchmarks/speed.py --only W1 "n = 100"   # workloads by key or part of the name; also: growth
     python tests/benchmarks/speed.py --json FILE --out DIR # data; tables and picture (speed.md, speed.png) into a folder
     python tests/benchmarks/speed.py --page FILE           # the tables into a page, between its two marks
 
 Each workload is a model as a user gives it; peers get its reduced equations for nothing. One run is model, solution and values
 at all times; a further evaluation is at other times of the same model and start. Errors are against references in ball
-arithmetic or long doubles, which take some minutes and are kept in results/references for the next time. A run that takes longer
-than the limit is broken off, and larger ones of its kind are not tried.
+arithmetic or long doubles, which take some minutes. A run that takes longer than the limit is broken off, and larger ones of its
+kind are not tried.
 """
-
-from __future__ import annotations
 
 import argparse
 import json
@@ -24,12 +22,11 @@ sys.path[:0] = [] if str(ROOT) in sys.path else [str(ROOT)]
 
 from tests.benchmarks.speed.command import run, with_tables
 from tests.benchmarks.speed.growth import grow
-from tests.benchmarks.speed.remembered import memory
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", nargs="+", default=[], help="keys or parts of names of workloads; set-up; growth")
+    parser.add_argument("--only", nargs="+", default=[], help="keys or parts of names of workloads; growth")
     parser.add_argument("--json", type=Path, help="where the data go")
     parser.add_argument("--out", type=Path, help="folder for tables and picture")
     parser.add_argument("--page", type=Path, help="file whose marked part becomes the tables")
@@ -39,7 +36,6 @@ def main() -> None:
     chosen = parser.parse_args()
     if chosen.grow:
         return grow(chosen.grow)
-    memory.folder = ROOT / "results" / "references"
     check_places(chosen.json, chosen.page)
     report = run(chosen.only, chosen.quick, chosen.limit, say)
     print(report.text)

@@ -58,20 +58,6 @@ def test_run_writes_three_files_and_says_what_an_engineer_wants_to_know(command,
         assert re.search(words, out, re.MULTILINE), words
 
 
-def test_jumps_and_impulses_are_told_with_units(command, tmp_path):
-    _, jumps, _ = command("run", EXAMPLES / "inconsistent_start.toml", "--out", tmp_path / "a")
-    assert re.search(r"u1 +displacement +1 m +0\.666667 m +-0\.333333 m", jumps)
-    assert re.search(r"u2 +velocity +1 m/s +0 m/s +-1 m/s", jumps)
-    _, impulses, _ = command("run", EXAMPLES / "rigid_link.toml", "--verbose", "--out", tmp_path / "b")
-    assert re.search(r"lambda +δ′ +-0\.5 N s\^2", impulses)
-
-
-def test_out_names_another_folder(command, tmp_path):
-    code, out, _ = command("run", TWO_MASSES, "--out", "some/where")
-    assert code == 0
-    assert (tmp_path / "some" / "where" / "two_masses.html").exists() and "some/where/two_masses.html" in out
-
-
 @pytest.mark.long
 def test_json_is_data_and_nothing_else(command, tmp_path):
     code, out, err = command("run", TWO_MASSES, "--json")
@@ -110,23 +96,6 @@ def test_modes_as_json_are_numbers(command):
     assert mode["shape"] == {"real": pytest.approx([0.25, 1.0]), "imaginary": [0.0, 0.0]}
 
 
-def test_the_page_of_modes_stands_beside_that_of_the_run(command, tmp_path):
-    code, out, _ = command("modes", TWO_MASSES, "--page")
-    assert code == 0 and "results/two_masses/two_masses.modes.html" in out
-    assert [file.name for file in (tmp_path / "results" / "two_masses").iterdir()] == ["two_masses.modes.html"]
-    code, out, _ = command("modes", TWO_MASSES, "--page", "--out", "else/where", "--json")
-    assert code == 0 and json.loads(out)["files"] == ["else/where/two_masses.modes.html"]
-    assert (tmp_path / "else" / "where" / "two_masses.modes.html").exists()
-
-
-def test_modes_of_coefficients_have_no_page(command, tmp_path):
-    code, out, err = command("modes", EXAMPLES / "flexible_joint.toml")
-    assert code == 0 and "only the coefficients of A(s)" in out
-    code, out, err = command("modes", EXAMPLES / "flexible_joint.toml", "--page")
-    assert (code, out) == (1, "") and err.startswith("flexible_joint.toml: model.coefficients: ") and err.count("\n") == 1
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_modes_that_cannot_be_trusted_are_printed_and_are_three(command, monkeypatch):
     doubt = Notice("rank", "a rank decision has no clear gap", doubtful=True)
     monkeypatch.setattr("mbconstrained.analyses.modes.pair_notices", lambda pairs: (doubt,))
@@ -159,17 +128,6 @@ def test_plan_with_run_tells_what_each_stage_took_and_leaves_nothing(command, tm
     assert stages["page"]["seconds"] > 0 and stages["energy"]["seconds"] is None
 
 
-@pytest.mark.long
-def test_plan_with_run_says_why_an_answer_is_not_trusted(command, monkeypatch):
-    doubt = Notice("rank", "a rank decision has no clear gap", doubtful=True)
-    monkeypatch.setattr(RunAnswer, "notices", (doubt,))
-    code, out, _ = command("plan", TWO_MASSES, "--run")
-    assert code == 3 and out.rstrip().endswith("warning (rank): a rank decision has no clear gap")
-    code, out, _ = command("plan", TWO_MASSES, "--run", "--json")
-    assert code == 3 and json.loads(out)["notices"][0]["kind"] == "rank"
-    assert command("plan", TWO_MASSES)[0] == 0
-
-
 def test_check_solves_and_writes_nothing(command, tmp_path):
     code, out, _ = command("check", TWO_MASSES)
     assert code == 0 and list(tmp_path.iterdir()) == []
@@ -181,22 +139,6 @@ def test_one_coordinate_is_not_several(command, tmp_path):
     (tmp_path / "one.toml").write_text(f'title = "One"\n{model}\n[time]\nend = 1\n')
     code, out, _ = command("check", "one.toml")
     assert code == 0 and "\n1 coordinate (a), " in out
-
-
-@pytest.mark.long
-def test_help_has_examples_and_exit_codes(command):
-    code, out, _ = command("--help")
-    assert code == 0
-    for words in (
-        "Examples:",
-        "mbconstrained run examples/two_masses.toml",
-        "Exit codes:",
-        "  3  there is an answer",
-        "plan ",
-        "check ",
-    ):
-        assert words in out
-    assert "--json" in command("run", "--help")[1]
 
 
 @pytest.mark.parametrize(
@@ -346,14 +288,6 @@ def test_closed_pipe_is_no_error(tmp_path):
 
 
 @pytest.mark.long
-def test_output_fits_a_terminal_without_greek(tmp_path):
-    done = process(
-        "run", EXAMPLES / "rigid_link.toml", "--verbose", "--out", tmp_path, env={**ENVIRONMENT, "PYTHONIOENCODING": "ascii"}
-    )
-    assert done.returncode == 0 and "-0.5 N s^2" in done.stdout
-
-
-@pytest.mark.long
 def test_a_terminal_gets_tables_and_no_markup_is_interpreted(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(Path(TWO_MASSES).read_text("utf-8").replace('title = "Two masses', 'title = "[red]Two[/] masses'))
@@ -394,13 +328,6 @@ def test_formula_prints_text(command):
 def test_formula_prints_other_forms(command, kind, says):
     code, out, err = command("formula", FORMULA, "--as", kind, "--coordinates", "x1, q2")
     assert (code, err) == (0, "") and says in out and "q1" not in out.replace("of q1", "")
-
-
-@pytest.mark.long
-def test_formula_with_numbers_and_into_a_file(command, tmp_path):
-    code, out, err = command("formula", FORMULA, "--numbers", "--digits", "4", "--out", "folder/x.txt")
-    assert (code, out, err) == (0, "", "")
-    assert "cos(0.2764 t)" in (tmp_path / "folder" / "x.txt").read_text("utf-8")
 
 
 @pytest.mark.long
@@ -451,9 +378,3 @@ def test_a_formula_follows_links_and_leaves_devices(command, tmp_path):
 @pytest.mark.parametrize("seconds", ["inf", "1e300", "nan", "0"])
 def test_a_limit_of_time_is_a_number_of_seconds(command, seconds):
     assert command("formula", str(EXAMPLES / "two_masses_formula.toml"), "--seconds", seconds)[0] == 2
-
-
-@pytest.mark.long
-def test_digits_are_of_decimals(command):
-    code, _, problem = command("formula", str(EXAMPLES / "two_masses_formula.toml"), "--digits", "4")
-    assert code == 1 and "add --numbers" in problem

@@ -69,10 +69,3 @@ def test_the_readings_of_common_plots_are_those_of_the_solver(command, carts):
         for time in np.linspace(0.01, 0.99, 7):
             value, error = sets[number].at(row, time)
             assert abs(value - 0.1 * np.cos(rate * time)) <= error < 1e-6
-
-
-@pytest.mark.long
-def test_several_values_of_a_run_lead_to_compare(command, carts):
-    code, _, problem = command("run", "soft.toml", "--set", "model.spring[1].stiffness=8 N/m,18 N/m")
-    assert code == 2
-    assert "found several values" in problem and "mbconstrained compare soft.toml --set" in " ".join(problem.split())

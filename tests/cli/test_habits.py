@@ -39,21 +39,9 @@ def test_the_version_is_that_of_the_installed_package(command):
     assert "__version__" in dir(mb)
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("arguments", [["-h"], ["run", "-h"], ["modes", "-h"]])
-def test_h_is_help(command, arguments):
-    assert command(*arguments) == command(*arguments[:-1], "--help")
-
-
 def test_the_module_runs_as_a_command():
     done = subprocess.run([sys.executable, "-m", "mbconstrained", "--version"], capture_output=True, text=True, check=True)
     assert done.stdout.startswith("mbconstrained ")
-
-
-@pytest.mark.long
-def test_there_is_completion_for_the_shell(command):
-    _, out, _ = command("-h")
-    assert "--install-completion" in out and "--show-completion" in out
 
 
 @pytest.mark.long

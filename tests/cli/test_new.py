@@ -8,12 +8,6 @@ from mbconstrained.cli.new import COMPANIONS, template_names, template_text, wri
 from mbconstrained.ground.errors import InputError
 from mbconstrained.scene.run.scene import read_scene
 
-WANTED = {"two-masses", "massless-joint", "gears", "matrices", "robot", "forces", "transfer-function", "formula"}
-
-
-def test_there_is_one_for_each_kind_of_model():
-    assert WANTED == set(template_names()) and template_names()[0] == "two-masses"
-
 
 @pytest.mark.parametrize("name", [*template_names(), "pendulum.robot"])
 def test_every_line_says_what_it_is(name):
@@ -53,12 +47,6 @@ def test_a_robot_comes_with_its_files_or_not_at_all(command, tmp_path):
     out = command("new", "my arm", "--template", "robot")[1]
     assert "my arm.toml, my arm.robot.toml, my arm.urdf are written" in out and 'run "my arm.toml"' in out
     assert len(COMPANIONS["robot"]) == 2 and command("check", "my arm.toml")[0] == 0
-
-
-@pytest.mark.long
-def test_list_has_a_sentence_for_each(command):
-    code, out, _ = command("new", "--list")
-    assert code == 0 and all(re.search(rf"^  {name} +\w", out, re.MULTILINE) for name in WANTED)
 
 
 @pytest.mark.long

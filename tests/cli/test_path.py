@@ -1,7 +1,5 @@
 """The command path: frequencies of a robot along a path as tables, page, picture and data."""
 
-from __future__ import annotations
-
 import json
 import shutil
 
@@ -95,16 +93,6 @@ def test_the_text_fits_80_columns_and_lists_places_out_of_reach(path, tmp_path):
     data = json.loads((tmp_path / "out" / "arm.path.json").read_text())
     assert [each["place"] for each in data["unreachable"]] == [4, 5, 6] and data["frequencies_hz"][4] == [None, None]
     assert data["joints"][4] is None and data["unreachable"][2]["distance"] == pytest.approx(np.hypot(0.3, 0.9) - 0.7, rel=0.2)
-
-
-@pytest.mark.long
-def test_a_robot_without_oscillation_has_a_page_without_a_picture(path, tmp_path):
-    """A weightless pendulum without springs: nothing oscillates."""
-    text = SCENE.replace("joint_stiffness = { shoulder = 900, elbow = 300 }", "gravity = 0").replace(
-        f"value = {FORCE}", "value = 0"
-    )
-    code, output, _ = path(text)
-    assert code == 0 and "nothing oscillates" in output and not list((tmp_path / "out").glob("*.png"))
 
 
 @pytest.mark.long

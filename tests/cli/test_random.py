@@ -1,7 +1,5 @@
 """The command random: its table on 80 columns, its files, and messages for what is wrong in [random]."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -38,16 +36,6 @@ def test_it_prints_rms_values_and_writes_page_csv_and_npz(command, tmp_path):
     with np.load(tmp_path / "results" / "machine" / "machine.random.npz") as data:
         assert np.isclose(data["covariance"].item(), 3 / (4 * 4 * 200), rtol=1e-12)
         assert np.isclose(data["psd"][0, 0], 3 / 200**2, rtol=1e-2)
-
-
-@pytest.mark.long
-def test_infinite_variances_are_texts_and_null(command, tmp_path):
-    """The acceleration follows white noise directly."""
-    path = scene(tmp_path, '[random]\nquantity = "acceleration"\n' + WHITE)
-    code, out, _ = command("random", path)
-    assert code == 0 and "infinite" in out and "inf " not in out and "nan" not in out
-    data = json.loads(command("random", path, "--json")[1])
-    assert data["rms"] == [None] and "directly" in data["infinite"]["machine"]
 
 
 def test_plots_of_the_page(tmp_path):

@@ -189,14 +189,6 @@ def test_control_transfer_functions_of_many_inputs_and_outputs():
     agrees(ours, ours.to_control("transfer function"), rel=1e-9)
 
 
-def test_control_and_we_give_the_same_step_response():
-    control = pytest.importorskip("control")
-    theirs = control.ss(control.tf(B, A))
-    times = np.linspace(0, 5, 11)
-    ours = StateSpace.from_control(theirs).solve(input=mb.step([1.0])).output(times)[0]
-    assert control.step_response(theirs, times).outputs == pytest.approx(ours, abs=1e-12)
-
-
 def test_static_systems_go_there_and_back():
     control = pytest.importorskip("control")
     D = [[2.0, 3.0], [0.0, -1.0], [5.0, 0.0]]
@@ -221,11 +213,6 @@ def test_discrete_time_is_refused(step):
         StateSpace.from_control(control.tf([1.0], [1.0, 0.5], step))
     with pytest.raises(mb.InputError, match="found a discrete-time system"):
         StateSpace.from_scipy(scipy.signal.StateSpace([[0.5]], [[1.0]], [[1.0]], [[0.0]], dt=step))
-
-
-def test_systems_without_a_time_base_are_taken_as_continuous():
-    control = pytest.importorskip("control")
-    agrees(StateSpace.from_control(control.tf(B, A, None)), lambda s: rational(B, A, s))
 
 
 @pytest.mark.parametrize("other", [3.0, "1/(s+1)", np.eye(2), None])

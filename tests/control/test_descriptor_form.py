@@ -88,13 +88,6 @@ def test_sparse_matrices_stay_sparse_in_the_dictionary():
         chain.to_state_space()
 
 
-def test_units_and_names_of_the_channels():
-    space = system(units={"c": "rad"}).to_state_space(outputs=["c acceleration", "tie reaction"])
-    units = [space.units[name] for name in (*space.inputs, *space.outputs)]
-    assert units == ["N", "N", "N m", "rad/s^2", "N"]
-    assert space.states[:2] == ("state a", "state b") and space.states[-1] == "state tie reaction"
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

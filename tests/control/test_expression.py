@@ -1,7 +1,5 @@
 """Responses as expressions in t: exact where they can be, equal to the numbers everywhere, with their transforms."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

@@ -1,14 +1,9 @@
 """Systems with several inputs and outputs, D(s)^-1 N(s): entry by entry, through common factors, at infinity."""
 
-from __future__ import annotations
-
-from fractions import Fraction
-
 import numpy as np
 import pytest
 
 import mbconstrained as mb
-from tests.oracles.transfer import factors, multiplied, residues
 
 TIMES = np.array([0.05, 0.7, 3.0])
 
@@ -57,19 +52,6 @@ def test_a_singular_highest_coefficient_is_a_pole_at_infinity():
 def test_a_constant_denominator():
     y = mb.matrix_fraction_response([np.eye(2), np.eye(2)], [np.diag([2.0, 4.0])], mb.ramp([1.0, 1.0]))
     assert y(3.0).tolist() == [2.0, 1.0]
-
-
-def test_one_input_and_one_output_is_a_transfer_function():
-    poles = [Fraction(-1), Fraction(-1), (Fraction(-1, 2), Fraction(2))]
-    a = multiplied(*factors(poles))
-    y = mb.matrix_fraction_response([[[3.0]], [[1.0]]], [[[float(c)]] for c in a], mb.step([1.0]))
-    assert y(TIMES)[0] == pytest.approx([residues([3, 1], poles, 1, t) for t in TIMES], rel=1e-12)
-
-
-def test_a_polynomial_matrix_brings_its_names():
-    D = mb.PolynomialMatrix([np.eye(1), np.eye(1)], ["pressure"])
-    y = mb.matrix_fraction_response([np.eye(1)], D, mb.step([1.0]))
-    assert y.polynomial_matrix is D
 
 
 def test_no_output():

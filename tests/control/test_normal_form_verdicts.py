@@ -1,7 +1,5 @@
 """Existence: the verdict in floating point against rational arithmetic, for data as it is, rotated, scaled and near the noise."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,17 +1,16 @@
 """What is read: numbers of many kinds, exactly; what cannot be used, told in plain words."""
 
-from __future__ import annotations
-
 from decimal import Decimal
 from fractions import Fraction
 
 import numpy as np
 import pytest
 import sympy
+from hypothesis import given
+from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.control.rational import rational_function
-from mbconstrained.polynomial.structure import polynomial_text
+from mbconstrained.control.rational import ONE, RationalFunction, laurent, rational_function, trimmed
 
 
 @pytest.mark.parametrize(
@@ -55,11 +54,6 @@ def test_numbers_of_all_kinds_are_taken_exactly(half):
     found = rational_function([half], [np.int64(1), half])
     assert found.numerator == (Fraction(1, 2),) and found.denominator == (Fraction(1, 2), Fraction(1))
     assert all(type(c) is Fraction for c in (*found.numerator, *found.denominator))
-
-
-def test_a_number_is_a_polynomial_too():
-    assert rational_function(2, 4.0).numerator == (Fraction(2),)
-    assert mb.transfer_function_response(2, 4.0)(1.0).tolist() == [0.5]
 
 
 def test_only_floats_are_known_to_a_rounding():
@@ -112,10 +106,27 @@ def test_binary_numbers_have_the_common_factor_that_they_are():
     assert y.common_factor == (1, Fraction(-1, 64))
 
 
-def test_polynomials_as_text():
-    assert polynomial_text((Fraction(0), Fraction(-1), Fraction(0), Fraction(-3, 2))) == "-1.5 s^3 - s"
-    assert polynomial_text(()) == "0" and polynomial_text((Fraction(1),)) == "1"
+rationals = st.fractions(min_value=-20, max_value=20, max_denominator=12)
+polynomials = st.lists(rationals, min_size=1, max_size=6).map(trimmed).filter(bool)
 
 
-def test_poles_at_round_numbers_have_notices_like_others():
-    assert mb.transfer_function_response([1], [1, -2, 5]).notices  # it grows; its poles are 1 +- 2 i
+def product(one, two):
+    return tuple(np.convolve(np.array(one, dtype=object), np.array(two, dtype=object)))
+
+
+@given(polynomials, polynomials, polynomials)
+def test_a_common_factor_divides_both_and_the_quotients_have_none(p, q, r):
+    fraction = RationalFunction(product(p, q), product(p, r))
+    factor, reduced = fraction.common_factor, fraction.reduced
+    assert factor[-1] == 1 and len(factor) >= len(p)
+    assert [product(factor, each) for each in (reduced.numerator, reduced.denominator)] == [product(p, q), product(p, r)]
+    assert reduced.common_factor == ONE
+
+
+@given(polynomials, polynomials)
+def test_a_laurent_series_times_the_denominator_is_the_numerator(b, a):
+    count = len(b) + len(a) + 3
+    series = laurent(b, a, count)
+    for k in range(count):  # the coefficient of s^(m - k)
+        total = sum(a[len(a) - 1 - i] * series[k - i] for i in range(min(k + 1, len(a))))
+        assert total == (b[len(b) - 1 - k] if k < len(b) else 0)

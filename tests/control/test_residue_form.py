@@ -1,7 +1,5 @@
 """The formulas of Hauksdottir and Sigurdsson, as corrected, against exact rational arithmetic and a matrix exponential."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np
@@ -134,12 +132,6 @@ def test_only_zero_poles_and_no_poles():
     y = form.general_response(1)  # (s^2 + 2 s + 3) / (4 s^2)
     assert y.forced.tolist() == [0.5, 0.75] and y.impulses.tolist() == [0.25] and y(2.0) == 2.0
     assert mb.transfer_function_response([5], [2]).residue_form.general_response(0).impulses.tolist() == [2.5]
-
-
-def test_the_denominator_of_the_paper_is_monic_and_factors_are_kept():
-    form = mb.transfer_function_response([4, 4], [2, 6, 4], 1).residue_form
-    assert sorted(form.poles.real) == pytest.approx([-2, -1]) and form.numerator.tolist() == [2.0, 2.0]
-    assert form.general_response(1)(1.0) == pytest.approx(1 - np.exp(-2))
 
 
 def test_gamma_is_a_whole_number():

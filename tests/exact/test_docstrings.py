@@ -1,7 +1,5 @@
 """What the docstrings of the exact engine show is true: its files import sympy or flint, which the audits leave out; so do those of the papers."""
 
-from __future__ import annotations
-
 import doctest
 import importlib
 import pkgutil

@@ -1,7 +1,5 @@
 """Damaged files, some of which crash or hang the readers of SciPy and pyYeti: an InputError each, or a right answer."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

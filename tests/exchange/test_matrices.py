@@ -87,13 +87,6 @@ def test_sample_files_of_pyyeti_of_ten_million_rows_are_not_unpacked(form, kind)
         read_matrix(path, "matd")
 
 
-def test_integer_matrices_become_floats(tmp_path):
-    np.savez(tmp_path / "a.npz", M=np.array([[1, 2], [3, 4]], dtype=np.int8))
-    (tmp_path / "a.mtx").write_text("%%MatrixMarket matrix coordinate integer symmetric\n2 2 2\n1 1 3\n2 1 -1\n")
-    assert read_matrix(tmp_path / "a.npz").dtype == float
-    assert read_matrix(tmp_path / "a.mtx").toarray().tolist() == [[3.0, -1.0], [-1.0, 0.0]]
-
-
 def npy(header: bytes, data: bytes = b"") -> bytes:
     header = header.ljust(117) + b"\n"
     return b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + data

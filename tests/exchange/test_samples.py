@@ -161,15 +161,6 @@ def test_units_of_header_or_argument_become_si(tmp_path):
     assert mb.read_record(tmp_path / "a.csv", column="s", factor="2 kN/m").unit == "N"
 
 
-def test_without_times_the_step_counts(tmp_path):
-    (tmp_path / "rows.dat").write_text("EQ 1940\n4 samples\n" + " 1 2 3 4\n 5 6 7 8\n")
-    record = mb.read_record(tmp_path / "rows.dat", step="20 ms")
-    assert record.values.tolist() == [1, 2, 3, 4, 5, 6, 7, 8] and record.times[-1] == 7 * 0.02
-    assert mb.read_record(tmp_path / "rows.dat", step=0.02, column=2).values.tolist() == [2, 6]
-    (tmp_path / "count.txt").write_text("4 0.02\n1\n2\n3\n4\n")
-    assert mb.read_record(tmp_path / "count.txt", step=0.02, header=1).values.tolist() == [1, 2, 3, 4]
-
-
 @pytest.mark.parametrize("ending", ["npy", "npz", "mat", "mtx"])
 def test_arrays_are_records(tmp_path, ending):
     table, path = np.column_stack([TIMES, VALUES, OTHER]), tmp_path / f"a.{ending}"
@@ -200,11 +191,6 @@ def test_wav_has_shares_of_full_scale(tmp_path, kind):
 
 def _range(kind) -> tuple[int, int]:
     return np.iinfo(kind).min, np.iinfo(kind).max + 1
-
-
-def test_a_record_is_a_force(tmp_path):
-    (tmp_path / "a.csv").write_text("t (s), F (N)\n0, 0\n1, 2\n")
-    assert mb.read_record(tmp_path / "a.csv").signal([0.5]).tolist() == [[1.0]]
 
 
 WRONG = [

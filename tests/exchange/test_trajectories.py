@@ -83,15 +83,6 @@ def test_universal_files_keep_every_bit(tmp_path, motion):
     assert mb.read_record(text, column=1).values == pytest.approx(expected[0], rel=1e-11, abs=1e-300)
 
 
-def test_responses_without_units_are_written_too(tmp_path):
-    x = mb.solve(mb.PolynomialMatrix([[[1.0]], [[1.0]]]), initial=[[1.0]])
-    text = x.write(tmp_path / "x.csv", [0.0, 1.0], ["displacement", "velocity"]).read_text()
-    assert text.splitlines()[0] == "time (s),x1 value,x1 derivative 1"
-    space = mb.StateSpace([[-2.0]], [[1.0]], [[3.0]], outputs=["speed"], units={"speed": "rad/s"})
-    y = space.solve(input=mb.step([1.0]))
-    assert mb.read_record(y.write(tmp_path / "y.csv", TIMES), column=3).values.tolist() == y.output(TIMES)[0].tolist()
-
-
 @pytest.mark.parametrize(
     ("name", "arguments", "message"),
     [

@@ -1,7 +1,5 @@
 """Frequency responses with 50 digits (mpmath), the data taken as the exact numbers that they are."""
 
-from __future__ import annotations
-
 import mpmath as mp
 import numpy as np
 

@@ -1,7 +1,5 @@
 """Peaks, antiresonances and automatic frequencies against closed forms of one and two masses."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar

@@ -1,7 +1,5 @@
 """Public objects at the prompt and in notebooks: one short line, and tables whose texts are escaped."""
 
-from __future__ import annotations
-
 import re
 from xml.etree import ElementTree
 
@@ -12,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.ground.display import MOST_ROWS, TextTable, table_html, table_text, wrapped
+from mbconstrained.ground.display import TextTable, table_text, wrapped
 
 HOSTILE = '<script>alert(1)</script> & "x"'
 SIZE = 60
@@ -84,28 +82,6 @@ def test_a_notebook_shows_well_formed_tables(make):
     for table in tree.findall("table"):
         widths = {len(row) for row in table.findall("tr")}
         assert len(widths) == 1 and len(table.findall("tr")) > 1
-
-
-def test_the_tables_of_modes_and_motions():
-    modes = ElementTree.fromstring(f"<div>{chain().modes()[:3]._repr_html_()}</div>").find("table")
-    assert [cell.text for cell in modes.find("tr")] == ["no.", "kind", "frequency (Hz)", "damping ratio"]
-    assert len(modes.findall("tr")) == 4
-    motion = ElementTree.fromstring(f"<div>{OBJECTS['motion']()._repr_html_()}</div>")
-    assert [table.find("caption").text for table in motion.findall("table")] == ["Jumps at t = 0", "Events", "Notices"]
-    names = {row[0].text for row in motion.find("table").findall("tr")[1:]}
-    assert names == {HOSTILE, "b"}
-
-
-def test_a_long_table_is_cut_and_says_so():
-    long = TextTable("Long", ("n",), tuple((n,) for n in range(MOST_ROWS + 5)))
-    text = table_html(long)
-    assert text.count("<tr>") == MOST_ROWS + 1 and f"The first {MOST_ROWS} of {MOST_ROWS + 5} rows." in text
-    assert table_html(TextTable("Empty", ("n",), ())) == ""
-
-
-def test_rows_and_columns_of_a_table_agree():
-    with pytest.raises(mb.InputError, match='table "t": row 2 has 1 entries for 2 columns'):
-        TextTable("t", ("a", "b"), (("1", "2"), ("1",)))
 
 
 CELLS = st.lists(st.sampled_from(["1.25", "m/s", "±", "i", "words", "of", "a", "long", "0"]), max_size=14).map(" ".join)

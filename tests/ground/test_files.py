@@ -1,7 +1,5 @@
 """Files that replace others."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 
 from mbconstrained.ground.files import Replacements

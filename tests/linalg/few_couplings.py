@@ -1,7 +1,5 @@
 """Models of few couplings that are no trees: M, C and K of springs, dampers and beam elements."""
 
-from __future__ import annotations
-
 import numpy as np
 
 

@@ -1,7 +1,5 @@
 """Products and quotients with twice the digits against fractions."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Block diagonal form of real Schur forms: exact similarity, bounded decoupling, clusters together."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg
@@ -11,7 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from mbconstrained.ground.tolerances import DECOUPLING_LIMIT
-from mbconstrained.linalg.blocks import block_diagonalize, block_eigenvalues, block_matrix, coupled, coupled_rows, eigenvalues
+from mbconstrained.linalg.blocks import block_diagonalize, block_eigenvalues, coupled, eigenvalues
 
 
 def schur(eigenvalue_list, coupling=1.0, seed=0) -> np.ndarray:
@@ -83,13 +81,6 @@ def test_any_schur_form_is_decoupled(zeros, seed):
         assert not np.tril(block, -2).any()
 
 
-def test_the_schur_form_given_is_left_alone():
-    T = schur(ZEROS["equal but not neighbours"])
-    kept = T.copy()
-    block_diagonalize(T)
-    assert np.array_equal(T, kept)
-
-
 @given(st.integers(0, 9), st.integers(0, 12), st.floats(0.0, 0.5), st.integers(0, 10**6))
 def test_components_are_those_of_the_graph_of_rows_and_columns(rows, columns, density, seed):
     """Against SciPy's connected components; in the order of their first rows, each with all that belongs to it."""
@@ -100,19 +91,6 @@ def test_components_are_those_of_the_graph_of_rows_and_columns(rows, columns, de
     known = [np.flatnonzero(labels == label) for label in dict.fromkeys(labels[:rows][pattern.any(axis=1)])]
     found = [np.concatenate([own, rows + others]).tolist() for own, others in coupled(pattern)]
     assert found == [members.tolist() for members in known]
-
-
-@pytest.mark.parametrize("size", [0, 1, 5])
-def test_rows_that_nothing_couples_are_groups_of_their_own(size):
-    assert [rows.tolist() for rows in coupled_rows(np.zeros((size, size)))] == [[row] for row in range(size)]
-
-
-@given(st.lists(st.integers(1, 4), max_size=5), st.integers(0, 10**6))
-def test_block_matrix_is_the_direct_sum(sizes, seed):
-    random = np.random.default_rng(seed)
-    blocks = [random.normal(size=(size, size)) for size in sizes]
-    known = scipy.linalg.block_diag(*blocks) if blocks else np.zeros((0, 0))
-    assert np.array_equal(block_matrix(blocks), known)
 
 
 def test_eigenvalues_of_pairs_that_are_coupled_alike():

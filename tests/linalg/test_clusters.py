@@ -1,7 +1,5 @@
 """Clusters of one size taken together: each as alone, whatever the others beside it are, from whichever times it starts at."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest
@@ -75,15 +73,6 @@ def test_those_together_are_those_alone_to_rounding(size):
         alone, turned = block_states([block], own, TIMES), np.abs(block).sum(axis=1).max() * TIMES
         assert not together[number][:, : number % 4].any()
         assert (np.abs(together[number] - alone).max(axis=0) <= 1e-15 * (4 + turned) * np.abs(alone).max(axis=0)).all()
-
-
-def test_so_many_that_they_are_taken_in_parts(monkeypatch):
-    blocks = STACKS[4] * 3
-    start = starts(4, len(blocks))
-    whole = block_states(blocks, start, TIMES)
-    monkeypatch.setattr("mbconstrained.linalg.exponential.AT_ONCE", 100)
-    parts = block_states(blocks, start, TIMES)
-    assert np.allclose(parts, whole, rtol=1e-12, atol=1e-15 * np.abs(whole).max())
 
 
 def test_what_does_not_start_is_zero_beside_what_does_however_fast_it_would_grow():

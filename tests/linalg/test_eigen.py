@@ -1,7 +1,5 @@
 """A matrix decoupled by its eigenvectors: identities, mpmath's eigenvalues, defective matrices."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest
@@ -85,10 +83,3 @@ def test_other_units_give_the_same_blocks(unit):
     assert other.coupling <= DECOUPLING_LIMIT
     order, others = np.sort_complex(zeros(found.blocks)), np.sort_complex(zeros(other.blocks))
     assert np.abs(np.sort(order.imag) - np.sort(others.imag)).max() <= 1e-12
-
-
-def test_any_units_of_the_states_that_are_known_serve():
-    S = np.random.default_rng(0).normal(size=(6, 6))
-    own, given = decoupled(S), decoupled(S, 2.0 ** np.arange(-3, 3))
-    assert np.allclose(np.sort_complex(zeros(given.blocks)), np.sort_complex(zeros(own.blocks)), rtol=1e-12)
-    assert np.allclose(given.inverse @ S @ given.basis, block_matrix(given.blocks), rtol=0, atol=1e-12)

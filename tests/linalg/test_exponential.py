@@ -1,7 +1,5 @@
 """e^{J t} v against the same in sixty digits (mpmath) and against closed forms."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest
@@ -75,17 +73,6 @@ def test_a_chain_keeps_relative_accuracy_entry_by_entry():
         assert np.allclose(column, known, rtol=1e-12, atol=0)
 
 
-def test_blocks_are_independent():
-    blocks = [triangle([-1.0] * 3), np.array([[-2.0]]), rotation_chain(0.0, 1.0, pairs=1), np.array([[0.5]])]
-    start, times = np.arange(1.0, 8.0), np.array([0.0, 0.5, 3.0])
-    together = block_states(blocks, start, times)
-    begin = 0
-    for block in blocks:
-        part = slice(begin, begin + len(block))
-        assert np.allclose(together[part], block_states([block], start[part], times), rtol=1e-14, atol=0)
-        begin += len(block)
-
-
 @pytest.mark.parametrize("apart", [0.0, 1e-12, 1e-6, 1e-3, 0.1])
 @pytest.mark.parametrize("rates", [(-0.1, 0.0), (0.0, 0.0), (-0.02, 0.3)], ids=["damped", "undamped", "growing"])
 def test_a_motion_near_the_frequency_of_its_force(apart, rates):
@@ -99,17 +86,6 @@ def test_a_motion_near_the_frequency_of_its_force(apart, rates):
         known = reference(block, start, time)
         assert np.abs(found - known)[:2].max() <= 1e-13 * np.abs(known)[2:].max() * max(time, 1.0)
         assert np.abs(found - known).max() <= 1e-13 * (1 + time) * np.abs(known).max()
-
-
-@pytest.mark.parametrize("name", CLUSTERS)
-def test_semigroup(name):
-    """e^{J (t + s)} v = e^{J t} (e^{J s} v)."""
-    block, accuracy = CLUSTERS[name]
-    start = START[: len(block)]
-    middle = block_states([block], start, np.array([1.5]))[:, 0]
-    twice = block_states([block], middle, np.array([2.25]))[:, 0]
-    once = block_states([block], start, np.array([3.75]))[:, 0]
-    assert np.abs(twice - once).max() <= 10 * accuracy * np.abs(once).max()
 
 
 @pytest.mark.parametrize("time", [1e3, 1e6, 1e12])
@@ -147,24 +123,9 @@ def reference_rotation(time, pairs) -> np.ndarray:
     return np.concatenate([time**k * np.array([sine, cosine]) for k in reversed(range(pairs))])
 
 
-@pytest.mark.parametrize("late", [1e4, 1e8])
-def test_a_late_time_does_not_cost_an_early_one(late):
-    block = triangle([-1.0, -1.05, -1.1])
-    early = np.array([0.01, 1.0, 5.0])
-    alone = block_states([block], START[:3], early)
-    assert np.allclose(block_states([block], START[:3], np.array([*early, late]))[:, :3], alone, rtol=1e-12, atol=0)
-
-
 def test_no_blocks_and_no_times():
     assert block_states([], np.zeros(0), np.array([1.0, 2.0])).shape == (0, 2)
     assert block_states([NILPOTENT], START, np.zeros(0)).shape == (6, 0)
-
-
-def test_many_times_are_taken_in_chunks(monkeypatch):
-    monkeypatch.setattr("mbconstrained.linalg.exponential.CHUNK_ENTRIES", 50)
-    block, times = triangle([-1.0] * 4), np.linspace(0, 3, 17)
-    known = np.array([reference(block, START[:4], time) for time in times]).T
-    assert np.allclose(block_states([block], START[:4], times), known, rtol=1e-12)
 
 
 @pytest.mark.parametrize("w", [3e-9, 1e-6, 1e-3, 0.3])

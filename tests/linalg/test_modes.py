@@ -1,7 +1,5 @@
 """Complex scalars of a decoupled matrix, and what is left of it, against its exponential."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg
@@ -50,11 +48,3 @@ def test_derivatives_of_an_output(name, order):
     known = output @ np.linalg.matrix_power(S, order) @ start
     size = (np.abs(output) @ np.linalg.matrix_power(np.abs(S), order) @ start).max()
     assert np.allclose(own @ scalars.view(float) + others @ rest, known, rtol=0, atol=1e-12 * size)
-
-
-def test_many_states_are_split_together():
-    modes, many = modes_of(MATRICES["drifting"]), RANDOM.normal(size=(5, 3))
-    together = modes.split(many)
-    for column, parts in enumerate(zip(*(part.T for part in together))):
-        for one, other in zip(parts, modes.split(many[:, column])):
-            assert np.array_equal(one, other)

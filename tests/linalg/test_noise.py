@@ -1,11 +1,8 @@
 """Carried noise bounds what rounding really does, and what is exact stays exact."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -41,35 +38,6 @@ def test_a_difference_that_should_be_zero_is_cleaned_to_zero():
 def test_a_small_number_that_is_known_is_kept():
     product = Noisy.rounded(np.array([[1e-30, 0.0]])) @ Noisy.exact(np.eye(2))
     assert product.cleaned().tolist() == [[1e-30, 0.0]]
-
-
-def test_exact_factors_that_copy_add_no_noise():
-    A = np.random.default_rng(0).normal(size=(3, 3))
-    swapped = Noisy.exact(A) @ Noisy.exact(np.eye(3)[::-1])
-    assert not swapped.noise.any()
-    assert np.array_equal(swapped.data, A[:, ::-1])
-
-
-def test_sums_and_signs_carry_their_noise():
-    a, b = Noisy.rounded(np.array([1.0, 2.0])), Noisy.exact(np.array([-1.0, 0.0]))
-    total = a + -b
-    assert total.data.tolist() == [2.0, 2.0]
-    assert total.noise[0] >= a.noise[0] and total.noise[1] == a.noise[1]
-
-
-def test_parts_and_transposes_are_noisy_too():
-    a = Noisy.rounded(np.arange(6.0).reshape(2, 3))
-    a[0] = Noisy.exact(np.zeros(3))
-    assert not a.noise[0].any() and a.noise[1].all()
-    assert np.array_equal(a.T.noise, a.noise.T)
-    assert a[:, 1].data.tolist() == [0.0, 4.0]
-
-
-@pytest.mark.parametrize("shapes", [((0, 3), (3, 2)), ((2, 0), (0, 2)), ((0, 0), (0, 0))])
-def test_empty_products(shapes):
-    product = Noisy.rounded(np.zeros(shapes[0])) @ Noisy.rounded(np.zeros(shapes[1]))
-    assert product.data.shape == product.noise.shape == (shapes[0][0], shapes[1][1])
-    assert not product.noise.any()
 
 
 def test_cleaning_rounds_nothing_away_outside_of_precise_arithmetic():

@@ -1,7 +1,5 @@
 """Damped cosines and sines at many times, against NumPy's one by one and against mpmath."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Precise arrays: what float64 rounds away is kept."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

@@ -1,12 +1,9 @@
 """e^{S k h} v by powers, against SciPy's exponential, sixty digits (mpmath) and closed forms."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest
 import scipy.linalg
-from scipy.sparse import csr_array
 
 from mbconstrained.ground.tolerances import EPS
 from mbconstrained.linalg.recursion import Propagator
@@ -44,13 +41,6 @@ def test_values_are_those_of_the_exponential(count, starts):
     assert np.abs(found - expected).max() <= 1e-13 * np.abs(expected).max() * count**0.5
 
 
-@pytest.mark.parametrize("count", COUNTS)
-def test_a_sparse_output_gives_what_a_full_one_does(count):
-    S, start, rows = chain(5), np.arange(10.0), np.eye(10)[[7, 2]]
-    full, sparse = (Propagator(S, 0.1).values(output, start, count) for output in (rows, csr_array(rows)))
-    assert np.array_equal(full, sparse)
-
-
 @pytest.mark.parametrize("step", [1e-9, 1e-3, 1.0, 40.0])
 def test_a_chain_against_sixty_digits(step):
     S, start = chain(5, 0.01), np.random.default_rng(1).normal(size=10)
@@ -73,12 +63,6 @@ def test_decay_and_growth(rate):
     times = 0.25 * np.arange(200)
     found = Propagator(np.array([[rate]]), 0.25).values(np.eye(1), np.ones(1), 200)[0]
     assert np.abs(found / np.exp(rate * times) - 1).max() <= 1e-12
-
-
-def test_a_matrix_of_zeros_changes_nothing():
-    start = np.array([1.0, -2.0, 3.0])
-    found = Propagator(np.zeros((3, 3)), 1.0).values(np.eye(3), start, 50)
-    assert np.array_equal(found, np.repeat(start[:, None], 50, axis=1))
 
 
 def test_a_nilpotent_matrix_gives_polynomials():

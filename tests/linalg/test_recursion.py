@@ -1,6 +1,4 @@
-"""z_(j+1) = e^{J h_j} z_j + g_j against a matrix exponential with forty digits, and starts of their own for all times."""
-
-from __future__ import annotations
+"""Exponentials and steps at many times, and the scalars of a decoupled matrix: against exponentials and one step after the other."""
 
 from fractions import Fraction
 
@@ -8,9 +6,11 @@ import mpmath
 import numpy as np
 import pytest
 import scipy.linalg
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.sparse import csr_array
 
-from mbconstrained.linalg.exponential import block_states
-from mbconstrained.linalg.recursion import recursion, shared_gaps
+from mbconstrained.linalg.recursion import recursion, scanned, shared_gaps, values_of_steps
 
 BLOCKS = [
     np.array([[-0.5]]),
@@ -38,35 +38,10 @@ def test_it_is_the_recursion(gaps):
     assert np.allclose(recursion(BLOCKS, start, gained, gaps), np.array(known).T, rtol=1e-13, atol=1e-13)
 
 
-def test_it_is_done_in_chunks(monkeypatch):
-    gaps, start, gained = np.linspace(0.1, 1, 9), np.ones(SIZE), np.ones((SIZE, 9))
-    whole = recursion(BLOCKS, start, gained, gaps)
-    monkeypatch.setattr("mbconstrained.linalg.recursion.CHUNK_ENTRIES", 40)
-    assert np.allclose(recursion(BLOCKS, start, gained, gaps), whole, rtol=1e-14)
-
-
 def test_growth_that_is_not_excited_stays_out_however_long_the_gap():
     blocks = [np.array([[1.0]]), np.array([[-1.0]]), np.eye(3) + np.eye(3, k=1)]
     states = recursion(blocks, np.array([0.0, 1.0, 0, 0, 0]), np.zeros((5, 2)), np.array([1e4, 1.0]))
     assert not states[:, 1:].any()
-
-
-def test_no_gaps_and_no_states():
-    assert recursion([], np.zeros(0), np.zeros((0, 2)), np.ones(2)).shape == (0, 3)
-    assert recursion([np.eye(1)], np.ones(1), np.zeros((1, 0)), np.zeros(0)).tolist() == [[1.0]]
-
-
-def test_every_time_may_have_its_own_start():
-    times = np.array([0.0, 0.2, 3.0, 11.0])
-    starts = RANDOM.normal(size=(SIZE, 4))
-    known = np.array([exponential(time) @ start for time, start in zip(times, starts.T)]).T
-    assert np.allclose(block_states(BLOCKS, starts, times), known, rtol=1e-12, atol=1e-12)
-
-
-def test_a_start_of_zero_stays_zero_beside_others():
-    times, starts = np.array([1e4, 1e-3]), np.array([[0.0, 1.0]] * 3)
-    states = block_states([np.eye(3) + np.diag([1e-3, 1e-3], k=1)], starts, times)
-    assert not states[:, 0].any() and np.allclose(states[2, 1], np.exp(1e-3))
 
 
 @pytest.mark.parametrize("few", [1, 3], ids=["equal gaps", "three lengths of gaps"])
@@ -90,20 +65,52 @@ def test_groups_that_would_leave_the_range_are_taken_step_by_step():
     assert not states[0].any() and states[1, 1] == np.exp(-400.0) and not states[1, 5:].any()
 
 
-@pytest.mark.parametrize("end", [1.0, 8237.0, 1e-9])
-def test_even_times_have_one_gap(end):
-    knots = np.linspace(0.0, end, 10_001)
-    gaps = shared_gaps(knots)
-    assert len(set(gaps)) == 1
-    exact = sum((Fraction(gap) for gap in gaps), Fraction(0))
-    assert abs(exact - Fraction(knots[-1])) <= 4 * np.finfo(float).eps * end
-
-
-def test_gaps_that_differ_stay_as_they_are():
-    knots = np.cumsum(np.append(0.0, RANDOM.uniform(0.5, 1.0, 50)))
-    assert np.array_equal(shared_gaps(knots), np.diff(knots))
-
-
 def test_gaps_that_creep_apart_are_not_taken_for_the_same():
     gaps = 1.0 + 2.0**-45 * np.arange(2000)  # each differs from the next by less than the rounding of the last time
     assert np.array_equal(shared_gaps(np.append(0.0, np.cumsum(gaps))), np.diff(np.append(0.0, np.cumsum(gaps))))
+
+
+def one_by_one(output, step, drive, start, inputs):
+    """In fractions, rounded once."""
+    exact = [np.array([[Fraction(x) for x in row] for row in np.atleast_2d(part)]) for part in (output, step, drive, inputs)]
+    output, step, drive, inputs = exact
+    z, found = np.array([Fraction(x) for x in start]), []
+    for v in inputs.T:
+        found.append(output @ z)
+        z = step @ z + drive @ v
+    return np.array([*found, output @ z], dtype=float).T
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 4), st.integers(0, 3), st.integers(0, 40), st.booleans())
+def test_it_is_one_step_after_the_other(seed, rows, driven, count, sparse):
+    random = np.random.default_rng(seed)
+    step = np.linalg.qr(random.normal(size=(4, 4)))[0]
+    drive, start, inputs = random.normal(size=(4, driven)), random.normal(size=4), random.normal(size=(driven, count))
+    output = np.round(random.normal(size=(rows, 4)))
+    known = one_by_one(output, step, drive, start, inputs) if count and driven else None
+    found = values_of_steps(csr_array(output) if sparse else output, step, drive, start, inputs)
+    assert found.shape == (rows, count + 1)
+    if known is not None:
+        assert np.allclose(found, known, rtol=0, atol=1e-13 * (1 + np.abs(known).max()))
+
+
+def test_unused_states_are_not_made_and_the_values_are_the_same():
+    random = np.random.default_rng(0)
+    step, drive = 0.2 * random.normal(size=(9, 9)), random.normal(size=(9, 2))
+    start, inputs = random.normal(size=9), random.normal(size=(2, 50))
+    output = np.zeros((40, 9))
+    output[:, 3] = random.normal(size=40)
+    found = values_of_steps(csr_array(output), step, drive, start, inputs)
+    assert np.allclose(found, output @ values_of_steps(np.eye(9), step, drive, start, inputs), rtol=0, atol=1e-13)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(0, 60), st.booleans())
+def test_scalars_side_by_side(seed, count, same):
+    random = np.random.default_rng(seed)
+    factors = np.exp(1j * random.normal(size=(1 if same else max(count, 1), 3)))
+    states = random.normal(size=(count + 1, 3)) + 1j * random.normal(size=(count + 1, 3))
+    known = [states[0]]
+    for j in range(count):
+        known.append(factors[j % len(factors)] * known[-1] + states[j + 1])
+    scanned(states, factors)
+    assert np.allclose(states, known, rtol=0, atol=1e-12)

@@ -1,7 +1,5 @@
 """Zeros of very different size, each to the last digit; truth from mpmath's eigenvalues with 60 digits."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import mpmath

@@ -1,14 +1,13 @@
-"""Units are taken out of the data by powers of two, and changing the units changes nothing."""
-
-from __future__ import annotations
+"""Units: powers of two take them out of the data, and units that balance a sparse generator bound its eigenvalues."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.sparse import csr_array
 
 import mbconstrained as mb
-from mbconstrained.linalg.scaling import equilibration, joint_scaling
+from mbconstrained.linalg.scaling import balanced_norm, balancing_units, equilibration, joint_scaling
 
 exponents = st.integers(-60, 60)
 
@@ -40,27 +39,6 @@ def test_factors_are_powers_of_two_and_cost_no_rounding():
     assert np.array_equal(back, A)
 
 
-def test_largest_entries_end_near_one():
-    A = np.array([np.diag([1e-9, 1e12]), np.ones((2, 2)) * 1e3, np.diag([1e15, 1e-6])])
-    size = np.abs(joint_scaling(A).apply(A)).max(axis=0)
-    assert (size.max(axis=1) <= 4).all() and (size.max(axis=1) >= 0.25).all()
-
-
-@pytest.mark.parametrize("shape", [(1, 0, 0), (3, 0, 0), (1, 1, 1), (3, 2, 2)])
-def test_zero_and_empty_matrices_have_unit_factors(shape):
-    scaling = joint_scaling(np.zeros(shape))
-    assert scaling.time == 1.0
-    assert (scaling.rows == 1).all() and (scaling.columns == 1).all()
-    assert len(scaling.rows) == len(scaling.columns) == shape[1]
-
-
-def test_a_zero_row_is_left_alone():
-    A = np.array([[[4.0, 0.0], [0.0, 0.0]]])
-    scaling = joint_scaling(A)
-    assert np.isfinite(scaling.rows).all() and np.isfinite(scaling.columns).all()
-    assert not scaling.apply(A)[0, 1].any()
-
-
 def test_equilibration_brings_row_maxima_within_a_factor_of_two_of_one():
     size = 10.0 ** np.random.default_rng(2).uniform(-12, 12, (5, 4))
     rows, columns = equilibration(size)
@@ -74,3 +52,57 @@ def test_zeros_beyond_float64_are_told(entries):
     """1e308 x + 1e-308 x' has the zero -1e616 1/s."""
     with pytest.raises(mb.IllConditioned, match="no unit of time"):
         mb.PolynomialMatrix([[[entry]] for entry in entries]).jordan_pairs()
+
+
+def generator(masses: int, seed: int = 0) -> np.ndarray:
+    random = np.random.default_rng(seed)
+    K = 2 * np.eye(masses) - np.eye(masses, k=1) - np.eye(masses, k=-1)
+    return np.block(
+        [[np.zeros((masses, masses)), np.eye(masses)], [-K / random.uniform(0.5, 2, masses)[:, None], -0.1 * np.eye(masses)]]
+    )
+
+
+@given(st.integers(1, 12), st.integers(0, 1000))
+def test_a_change_of_units_is_taken_back(masses, seed):
+    S = generator(masses)
+    units = np.exp2(np.random.default_rng(seed).integers(-60, 61, 2 * masses))
+    own, other = (balancing_units(csr_array(matrix)) for matrix in (S, S * units / units[:, None]))
+    apart = np.log2(own) - np.log2(other * units)
+    assert np.ptp(apart) <= 2
+    assert balanced_norm(csr_array(S * units / units[:, None])) == pytest.approx(balanced_norm(csr_array(S)), rel=1.0)
+
+
+@given(st.integers(1, 8), st.integers(0, 1000))
+def test_the_norm_bounds_the_zeros(size, seed):
+    random = np.random.default_rng(seed)
+    S = random.normal(size=(size, size)) * (random.uniform(size=(size, size)) < 0.5) * 10.0 ** random.uniform(-9, 9, (size, size))
+    assert np.abs(np.linalg.eigvals(S)).max() <= balanced_norm(csr_array(S)) * (1 + 1e-9)
+
+
+def test_what_only_drives_does_not_count():
+    S = np.zeros((3, 3))
+    S[:2, :2], S[:2, 2] = [[0.0, 1.0], [-1.0, 0.0]], 1e12
+    assert balanced_norm(csr_array(S)) == 1.0
+    assert balanced_norm(csr_array(np.eye(4, k=1))) == 0.0
+    assert balanced_norm(csr_array((3, 3))) == 0.0
+
+
+@pytest.mark.parametrize("weak", [1e-9, 1e-17])
+@pytest.mark.parametrize("back", [0.0, 1.0])
+def test_a_weak_coupling_does_not_bend_the_units_of_a_chain(weak, back):
+    """One more entry between the ends of a chain changes the least-squares fit all along it, and what balances the rows hardly."""
+    n = 40
+    S = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    S[0, -1], S[-1, 0] = weak, back * weak
+    units = balancing_units(csr_array(S))
+    assert units.max() <= 2 * units.min()
+
+
+def test_a_chain_of_stiff_and_soft_links_keeps_its_own_units():
+    """D^-1 S D is balanced in the units D, whatever the weak coupling is."""
+    n = 40
+    scale = 2.0 ** np.random.default_rng(0).integers(-20, 20, n)
+    S = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    S[0, -1] = 1e-12
+    units = balancing_units(csr_array(S * scale / scale[:, None])) * scale
+    assert units.max() <= 2 * units.min()

@@ -1,12 +1,10 @@
 """Elimination of few couplings against dense matrices."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 from mbconstrained.ground.tolerances import EPS
-from mbconstrained.linalg.elimination import FEW, FRONTS, sparse_quadratic
+from mbconstrained.linalg.elimination import sparse_quadratic
 
 from .few_couplings import band, beam, ladder, ring
 from .test_quadratic_modes import random_tree, tree
@@ -65,33 +63,6 @@ def test_a_pivot_that_is_exactly_zero_is_a_rounding(unit):
     for solver in (P.narrow, P.together):
         x = solver.solved(solver.factored(np.zeros(1)), np.arange(1.0, 10.0)[:, None])[:, 0]
         assert np.abs(x / x[0] - 1).max() <= 100 * EPS
-
-
-def test_where_few_numbers_take_fewer_steps():
-    """A long chain and a ring; not where the steps would be hardly fewer."""
-    P = sparse_quadratic(*model(3, 90, 1))
-    assert P.together is not P.narrow and P.together.order.width == 2
-    assert len(P.together.order.steps) < len(P.narrow.order.steps) / 3
-    P = sparse_quadratic(*ladder(60))
-    assert P.together is P.narrow
-
-
-@pytest.mark.parametrize("given", [model(5, reach=1), model(5), ring(60), ladder(60)], ids=["chain", "tree", "ring", "ladder"])
-def test_the_matrix_is_the_given_one_and_halves_are_parts_of_it(given):
-    M, C, K = given
-    P = sparse_quadratic(M, C, K)
-    assert all(np.array_equal(*both) for both in zip(P.dense(), (K, C, M)))
-    halves = P.halves()
-    assert sorted(np.concatenate([half.places for half in halves])) == list(range(P.size))
-    for half in halves:
-        assert half.size >= P.size / 5
-        assert np.array_equal(half.dense()[0], K[np.ix_(half.places, half.places)])
-
-
-def test_more_numbers_than_are_taken_at_once():
-    P = sparse_quadratic(*model(6, count=3))
-    s = 1j * np.linspace(0.1, 2, FRONTS + FEW) - 0.01
-    assert np.allclose(P.newton(s)[-3:], P.newton(s[-3:]), rtol=1e-14)
 
 
 def test_a_slow_motion_keeps_its_digits():

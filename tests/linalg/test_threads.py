@@ -7,7 +7,7 @@ import pytest
 import scipy.linalg
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from mbconstrained.ground.threads import SHORT, SMALL, one_thread, short_work
+from mbconstrained.ground.threads import SMALL, one_thread
 
 
 def counts() -> list[int]:
@@ -35,12 +35,3 @@ def test_it_is_restored_after_an_error_and_small_problems_are_left_alone():
         assert counts() == before
         with one_thread(SMALL - 1):
             assert counts() == before
-
-
-def test_large_problems_keep_their_threads():
-    with threadpool_limits(2, user_api="blas"):
-        before = counts()
-        with short_work(SHORT + 1):
-            assert counts() == before
-        with short_work(SHORT):
-            assert set(counts()) == {1}

@@ -1,13 +1,16 @@
 """A regular pencil as s I - T: an equivalence with standardized real Schur form, accurate for slow zeros beside fast ones."""
 
-from __future__ import annotations
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
+import mbconstrained as mb
+from mbconstrained.control.matrix_fraction import scalar_matrix
 from mbconstrained.linalg.blocks import eigenvalues
 from mbconstrained.linalg.rank import Noisy
 from mbconstrained.linalg.triangular import TriangularForm, triangular_form
+from tests.oracles.transfer import factors, multiplied, residues
 
 
 def form_of(E, F) -> TriangularForm:
@@ -62,3 +65,11 @@ def test_a_zero_at_the_origin_is_nilpotent_to_the_last_bit(stiff):
     assert not np.diag(form.T)[2:].any() and not form.T[2:, :2].any()
     assert form.T[2, 3] != 0 and form.T[3, 2] == 0
     assert np.allclose(np.sort(np.abs(eigenvalues(form.T))), [0, 0, stiff**0.5, stiff**0.5], rtol=1e-14)
+
+
+@pytest.mark.parametrize("time", [10.0, 20.0, 40.0])
+def test_rows_that_stay_coupled_to_zeros_at_zero_see_those_that_do_not(time):
+    poles = [Fraction(0)] * 4 + [Fraction(1, 4)] * 3 + [Fraction(-2)] * 3
+    x = mb.solve(scalar_matrix(tuple(multiplied(*factors(poles))), False), force=mb.impulse([1.0]))
+    known = float(residues([Fraction(1)], poles, 0, time))
+    assert x(time)[0] == pytest.approx(known, rel=1e-12)

@@ -1,7 +1,5 @@
 """Groups of states that are coupled weakly, against exponentials in ball arithmetic: relative to each group's own motion."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from flint import arb, arb_mat, ctx, fmpq

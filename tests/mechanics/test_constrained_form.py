@@ -9,13 +9,6 @@ from mbconstrained.mechanics.system import MechanicalSystem
 from tests.mechanics.systems import two_masses
 
 
-def test_without_rows_it_is_the_system_itself():
-    M, C, K = np.diag([2.0, 3.0]), np.eye(2), [[2, -1], [-1, 2]]
-    form = MechanicalSystem(M, C, K, names=["a", "b"]).constrained_form()
-    assert np.array_equal(form.polynomial_matrix.coefficients, [K, C, M])
-    assert form.polynomial_matrix.equations == ("motion of a", "motion of b")
-
-
 def test_the_paper_example_up_to_the_order_of_the_columns_of_V():
     # Moysis et al., Eq. 84 with m = 10, k = 2, its first two rows exchanged
     A = two_masses().polynomial_matrix()
@@ -49,11 +42,6 @@ def test_rounding_makes_no_stiffness(ratio):
     gear = MechanicalSystem(np.eye(2), stiffness=K, constraints=Constraint([1, -ratio]))
     assert not gear.polynomial_matrix().coefficients[0][0].any()
     assert [(mode.kind, mode.multiplicity) for mode in gear.modes()] == [("rigid body", 2)]
-
-
-def test_the_degree_is_two_even_without_masses():
-    A = MechanicalSystem(np.zeros((2, 2)), stiffness=np.eye(2), constraints=Constraint([1, -1])).polynomial_matrix()
-    assert A.degree == 2
 
 
 def test_forces_are_projected_and_values_become_steps():

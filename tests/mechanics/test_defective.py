@@ -1,7 +1,5 @@
 """Exactly defective eigenvalues: exponents and coefficients of the Puiseux series against roots of polynomials with 400 digits."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Matrices by their elements: what is refused, how far apart they are, and where they are taken."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-import mbconstrained as mb
 from mbconstrained.mechanics.constraints import Constraint
 from mbconstrained.mechanics.system import MechanicalSystem
 from tests.mechanics.systems import massless_joints, two_masses
@@ -57,8 +56,3 @@ def test_gyroscopic_forces_do_no_work():
     spin = MechanicalSystem(np.eye(2), [[0, 3], [-3, 0]], np.diag([1.0, 2.0]))
     total = spin.solve([1, 0], [0, 1]).energy(TIMES).total
     assert np.allclose(total, total[0], rtol=1e-12)
-
-
-def test_a_force_that_varies_has_no_potential():
-    energy = MechanicalSystem([[1.0]], force=mb.step([2.0])).solve().energy(3.0)
-    assert (energy.static, energy.kinetic) == pytest.approx((0.0, 18.0))

@@ -1,7 +1,5 @@
 """Estimated errors of derivatives against true ones: never less than a tenth of them, and no alarm where the digits are right."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

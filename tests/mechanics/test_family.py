@@ -164,14 +164,6 @@ def test_stiff_systems_keep_their_slow_digits_or_are_solved_one_by_one():
         assert np.allclose(modes.natural_frequencies[place], own, rtol=1e-12)
 
 
-def test_more_than_a_chunk_and_one_alone():
-    M, C, K = chains(600, size=2)
-    systems = family(M, C, K)
-    assert np.array_equal(systems.modes().eigenvalues[599], family(M[599:], C[599:], K[599:]).modes().eigenvalues[0])
-    assert systems.solve([1.0, 0])(0.5).shape == (600, 2)
-    assert systems.solve([1.0, 0])([]).shape == (600, 2, 0)
-
-
 def test_static_forces_of_each_system():
     weights = np.array([[1.0], [2.0]])
     systems = family([[1.0]], [[0.1]], [[4.0]], static_force=weights)

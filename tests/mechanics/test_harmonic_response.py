@@ -1,7 +1,5 @@
 """Quantities with their units, prescribed motions, and damping as engineers give it, against closed forms and published values."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -38,18 +38,6 @@ def test_null_space_of_the_paper_example():
     assert found.motions == (1, 2)
 
 
-def test_simple_rows_keep_simple_entries():
-    ties = [row(str(i), np.eye(6)[i] - np.eye(6)[i + 1]) for i in range(4)] + [row("gear", [0, 0, 0, 0, 3, 1])]
-    V = independent_rows(ties, 6).null_space
-    assert np.array_equal(V / V[0], np.array([[1, 1, 1, 1, 1, -3.0]]).T)
-
-
-def test_free_coordinates_keep_their_unit():
-    # x = r q: the column of V says how the rack follows one radian, or the pinion one metre, whatever the scaling inside
-    V = independent_rows([row("rack", [1, -0.01])], 2).null_space
-    assert V.tolist() == [[0.01], [1.0]] or V.tolist() == [[1.0], [100.0]]
-
-
 def test_a_repeated_row_is_left_out_and_named():
     found = independent_rows([row("first", [1, -1, 0], value=0.5), row("again", [-2, 2, 0], value=-1.0)], 3)
     assert names(found) == ["first"]
@@ -64,12 +52,6 @@ def test_a_sum_of_rows_is_left_out_and_only_its_parts_are_named():
     found = independent_rows(rows, 4)
     assert names(found) == ["a", "b", "other"]
     assert '"a"' in found.notices[0].text and '"b"' in found.notices[0].text and '"other"' not in found.notices[0].text
-
-
-def test_rounded_rows_are_still_dependent():
-    # 0.1 + 0.2 and 0.3 differ by one unit in the last place
-    found = independent_rows([row("a", [1, 0.1 + 0.2], value=0.1 + 0.2), row("b", [10, 3], value=3.0)], 2)
-    assert names(found) == ["a"]
 
 
 def test_combinations_with_cancellation_are_still_dependent():

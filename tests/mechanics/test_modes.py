@@ -96,12 +96,6 @@ def test_rigid_bodies_and_offsets_are_told_apart():
     assert np.allclose(offset.shapes, [[0], [1]])
 
 
-def test_drift_is_not_a_rigid_body():
-    train = MechanicalSystem(np.eye(2), constraints=Constraint([1, -1], level="acceleration"))
-    assert kinds(train) == [("rigid body", 2), ("drift", 2)]
-    assert np.allclose(train.modes()[0].shapes, [[1], [1]])
-
-
 def test_critical_damping_is_one_double_zero():
     critical = MechanicalSystem([[1.0]], [[2.0]], [[1.0]])
     (mode,) = critical.modes()
@@ -151,15 +145,6 @@ def test_computed_zeros_are_freed_of_what_cannot_be():
     assert cleaned(1e-3 + 1j, 1, reversible) == 1j
     assert cleaned(1 + 1e-3j, 1, reversible) == 1
     assert cleaned(1e-9 + 0j, 1, both) == 0
-
-
-def test_equal_oscillators_share_a_zero_with_two_shapes():
-    twins = MechanicalSystem(np.eye(2), stiffness=4 * np.eye(2)).modes()
-    (mode,) = twins
-    assert (mode.multiplicity, mode.shapes.shape) == (2, (2, 2))
-    assert np.linalg.matrix_rank(mode.shapes) == 2
-    assert twins.natural_frequencies.tolist() == pytest.approx([2.0, 2.0])
-    assert np.linalg.matrix_rank(twins.shapes) == 2
 
 
 def test_an_upside_down_pendulum_grows():

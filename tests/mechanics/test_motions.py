@@ -1,7 +1,5 @@
 """Many motions of a system at once, each as it is solved alone."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

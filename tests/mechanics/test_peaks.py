@@ -1,7 +1,5 @@
 """Exact peaks of motions and combinations of modes."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

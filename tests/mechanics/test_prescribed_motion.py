@@ -1,7 +1,5 @@
 """Prescribed motion A x^(level) = b(t): supports that move, against minimal coordinates and against numerical integration."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np
@@ -129,12 +127,6 @@ def test_a_signal_of_another_number_of_rows_is_refused():
 def test_sparse_matrices_refuse_a_prescribed_motion():
     with pytest.raises(mb.InputError, match="found a prescribed motion; sparse matrices accept constant values only"):
         mb.MechanicalSystem(scipy.sparse.eye_array(2), constraints=[mb.Constraint([1.0, 0.0], value=SINE)])
-
-
-def test_further_rows_do_not_change_the_system_that_they_were_added_to():
-    whole = mb.MechanicalSystem(np.eye(2))
-    assert [row.name for row in whole.with_constraints(mb.Constraint([1.0, 0.0], value=SINE, names="base")).rows] == ["base"]
-    assert whole.rows == () and whole.polynomial_matrix().coefficients[0].tolist() == np.zeros((2, 2)).tolist()
 
 
 def test_proved_values_and_reactions_contain_the_motion():

@@ -1,7 +1,5 @@
 """Rotors in closed form: one disc, a gyroscope, coupled planes; critical speeds against precise arithmetic; limits of stability."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import mpmath

@@ -1,7 +1,5 @@
 """Derivatives of modes against differences with 80 digits; of motions and responses against differences of closed forms and formulas."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """The steady state is the limit of the motion, and the harmonics of a record are its Fourier coefficients."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

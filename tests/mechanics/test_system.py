@@ -10,14 +10,6 @@ from mbconstrained.mechanics.system import MechanicalSystem
 from tests.mechanics.systems import two_masses
 
 
-def test_what_is_not_given_is_zero():
-    system = MechanicalSystem([[1.0]])
-    assert (system.damping, system.stiffness) == ([[0.0]], [[0.0]])
-    assert system.names == ("x1",)
-    assert system.units == {"x1": "m"}
-    assert system.force.smooth.coefficients.size == 0  # no state of its own: nothing acts
-
-
 def test_matrices_are_copied_and_frozen():
     mass = np.eye(2)
     system = MechanicalSystem(mass)
@@ -66,15 +58,6 @@ def test_starts_by_name():
         system.solve({"hook": 1.0})
     with pytest.raises(InputError, match="velocity of q1: expected shape a single number"):
         system.solve(velocity={"q1": [1, 2]})
-
-
-def test_forces_add_up():
-    system = MechanicalSystem([[2.0]], force=mb.step([1.0]), static_force=[3.0])
-    # x'' = (1 + 3 + 4)/2 from rest
-    assert np.isclose(system.solve(force=[4.0])(3.0)[0], 18.0)
-    assert np.isclose(system.solve(force=mb.step([4.0]))(3.0)[0], 18.0)
-    with pytest.raises(InputError, match="force: it has 2 rows"):
-        system.solve(force=mb.step([1.0, 2.0]))
 
 
 def test_entries_within_their_uncertainty_are_no_stiffness():

@@ -1,7 +1,5 @@
 """Published benchmarks: the harmonic and the random test 5H and 5R of NAFEMS on finite elements of our own, stop bands of long chains."""
 
-from __future__ import annotations
-
 import mpmath as mp
 import numpy as np
 import pytest

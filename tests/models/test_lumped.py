@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import mbconstrained as mb
 from mbconstrained import InputError
-from mbconstrained.models.elements import Gear, Mass, Spring
+from mbconstrained.models.elements import Spring
 from mbconstrained.models.lumped import LumpedModel
 
 
@@ -29,29 +29,6 @@ def test_assembled_matrices_by_hand():
     assert system.stiffness.tolist() == [[7, -5, 0], [-5, 5, 0], [0, 0, 0]]
     assert system.damping.tolist() == [[0, 0, 0], [0, 3, -3], [0, -3, 3]]
     assert system.static_force.tolist() == pytest.approx([2 * 0.2 - 5 * 0.4, 5 * 0.4, 0])
-
-
-def test_at_rest_lengths_no_spring_pulls():
-    model = cart_and_hook()
-    system = model.assemble()
-    rest = np.array([0.2, 0.6, 7.0])
-    assert np.allclose(system.stiffness @ rest, system.static_force)
-
-
-def test_elements_coordinates_units():
-    model = LumpedModel()
-    cart = model.mass("cart", 10, position=0.5)
-    shaft = model.inertia("shaft", 0.3)
-    model.node("pin")
-    model.node("flange", rotational=True)
-    spring = model.spring("ground", "cart", 2)
-    assert model.elements[:2] == (cart, shaft) and model.elements[-1] == spring
-    assert cart == Mass("cart", 10.0, 0.5)
-    assert model.coordinates == ("cart", "shaft", "pin", "flange")
-    assert model.units == {"cart": "m", "shaft": "rad", "pin": "m", "flange": "rad"}
-    assert model.assemble().units == model.units
-    with pytest.raises(AttributeError):
-        cart.mass = 3.0
 
 
 def test_names_are_made_where_none_are_given():
@@ -97,18 +74,6 @@ def test_rows_of_pulleys_by_hand():
     model.pulley("ground", "a", over="block", length=-2.0)
     rows = [(c.rows[0].tolist(), c.values[0]) for c in model.assemble().constraints]
     assert rows == [([1, 1, -2], -3.0), ([1, 0, -2], 2.0)]
-
-
-def test_internal_gears_turn_the_same_way():
-    assert Gear("p", "q", 0.1, 0.3, internal=True).row == {"p": 1.0, "q": pytest.approx(-3.0)}
-
-
-def test_gravity_acts_on_masses_only():
-    model = cart_and_hook()
-    model.inertia("shaft", 1.0)
-    without = model.assemble().static_force
-    model.gravity(-9.81)
-    assert (model.assemble().static_force - without).tolist() == pytest.approx([-98.1, 0, -19.62, 0])
 
 
 def test_forces_add_up_and_act_on_their_body():
@@ -333,3 +298,63 @@ def test_rotors_have_no_sparse_matrices():
     model.rotor("disc", 2.0), model.bearing("ground", "disc", stiffness=200.0)
     with pytest.raises(InputError, match="rotors"):
         model.assemble(sparse=True)
+
+
+NUMBERS = st.floats(0.1, 10.0)
+
+
+def vehicle() -> mb.LumpedModel:
+    model = mb.LumpedModel()
+    model.rigid_bar("body", 3.0, inertia=2.0, points={"rear": -1.5, "front": 1.25})
+    return model
+
+
+def test_coordinates_units_and_rows():
+    model = vehicle()
+    assert model.units == {"body": "m", "body angle": "rad", "rear": "m", "front": "m"}
+    system = model.assemble()
+    assert np.array_equal(system.mass, np.diag([3.0, 2.0, 0.0, 0.0]))
+    assert np.array_equal(system.constraint_matrix, [[-1, 1.5, 1, 0], [-1, -1.25, 0, 1]])
+    assert [row.name for row in system.rows] == ["rear on body", "front on body"]
+    assert len(model.elements) == 1 and repr(model) == "LumpedModel(1 rigid bar)"
+
+
+@given(mass=NUMBERS, inertia=NUMBERS, stiffness=st.tuples(NUMBERS, NUMBERS), distances=st.tuples(NUMBERS, NUMBERS))
+def test_frequencies_of_two_equations_by_hand(mass, inertia, stiffness, distances):
+    """A bar on two springs at -a and b: det([k1 + k2, b k2 - a k1; b k2 - a k1, a^2 k1 + b^2 k2] - w^2 diag(m, J)) = 0."""
+    (k1, k2), (a, b) = stiffness, distances
+    model = mb.LumpedModel()
+    model.rigid_bar("bar", mass, inertia=inertia, points={"left": -a, "right": b})
+    model.spring("ground", "left", k1), model.spring("ground", "right", k2)
+    K = np.array([[k1 + k2, b * k2 - a * k1], [b * k2 - a * k1, a * a * k1 + b * b * k2]])
+    scale = np.diag([mass**-0.5, inertia**-0.5])
+    expected = np.linalg.eigvalsh(scale @ K @ scale)  # its relative errors grow with the ratio of the two
+    assert model.assemble().modes().natural_frequencies ** 2 == pytest.approx(expected, abs=1e-12 * expected[-1])
+
+
+def test_gravity_acts_on_its_mass():
+    model = vehicle()
+    model.gravity(-10.0)
+    assert model.assemble().static_force.tolist() == [-30.0, 0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"points": {}}, 'rigid bar "b": points: expected distances by name'),
+        ({"points": {"p": "1"}}, 'rigid bar "b": distance of "p"'),
+        ({"points": {"ground": 1.0}}, 'rigid bar: the name "ground" is that of the fixed body'),
+        ({"points": {"b": 1.0}}, 'its name and those of its points must differ; found "b" twice'),
+        ({"points": {"m": 1.0}}, 'rigid bar: the name "m" is already in use \\(mass\\)'),
+        ({"inertia": 0.0}, 'rigid bar "b": inertia: found 0'),
+    ],
+)
+def test_what_is_wrong_is_reported_and_nothing_is_added(fields, message):
+    model = mb.LumpedModel()
+    model.mass("m", 1.0)
+    with pytest.raises(mb.InputError, match=message):
+        model.rigid_bar("b", 1.0, **{"inertia": 1.0, "points": {"p": 1.0}} | fields)
+    assert model.coordinates == ("m",)
+    model.rigid_bar("b", 1.0, inertia=1.0, points={"p": 1.0})
+    with pytest.raises(mb.InputError, match='mass: the name "p" is already in use \\(node\\)'):
+        model.mass("p", 1.0)

@@ -1,7 +1,5 @@
 """Rotors of lumped models: matrices by hand, closed forms of a rigid rotor, bearings with cross coupling and speed tables."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

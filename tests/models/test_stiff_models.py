@@ -4,8 +4,6 @@ A frequency known to a unit in the last place moves the phase by w t eps: no ans
 floor of a motion is that of the fastest zero that takes part in it.
 """
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest
@@ -165,11 +163,6 @@ def test_elements_and_matrices_agree_where_nothing_is_lost():
 def test_elements_that_cannot_be_used(directions, constants, words):
     with pytest.raises(mb.InputError, match=words):
         mb.ElementMatrix(directions, constants)
-
-
-def test_elements_of_another_size():
-    with pytest.raises(mb.InputError, match="stiffness: expected shape 2 x 2, found 1 x 1"):
-        mb.MechanicalSystem(np.eye(2), stiffness=mb.ElementMatrix([[1.0]], [1.0]))
 
 
 def test_a_ratio_that_no_arithmetic_here_can_bear_is_refused():

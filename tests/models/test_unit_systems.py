@@ -1,7 +1,5 @@
 """One model in SI, in mm-N-tonne, in the units of MEMS and in giga units: one motion."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

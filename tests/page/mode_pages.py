@@ -1,7 +1,5 @@
 """Pages of mode shapes that several tests look at."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Models with every kind of element, drawn by the layout, for several tests."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbconstrained.models.lumped import LumpedModel

@@ -1,7 +1,5 @@
 """Made-up robots that several tests look at, with places known in closed form."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,7 +1,5 @@
 """SVG that a page may include: one element of shapes and texts, without references to anything outside it."""
 
-from __future__ import annotations
-
 import re
 from xml.etree import ElementTree
 

@@ -9,10 +9,9 @@ import pytest
 from mbconstrained.page.animation import Animation
 from mbconstrained.page.content import Curve, PageContent, Plot
 from mbconstrained.page.drawing import Drawing, DrawnBody, DrawnLink
-from mbconstrained.page.html import VIEWER_FILE, page_html, write_page
+from mbconstrained.page.html import VIEWER_FILE, write_page
 from tests.page.browser import needs_chromium
 from tests.page.contents import many, two_masses, two_masses_content
-from tests.page.mode_pages import two_modes
 
 pytestmark = [needs_chromium, pytest.mark.long]
 
@@ -49,16 +48,6 @@ def test_a_large_page_moves_as_the_motion_does_between_its_times_too(browser, tm
     wanted = np.array([body.rest[0] for body in drawing.bodies]) + 5 + np.sin(frequencies[:, 0] * asked)
     assert found == pytest.approx(wanted, abs=2e-3)  # a tenth of a pixel of 4000 for 62 drawing units is 1.6e-3
     assert page.stat().st_size < 1_400_000
-
-
-@pytest.mark.parametrize("viewer", ["compressed", "separate"])
-def test_modes_move_too(browser, tmp_path, viewer):
-    page = tmp_path / "modes.html"
-    page.write_text(page_html(two_modes(), viewer), encoding="utf-8")
-    if viewer == "separate":
-        write_page(tmp_path / "other.html", two_masses_content(), viewer)  # brings the viewer for both
-    assert ready(browser.open(page, "#mode=2&t=0.5"))["mode"] == 2
-    assert (browser.messages, browser.state()["errors"]) == ([], [])
 
 
 def test_a_viewer_that_was_left_behind_is_named_and_the_rest_is_shown(browser, tmp_path):

@@ -3,7 +3,6 @@
 import base64
 import gzip
 import hashlib
-import html
 import json
 import os
 import re
@@ -16,21 +15,16 @@ import numpy as np
 import pytest
 
 from mbconstrained.ground.display import TextTable
-from mbconstrained.ground.errors import MbconstrainedError
-from mbconstrained.ground.notices import Notice
+from mbconstrained.ground.errors import InputError, MbconstrainedError
 from mbconstrained.page.animation import Animation
-from mbconstrained.page.content import Curve, PageContent, Plot
-from mbconstrained.page.drawing import Drawing
-from mbconstrained.page.html import _ANIMATION, _ASSETS, _PLOTS, VIEWER_FILE, page_html, script_json, viewer_script
+from mbconstrained.page.content import Curve, PageContent, Plot, typeset
+from mbconstrained.page.drawing import Drawing, DrawnBody
+from mbconstrained.page.html import _ANIMATION, _ASSETS, _PLOTS, VIEWER_FILE, page_html, script_json, viewer_script, write_page
 from tests.page.contents import HOSTILE, hostile_content, two_masses_content
 
 
 def data_of(page: str) -> dict:
     return json.loads(re.search(r'<script type="application/json" id="motion-data">(.*?)</script>', page, re.S)[1])
-
-
-def test_the_page_of_two_masses_is_small():
-    assert len(page_html(two_masses_content()).encode()) < 1.1e6
 
 
 @pytest.mark.parametrize("seed", ["0", "7"])
@@ -136,11 +130,6 @@ def test_without_an_animation_there_is_no_viewer_and_without_plots_too_no_script
     assert not [word for word in left_out if word in page]
 
 
-def test_without_plots_there_is_no_script_of_theirs():
-    content = two_masses_content()
-    assert ["PlottedCurve" in page_html(each) for each in (content, replace(content, plots=()))] == [True, False]
-
-
 def test_compressed_the_page_is_a_third_and_holds_the_same():
     page, plain = (page_html(two_masses_content(), viewer) for viewer in ("compressed", "inside"))
     held = re.findall(r'data-content="([^"]*)">([^<]*)<', page)
@@ -160,68 +149,6 @@ def test_beside_its_viewer_a_page_holds_its_own_data_only():
     assert "script-src 'sha256-" in page_html(replace(two_masses_content(), animation=None), "separate")
 
 
-def test_without_plots_tables_notices_and_facts_there_is_no_trace_of_them():
-    page = page_html(PageContent("t", animation=two_masses_content().animation))
-    for word in (
-        '<div class="plots"',
-        "<figure",
-        "<svg",
-        "<table",
-        'class="notices"',
-        "<footer>\n<dl",
-        "<header>\n<h1>t</h1>\n<p",
-    ):
-        assert word not in page
-
-
-def test_doubtful_notices_come_first_and_as_warnings():
-    page = page_html(PageContent("t", notices=(Notice("jump", "first"), Notice("rank", "second", doubtful=True))))
-    found = re.findall(r'<p class="(notice[^"]*)"><b>(.*?)</b> (.*?)</p>', page)
-    assert found == [("notice doubtful", "Warning (rank):", "second"), ("notice", "Note (jump):", "first")]
-
-
-def test_columns_of_numbers_are_flush_right():
-    page = page_html(two_masses_content())
-    assert '<th scope="col">kind</th><th scope="col" class="number">rad/s</th>' in page
-    assert '<td>oscillation</td><td class="number">0.7236</td>' in page
-
-
-@pytest.mark.parametrize("cell", ["± 0.276393 i", "-0.5 ± 2 i", "−3", "± 1e-05 i", "0.5 N s^2", "–"])
-def test_a_column_of_complex_numbers_is_flush_right_too(cell):
-    page = page_html(PageContent("t", tables=(TextTable("t", ("zero",), ((cell,), ("1",))),)))
-    assert page.count('<td class="number">') == 2
-
-
-def test_tables_and_notices_raise_powers_and_keep_complex_numbers_together():
-    table = TextTable("t", ("zero", "m/s^2"), (("-0.5 ± 0.25 i", "1 N s^2"),), "in kg m^2")
-    page = page_html(PageContent("t", tables=(table,), notices=(Notice("rank", "± 0.25 i is in rad/s^2"),)))
-    for text in (">-0.5\xa0±\xa00.25\xa0i<", ">m/s²<", ">1 N s²<", ">in kg m²<", "±\xa00.25\xa0i is in rad/s²"):
-        assert text in page
-
-
-@pytest.mark.parametrize("count, wide", [(1, 1), (2, 0), (3, 1), (4, 0)])
-def test_a_plot_without_a_partner_spans_the_row(count, wide):
-    plots = tuple(Plot(f"p{i}", "m", [0, 1], (Curve("c", [0, 1]),)) for i in range(count))
-    figures = re.findall(r"<figure.*?</figure>", page_html(PageContent("t", plots=plots)), re.S)
-    assert ['class="plot-figure wide"' in figure for figure in figures] == [False] * (count - wide) + [True] * wide
-
-
-def test_the_magnification_is_told():
-    page = html.unescape(page_html(two_masses_content()))
-    assert '<p class="magnification">displacements drawn 0.3 × as large</p>' in page
-
-
-@pytest.mark.parametrize("duration, selected", [(10, "1.0"), (60, "1.0"), (1e-3, "0.0001"), (1e6, "100000.0")])
-def test_the_usual_speed_shows_the_motion_in_a_comfortable_time(duration, selected):
-    page = page_html(PageContent("t", animation=Animation(Drawing(()), ("x",), [0, duration], [[0, 1]])))
-    assert f'<option value="{selected}" selected>' in page
-
-
-def test_one_time_cannot_be_played():
-    page = page_html(PageContent("t", animation=Animation(Drawing(()), ("x",), [0.5], [[1]]), plots=(Plot("p", "m", [0.5], ()),)))
-    assert '<button type="button" id="play" disabled>' in page
-
-
 @pytest.mark.parametrize("last", ["run.js", "modes.js", "frequency.js"])
 def test_scripts_of_one_page_have_different_names_at_the_top(last):
     """All scripts of a page share one scope, in which the later of two functions of one name is taken."""
@@ -229,3 +156,86 @@ def test_scripts_of_one_page_have_different_names_at_the_top(last):
     text = "\n".join((_ASSETS / name).read_text(encoding="utf-8") for name in scripts)
     names = re.findall(r"^(?:async )?(?:function\*?|const|let|class) (\w+)", text, re.M)
     assert sorted(name for name in set(names) if names.count(name) > 1) == []
+
+
+EMPTY = Drawing(())
+
+
+@pytest.mark.parametrize(
+    "make, message",
+    [
+        (lambda: Animation(EMPTY, ("x",), [0, 1], [[0, np.nan]]), "animation, values: the entry at .* is nan"),
+        (lambda: Animation(EMPTY, ("x",), [0, 1], [[0, 1, 2]]), "animation, values: expected shape 1 x 2, found 1 x 3"),
+        (lambda: Animation(EMPTY, ("x", "y"), [0, 1], [[0, 1]]), "animation, values: expected shape 2 x 2, found 1 x 2"),
+        (lambda: Animation(EMPTY, ("x",), [0, 1], [[0, 1]], [[0]]), "animation, rates: expected shape 1 x 2, found 1 x 1"),
+        (lambda: Animation(EMPTY, ("x",), [0, 1], [[0, 1e300]]), "found 1e.300, which is too large to draw; give an earlier end"),
+        (lambda: Animation(EMPTY, (), [], np.zeros((0, 0))), "animation, times: no times found"),
+        (lambda: Plot("p", "m", [0, 2, 1], ()), 'plot "p", times: 2 s is followed by 1 s; times must ascend'),
+        (lambda: Plot("p", "m", [0, 0], ()), "0 s is followed by 0 s"),
+        (lambda: Plot("p", "m", [0, 1], (Curve("c", [0, np.inf]),)), 'plot "p", curve "c": the entry at .* is inf'),
+        (lambda: Plot("p", "m", [0, 1], (Curve("c", [0]),)), 'plot "p", curve "c": expected shape 2, found 1'),
+        (lambda: TextTable("t", ("a", "b"), (("1", "2"), ("1",))), 'table "t": row 2 has 1 entries for 2 columns'),
+    ],
+)
+def test_what_cannot_be_shown_is_refused(make, message):
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+def test_the_file_is_the_page(tmp_path):
+    content = PageContent("Größe × 2")
+    path = write_page(tmp_path / "page.html", content)
+    assert path.read_bytes() == page_html(content).encode("utf-8")
+    assert os.listdir(tmp_path) == ["page.html"]
+
+
+def test_a_failure_leaves_the_earlier_file(tmp_path):
+    path = tmp_path / "page.html"
+    path.write_text("earlier")
+    wrong = Animation(Drawing((DrawnBody("b", moves={"x": (1, 0, 0)}),)), ("x",), [0, 1], [[0, 1e200]])
+    with pytest.raises(InputError, match='body "b" is drawn up to 1e'):
+        write_page(path, PageContent("t", animation=wrong))
+    assert path.read_text() == "earlier"
+    assert os.listdir(tmp_path) == ["page.html"]
+
+
+def test_a_failure_while_writing_leaves_the_earlier_file(tmp_path, monkeypatch):
+    path = tmp_path / "page.html"
+    path.write_text("earlier")
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.replace", full)
+    with pytest.raises(InputError, match="cannot be written: No space left on device; give another path"):
+        write_page(path, PageContent("t"))
+    assert path.read_text() == "earlier"
+    assert os.listdir(tmp_path) == ["page.html"]
+
+
+@pytest.mark.parametrize("place", ["missing/page.html", "."])
+def test_a_place_that_cannot_be_written_is_named(tmp_path, place):
+    with pytest.raises(InputError, match=r'the page ".*" cannot be written: .*; give another path'):
+        write_page(tmp_path / place, PageContent("t"))
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    "text, shown",
+    [
+        ("", ""),
+        ("m/s^2", "m/s²"),
+        ("kg m^2/s^-10", "kg m²/s⁻¹⁰"),
+        ("x^2", "x^2"),
+        ("x_m^2", "x_m^2"),
+        ("δ^(4)", "δ^(4)"),
+        ("m^2a", "m^2a"),
+        ("± 1 i", "±\xa01\xa0i"),
+        ("-1 ± 1e-05 i", "-1\xa0±\xa01e-05\xa0i"),
+        ("at 3 in all", "at 3 in all"),
+        ("a ± b", "a ± b"),
+        ("<b>", "&lt;b&gt;"),
+    ],
+)
+def test_a_text_is_typeset(text, shown):
+    assert typeset(text) == shown

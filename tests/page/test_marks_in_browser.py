@@ -1,7 +1,5 @@
 """Names, frames and centres of mass that can be shown, and the film of the motion, in a browser."""
 
-from __future__ import annotations
-
 import base64
 import zipfile
 from io import BytesIO
@@ -13,19 +11,13 @@ from matplotlib.image import imread
 from mbconstrained.page.animation import Animation
 from mbconstrained.page.content import PageContent
 from mbconstrained.page.drawing import Drawing, DrawnBody, Path, Solid
-from mbconstrained.page.html import page_html, write_page
+from mbconstrained.page.html import write_page
 from tests.page.browser import needs_chromium
 from tests.page.robots import turned
 
 pytestmark = [needs_chromium, pytest.mark.long]
 
 ELLIPSOID = (0.2, 0, 0, 0, 0, 0.1, 0, 0, 0, 0, 0.05, 0, 0.3, 0, 0.1, 1)  # column by column
-
-#: Keeps the canvas that is filmed.
-KEEP_CANVAS = """void (() => {
-    const capture = HTMLCanvasElement.prototype.captureStream;
-    HTMLCanvasElement.prototype.captureStream = function (...rate) { window.filmed = this; return capture.call(this, ...rate); };
-})()"""
 
 
 def swinging(note: str = "", **options) -> PageContent:
@@ -115,14 +107,6 @@ def test_perspective_keeps_what_is_at_the_target_in_its_place_and_size_and_enlar
     assert opened.messages == [] and opened.state()["errors"] == []
 
 
-def test_names_are_hidden(opened):
-    pictures = [opened.picture("#stage")]
-    for _ in range(2):
-        opened.click("input[data-shows=names]")
-        pictures.append(opened.picture("#stage"))
-    assert pictures[0] == pictures[2] != pictures[1]
-
-
 def keep_what_is_saved(opened):
     """In window.saved: each file that the page saves from now on, then its name."""
     opened.evaluate("""void (() => {
@@ -172,35 +156,6 @@ def grey(browser, png: bytes) -> np.ndarray:
     return imread(BytesIO(png))[top : top + height, left : left + width, :3].mean(axis=2)
 
 
-def filmed(browser) -> np.ndarray:
-    """The frame of the film that was painted last, as ``grey`` has it."""
-    return grey(browser, base64.b64decode(browser.evaluate("filmed.toDataURL().split(',')[1]")))
-
-
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_a_film_has_the_text_over_the_picture_as_the_page_breaks_it(browser, tmp_path, scheme):
-    note = "One  long note of many words, with\na break\n\nand " + "a-word-without-any-space" * 10 + " at the end 5 × 𝑥 é."
-    browser.prefers(color_scheme=scheme)
-    browser.size(800, 1400)
-    browser.open(write_page(tmp_path / "page.html", swinging(note)))
-    browser.evaluate(KEEP_CANVAS)
-    browser.evaluate("document.getElementById('stage').style.backgroundImage = 'none'")  # films have one colour behind
-    browser.click("#record")
-    frames = [filmed(browser)]
-    browser.until("state.time > 0.2 && state.playing")
-    browser.evaluate("mbconstrained.pause()")
-    frames.append(filmed(browser))
-    page = grey(browser, browser.picture("#stage"))
-    browser.click("#record")
-    browser.call("Emulation.clearDeviceMetricsOverride")
-    browser.prefers(color_scheme="no-preference")
-    ink = np.abs(page - np.median(page))
-    assert ink.max() > 0.2 and np.count_nonzero(ink.max(axis=1) < 0.02) > 15  # there is text, and the empty line
-    for frame in frames:  # 1 without the text, 0.17 with one line of five in the next row of pixels, 0.7 with all
-        assert np.mean(np.abs(frame - page)) < 0.4 * np.mean(ink)
-    assert browser.state()["errors"] == [] and browser.messages == []
-
-
 def test_frames_are_pictures_of_the_whole_motion_in_an_archive(opened):
     keep_what_is_saved(opened)
     opened.evaluate("document.getElementById('speed').selectedIndex = 6")
@@ -213,34 +168,3 @@ def test_frames_are_pictures_of_the_whole_motion_in_an_archive(opened):
     assert names[0] == "frame_0001.png" and names == sorted(names)
     assert all(frame.startswith(b"\x89PNG\r\n\x1a\n") for frame in frames) and len(set(frames)) == len(frames)
     assert opened.evaluate("document.getElementById('frames').textContent") == "Save frames" and opened.messages == []
-
-
-def test_what_is_recorded_and_printed_has_the_perspective_of_the_page(opened):
-    opened.size(800, 1400)  # in which nothing scrolls
-    opened.evaluate("document.getElementById('stage').style.backgroundImage = 'none'")
-    opened.click("input[data-shows=names]")  # which have no halo there
-    seen = []
-    for _ in range(2):
-        keep_what_is_saved(opened)
-        opened.evaluate("[1, 2].forEach(() => document.getElementById('frames').click())")  # the first picture
-        recorded = imread(BytesIO(next(iter(pictures_of(saved(opened)[2]).values()))))[..., :3]
-        page = imread(BytesIO(opened.picture("#stage")))[..., :3]
-        inside = np.s_[12:-12, 12:-12]  # the corners of the section are round
-        assert np.mean(np.abs(recorded - page)[inside]) < 2e-3
-        opened.evaluate("dispatchEvent(new Event('beforeprint'))")
-        paper = imread(BytesIO(base64.b64decode(opened.evaluate("document.querySelector('.paper').toDataURL().split(',')[1]"))))
-        opened.evaluate("dispatchEvent(new Event('afterprint'))")
-        drawn = paper[..., 3] == 1
-        assert np.count_nonzero(drawn) > 1000 and np.mean(np.abs(paper[..., :3] - recorded)[drawn]) < 2e-3
-        seen.append(recorded)
-        opened.click("input[data-shows=perspective]")
-    opened.call("Emulation.clearDeviceMetricsOverride")
-    assert np.mean(np.abs(seen[0] - seen[1])) > 1e-2
-
-
-def test_what_a_page_does_not_have_has_no_box():
-    assert 'data-shows="masses"' not in page_html(swinging()) and 'data-shows="collision"' not in page_html(swinging())
-    assert 'data-shows="masses"' in page_html(swinging(ellipsoid=ELLIPSOID))
-    masses = Drawing((DrawnBody("cart", moves={"x": (1, 0, 0)}),))
-    text = page_html(PageContent("t", animation=Animation(masses, ("x",), [0.0, 1.0], np.array([[0.0, 1.0]]))))
-    assert 'data-shows="names"' in text and 'data-shows="frames"' not in text

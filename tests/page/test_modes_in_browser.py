@@ -6,7 +6,7 @@ import pytest
 from mbconstrained.page.html import page_html
 from tests.page.browser import needs_chromium
 from tests.page.contents import HOSTILE
-from tests.page.mode_pages import hostile_modes, many_modes, robot_modes, two_modes, variants
+from tests.page.mode_pages import hostile_modes, robot_modes, two_modes, variants
 from tests.page.robots import CRANK, four_bar_angles
 
 pytestmark = [needs_chromium, pytest.mark.long]
@@ -71,14 +71,6 @@ def test_a_click_on_a_row_picks_its_mode_and_it_moves(browser, page):
     assert browser.evaluate("[...document.querySelectorAll('.details section')].map(s => s.hidden)") == [True, False, True]
 
 
-def test_a_click_on_the_button_or_its_name_picks_too(browser, page):
-    browser.open(page)
-    browser.click("tr[data-mode='1'] input")
-    assert browser.state()["mode"] == 2
-    browser.click("tr[data-mode='0'] label span")
-    assert browser.state()["mode"] == 1
-
-
 def test_arrow_keys_go_from_mode_to_mode_and_the_space_bar_pauses(browser, page):
     browser.open(page)
     browser.evaluate("document.querySelector('input[name=mode]:checked').focus()")
@@ -124,26 +116,6 @@ def test_a_mode_that_does_not_move_says_why_and_cannot_be_played(browser, page):
     assert browser.state()["playing"] is True
 
 
-def test_a_mode_that_does_not_move_is_not_recorded_and_ends_a_film(browser, page):
-    browser.open(page)
-    browser.evaluate("""void (() => {
-        window.saved = 0;
-        HTMLAnchorElement.prototype.click = () => { saved += 1; };
-    })()""")
-    browser.evaluate("mbconstrained.select(3)")
-    assert browser.evaluate("document.querySelector('#record').disabled") is True
-    browser.click("#record")
-    assert text(browser, "#record") == "Record"
-    browser.evaluate("mbconstrained.select(1)")
-    browser.click("#record")
-    assert text(browser, "#record") == "Stop"
-    browser.until("state.time > 0.1")
-    browser.evaluate("mbconstrained.select(3)")
-    assert text(browser, "#record") == "Record"
-    browser.until("saved === 1")
-    assert (browser.state()["playing"], browser.state()["errors"], browser.messages) == (False, [], [])
-
-
 def test_with_little_motion_wanted_a_mode_that_is_selected_waits(browser, page):
     browser.prefers(reduced_motion="reduce")
     browser.open(page)
@@ -165,32 +137,12 @@ def test_modes_by_paths_move_the_links(browser, tmp_path):
     assert (browser.messages, browser.state()["errors"]) == ([], [])
 
 
-def test_sixty_modes_can_all_be_selected(browser, tmp_path):
-    browser.open(written(tmp_path, many_modes(60)))
-    browser.evaluate("void (mbconstrained.viewer.render = () => {})")  # the software renderer is slow
-    found = browser.evaluate("Array.from({length: 60}, (_, i) => (mbconstrained.select(i + 1), mbconstrained.state().mode))")
-    assert found == list(range(1, 61))
-    assert (browser.messages, browser.state()["errors"]) == ([], [])
-
-
-def test_one_mode_alone(browser, tmp_path):
-    browser.open(written(tmp_path, many_modes(1)), "#t=0.5")
-    assert browser.state()["coordinates"]["x"] == pytest.approx(-1, abs=1e-6)
-
-
 def test_hostile_texts_are_shown_as_texts(browser, tmp_path):
     browser.open(written(tmp_path, hostile_modes())).wait(0.2)
     assert (browser.dialogs, browser.messages) == ([], [])
     assert text(browser, "tr[data-mode='0'] label span") == HOSTILE
     assert browser.state()["name"] == HOSTILE
     assert browser.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
-
-
-def test_programs_are_told_what_cannot_be_selected(browser, page):
-    browser.open(page)
-    assert browser.evaluate("(() => { try { mbconstrained.select(4) } catch (error) { return error.message } })()") == (
-        "select: found 4; expected a number from 1 to 3"
-    )
 
 
 def test_the_slider_goes_through_the_variants(browser, tmp_path):

@@ -1,12 +1,9 @@
 """Sliders that pose a robot, in a browser: the links stand where the model puts them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 from mbconstrained.analyses.modes import ModalAnalysis
-from mbconstrained.page.html import page_html
 from mbconstrained.scene.run.drawing import RobotPicture
 from mbconstrained.scene.run.scene import read_scene
 from tests.page.browser import needs_chromium
@@ -86,9 +83,3 @@ def test_the_page_of_a_run_has_sliders_too_and_hides_arrows_while_posed(browser,
     moved(browser, 1.0)
     assert browser.evaluate("mbconstrained.viewer.scene_tree.find(['mbconstrained', 'overlay']).object.visible") is False
     assert browser.state()["errors"] == browser.messages == []
-
-
-def test_models_without_robots_have_no_sliders():
-    from tests.page.mode_pages import two_modes
-
-    assert "data-joint" not in page_html(two_modes())

@@ -1,7 +1,5 @@
 """A_q x^(q) = A_0 x by the formulas of the special case: the same motion as by the general path."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Corollaries 4.2 to 4.4 and the special case of Apostol and Kolodner: the same motion as by the general path, written differently."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy

@@ -1,7 +1,5 @@
 """The three formulas for e^{J t} with numbers, against the exponential in fifty digits and the engine."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

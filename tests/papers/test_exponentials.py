@@ -1,7 +1,5 @@
 """The three formulas for e^{J t} with symbols, against the equations that define them and each other."""
 
-from __future__ import annotations
-
 import pytest
 import sympy
 
@@ -114,12 +112,6 @@ def test_zeros_and_exponents_that_are_not_those_of_the_matrix_are_refused(struct
         exponential_by_interpolation(J, dict([*((each, max(its)) for each, its in rest), taken]), t)
     with pytest.raises(mb.InputError, match="is not 0; expected every zero of J_i"):
         exponential_by_blocks(collected([(zero, sizes)]), [taken[0]], [taken[1]], t)
-
-
-def test_nested_lists_are_matrices():
-    known = exponential_by_interpolation(sympy.diag(1, 2), {1: 1, 2: 1}, t)
-    assert exponential_by_interpolation([[1, 0], [0, 2]], {1: 1, 2: 1}, t) == known == sympy.diag(sympy.exp(t), sympy.exp(2 * t))
-    assert exponential_by_blocks([[[1]], [[2]]], [1, 2], [1, 1], t) == known
 
 
 def test_two_times_multiply():

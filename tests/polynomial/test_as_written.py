@@ -1,7 +1,5 @@
 """What counted as zero at s = 0, taken as it is written."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """PolynomialMatrix: what it accepts, what it evaluates to, what it refuses."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -38,18 +36,6 @@ def test_dual_reverses_the_coefficients():
     assert np.array_equal(A.dual.coefficients, A.coefficients[::-1])
     assert A.dual.coordinates == ("a", "b")
     assert np.allclose(A.dual(0.5), 0.25 * A(2.0))
-
-
-def test_coordinates_and_equations_have_names():
-    assert mb.PolynomialMatrix([A0]).coordinates == ("x1", "x2")
-    assert mb.PolynomialMatrix([A0]).equations == ("equation 1", "equation 2")
-    named = mb.PolynomialMatrix([A0], coordinates=["cart", "bob"], equations=["force", "row"])
-    assert (named.coordinates, named.equations) == (("cart", "bob"), ("force", "row"))
-
-
-def test_jordan_pairs_are_computed_once():
-    A = mb.PolynomialMatrix([A0, A1])
-    assert A.jordan_pairs() is A.jordan_pairs()
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """det A(s) = 0 for every s is an error that names the equations that depend on each other and the free coordinates."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -71,13 +69,6 @@ def test_rotation_and_rounding_do_not_hide_a_singular_matrix(name, seed):
     random = np.random.default_rng(seed)
     Q, Z = (np.linalg.qr(random.normal(size=A[0].shape))[0] for _ in range(2))
     assert not mb.PolynomialMatrix(Q @ A @ Z).is_regular
-
-
-def test_the_text_names_names_and_says_what_to_do():
-    A = mb.PolynomialMatrix(np.diag([1.0, 0.0])[None], coordinates=["cart", "bob"], equations=["force", "row"])
-    text = 'the equations "row" are dependent or empty, and the coordinates "bob" can move without any force. Attach what is free'
-    with pytest.raises(mb.SingularPolynomialMatrix, match=text):
-        mb.solve(A)
 
 
 @pytest.mark.parametrize("smallest", [1e-14, 1e-100, 1e-300])

@@ -1,7 +1,5 @@
 """Zeros and structure at infinity of matrices whose Smith forms can be read off."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -45,13 +43,6 @@ def test_a_chain_of_differentiators_is_an_infinite_zero_of_that_order(order):
     assert structure.infinite_chains == (order + 1,)
 
 
-def test_no_finite_zeros_and_no_infinite_ones():
-    constant = mb.PolynomialMatrix([[[2.0, 1.0], [1.0, 1.0]]]).structure()
-    assert (constant.finite_zeros, constant.infinite_divisors, constant.at_infinity) == ((), (0, 0), (0, 0))
-    monic = mb.PolynomialMatrix([np.diag([1.0, 2.0]), np.eye(2)]).structure()
-    assert (monic.finite_count, monic.infinite_divisors, monic.infinite_chains) == (2, (0, 0), ())
-
-
 @pytest.mark.parametrize("multiplicity", range(1, 7))
 def test_a_defective_zero_keeps_its_multiplicity(multiplicity):
     """(s + 1)^m as a scalar, and as a chain of first-order equations."""
@@ -79,13 +70,6 @@ def test_a_zero_at_the_origin_is_exactly_zero():
     found = mb.PolynomialMatrix([K, np.zeros((3, 3)), np.eye(3)]).structure().finite_zeros
     assert found[0] == mb.polynomial.structure.FiniteZero(0j, 2)
     assert np.allclose([zero.value for zero in found[1:]], [0.1**0.5 * 1j, 0.3**0.5 * 1j], rtol=1e-14)
-
-
-@pytest.mark.parametrize("unit", [2.0**-40, 2.0**40])
-def test_zeros_scale_with_the_unit_of_time(unit):
-    polynomial = np.array([2.0, 3.0, 1.0]) * unit ** -np.arange(3.0)  # (s + 1)(s + 2) at s / unit
-    structure = mb.PolynomialMatrix(polynomial[:, None, None]).structure()
-    assert np.allclose([zero.value for zero in structure.finite_zeros], [-unit, -2 * unit], rtol=1e-14)
 
 
 def test_byers_he_mehrmann_mobile_manipulator():

@@ -1,7 +1,5 @@
 """A chain of masses between walls, large enough for the reduced equations, and its equations of first order by hand."""
 
-from __future__ import annotations
-
 import numpy as np
 
 import mbconstrained as mb

@@ -1,7 +1,5 @@
 """Models of 30 masses and more whose structure is plain: chains, trees and grids with ties, massless joints and dampers."""
 
-from __future__ import annotations
-
 import numpy as np
 
 import mbconstrained as mb

@@ -1,7 +1,5 @@
 """Forces that begin after t = 0 on motions that are slow beside them: every digit of a small difference of large deflections."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest
@@ -56,18 +54,6 @@ def test_overlapping_pulses_on_a_mass_held_softly(turned):
     for last in range(1, len(TIMES) + 1):  # whichever times are asked for
         error = np.abs(found - expected)[:last].max() / np.abs(expected[:last]).max()
         assert error <= 20 * EPS + 4 * EPS * turned * TIMES[last - 1]
-
-
-def test_free_bodies_on_a_soft_spring_between_them():
-    """Two masses of 1 kg: their mean moves like a free body of 2 kg, their difference by far less than the spring would give way."""
-    soft = 1e-10
-    A = mb.PolynomialMatrix([soft * np.array([[1.0, -1.0], [-1.0, 1.0]]), np.zeros((2, 2)), np.eye(2)])
-    x = mb.solve(A, force=mb.pulse([1.0, 0.0], start=0.25, duration=0.5))
-    since, w = TIMES[1:] - 0.25, np.sqrt(2 * soft)
-    versines = [2 * np.sin(w * part / 2) ** 2 / w**2 for part in (since, since - 0.5)]
-    mean = (since**2 - (since - 0.5) ** 2) / 4
-    expected = mean + np.outer([0.5, -0.5], versines[0] - versines[1])
-    assert np.abs(x(TIMES[1:])[0] - expected[0]).max() <= 40 * EPS * np.abs(expected[0]).max()
 
 
 def test_pulses_keep_their_durations():

@@ -1,7 +1,5 @@
 """The proved bound of small models is carried from knot to knot of a force, against exponentials in ball arithmetic."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The choice of the method: one pure function of the problem and the request, with the condition that decided in its reason."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
@@ -10,7 +8,6 @@ from scipy.linalg import block_diag
 
 import mbconstrained as mb
 from mbconstrained.ground.errors import InputError
-from mbconstrained.linalg.recursion import cost_of_powers
 from mbconstrained.response.choose import (
     MODES,
     PAIRS,
@@ -92,16 +89,6 @@ def test_reduced_equations_by_what_costs_least_for_the_times(damping, model, tim
     assert re.match(reason, method.reason)
 
 
-def test_many_evaluations_share_the_modes():
-    problem = Problem.checked(matrix("some"))
-    assert choose(problem, Request("many", EVEN)).name == MODES
-    x = mb.solve(problem.polynomial_matrix, np.ones((2, 36)), evaluations="many")
-    once = mb.solve(problem.polynomial_matrix, np.ones((2, 36)))
-    assert np.abs(x(EVEN) - once(EVEN)).max() <= 1e-12 * np.abs(once(EVEN)).max()
-    assert [item.name for item in x.evidence] == ["residual", "decoupling", "condition"]
-    assert [item.name for item in once.evidence] == ["condition"]
-
-
 @pytest.mark.parametrize(
     ("times", "name"), [(KNOTS, STEPS), (KNOTS[:100], STEPS), (KNOTS[1:], MODES), (KNOTS + 0.1, MODES), (KNOTS[:20], MODES)]
 )
@@ -147,13 +134,6 @@ def test_a_symmetric_eigenproblem_costs_less_than_a_general_one_and_a_sparse_top
     assert costs[0] < costs[1]
     long, grid = matrix("some", size=120, damped=8), matrix("some", kind="grid", size=121)
     assert decomposition_cost(long.reduction) < decomposition_cost(grid.reduction)
-
-
-@pytest.mark.parametrize("states", [48, 200, 2000])
-def test_powers_cost_more_for_more_times_and_larger_steps(states):
-    costs = [cost_of_powers(states, times, 1.0) for times in (32, 1000, 100_000)]
-    assert 0 <= costs[0] <= costs[1] < costs[2]
-    assert cost_of_powers(states, 100, 1e6) > cost_of_powers(states, 100, 1.0)
 
 
 # The same call gives the same bits, whatever was asked before.

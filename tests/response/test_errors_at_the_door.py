@@ -1,7 +1,5 @@
 """What solve and its answer refuse, and the words they use."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -131,14 +129,6 @@ def test_a_small_model_has_its_motion_whatever_the_times_are(exponent):
     y = mb.solve(oscillator, force=mb.step([1.0]) - mb.ramp([1.0]) + mb.ramp([1.0]).delayed(1.0))
     times = np.array([0.5, 1.0, 2.0, 10.0])
     assert x(times) == pytest.approx(y(times), rel=1e-13)
-
-
-def test_a_response_is_shown_in_one_line():
-    x = mb.solve(A, np.ones((2, 2)), force=mb.impulse([1.0, 0.0]).delayed(1.0))
-    assert repr(x) == "Response(2 coordinates: x1, x2; 0 jumps and 0 impulses at t = 0; 1 event later)"
-    jumping = mb.solve(mb.PolynomialMatrix([np.eye(8), np.eye(8, k=1)]), np.ones((1, 8)))
-    assert repr(jumping) == "Response(8 coordinates: x1, x2, x3, x4, x5, x6, ...; 8 jumps and 7 impulses at t = 0; 0 events later)"
-    assert "array" not in repr(x.function)
 
 
 @given(st.integers(0, 10**6))

@@ -1,7 +1,5 @@
 """The estimate of the error: never far below the error, and quiet where there is none to speak of."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg
@@ -9,7 +7,6 @@ import scipy.linalg
 import mbconstrained as mb
 from mbconstrained.ground.tolerances import UNCLEAR_ERROR
 from mbconstrained.response.estimate import error_estimate
-from mbconstrained.response.response import moved_responses
 from tests.oracles.ball_exponential import motion
 
 EPS = np.finfo(float).eps
@@ -85,23 +82,6 @@ def test_derivatives_of_a_decay_and_an_oscillation(order, ratio):
     true = np.abs(found - known).max() / np.abs(known).max()
     estimate = error_estimate(x, times, lambda response: response.derivative(order))
     assert 0.1 * max(true, 8 * EPS) <= max(estimate, 8 * EPS) <= 1e3 * max(true, 8 * EPS)
-
-
-def test_a_view_may_be_any_function_of_the_answer():
-    x = mb.solve(mb.PolynomialMatrix([np.diag([1.0, 4.0]), np.zeros((2, 2)), np.eye(2)]), [[1.0, 1.0], [0.0, 0.0]])
-    force = error_estimate(
-        x, [0.5, 1.0], lambda response: response.function.mapped([[1.0, -1.0]]) + response.derivative(2).mapped([[1.0, 0]])
-    )
-    assert EPS <= force <= 100 * EPS
-
-
-def test_the_moved_problems_are_as_many_as_said_and_differ_by_a_rounding():
-    x = mb.solve(mb.PolynomialMatrix([[[3.0]], [[1.0]]]), [[7.0]], mb.step([5.0]) + mb.impulse([2.0]))
-    for other in moved_responses(x):
-        assert other.polynomial_matrix.coefficients.tolist() != x.polynomial_matrix.coefficients.tolist()
-        assert np.allclose(other.polynomial_matrix.coefficients, x.polynomial_matrix.coefficients, rtol=3 * EPS, atol=0)
-        assert np.allclose(other.initial, x.initial, rtol=3 * EPS, atol=0)
-        assert np.allclose(other.force.impulses[0], 2.0, rtol=3 * EPS, atol=0)
 
 
 # what counted as rounding

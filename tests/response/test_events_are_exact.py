@@ -4,8 +4,6 @@ By linearity and time invariance the answer is that of what acts from t = 0 on, 
 rest, later: ``tests.oracles.exact`` knows all of them as Laurent and Taylor series.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property

@@ -1,21 +1,11 @@
 """Functions of a large linear system: evaluated by powers, by modes or by a series, always the same function."""
 
-from __future__ import annotations
-
-import copy
-import pickle
-
 import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.ground.errors import InputError
-from mbconstrained.linalg.arrays import full
-from mbconstrained.linalg.exponential import even_step
-from mbconstrained.response.choose import FEWEST_TIMES, MODES, Request, evaluation_method
 from mbconstrained.response.flow import EARLY
 from mbconstrained.response.methods.reduced_solution import FlowFunction
-from mbconstrained.signals.bohl import BohlFunction
 
 from .plain_models import difference, fitting_start, plain_system
 
@@ -56,16 +46,6 @@ def test_derivatives_are_those_of_the_modes(order, later):
     assert isinstance(found.derivative(order), FlowFunction)
 
 
-def test_derivatives_are_derivatives():
-    """By the integral over a short time, Gauss with 8 points."""
-    points, weights = np.polynomial.legendre.leggauss(8)
-    found, begin, length = function(), np.array([0.0, 0.4, 5.0]), 0.3
-    for order in (1, 2):
-        rate = found.derivative(order)((begin[:, None] + length * (points + 1) / 2).ravel()).reshape(36, 3, 8)
-        lower = found.derivative(order - 1)
-        assert difference(lower(begin + length), lower(begin) + rate @ weights * length / 2) <= 1e-13
-
-
 def test_sums_multiples_and_maps():
     found, matrix = function(), np.random.default_rng(2).normal(size=(3, 36))
     values = found(UNEVEN)
@@ -80,23 +60,6 @@ def test_sums_multiples_and_maps():
     assert isinstance(found.mapped(matrix) * 2.0, FlowFunction)
 
 
-def test_it_is_a_bohl_function():
-    found = function()
-    plain = BohlFunction(found.coefficients, found.blocks, found.start)
-    assert found.size == 36
-    assert difference(plain(UNEVEN), found(UNEVEN)) <= 1e-12
-    assert np.allclose(found.coefficients @ found.start_at_zero, found(0.0), rtol=0, atol=1e-12)
-    assert difference(found.delayed(2.0)(UNEVEN + 2.0), found(UNEVEN)) <= 1e-12
-    assert not found.is_zero
-
-
-def test_with_a_later_start_it_is_piecewise():
-    found = function(later=True)
-    assert found(EVEN).shape == (36, 200)
-    assert is_decoupled(found)
-    assert np.isin([0.0, 4.0], found.restarts.knots).all()
-
-
 def test_without_any_force():
     found = function(force=False)
     first = found(EVEN)
@@ -108,43 +71,6 @@ def test_the_series_of_the_start_meets_the_modes(part):
     found = function()
     time = part * EARLY / found.flow.modal_rate
     assert difference(found(time), found.modal(time)) <= 1e-12
-
-
-def test_a_rate_is_not_below_that_of_any_motion():
-    for damping in ("none", "some", "proportional"):
-        found = function(damping)
-        S = full(found.flow.generator)
-        fastest = np.abs(np.linalg.eigvals(S)).max()
-        for rate in (found.flow.modal_rate, found.flow.norm):
-            assert (1 - 1e-12) * fastest <= rate <= 10 * fastest
-
-
-def test_copies_and_pickles_are_the_same_function():
-    found = function()
-    for other in (copy.deepcopy(found), pickle.loads(pickle.dumps(found))):
-        assert np.array_equal(other(UNEVEN), found(UNEVEN))
-
-
-def test_wrong_orders_matrices_factors_and_times_are_refused():
-    found = function()
-    for order in (-1, 1.5, "one"):
-        with pytest.raises(InputError, match="order"):
-            found.derivative(order)
-    with pytest.raises(InputError, match="matrix"):
-        found.mapped(np.ones((2, 35)))
-    with pytest.raises(InputError, match="factor"):
-        found * np.nan
-    for times in (-1.0, np.nan, [[1.0]]):
-        with pytest.raises(InputError, match="time"):
-            found(times)
-
-
-def test_few_times_and_times_of_no_length_are_not_stepped():
-    for times in (np.linspace(0.0, 30.0, FEWEST_TIMES - 1), np.zeros(50), np.linspace(1.0, 30.0, 100), np.linspace(30.0, 0.0, 100)):
-        found = function()
-        assert evaluation_method(found.flow, found.output.shape, Request(times=times))[0] == MODES
-        assert np.isfinite(found(times)).all()
-    assert even_step(np.zeros(50)) is None
 
 
 @pytest.mark.parametrize("end", [1e-300, 1e-12, 1e6, 1e12])

@@ -40,15 +40,6 @@ def test_jumps_and_impulses_are_attributes():
     assert "units" not in found.attrs and "unit" not in found.coords  # they are not known
 
 
-def test_states_and_outputs_stand_together():
-    pytest.importorskip("xarray")
-    found = LAG.to_xarray(TIMES)
-    assert found.coords["coordinate"].values.tolist() == ["x1", "y1"] and found.coords["unit"].values.tolist() == ["1", "V"]
-    assert np.array_equal(found.sel(coordinate="y1").values, LAG.output(TIMES)[0])
-    assert found.attrs["event_times"].tolist() == [1.0, 2.0]
-    assert found.attrs["jump_0"].tolist() == [0.0, 1.0]
-
-
 def test_a_frame_with_names_and_attributes():
     pandas = pytest.importorskip("pandas")
     found = LAG.to_pandas(TIMES)

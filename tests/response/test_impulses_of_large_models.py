@@ -1,7 +1,5 @@
 """Dirac impulses on large models: velocities of masses and places of dampers jump, against exponentials and closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg

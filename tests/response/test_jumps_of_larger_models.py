@@ -1,7 +1,5 @@
 """Larger models from values at 0- that do not satisfy their constraints: jumps in the reduced equations against the exact engine."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

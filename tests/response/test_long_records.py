@@ -1,7 +1,5 @@
 """Records of many samples against steps with the matrix exponential of the motion and its force together."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg

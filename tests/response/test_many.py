@@ -1,7 +1,5 @@
 """Many starts and forces at once: each as it is solved alone, and one decomposition for all."""
 
-from __future__ import annotations
-
 import tracemalloc
 
 import numpy as np
@@ -105,16 +103,6 @@ def test_starts_of_a_large_model_that_do_not_fit_are_among_the_others():
     assert "values jump at t = 0 in 3 of 6 solutions" in [notice.text for notice in xs.notices]
 
 
-def test_a_coordinate_without_mass_takes_its_place_in_every_answer():
-    K, C, M = chain().coefficients.copy()
-    M[-1, -1] = C[-1, -1] = 0.0
-    A = mb.PolynomialMatrix([K, C, M])
-    xs = mb.solve(A, starts(A, 5), mb.step(np.eye(COUNT)[-1]))
-    assert_same_as_alone(xs, TIMES)
-    assert np.allclose(xs.jump, [x.jump for x in xs], rtol=1e-13, atol=0)
-    assert not xs.jump[:, :, :-1].any() and xs.jump[:, :, -1].all() and xs.impulses == ((),) * 5
-
-
 def test_forces_of_their_own():
     forces = [*FORCES[1:], mb.step([1.0, 0, 0]), FORCES[1], None]
     xs = mb.solve(TIED, force=forces)
@@ -154,13 +142,6 @@ def test_shapes_rows_and_items():
         xs[40]
     with pytest.raises(mb.InputError, match='there is no coordinate "forc"; did you mean "force"?'):
         xs.of("forc")
-
-
-def test_equations_without_derivatives():
-    A = mb.PolynomialMatrix([np.diag([2.0, 4.0])])
-    xs = mb.solve(A, force=[mb.step([2.0, 0.0]), mb.step([0.0, 2.0])])
-    assert xs([0.0, 1.0]).tolist() == [[[1.0, 1.0], [0.0, 0.0]], [[0.0, 0.0], [0.5, 0.5]]]
-    assert mb.solve(A, np.zeros((3, 0, 2)), mb.step([2.0, 4.0]))(1.0).tolist() == [[1.0, 1.0]] * 3
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """How much memory a large motion takes beside its values, counted in matrices of its states in a process of its own."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Large problems whose parts nothing couples, or only rounding would: each moves as if it were alone."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.linalg import block_diag

@@ -1,7 +1,5 @@
 """What counts as zero can be overridden, and where it is not clear the answer says so with its singular values."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

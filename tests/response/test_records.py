@@ -1,7 +1,5 @@
 """Records on large models, in all places where they may be asked: against oscillators in forty digits and the general route."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import mpmath
@@ -191,17 +189,6 @@ def test_what_would_grow_stays_at_rest_where_nothing_pushes_it(gap):
     x = mb.solve(mb.PolynomialMatrix([K, C, M]), force=mb.sampled(knots, samples_on((2,), knots)))
     for times in (knots, knots + 0.1):
         assert np.isfinite(x(times)).all() and not x(times)[-1].any()
-
-
-def test_pauses_between_records_are_gone_through_freely():
-    A, knots = chain(), np.concatenate([0.4 * np.arange(80), 900.0 + 0.4 * np.arange(80)])
-    values = samples_on((2,), knots)
-    values[:, [79, 80]] = 0.0
-    force, asked = mb.sampled(knots, values), np.array([10.0, 31.5, 31.7, 400.0, 899.9, 900.0, 905.0, 931.6, 2000.0])
-    x = mb.solve(A, force=force)
-    assert record_of(x.function.flow).long.sum() == 2
-    known = Response._by_pairs(A.jordan_pairs(), np.zeros((2, COUNT)), force)(asked)
-    assert np.abs(x(asked) - known).max() <= 1e-11 * np.abs(known).max()
 
 
 def test_a_free_chain_is_pushed_along():

@@ -1,7 +1,5 @@
 """Large plain problems: the reduced equations against the Jordan pairs, closed forms and enclosures, and which way is taken."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest
@@ -104,23 +102,6 @@ def test_mechanics_read_off_it(answers, model):
     assert np.abs(x.energy(times).total - other.energy(times).total).max() <= 1e-12 * np.abs(other.energy(times).total).max()
 
 
-def test_a_single_time_no_times_and_zero():
-    system = MODELS["chain with joints of springs"]
-    x = system.solve(*fitting_start(system), forces(system.size)["sum"])
-    assert x(2.0).shape == (36,)
-    assert x([]).shape == (36, 0)
-    assert np.array_equal(x([2.0])[:, 0], x(2.0))
-    assert np.allclose(x(0.0), x.start[0], rtol=0, atol=1e-14)
-    assert np.allclose(x.derivative()(0.0), x.start[1], rtol=0, atol=1e-14)
-
-
-@pytest.mark.parametrize("model", MODELS)
-def test_the_start_is_kept_where_nothing_jumps(answers, model):
-    x, _ = answers(model, "sum")
-    assert np.abs(x(0.0) - x.initial[0] - x.jump[0]).max() <= 1e-13
-    assert np.abs(x.derivative()(0.0) - x.initial[1] - x.jump[1]).max() <= 1e-13
-
-
 def test_what_does_not_fit_jumps():
     system = MODELS["grid with ties"]
     displacement, velocity = fitting_start(system)
@@ -134,10 +115,6 @@ def test_what_does_not_fit_jumps():
         assert is_reduced(one)
         exact, _ = one.exact.event(0.0)
         assert np.allclose(one.jump, exact, rtol=1e-9, atol=1e-15)
-
-
-def test_tolerances_go_to_the_general_way():
-    assert not is_reduced(mb.solve(MODELS["chain"].polynomial_matrix(), rank_tolerance=1e-9))
 
 
 def tied_to(time_function_jumps: bool):
@@ -231,28 +208,6 @@ def test_growth_out_of_range_is_told_with_its_time():
     assert np.isfinite(x(np.linspace(0.0, 50.0, 100))).all()
 
 
-def test_what_has_decayed_is_zero_at_last():
-    system = plain_system("tree", damping="proportional")
-    x, v = fitting_start(system)
-    assert not system.solve(x, v)(np.linspace(0.0, 1e9, 64))[:, 1:].any()
-    assert not system.solve(x, v)(np.array([1e9, 1e300])).any()
-
-
-@pytest.mark.parametrize("unit", [1e-9, 1e-4, 1e6])
-@pytest.mark.parametrize("model", ["chain", "grid, some dampers", "chain with all of them"])
-def test_other_units_of_time_give_the_same_answer(model, unit):
-    system = MODELS[model]
-    A, (x0, v0) = system.polynomial_matrix(), fitting_start(system)
-    force = system.constrained_form().force(mb.harmonic(np.ones(36), angular_frequency=0.8))
-    other = system.constrained_form().force(mb.harmonic(np.ones(36), angular_frequency=0.8 / unit))
-    K, C, M = A.coefficients
-    expected = mb.solve(A, [x0, v0], force)
-    found = mb.solve(mb.PolynomialMatrix([K, C * unit, M * unit**2]), [x0, v0 / unit], other)
-    assert is_reduced(found) and is_reduced(expected)
-    for times in TIMES.values():
-        assert difference(found(times * unit), expected(times)) <= 1e-12
-
-
 @pytest.mark.parametrize("model", ["grid with ties", "tree with joints of springs and of dampers", "chain with all of them"])
 def test_other_units_of_each_coordinate_and_each_equation_give_the_same_answer(model):
     system, random = MODELS[model], np.random.default_rng(0)
@@ -301,11 +256,6 @@ def test_bodies_of_stiff_links_on_soft_springs_keep_their_digits_whatever_the_un
         x = mb.solve(mb.PolynomialMatrix([K, unit * C, unit**2 * np.eye(n)]), [np.ones(n), np.ones(n) / unit])
         error = np.abs(x(100.0 * unit) - exact).max() / np.abs(exact).max()
         assert is_reduced(x) and error <= 1e-11 and error <= 10 * x.error_estimate(100.0 * unit)
-
-
-def test_light_masses_are_not_stiff():
-    mild = mb.solve(mb.PolynomialMatrix([np.eye(24), np.zeros((24, 24)), 1e-12 * np.eye(24)]), np.ones((2, 24)))
-    assert is_reduced(mild)
 
 
 def test_pairs_notices_and_evidence_are_there():

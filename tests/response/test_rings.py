@@ -1,7 +1,5 @@
 """Motions of damped rings and ladders by their modes, against exponentials of the generator."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg

@@ -1,7 +1,5 @@
 """Only what is asked for: some coordinates, and long answers piece by piece."""
 
-from __future__ import annotations
-
 import tracemalloc
 
 import numpy as np
@@ -43,13 +41,6 @@ def test_a_row_keeps_its_own_digits_just_after_the_start():
     x = mb.solve(A, [[1.0, 0.0, 0.0]])
     times = np.array([1e-6, 1e-4])
     assert np.allclose(x.of("x3")(times)[0], times**2 / 2 * np.exp(-times), rtol=1e-14, atol=0)  # (d/dt + 1)^3 x3 = 0
-
-
-def test_one_coordinate_does_not_make_the_coefficients_of_all():
-    x = mb.solve(chain(), np.zeros((2, COUNT)), mb.step(np.eye(COUNT)[0]))
-    chosen = x.of("x5")
-    assert chosen.output.shape[0] == 1 and chosen.modal.coefficients.shape[0] == 1
-    assert "modal" not in x.function.__dict__
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """Degenerate systems and the shapes of what comes out."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -29,12 +27,6 @@ def test_one_algebraic_equation():
     assert x.derivative()(1.0).tolist() == [0.5]
     assert [v.tolist() for v in x.impulses] == [[0.5]]
     assert x.jump.shape == (0, 1)
-
-
-def test_one_coordinate_of_the_first_order():
-    x = mb.solve(mb.PolynomialMatrix([[[3.0]], [[1.0]]]), [[2.0]])
-    assert x(0.0).tolist() == [2.0]
-    assert x(1.0)[0] == pytest.approx(2 * np.exp(-3.0), rel=1e-15)
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
@@ -73,31 +65,6 @@ def test_shapes_follow_the_times():
         assert f(1.0).shape == f(np.float64(1.0)).shape == f(np.array(1.0)).shape == (3,)
         assert f([]).shape == (3, 0)
         assert f(range(4)).shape == (3, 4)
-
-
-def test_a_function_of_the_motion_is_a_function_of_the_same_kind():
-    x = mb.solve(mb.PolynomialMatrix([np.diag([1.0, 4.0]), np.zeros((2, 2)), np.eye(2)]), np.eye(2))
-    times = np.linspace(0, 5, 7)
-    sum_of_both = x.function.mapped([[1.0, 1.0]]) + 2 * x.derivative(2).mapped([[0.0, 1.0]])
-    assert isinstance(sum_of_both, mb.BohlFunction)
-    assert np.allclose(sum_of_both(times), [x(times).sum(axis=0) + 2 * x.derivative(2)(times)[1]], rtol=1e-13)
-
-
-def test_values_of_any_integer_kind_are_taken():
-    A = mb.PolynomialMatrix(np.array([[[4]], [[0]], [[1]]], dtype=np.int16))
-    x = mb.solve(A, np.array([[1], [0]], dtype=np.int64))
-    assert x(1)[0] == pytest.approx(np.cos(2.0), rel=1e-14)
-
-
-def test_the_answer_keeps_what_it_was_asked():
-    A, force = mb.PolynomialMatrix([[[1.0]], [[1.0]]]), mb.step([1.0])
-    mine = np.array([[2.0]])
-    x = mb.solve(A, mine, force)
-    mine[:] = 99.0
-    assert x.polynomial_matrix is A
-    assert x.force is force
-    assert x.initial.tolist() == [[2.0]]
-    assert x.pairs is A.jordan_pairs()
 
 
 @pytest.mark.parametrize("exponent", [-1000, -500, -100, 100, 500, 1000])

@@ -1,7 +1,5 @@
 """Small plain models: the reduced equations against the Jordan pairs, for every kind of part that they may have."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,10 +7,10 @@ from hypothesis import strategies as st
 
 import mbconstrained as mb
 from mbconstrained.ground.tolerances import DIVISOR_CONDITION
-from mbconstrained.polynomial.reduced_equations import NotReducible, Reduction
+from mbconstrained.polynomial.reduced_equations import NotReducible
 from mbconstrained.response.methods.reduced_solution import ReducedSolution
 
-from .plain_models import assembled, fitting_start, general, plain_system
+from .plain_models import assembled, general
 
 TIMES = np.concatenate([[0.0, 1e-9, 1e-3], np.linspace(0.1, 25.0, 40)])
 
@@ -44,30 +42,6 @@ def agree(x, tolerance: float = 3e-12) -> None:
 
 @given(
     seed=st.integers(0, 10**6),
-    size=st.integers(4, 9),
-    parts=st.tuples(st.integers(0, 1), st.integers(0, 1), st.integers(0, 1)),
-    damping=st.sampled_from(["none", "proportional", "some"]),
-    force=st.sampled_from(["none", "step", "harmonic", "late"]),
-)
-def test_chains_and_trees_with_joints_and_ties(seed, size, parts, damping, force):
-    static, damped, ties = parts
-    kind = "tree" if seed % 2 else "chain"
-    system = plain_system(kind, seed, size, static=static, damped=damped, ties=ties, damping=damping, values=0.25)
-    F = np.random.default_rng(seed).normal(size=size)
-    applied = {
-        "none": None,
-        "step": mb.step(F),
-        "harmonic": mb.harmonic(F, angular_frequency=0.8),
-        "late": mb.step(F).delayed(3.0),
-    }[force]
-    x = system.solve(*fitting_start(system), applied)
-    if force != "late" and isinstance(x.polynomial_matrix.reduction, Reduction) and x.polynomial_matrix.reduction.spread <= 100:
-        assert is_reduced(x)
-    agree(mb.solve(x.polynomial_matrix, x.initial, x.force))
-
-
-@given(
-    seed=st.integers(0, 10**6),
     size=st.integers(2, 6),
     level=st.sampled_from(["velocity", "acceleration"]),
     damped=st.booleans(),
@@ -90,25 +64,6 @@ def test_rows_that_drift(seed, size, level, damped, value):
     agree(mb.solve(x.polynomial_matrix, x.initial, x.force), 1e-11)
     assert np.abs(row @ x.derivative(1 if level == "velocity" else 2)(TIMES) - value).max() <= 1e-12 * max(
         np.abs(x(TIMES)).max(), 1.0
-    )
-
-
-@given(seed=st.integers(0, 10**6), damped=st.booleans(), force=st.booleans())
-def test_free_masses_beside_a_chain(seed, damped, force):
-    """A mass that no spring holds, alone and as part of another's inertia; with a damper to the ground it stops at last."""
-    random = np.random.default_rng(seed)
-    K, C, M = np.zeros((3, 4, 4))
-    K[:2, :2] = assembled([(-1, 0), (0, 1)], random.uniform(0.5, 2.0, 2), 2)
-    M[...] = np.diag(random.uniform(0.5, 2.0, 4))
-    M[1, 2] = M[2, 1] = 0.25
-    C[3, 3] = random.uniform(0.5, 2.0) if damped else 0.0
-    F = mb.step(random.normal(size=4)) + mb.ramp([0.0, 0.0, 0.1, 0.0]) if force else None
-    x = mb.solve(mb.PolynomialMatrix([K, C, M]), random.normal(size=(2, 4)), F)
-    assert is_reduced(x)
-    agree(x, 1e-11)
-    assert (
-        sum(np.count_nonzero(np.abs(np.linalg.eigvals(block)) == 0) for block in x.polynomial_matrix.reduction.decoupled.blocks)
-        == 4 - damped
     )
 
 
@@ -139,17 +94,6 @@ def test_stiffness_that_rounding_took_away_is_not_taken_for_none():
     assert isinstance(mb.PolynomialMatrix([K, 0 * K, np.diag([1.0, 0.0])]).reduction, NotReducible)
 
 
-def test_units_that_lie_far_apart():
-    units, other = np.array([1e-9, 1e6, 1e3]), np.array([1e5, 1e-7, 1.0])
-    K = assembled([(-1, 0), (0, 1), (1, 2)], [1.0, 0.7, 1.3], 3)
-    M = np.array([[2.0, 0.3, 0.0], [0.3, 1.0, 0.1], [0.0, 0.1, 1.5]])
-    start = np.array([[1.0, -2.0, 0.3], [0.5, 3.0, 0.0]])
-    x = mb.solve(mb.PolynomialMatrix([K, 0.01 * K, M]), start)
-    y = mb.solve(mb.PolynomialMatrix([matrix * units * other[:, None] for matrix in (K, 0.01 * K, M)]), start / units)
-    assert is_reduced(x) and is_reduced(y)
-    assert np.abs(y(TIMES) * units[:, None] - x(TIMES)).max() <= 1e-13
-
-
 def test_a_free_mass_moves_on_for_ever():
     """Its zeros are 0 exactly, beside oscillations: x = x0 + v0 t to a rounding after 1e9 seconds."""
     x = mb.solve(mb.PolynomialMatrix([np.diag([1.0, 0.0]), np.zeros((2, 2)), np.eye(2)]), [[1.0, 3.0], [0.0, 2.0]])
@@ -174,15 +118,6 @@ def test_a_slow_motion_at_the_times_of_a_fast_force():
     force = mb.harmonic([1e5, -1.0, 2.0], angular_frequency=4.1e-4) + mb.harmonic([1.0, 1.0, 0.5], angular_frequency=2.7)
     x, times = mb.solve(mb.PolynomialMatrix([K, 0 * K, M]), [[2.1, -0.4, 0.2], [1.2, 0.3, 0.8]], force), np.array([0.5, 0.8, 1.0])
     assert np.array(x.enclose(times, 20).error_bounds(x(times)), dtype=float).max() <= 1e-12
-
-
-def test_a_record_with_steep_slopes():
-    """Its slopes are measured as they are: what drives slow motions by them is not told apart from these by its modes."""
-    knots = np.concatenate([np.linspace(0.0, 0.5, 20), 0.5 + 6e-6 + np.linspace(0.0, 0.5, 20)])
-    K = np.array([[1.0, -0.5], [-0.5, 0.8]])
-    force = mb.sampled(knots, np.cos(np.multiply.outer([1.0, 3.0], np.arange(40.0))))
-    x, times = mb.solve(mb.PolynomialMatrix([K, 0 * K, np.diag([1.0, 0.1])]), None, force), np.array([0.2, 0.6, 1.0])
-    assert np.array(x.enclose(times, 20).error_bounds(x(times)), dtype=float).max() <= 1e-14
 
 
 @pytest.mark.parametrize("mass", [0.0, 1.0])

@@ -3,8 +3,6 @@
 The transfer function is example (47) of Hauksdottir et al., order 8; the values are from ball arithmetic.
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 from math import factorial
 

@@ -1,7 +1,5 @@
 """Finite element beams: rigid motions stay exact beside stiff modes; clamping by multipliers; hammers of any order."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,12 +1,9 @@
 """Motions of long damped chains and trees by their modes, against exponentials of the generator and against powers of them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg
 
-import mbconstrained as mb
 from mbconstrained.linalg.tree_modes import ResidueModes
 from mbconstrained.response.solve import solve
 
@@ -36,16 +33,3 @@ def test_the_motion_is_that_of_the_exponential(A, whole):
     assert np.abs(x(UNEVEN) - expected).max() <= 2e-12 * np.abs(expected).max()
     speed = np.array([output @ S @ scipy.linalg.expm(S * t) @ start for t in UNEVEN]).T
     assert np.abs(x.derivative()(UNEVEN) - speed).max() <= 2e-12 * np.abs(speed).max()
-
-
-def test_a_force_on_a_chain():
-    """A step of the force leaves the static deflection behind when all has decayed."""
-    system = plain_system("chain", seed=5, size=130, damping="proportional")
-    M, C, K = system.polynomial_matrix().coefficients[::-1]
-    C = C + np.diag(0.3 + 0.2 * np.sin(np.arange(130)))
-    A = mb.PolynomialMatrix([K, C, M])
-    assert A.reduction.topology is not None and not A.reduction.is_symmetric
-    f = np.random.default_rng(1).normal(size=130)
-    x = solve(A, np.zeros((2, 130)), mb.step(f))
-    still = np.linalg.solve(K, f)
-    assert np.abs(x(2000.0) - still).max() <= 1e-9 * np.abs(still).max()

@@ -4,8 +4,6 @@ They are looked for in the folder that the environment variable MBCONSTRAINED_RO
 "robots"), then next to numpy, where the wheel puts them: <site-packages>/cmeel.prefix/share/example-robot-data.
 """
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from xml.etree import ElementTree

@@ -1,7 +1,5 @@
 """URDF texts of small linkages and the robots made of them, from the numbers in tests/oracles/linkages.json."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from pathlib import Path

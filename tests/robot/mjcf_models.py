@@ -1,7 +1,5 @@
 """Random MJCF models over all constructs that are read, and MuJoCo's own M, K, C and loops at a posture as the oracle."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Random mechanisms as SDF and as URDF files, with their M and K from products of exponentials: no file is read for these."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

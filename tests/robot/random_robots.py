@@ -1,7 +1,5 @@
 """Random robots from a seed: trees of hinges, slides and continuous joints, loops closed where they happen to lie."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -8,8 +8,6 @@ numerically; nothing of mbconstrained/models/robot is used.
         right angles; no logarithm, no convention of a body frame.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

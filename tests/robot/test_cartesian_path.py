@@ -1,7 +1,5 @@
 """Inverse kinematics against closed forms and pinocchio's forward kinematics; modes along paths of a point, followed by shape."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -109,13 +107,6 @@ def test_modes_that_cross_are_followed():
     free = mb.MechanicalSystem(np.diag([1.0, 2.0]), stiffness=np.diag([1.0, 0.0]))
     frequencies, _ = followed([free.mass, None, systems[0].mass], [free.modes(), None, systems[0].modes()])
     assert frequencies == pytest.approx(np.array([[1.0, np.nan], [np.nan] * 2, [1.0, np.sqrt(2.0)]]), nan_ok=True)
-
-
-def test_a_robot_without_oscillation_has_no_columns():
-    robot, data = mb.read_robot("robots/satellite")
-    bare = mb.Robot(data.names.path, base="free", gravity=0)
-    along = bare.modes_along(bare.bodies[0], [(0, 0, 0), (0.1, 0, 0)])
-    assert along.frequencies_hz.shape == (2, 0) and not along.notices and robot.bodies == bare.bodies
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,5 @@
 """Feet on compliant ground: the limit of stiff ground, differences of pinocchio's rnea with forces of feet, soles in closed form."""
 
-from __future__ import annotations
-
-from dataclasses import replace
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -214,14 +210,6 @@ def test_what_is_missing_is_named():
         mb.Bushing("ground", None, "shin", (0, 0, 0), friction=0.5, patch=(0.1, 0.1))
     with pytest.raises(mb.InputError, match=r"friction: found -0\.5"):
         mb.Bushing("ground", None, "shin", (0, 0, 0), friction=-0.5)
-
-
-def test_a_loop_and_a_spring_of_one_name_have_two(tmp_path):
-    foot = mb.Bushing("ground", None, "box", (0, 0, 0), stiffness=(1, 1, 1), name="foot")
-    text = urdf(link("box", 4.0, (0, 0, 0.1), (0.1, 0.2, 0.3)))
-    robot = mb.Robot(text, base="free", loops=[mb.Loop("box", (0, 0, 0), "ground", kind="rigid", name="foot")], springs=[foot])
-    assert set(robot.equilibrium().reactions) == {"foot", "foot 1"}
-    assert replace(foot, name="other").name == "other"
 
 
 def test_a_robot_file_has_feet_on_compliant_ground(tmp_path):

@@ -1,13 +1,13 @@
 """Joints with several degrees of freedom by the names of their coordinates, as messages print them; points as channels."""
 
-from __future__ import annotations
-
 import numpy as np
+import pinocchio
 import pinocchio as pin
 import pytest
 
 import mbconstrained as mb
 from mbconstrained.robot.connections import AXES
+from mbconstrained.scene.build.robot_model import _place
 from tests.robot.linkages import GROUND, bar, joint, link, urdf
 
 PLANAR = urdf(GROUND, bar("plate", 0.5, 0.2), joint("slide", "frame", "plate", kind="planar"))
@@ -39,21 +39,6 @@ def test_a_guess_by_coordinate_is_that_by_joint():
 def test_wrong_coordinates(guess, message):
     with pytest.raises(mb.InputError, match=message):
         mb.Robot(PLANAR).equilibrium(guess)
-
-
-def test_a_scene_names_coordinates_and_joints_with_several(tmp_path):
-    (tmp_path / "plate.urdf").write_text(PLANAR)
-    (tmp_path / "robot.toml").write_text(
-        'urdf = "plate.urdf"\ngravity = 0\njoint_stiffness = { "slide x" = "5 N/m", "slide rz" = 2 }\n'
-        '[posture]\nguess = { slide = ["10 cm", 0, "30 deg"] }\nhold = ["slide"]'
-    )
-    robot, data = mb.read_robot(tmp_path)
-    assert data.posture["guess"] == {"slide": pytest.approx((0.1, 0.0, np.pi / 6))} and data.posture["hold"] == ("slide",)
-    assert robot.joint_stiffness.tolist() == [5.0, 0.0, 2.0]
-    assert robot.equilibrium(**data.posture).torques == pytest.approx(dict.fromkeys(robot.coordinates, 0.0), abs=1e-15)
-    (tmp_path / "robot.toml").write_text('urdf = "plate.urdf"\n[posture]\nguess = { slide = [1, 2] }')
-    with pytest.raises(mb.SceneError, match=r"guess: slide: found an array of 2; expected \[x, y, angle\]"):
-        mb.read_robot(tmp_path)
 
 
 def test_the_table_of_a_posture_has_the_loads_of_joints_with_several(tmp_path):
@@ -168,3 +153,53 @@ def test_springs_that_carry_a_load_have_the_stiffness_of_their_potential(kind):
     assert np.abs(loads).max() > 1.0
     assert system.stiffness == pytest.approx(expected / (4 * h * h), abs=1e-4 * np.abs(system.stiffness).max())
     assert np.array_equal(system.stiffness, system.stiffness.T) and not system.notices
+
+
+def swinging(joint, name="j"):
+    """A rod on one joint, as a pinocchio model."""
+    model = pinocchio.Model()
+    number = model.addJoint(0, joint, pinocchio.SE3.Identity(), name)
+    model.appendBodyToJoint(
+        number, pinocchio.Inertia(1.0, np.array([0, 0, -0.5]), np.diag([0.01, 0.02, 0.03])), pinocchio.SE3.Identity()
+    )
+    model.addBodyFrame("rod", number, pinocchio.SE3.Identity(), 0)
+    return model
+
+
+@pytest.mark.parametrize(
+    ("joint", "texts"),
+    [
+        (pinocchio.JointModelRY(), ["0 rad"]),
+        (pinocchio.JointModelPX(), ["0 m"]),
+        (pinocchio.JointModelSpherical(), ["roll, pitch, yaw (0, 0, 0) rad"]),
+        (pinocchio.JointModelTranslation(), ["(0, 0, 0) m"]),
+        (pinocchio.JointModelPlanar(), ["(0, 0) m", "0 rad"]),
+        (pinocchio.JointModelFreeFlyer(), ["(0, 0, 0) m", "roll, pitch, yaw (0, 0, 0) rad"]),
+    ],
+)
+def test_places_are_written_by_their_units(joint, texts):
+    robot = mb.Robot(swinging(joint))
+    units = dict(zip(robot.coordinates, robot.units))
+    (name,) = robot.tangent.joints
+    value = robot.tangent.values(pinocchio.neutral(robot.model))[name]
+    text = _place(value, [units[one] for one in robot.tangent.coordinates_of(name)])
+    assert all(one in text for one in texts), text
+
+
+def test_a_quarter_turn_of_a_ball_is_its_yaw():
+    half = np.sqrt(0.5)
+    assert _place((0.0, 0.0, half, half), ["rad"] * 3) == "roll, pitch, yaw (0, 0, 1.5708) rad"
+
+
+@pytest.mark.parametrize("limits", [None, (-np.inf, np.inf), (-np.inf, 1.0), (-1.0, np.inf)])
+def test_joints_without_limits_are_not_beyond_them(limits):
+    """Pinocchio has the largest float64 number where there is no limit."""
+    model = swinging(pinocchio.JointModelRY())
+    if limits:
+        model.lowerPositionLimit[:], model.upperPositionLimit[:] = limits
+    robot = mb.Robot(model)
+    assert not [notice for notice in robot.equilibrium().notices if "limits" in notice.text]
+    assert (robot.limits == {}) == (limits in (None, (-np.inf, np.inf)))
+    assert robot.tangent.outside_limits({"j": 2.0}, 1e-9, 0.1) == (
+        "" if limits != (-np.inf, 1.0) else robot.tangent.outside_limits({"j": 2.0}, 0.0)
+    )

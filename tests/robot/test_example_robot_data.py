@@ -1,7 +1,5 @@
 """Robots of example-robot-data: Talos on two feet, and arms with fixed joints, against central differences of all forces."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
@@ -198,17 +196,6 @@ def test_every_robot_hangs_in_its_joint_springs_as_finite_differences_of_its_wei
     ours, others = (np.sort(np.abs(values)) for values in (system.modes().eigenvalues, np.linalg.eigvals(A)))
     mirrored = np.sort(np.concatenate([ours, np.abs(system.modes().eigenvalues[system.modes().eigenvalues.imag != 0])]))
     assert mirrored == pytest.approx(others, rel=1e-8)
-
-
-def test_panda_with_a_finger_that_follows_the_other():
-    robot = mb.Robot(example_robot_data.file("panda_description/urdf/panda.urdf"))
-    guess = {name: 0.01 if "finger" in name else -0.5 for name in robot.joints} | {"panda_joint6": 1.5}
-    system = robot.linearize(robot.equilibrium(guess, hold="all"))
-    assert [row.name for row in system.rows] == ["panda_finger_joint2 follows panda_finger_joint1"]
-    N = allowed(system)
-    assert N.shape == (9, 8)
-    left, right = (system.names.index(f"panda_finger_joint{i}") for i in (1, 2))
-    assert np.abs(N[left] - N[right]).max() < 1e-13
 
 
 @pytest.mark.parametrize("distance", [1e-5, 1e-6, 1e-8, 1e-10])

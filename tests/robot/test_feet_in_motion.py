@@ -1,7 +1,5 @@
 """Rigid feet of a block that is shaken sideways: by weight and moment balance it tips at a = g b / h and slips at a = mu g."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """K of random robots, on the motions that the loops allow, against central differences of all forces (reference.py)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Frequency responses and prescribed motions of robots against state spaces of the tests' own, by differences of pinocchio's rnea."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -185,15 +183,6 @@ def test_reactions_in_loops_are_those_of_the_motion():
     times = np.linspace(0.1, 2.0, 9)
     expected = np.real(np.outer(R.values[:, 0, 0], np.exp(2j * np.pi * f * times)))
     np.testing.assert_allclose(motion.reaction(times), expected, atol=1e-9 * np.abs(expected).max())
-
-
-def test_a_moving_base_is_drawn_where_it_is_and_no_loop():
-    built, posture = robot("moving")
-    d = np.zeros((9, 1))
-    d[[0, 2], 0] = 0.2, -0.1
-    poses = built.poses(posture, d)
-    np.testing.assert_allclose(poses["root"].positions[:, 0], [0.2, 0.0, -0.1], atol=1e-15)
-    assert built.connection_points(posture) == ()
 
 
 @pytest.mark.parametrize(

@@ -210,13 +210,6 @@ def test_the_colour_of_the_urdf_takes_the_place_of_those_of_the_file(tmp_path):
     assert len(visuals(tmp_path, mesh, '<material name="unknown"/>')) == 2
 
 
-@pytest.mark.parametrize("inside", ["picture.png", "D:\\\\robots\\\\picture.png", "file:///robots/picture.png", "./picture.png"])
-def test_images_are_next_to_the_mesh_wherever_the_exporter_had_them(tmp_path, inside):
-    (tmp_path / "cube.dae").write_text(collada(polygons("c", SIDES), image=inside))
-    picture(tmp_path / "picture.png")
-    assert visuals(tmp_path, '<mesh filename="cube.dae"/>')[0].texture is not None
-
-
 @pytest.mark.parametrize("kind", ["missing", "outside", "link", "no image", "another kind", "too many pixels", "broken"])
 def test_images_that_are_not_drawn_are_told_and_nothing_outside_is_read(tmp_path, kind):
     folder = tmp_path / "robot"

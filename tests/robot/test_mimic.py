@@ -1,7 +1,5 @@
 """Joints that follow others (URDF <mimic>): one coordinate less, found by putting one angle into the energies by hand."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -69,11 +67,6 @@ def test_fixed_joints_and_the_ones_that_follow():
     (m1, m2), (a, _) = MASSES, LENGTHS
     assert posture.joints == pytest.approx({"j1": 0.3, "j2": -0.3}, abs=1e-12)
     assert posture.torques["j1"] == pytest.approx(G * a * np.cos(0.3) * (m1 / 2 + m2), rel=1e-10)
-
-
-def test_the_one_that_follows_need_not_be_guessed():
-    robot = mb.Robot(two_pendulums(2.0, 1.2), gravity=PLANE)
-    assert robot.equilibrium({"j1": -1.4}).joints["j1"] == pytest.approx(side_by_side(2.0, 1.2, -1.4)[0], rel=1e-9)
 
 
 def test_one_that_follows_a_locked_joint_is_locked():

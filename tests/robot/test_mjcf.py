@@ -1,7 +1,5 @@
 """MJCF files against MuJoCo, which reads the same file: masses, weights, springs, dampers, loops and gears."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """MJCF files are what MuJoCo compiles: constructs with known values, random models against MuJoCo, files, hostile files."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys
@@ -562,10 +560,3 @@ def test_a_difference_from_mujoco_is_an_error(tmp_path, here):
     twin.model.dof_damping[1] = 0.3
     with pytest.raises(mb.InputError, match='the damping of "b" is 0 here and 0.3 in MuJoCo'):
         mujoco_check._agree("damping", np.zeros((2, 2)), twin.damping(), robot.coordinates, 1e-6, 0.0)
-
-
-def test_bodies_that_touch_are_noted(tmp_path, here):
-    ball = f'<body name="ball">{hinge("j")}<geom name="g" size="0.1" pos="0 0 -0.2"/></body><geom name="floor" type="plane" size="1 1 1" pos="0 0 -0.25"/>'
-    robot = read(tmp_path, f"<mujoco><worldbody>{ball}</worldbody></mujoco>")
-    (text,) = [notice.text for notice in robot.linearize(robot.equilibrium()).notices if "contacts" in notice.text]
-    assert "world and ball touch" in text or "ball and world touch" in text

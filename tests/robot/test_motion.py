@@ -4,8 +4,6 @@ If x is the linear answer and y the true motion from the same start of size a, t
 damping or mass leaves y - x = O(a), and (y - x) / a^2 would grow tenfold from each amplitude to the next.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest

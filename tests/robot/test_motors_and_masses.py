@@ -1,7 +1,5 @@
 """Motors with rigid gears, payloads, other masses, gears of joints: against closed forms and the referee of finite differences."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

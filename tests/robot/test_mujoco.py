@@ -1,7 +1,5 @@
 """Masses, weights, geometric stiffness and a linkage against MuJoCo, which reads the same URDF by itself."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The same machine described in two ways moves in one way: units, joints, frames, locks, motors, levels."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -277,17 +275,6 @@ def test_reactions_of_a_motion_are_in_the_frame_of_the_loop():
     assert np.abs(J - np.array(expected)).max() < 1e-12
 
 
-@pytest.mark.parametrize("name", ["flexible arm", "flexible arm with PD"])
-def test_motion_without_motors_is_the_same(name):
-    _, _, system = linearized(name)
-    start, rate = np.array([0.01, -0.02, 0.015, 0.005]), np.array([0.1, 0.2, -0.1, 0.3])
-    force = mb.step([0, 0, 1.0, 0]) + mb.harmonic([0, 0.3, 0, 0.5], angular_frequency=3.0)
-    times = np.linspace(0, 4, 60)
-    doubled = system.solve(displacement=start, velocity=rate, force=force)(times)[:2]
-    alone = system.without_motors().solve(displacement=start, velocity=rate, force=force)(times)[:2]
-    assert np.abs(alone - doubled).max() <= 1e-8 * np.abs(doubled).max()
-
-
 def test_four_bar_driven_through_an_elastic_gear():
     # doubled coordinates and a loop: against the same gear as a real rotor, a link of its own on the crank's axis
     p = given("four-bar")
@@ -346,15 +333,3 @@ def test_poses_are_those_of_the_links_with_closed_loops(name):
             # the shortest way back onto a loop may be measured in several ways: they differ by the square of the motion
             loose = 1e-5 if not reference.loops else 1e-5 + 5 * np.abs(2 * moved).max() ** 2
             assert np.abs(poses.positions[:, k] - end.place).max() < loose and np.abs(turn - end.turn).max() < loose
-
-
-def test_connection_points_meet():
-    robot, posture, _ = linearized("six-bar")
-    described = BUILDERS["six-bar"](given("six-bar")).reference()
-    described.place(described.configuration(posture.joints))
-    for item in robot.connection_points(posture):
-        first, second = (
-            described.end(body, point, (0, 0, 0)).place for body, point in ((item.body1, item.point1), (item.body2, item.point2))
-        )
-        assert item.kind == "loop" and np.abs(first - second).max() < 1e-12
-    assert {item.name for item in robot.connection_points(posture)} == {"first", "second"}

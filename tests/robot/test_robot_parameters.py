@@ -1,7 +1,5 @@
 """Numbers of robots as parameters, against differences of whole robots: built, balanced and linearized again."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,8 +1,6 @@
 """SDF files: models by seed over poses, frames, axes, nested and included models, kinds of joints and loops, against a model of
 products of exponentials; constructs by hand; hostile files."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Universal loops: Cardan's ratio of speeds, a cross of two hinges, differences. Soles and shares of load among feet."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 import pytest

@@ -1,7 +1,5 @@
 """Tags of Drake, Gazebo and Isaac in a URDF, by closed forms of a pendulum (m = 1 kg, 0.5 m, J = 0.01 kg m^2)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -57,11 +55,6 @@ def test_bushings_of_drake_are_read():
 def test_tags_that_may_act_and_are_not_read_are_doubtful(extra, name):
     notices = mb.Robot(pendulum(extra)).description_notices
     assert [notice for notice in notices if notice.doubtful and name in notice.text]
-
-
-def test_tags_without_effect_are_no_warning():
-    extra = '<gazebo reference="a"><mu1>0.2</mu1><kp>1e6</kp><material>Grey</material></gazebo>'
-    assert not mb.Robot(pendulum(extra)).description_notices
 
 
 def test_mimics_that_follow_each_other_in_a_circle_are_named():

@@ -1,8 +1,6 @@
 """URDF files: models by seed over kinds of joints, origins, axes, turned inertias, damping, springs, rotors and mimic joints, against
 products of exponentials, and against MuJoCo, which reads URDF itself, but for what only Drake and Gazebo have."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg

@@ -1,7 +1,5 @@
 """Forces and moments of multipliers do the same work as J^T lambda, with pinocchio's own Jacobians of frames."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio
 import pytest

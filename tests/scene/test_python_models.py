@@ -1,8 +1,5 @@
 """Motions and modes that were computed in Python have pages, plots and views of their own."""
 
-from __future__ import annotations
-
-import json
 import re
 
 import numpy as np
@@ -50,11 +47,6 @@ def test_the_values_of_the_page_are_those_of_the_motion_with_its_own_forces():
 def test_the_last_time_follows_from_the_slowest_motion(matrix, initial, end):
     result = result_of(mb.solve(mb.PolynomialMatrix(matrix), initial))
     assert result.times[-1] == pytest.approx(end, rel=0.05)
-
-
-def test_the_page_of_modes(tmp_path):
-    page = machine().modes().write_page(tmp_path / "modes.html", title="Machine").read_text(encoding="utf-8")
-    assert "Machine" in page and "oscillation" in page
 
 
 def test_a_frame_for_notebooks_holds_the_page_as_text():
@@ -113,16 +105,6 @@ def test_modes_of_sparse_matrices_have_no_page():
     modes = mb.MechanicalSystem(scipy.sparse.eye_array(3), stiffness=scipy.sparse.eye_array(3)).modes(count=1)
     with pytest.raises(mb.InputError, match="these modes belong to no system of arrays"):
         modes.write_page("x.html")
-
-
-def test_elements_that_are_added_later_are_not_on_the_page(tmp_path):
-    model = mb.LumpedModel()
-    model.mass("cart", 2.0)
-    model.spring("ground", "cart", stiffness=50.0)
-    system = model.assemble()
-    model.mass("late", 1.0)
-    page = system.solve([0.1]).write_page(tmp_path / "x.html", end=1.0).read_text(encoding="utf-8")
-    assert "cart" in page and json.dumps("late") not in page
 
 
 def test_a_robot_is_drawn_as_a_scene_draws_it(tmp_path):

@@ -1,7 +1,5 @@
 """A scene that runs in a process of its own: which functions of the package were called, and what was imported."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

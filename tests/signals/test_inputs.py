@@ -1,7 +1,5 @@
 """Inputs: what the constructors mean, and that Dirac impulses are separate from the regular part."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -43,18 +41,6 @@ def test_power_is_the_gamma_fold_integral_of_the_impulse(gamma):
         assert [row.tolist() for row in force.impulses] == [[0.0, 0.0]] * -gamma + [V.tolist()]
 
 
-def test_the_derivative_of_one_power_is_the_power_below():
-    for gamma in range(2, 6):
-        assert np.allclose(mb.power(V, gamma).derivative()(TIMES), mb.power(V, gamma - 1)(TIMES), rtol=1e-14)
-
-
-def test_impulses_add_order_by_order():
-    total = mb.impulse(V) + 2 * mb.impulse(V, order=2) - mb.impulse([1.0, 1.0]) + mb.step(V)
-    assert [row.tolist() for row in total.impulses] == [[0.0, -3.0], [0.0, 0.0], [2.0, -4.0]]
-    assert np.array_equal(total(1.0), V)
-    assert [row.tolist() for row in (-total).impulses] == [[0.0, 3.0], [0.0, 0.0], [-2.0, 4.0]]
-
-
 def test_a_matrix_maps_regular_part_and_impulses():
     matrix = np.array([[1.0, 1.0]])
     mapped = (mb.impulse(V) + mb.ramp(V)).mapped(matrix)
@@ -63,33 +49,10 @@ def test_a_matrix_maps_regular_part_and_impulses():
     assert mapped(2.0).tolist() == [-2.0]
 
 
-def test_the_vector_is_not_aliased():
-    mine = V.copy()
-    force = mb.step(mine) + mb.impulse(mine)
-    mine[:] = 99.0
-    assert np.array_equal(force(1.0), V)
-    assert np.array_equal(force.impulses[0], V)
-
-
-@pytest.mark.parametrize("number", [2, 2.0, np.float64(2.0), np.int64(2)])
-def test_numbers_of_every_kind_scale(number):
-    for product in (number * mb.ramp(V), mb.ramp(V) * number):
-        assert isinstance(product, mb.ImpulsiveSmooth)
-        assert np.array_equal(product(1.0), 2 * V)
-
-
 def test_a_frequency_in_hz_is_that_of_whole_periods():
     f = mb.harmonic(V, frequency_hz=2)
     assert f(np.array([0.25, 0.5])) == pytest.approx(np.outer(V, [-1, 1]))
     assert mb.term(V, frequency_hz=2)(0.3) == pytest.approx(f(0.3))
-
-
-def test_a_number_is_one_row():
-    assert np.array_equal(mb.step(2.0)([1.0, 3.0]), mb.step([2.0])([1.0, 3.0]))
-
-
-def test_one_row_of_samples_is_a_list():
-    assert np.array_equal(mb.sampled([0, 1], [1, 2])(0.5), mb.sampled([0, 1], [[1, 2]])(0.5))
 
 
 @pytest.mark.parametrize(

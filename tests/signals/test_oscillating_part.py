@@ -1,7 +1,5 @@
 """Sums of many oscillations, made from cosines and sines: against the states at every time, each for itself."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -68,16 +66,6 @@ def test_tiny_coefficients_of_huge_states_are_ordinary_values(rows):
     size = np.repeat(size, [len(block) for block in reference.blocks])
     f = BohlFunction(reference.coefficients / size, reference.blocks, reference.start * size)
     assert np.allclose(f(times), reference(times), rtol=0, atol=1e-12 * np.abs(reference.coefficients).sum())
-
-
-def test_what_does_not_move_adds_nothing():
-    f, times = function(4), TIMES["even"]
-    still = BohlFunction(f.coefficients, f.blocks, 0 * f.start)
-    assert not still(times).any()
-    alone = np.zeros(f.state_count)
-    alone[:2] = f.start[:2]
-    one = BohlFunction(f.coefficients, f.blocks, alone)
-    assert np.allclose(one(times), one_by_one(one, times), rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("pairs", [1, PAIRS])

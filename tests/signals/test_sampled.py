@@ -1,7 +1,5 @@
 """Records: exactly the linear interpolation, as a function, as a sum of ramps, and with what jumps known exactly."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -33,12 +31,6 @@ def test_a_record_is_its_linear_interpolation(record):
 
 
 @given(records())
-def test_at_a_sample_the_value_is_the_sample(record):
-    times, rows = record
-    assert np.array_equal(mb.sampled(times, rows)(times[:-1]), rows[:, :-1])
-
-
-@given(records())
 def test_a_record_is_a_sum_of_ramps_and_two_jumps(record):
     times, rows = record
     slopes = np.diff(rows, axis=1) / np.diff(times)
@@ -55,11 +47,6 @@ def test_a_delayed_record_is_the_record_of_later_times(record, delay):
     times, rows = record
     at = np.linspace(0, times[-1] + 3, 23) + 0.0123
     assert np.allclose(mb.sampled(times, rows).delayed(delay)(at), mb.sampled(times + delay, rows)(at), rtol=1e-11, atol=1e-9)
-
-
-def test_two_samples_at_one_time_are_a_jump():
-    f = mb.sampled([1.0, 2.0, 2.0, 3.0], [[0.0, 1.0, 5.0, 5.0]])
-    assert f([1.5, np.nextafter(2.0, 0.0), 2.0, 2.5, 3.0])[0] == pytest.approx([0.5, 1.0, 5.0, 5.0, 0.0], abs=1e-14)
 
 
 def test_what_goes_on_is_known_to_go_on():

@@ -62,13 +62,6 @@ def test_springs_that_are_lost_when_the_stiffness_is_added_up_are_lost_to_it():
     assert np.abs(values - closed).max() > 1e-2 * np.abs(closed).max()
 
 
-def test_steps_taken_together_are_steps_taken_one_by_one(monkeypatch):
-    found = problem("regular mass", "harmonic")
-    together = answer(STEPS, found)
-    monkeypatch.setattr(expm_steps, "MOST_COLUMNS", 1)
-    np.testing.assert_allclose(answer(STEPS, found), together, rtol=0, atol=1e-13)
-
-
 def test_one_exponential_serves_even_times_with_rounded_steps(monkeypatch):
     import scipy.linalg
 

@@ -49,12 +49,6 @@ def test_singular_masses_under_every_force(force):
 
 
 @needs_sundae
-def test_index_3():
-    found = problem("tied, inconsistent start", "harmonic")
-    assert error(found, answer(INDEX_3, found, 1e-5)) < 1e-2
-
-
-@needs_sundae
 @pytest.mark.parametrize("system", ["tied at velocity level", "tied at acceleration level"])
 def test_rows_at_weaker_levels_keep_their_values(system):
     found = problem(system, "step")
@@ -94,20 +88,6 @@ def test_the_start_fits_the_equations_of_every_index(index, force):
     assert form.index == index
     for t in (0.0, 0.9, 3.3):
         np.testing.assert_allclose(residual(form, t, form.force), 0.0, atol=1e-11)
-
-
-@pytest.mark.parametrize("force", FORCES)
-def test_the_start_fits_the_equations_without_rows(force):
-    form = descriptor(problem("massless and damped", force), 0)
-    assert form.index <= 1 and len(form.E) == 5  # the massless coordinate has no velocity among the unknowns
-    for t in (0.0, 0.9, 3.3):
-        np.testing.assert_allclose(residual(form, t, form.force), 0.0, atol=1e-11)
-
-
-def test_what_is_in_the_error_test():
-    tested = {index: descriptor(problem("tied", "none"), index).tested.tolist() for index in (1, 2, 3)}
-    multiplier = [False]
-    assert tested == {1: [True] * 7, 2: [True] * 3 + multiplier + [True] * 3, 3: [True] * 3 + multiplier + [False] * 3}
 
 
 def test_refusals(monkeypatch):

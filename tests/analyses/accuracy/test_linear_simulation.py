@@ -60,11 +60,6 @@ def test_units_of_the_force_do_not_matter(method, size):
     assert error(pushed, answer(method, pushed, 1)) < 1e-11
 
 
-def test_as_few_inputs_as_there_are_independent_forces():
-    inputs = [linear_simulation._samples(problem("regular mass", force), 1)[0].shape[1] for force in ("none", "step", "two forces")]
-    assert inputs == [1, 1, 3]
-
-
 def test_refusals(monkeypatch):
     assert LSIM.refusal(problem("tied", "none", np.array([0.0, 1.0, 3.0]))) == "needs even times that begin at t = 0"
     assert LSIM.refusal(problem("tied", "none", np.array([1.0, 2.0, 3.0]))) == "needs even times that begin at t = 0"

@@ -11,16 +11,12 @@ from mbconstrained.analyses.accuracy import measure
 from mbconstrained.analyses.accuracy.accuracy import (
     AccuracyReport,
     accuracy_report,
-    failure_table,
     fastest,
-    fastest_table,
     one_run,
-    ratio,
-    run_table,
 )
 from mbconstrained.analyses.accuracy.measure import measure as measured
 from mbconstrained.analyses.accuracy.measure import reference_solution
-from mbconstrained.analyses.accuracy.methods import OURS, ComparedMethod, Failure, MethodSetting, tolerances
+from mbconstrained.analyses.accuracy.methods import OURS, ComparedMethod, Failure, MethodSetting
 from mbconstrained.analyses.study_problem import mechanical_problem
 from mbconstrained.analyses.timing import Clock
 
@@ -92,29 +88,6 @@ def test_a_refusal_is_told_and_nothing_runs():
     assert found.failure == "needs even times"
 
 
-def test_of_what_is_not_meant_for_such_a_problem_nothing_is_said():
-    assert one(ComparedMethod("other", raising(AssertionError("ran")), concerns=lambda problem: False)) == ()
-
-
-def test_repeats_go_in_turns_and_the_first_run_is_not_counted(monkeypatch):
-    monkeypatch.setattr(measure, "REPEATS", 4)
-    order = []
-
-    def named(name):
-        return ComparedMethod(name, lambda problem, value: lambda: (order.append(name), EXACT)[1])
-
-    first, second = one(named("a"), named("b"))
-    once = ["a", "b", "b", "a", "a", "b", "b", "a", "a", "b"]
-    assert order == [name for name in once for _ in range(2)]  # each time evaluated once, and once more
-    assert len(first.evaluation.seconds) == len(second.set_up.seconds) == 4
-
-
-def test_a_long_run_is_repeated_once(monkeypatch):
-    monkeypatch.setattr(measure, "REPEATED_SECONDS", 0.0)
-    (found,) = one(ComparedMethod("slow", off_by(0.0)))
-    assert len(found.evaluation.seconds) == 1
-
-
 def test_what_only_the_first_run_does_is_in_no_time(monkeypatch):
     """Such as loading a library: however long it takes, the runs after it are counted and no fewer of them."""
     ticks = iter(range(1000))
@@ -181,42 +154,10 @@ def report(*methods: ComparedMethod) -> AccuracyReport:
     return accuracy_report(PROBLEM, methods)
 
 
-def test_the_report_is_plain_data_and_reads_well():
-    import json
-
-    found = report(
-        ComparedMethod("closed form", off_by(0.0), is_ours=True),
-        ComparedMethod("stepper", lambda problem, value: lambda: EXACT + value, tolerances(6, 8)),
-        ComparedMethod("other", raising(Failure("refuses singular mass"))),
-    )
-    data = json.loads(json.dumps(found.answer("oscillator").to_dict(), allow_nan=False))
-    assert [run["method"] for run in data["runs"]] == ["closed form", "stepper", "stepper", "other"]
-    assert data["runs"][0]["one_run_over_closed_form"] == 1.0 and data["runs"][-1]["failure"] == "refuses singular mass"
-    assert data["runs"][1]["evaluation"]["repeats"] == len(found.runs[1].evaluation.seconds)
-    assert [row[0] for row in run_table(found).rows] == ["closed form", "stepper", "stepper"]
-    assert failure_table(found).rows == (("other", "", "refuses singular mass"),)
-    first, *_, last = fastest_table(found).rows  # errors at which the same is told share a line
-    assert first[0].startswith("1e-03") and last[0] == "1e-09 to 1e-12" and "only closed form" in last[1]
-    assert found.answer("oscillator").is_trusted and found.machine["cores"]
-    text = "\n".join(str(block) for block in found.answer("oscillator").blocks())
-    assert "exact rational and ball arithmetic" in text
-
-
 @pytest.mark.long
 def test_an_answer_that_is_wrong_or_missing_is_not_trusted():
     assert not report(ComparedMethod("closed form", off_by(0.01), is_ours=True)).answer("a").is_trusted
     assert not report(ComparedMethod("closed form", raising(Failure("no")), is_ours=True)).answer("a").is_trusted
-
-
-def test_settings_that_fail_alike_share_a_line():
-    settings = tuple(MethodSetting(f"rtol {value:g}") for value in (1e-8, 1e-10))
-    table = failure_table(
-        report(
-            ComparedMethod("closed form", off_by(0.0), is_ours=True),
-            ComparedMethod("IDA", raising(Failure("too small a step")), settings),
-        )
-    )
-    assert table.rows == (("IDA", "rtol 1e-08, rtol 1e-10", "too small a step"),)
 
 
 def test_the_fastest_is_told_honestly():
@@ -230,8 +171,3 @@ def test_the_fastest_is_told_honestly():
     told = {error: one for error, one, _ in runs.fastest}
     assert told[1e-6].startswith("stepper (") and "times as fast as closed form (" in told[1e-6]
     assert told[1e-9].startswith("only closed form")
-
-
-@pytest.mark.parametrize("value, text", [(1.0, "1"), (0.0123, "0.012"), (1234.0, "1200"), (1e-5, "1e-05")])
-def test_ratios_have_two_digits(value, text):
-    assert ratio(value) == text

@@ -37,12 +37,6 @@ def test_errors_fall_with_the_tolerance(method, factor, system):
         assert error(found, answer(method, found, rtol)) < factor * rtol
 
 
-def test_tolerances_are_those_that_were_promised():
-    assert [setting.label for setting in DOP853.settings] == [f"rtol 1e-{digits:02}" for digits in range(3, 14, 2)]
-    assert [setting.label for setting in RADAU.settings] == [f"rtol 1e-{digits:02}" for digits in range(3, 11, 2)]
-    assert RADAU.settings == BDF.settings and DOP853.settings == LSODA.settings == ODEINT.settings
-
-
 def test_implicit_methods_are_given_the_jacobian(monkeypatch):
     import scipy.integrate
 

@@ -7,8 +7,6 @@ from mbconstrained.analyses.accuracy.accuracy import LOWEST, work_precision
 from mbconstrained.analyses.accuracy.measure import Measurement
 from mbconstrained.analyses.accuracy.methods import ComparedMethod, MethodSetting
 from mbconstrained.analyses.timing import Timing
-from mbconstrained.ground.tolerances import EPS
-from mbconstrained.page.plots import plot_image
 
 
 def timing(seconds: float) -> Timing:
@@ -46,28 +44,9 @@ def test_points_have_their_times_and_errors(place, kind):
     assert "rtol 1e-05: 1.0e-05 in" in plot.marks[1].texts[1]
 
 
-@pytest.mark.parametrize("floor, lines", [(0.0, {EPS}), (1e-12, {EPS, 1e-12})])
-def test_lines_at_the_floors(floor, lines):
-    for plot in work_precision(SOME, floor):
-        assert {guide.start[1] for guide in plot.guides} == lines
-
-
 @pytest.mark.parametrize("error", [0.0, 1e-30])
 def test_what_is_too_small_is_drawn_at_the_bottom_and_named_in_the_note(error):
     method = named("a")
     plot = next(work_precision([run(method, error, 1e-3), run(method, 1e-9, 2e-3)]))
     assert plot.marks[0].points[0, 1] == LOWEST and "1e-17" in plot.note and plot.axes[1].low <= LOWEST
     assert "1e-17" not in next(work_precision(SOME)).note
-
-
-def test_nothing_measured_is_no_plot_and_the_note_has_the_failed():
-    assert list(work_precision([])) == []
-    assert "Not in the picture: IDA, index 3; lsim." in next(work_precision(SOME, 0.0, ("IDA, index 3", "lsim"))).note
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("points", [[(1e-6, 1e-3)], [(1e-6, 1e-3)] * 5, [(EPS, 1e-9)], [(0.99, 1e6)], [(0.0, 1e-3)]])
-def test_single_and_equal_points_have_a_picture(points):
-    method = named("a")
-    for plot in work_precision([run(method, *point) for point in points]):
-        assert plot_image(plot, "png")[1:4] == b"PNG"

@@ -1,7 +1,5 @@
 """A store whose files are damaged, missing, or of another place: damage is named, the chunk is computed again, and no number is believed."""
 
-from __future__ import annotations
-
 import shutil
 
 import pytest

@@ -1,7 +1,5 @@
 """The best values of parameters against exact optima."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Statistics of samples against closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.stats

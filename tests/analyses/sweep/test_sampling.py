@@ -1,7 +1,5 @@
 """Samples of parameters against SciPy's distributions; what cannot be sampled is a message."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.stats

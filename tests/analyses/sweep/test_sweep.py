@@ -1,7 +1,5 @@
 """Studies of a scene: each sample is what a single run of the scene gives, whoever computes it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """All that was asked for, one after another, and what becomes of it: text, data, picture, a part of a page of the documentation."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable
@@ -15,8 +13,7 @@ from tests.benchmarks.speed.growth import Grown, grown
 from tests.benchmarks.speed.measure import Effort, Measured, measured
 from tests.benchmarks.speed.peers import PEERS, Method
 from tests.benchmarks.speed.picture import picture_of
-from tests.benchmarks.speed.report import Row, error_table, growth_sentence, growth_table, method_table, ratio_table, set_up_table
-from tests.benchmarks.speed.setup import SetUp, set_ups
+from tests.benchmarks.speed.report import Row, error_table, growth_sentence, growth_table, method_table, ratio_table
 from tests.benchmarks.speed.workloads import WORKLOADS, Workload
 
 #: Between these marks a file has the tables.
@@ -29,7 +26,7 @@ POWER, GROWS = 3, 1.0
 QUICK = 100
 
 #: What is measured besides workloads, as it is asked for.
-OTHERS = SET_UP, GROWTH = "set-up", "growth"
+OTHERS = (GROWTH,) = ("growth",)
 
 #: A process that is measured makes so many runs at most, of which each may take the limit.
 RUNS = 5
@@ -42,14 +39,12 @@ class Report:
     """All that was measured."""
 
     rows: list[Row]
-    set_ups: list[SetUp]
     growth: list[Grown]
 
     @property
     def summary(self) -> str:
-        """For the documentation: ratios, errors, set-up, and growth in a sentence."""
+        """For the documentation: ratios, errors, and growth in a sentence."""
         parts = [ratio_table(self.rows), error_table(self.rows)] if self.rows else []
-        parts += [set_up_table(self.set_ups)] if self.set_ups else []
         parts += [growth_sentence(self.growth)] if self.growth else []
         return "\n\n".join([*parts, f"Measured on {_machine()}."])
 
@@ -64,7 +59,6 @@ class Report:
         return {
             "machine": machine(),
             "workloads": [row.as_json() for row in self.rows],
-            "set_up": [one.as_json() for one in self.set_ups],
             "growth": [one.as_json() for one in self.growth],
             "exponents": growth_sentence(self.growth) if self.growth else "",
         }
@@ -114,16 +108,13 @@ def run(only: list[str], quick: bool, limit: float, tell: Tell = lambda text: No
     """
     effort = Effort(3, 2, 0.5, limit=limit) if quick else Effort(limit=limit)
     rows = _rows([one for one in WORKLOADS if is_asked(one, only) and (one.states <= SMALL or not quick)], effort, tell)
-    found, largest = [], QUICK if quick else math.inf
-    for work in set_ups(effort, largest) if not only or SET_UP in only else ():
-        found.append(work())
-        tell(set_up_table(found[-1:]).splitlines()[-1])
+    largest = QUICK if quick else math.inf
     sizes = [count for count in growth.SIZES if count <= largest] if not only or GROWTH in only else []
     grew = []
     for count in sizes:
         grew.append(grown(count, RUNS * limit))
         tell(growth_table(grew[-1:]).splitlines()[2])
-    return Report(rows, found, grew)
+    return Report(rows, grew)
 
 
 def is_asked(workload: Workload, only: list[str]) -> bool:

@@ -1,7 +1,5 @@
 """Examples 5.1 and 5.2 of Moysis et al.: as they are given, and by hand as first-order equations in fractions."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np
@@ -22,9 +20,7 @@ def example_system(name: str) -> MechanicalSystem:
             constraints=[Constraint([1, -1, 0], level="acceleration")],
         )
     return MechanicalSystem(
-        mass=np.diag([0.0, 0.0, 10.0]),
-        damping=[[0, 0, 0], [0, 12, -4], [0, -4, 4]],
-        stiffness=[[9, 0, -3], [0, 0, 0], [-3, 0, 3]],
+        mass=np.diag([0.0, 0.0, 10.0]), damping=[[0, 0, 0], [0, 12, -4], [0, -4, 4]], stiffness=[[9, 0, -3], [0, 0, 0], [-3, 0, 3]]
     )
 
 

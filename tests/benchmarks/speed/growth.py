@@ -1,7 +1,5 @@
 """How time and memory grow with the size of dense models, each size in a process of its own."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -3,8 +3,6 @@
 Times are those on the wall. The package runs as a user finds it; a peer gets one thread or all, whichever is faster.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

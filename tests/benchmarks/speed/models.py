@@ -5,8 +5,6 @@ constraint row ties together; in every tenth link there is a massless joint betw
 damper too. Constants vary along the chain, so that the damping is not proportional and no two links are alike.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

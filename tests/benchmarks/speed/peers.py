@@ -1,7 +1,5 @@
 """What a user would take instead, given the reduced equations for nothing."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -6,15 +6,12 @@ error of 1e-15 or so of the largest value, as the balls of the shortest chain co
 Neither uses the package or float64 on the way: the equations are reduced anew from the data in fractions or long doubles.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import scipy.sparse
 
 from tests.benchmarks.speed.reductions import Equations
-from tests.benchmarks.speed.remembered import memory
 
 #: Bits of the balls, and how often e^{S dt / 2^k} is squared at least: where S dt is 1e14, some 800 bits are lost on the way.
 BALL_BITS, SQUARINGS = 1500, 8
@@ -32,7 +29,6 @@ LAST_TERM = 1e-20
 SQUARINGS_OF_NORM, MORE = 4, 1.1
 
 
-@memory
 def by_balls(equations: Equations, times: np.ndarray) -> np.ndarray:
     """x at multiples of one step, by powers of e^{S step} with the error kept in every number, shape (N, T)."""
     import flint
@@ -75,7 +71,6 @@ def _ball_matrix(array):
     return flint.arb_mat(entries)
 
 
-@memory
 def by_taylor(equations: Equations, times: np.ndarray) -> np.ndarray:
     """x at multiples of one step, each step divided as the series needs it, shape (N, T)."""
     S, step = _sparse(equations.S), np.longdouble(times[1])
@@ -89,7 +84,6 @@ def by_taylor(equations: Equations, times: np.ndarray) -> np.ndarray:
     return found
 
 
-@memory
 def record_by_taylor(equations: Equations, times: np.ndarray, values: np.ndarray) -> np.ndarray:
     """The same under a force b u(t), u straight between its values at the times."""
     m, b = len(equations.S), equations.b.astype(np.longdouble)[:, None]

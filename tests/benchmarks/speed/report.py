@@ -1,7 +1,5 @@
 """The report: ratios to the fastest peer of equal or smaller error, whether they are as small as wanted, tables and data."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -9,7 +7,6 @@ from mbconstrained.analyses.accuracy.accuracy import ratio as shown_ratio
 from mbconstrained.analyses.timing import Timing, duration
 from tests.benchmarks.speed.growth import Grown, exponent
 from tests.benchmarks.speed.measure import Measured
-from tests.benchmarks.speed.setup import WANTED, SetUp
 from tests.benchmarks.speed.workloads import Workload
 
 #: A peer counts as equally right up to this many times our error, which is one digit: rounding alone moves errors by a few.
@@ -177,12 +174,11 @@ def _method_row(method: Measured) -> list[str]:
     if method.failure:
         return [method.name, method.failure, *[NOTHING] * 7]
     plain = [duration(part.median) for part in (method.set_up, method.evaluation)]
+    times = [spread(method.one_run), duration(method.warming.median), spread(method.further)]
     return [
         method.name,
         *plain,
-        spread(method.one_run),
-        duration(method.warming.median),
-        spread(method.further),
+        *times,
         f"{method.error:.1e}",
         str(method.threads or "own choice"),
         str(len(method.one_run.seconds)),
@@ -193,21 +189,6 @@ def spread(timing: Timing) -> str:
     """Median and quartiles."""
     low, high = timing.quartiles
     return f"{duration(timing.median)} ({duration(low)} … {duration(high)})"
-
-
-def set_up_table(found: list[SetUp]) -> str:
-    """Markdown: set-up and evaluation beside the bare ones."""
-    head = ["model", "states", "set-up", "one eigh or eig", "ratio", "evaluation", "product, exponentials", "ratio", "wanted"]
-    return markdown(head, [_set_up_row(one) for one in found])
-
-
-def _set_up_row(one: SetUp) -> list[str]:
-    if one.failure:
-        return [one.name, str(one.states), one.failure, *[NOTHING] * 6]
-    ratios = one.set_up.median / one.decomposition.median, one.further.median / one.bare.median
-    cells = [duration(one.set_up.median), duration(one.decomposition.median), shown_ratio(ratios[0])]
-    cells += [duration(one.further.median), duration(one.bare.median), shown_ratio(ratios[1])]
-    return [one.name, str(one.states), *cells, f"≤ {WANTED:g} " + " ".join(_sign(ratio <= WANTED) for ratio in ratios)]
 
 
 def growth_table(found: list[Grown]) -> str:

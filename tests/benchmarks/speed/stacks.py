@@ -1,7 +1,5 @@
 """W6: ten pairs of masses between walls, soft springs between pairs and a stiff one within each, given as elements."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import pairwise
 

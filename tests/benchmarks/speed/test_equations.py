@@ -1,7 +1,5 @@
 """The models have the sizes that they are said to have, and the hand reductions give the motions that the package gives."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """References agree with one another and with formulas; peers are written as right as they can be."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +10,6 @@ from tests.benchmarks.speed.models import chain, even_times, forty_periods
 from tests.benchmarks.speed.peers import PEERS, Method
 from tests.benchmarks.speed.reductions import Equations, as_fractions, reduced_chain
 from tests.benchmarks.speed.references import by_balls, by_taylor, record_by_taylor
-from tests.benchmarks.speed.remembered import fingerprint, memory
 from tests.benchmarks.speed.workloads import WORKLOADS, free_chain, harmonic_chain, recorded_chain
 
 EXTENDED = np.finfo(np.longdouble).nmant > 60
@@ -37,25 +34,6 @@ def test_a_record_that_is_constant_is_a_step():
     equations = Equations(*(np.array(array, dtype=np.longdouble) for array in ([[0, 1], [-1, 0]], [[1, 0]], [0, 0], [0, 1])))
     times = even_times(40.0, 50)
     np.testing.assert_allclose(record_by_taylor(equations, times, np.ones(50))[0], 1 - np.cos(times), atol=1e-15)
-
-
-def test_references_are_found_once(tmp_path, monkeypatch):
-    monkeypatch.setattr(memory, "folder", tmp_path)
-    times, asked = even_times(5.0, 4), []
-
-    @memory
-    def find(equations, times):
-        asked.append(times)
-        return by_taylor.__wrapped__(equations, times)
-
-    for convert in (np.asarray, np.longdouble, as_fractions):
-        equations = reduced_chain(chain(10), convert)
-        if convert is not as_fractions:
-            np.testing.assert_array_equal(find(equations, times), find(equations, times))
-        assert fingerprint(find, [equations.S]) == fingerprint(find, [equations.S.copy()])
-    moved = replace(reduced_chain(chain(10)), start=np.nextafter(reduced_chain(chain(10)).start, 1.0))
-    find(moved, times)
-    assert len(asked) == len(list(tmp_path.iterdir())) == 3
 
 
 def suitable(problem) -> list[Method]:

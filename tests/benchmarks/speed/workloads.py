@@ -1,7 +1,5 @@
 """What is measured: each workload with its problem, its reference and the ratios that are wanted."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial

@@ -1,7 +1,5 @@
 """Random problems of many kinds, each with times: for the error estimate and the exact engine to be held against each other."""
 
-from __future__ import annotations
-
 import numpy as np
 
 import mbconstrained as mb

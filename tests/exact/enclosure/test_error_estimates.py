@@ -4,8 +4,6 @@ The estimate is that of data known to a rounding: where an answer depends on the
 zeros, it may be far above the error of this one answer. It must not be below it.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,9 +1,6 @@
 """Impulses, values at 0+ and intervals against rational arithmetic and mpmath, which share nothing with them."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 from fractions import Fraction
 
 import flint
@@ -86,13 +83,6 @@ def test_a_phase_is_the_number_that_was_given(phase):
         assert enclosed(x, times, values)
 
 
-@pytest.mark.parametrize(("turns", "cosine", "sine"), [(-1, 0, -1), (1, 0, 1), (2, -1, 0), (-2, -1, 0), (0, 1, 0)])
-def test_quarter_turns_are_meant(turns, cosine, sine):
-    """x = f: the value at 0+ is rational, and x' too."""
-    x = mb.solve(mb.PolynomialMatrix([[[1.0]]]), force=mb.harmonic([1.0], angular_frequency=3.0, phase=turns * np.pi / 2))
-    assert x.enclose(0.0).contains([cosine]) and x.enclose(0.0, order=1).contains([-3 * sine])
-
-
 def test_with_a_phase_impulses_are_intervals():
     """[[0, 1], [1, -s]] x = [f, 0] has x2 = f, x1 = f', which has the impulse f(0+) = cos p; p = 0.25 is a float."""
     A = mb.PolynomialMatrix([[[0.0, 1.0], [1.0, 0.0]], [[0.0, 0.0], [0.0, -1.0]]])
@@ -109,16 +99,6 @@ def test_powers_are_divided_by_factorials_exactly():
     x = mb.solve(mb.PolynomialMatrix([[[1.0]]]), force=mb.power([1.0], 5))
     low, high = (Fraction(bound[0]) for bound in (x.enclose(1.0, 30).lower, x.enclose(1.0, 30).upper))
     assert low <= Fraction(1, 24) <= high < low + Fraction(1, 10**30)
-
-
-def test_a_pulse_is_two_steps():
-    """x' + x = 1 on [1, 3): e^-(t-3) - e^-(t-1) after it."""
-    x = mb.solve(mb.PolynomialMatrix([[[1.0]], [[1.0]]]), force=mb.pulse([1.0], start=1.0, duration=2.0))
-    times = [0.5, 1.0, 2.5, 3.0, 9.0]
-    with mpmath.workdps(50):
-        e = mpmath.exp
-        values = [0, 0, 1 - e(-1.5), 1 - e(-2), e(-6) - e(-8)]
-        assert enclosed(x, times, [mpmath.mpf(1) * v for v in values])
 
 
 def test_a_record_is_linear_between_its_samples():
@@ -318,8 +298,3 @@ def test_other_numbers_and_other_shapes():
     for wrong in ([0.1, [1]], [[1.0, 2.0]], ["a", 1]):
         with pytest.raises(mb.InputError, match="values"):
             box.contains(wrong)
-
-
-def test_changed_inputs_forget_where_they_came_from():
-    changed = replace(mb.step([1.0]), smooth=mb.step([2.0]).smooth)
-    assert mb.solve(mb.PolynomialMatrix([[[1.0]]]), force=changed).enclose(1.0).contains([2])

@@ -4,8 +4,6 @@ The cases of the family "rounded" belong to unrounded matrices: the response of 
 the difference decides a rank it is told.
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Formulas that several tests print: hand-made ones, and answers with symbols."""
 
-from __future__ import annotations
-
 import subprocess
 from dataclasses import replace
 from pathlib import Path

@@ -3,8 +3,6 @@
 Everything here is arithmetic of Fractions in numpy object arrays: nothing is shared with the package.
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 from functools import cache
 

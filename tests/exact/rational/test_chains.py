@@ -1,7 +1,5 @@
 """True Jordan chains: for rational zeros, and for all roots of an irreducible polynomial at once."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from math import comb
 
@@ -13,7 +11,7 @@ import mbconstrained as mb
 from mbconstrained.exact.engine import hypercompanion
 from mbconstrained.exact.rational import RATIONALS
 from tests.exact.rational.products import MATRICES, known
-from tests.oracles.models import massless_joints, rigid_link, two_masses
+from tests.oracles.models import massless_joints, two_masses
 
 everywhere = pytest.mark.parametrize("name", MATRICES)
 
@@ -97,13 +95,6 @@ def test_hypercompanion_matrix():
     assert hypercompanion(RATIONALS, flint.fmpq_poly([flint.fmpq(1, 2), 0, 1]), 1).tolist() == [[0, 1], [Fraction(-1, 2), 0]]
 
 
-def test_free_motion_of_the_two_masses():
-    """Section 5.1 at acceleration level: q1 moves alone, e_2 and e_2 t."""
-    block = mb.exact.jordan_pairs(mb.PolynomialMatrix(two_masses(2))).finite.blocks[0]
-    assert block.C.tolist() == [[0, 0], [1, 0], [0, 0]]
-    assert block.J.tolist() == [[0, 1], [0, 0]]
-
-
 def test_laurent_coefficients_of_the_two_masses():
     pairs = mb.exact.jordan_pairs(mb.PolynomialMatrix(two_masses(2)))
     tenth = Fraction(1, 10)
@@ -123,22 +114,6 @@ def test_pairs_of_the_massless_joints():
     assert (drift.C.tolist(), drift.B.tolist()) == ([[0], [1], [0]], [[0, Fraction(1, 12), 0]])
     assert swing.J.tolist() == [[0, 1], [Fraction(-1, 5), Fraction(-4, 15)]]
     assert swing.C.tolist() == [[1, 0], [1, 0], [3, 0]]
-
-
-def test_pairs_of_the_rigid_link():
-    pairs = mb.exact.jordan_pairs(mb.PolynomialMatrix(rigid_link()))
-    half, quarter, eighth = Fraction(1, 2), Fraction(1, 4), Fraction(1, 8)
-    assert pairs.laurent(2).tolist() == [[0, 0, 0], [0, 0, 0], [0, 0, half]]
-    assert not pairs.laurent(1).any()
-    assert pairs.laurent(0).tolist() == [[0, 0, half], [0, 0, -half], [-half, half, quarter]]
-    assert pairs.laurent(-2).tolist() == [[half, half, -quarter], [half, half, -quarter], [quarter, quarter, -eighth]]
-    assert pairs.infinite.J.tolist() == [[0, 1, 0], [0, 0, 1], [0, 0, 0]]
-
-
-def test_index_of_a_laurent_coefficient_is_whole():
-    pairs = mb.exact.jordan_pairs(mb.PolynomialMatrix([[[1.0]], [[1.0]]]))
-    with pytest.raises(mb.InputError, match="index: found 0.5; expected a whole number"):
-        pairs.laurent(0.5)
 
 
 def test_exact_pairs_agree_with_the_numeric_ones():

@@ -1,7 +1,5 @@
 """The exact structure against minors, published values and cases whose multiplicities are known."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import combinations, pairwise
 
@@ -13,7 +11,7 @@ import sympy
 import mbconstrained as mb
 from tests.exact.rational.products import MATRICES, known, larger_product
 from tests.oracles import exact
-from tests.oracles.models import massless_joints, rigid_link, two_masses, two_masses_with_multiplier
+from tests.oracles.models import massless_joints, two_masses
 from tests.oracles.referee import NAMES, case
 from tests.oracles.smith import partial_multiplicities
 
@@ -97,11 +95,6 @@ def test_elementary_divisors_of_a_larger_product(seed):
     assert {divisor.polynomial: divisor.exponents for divisor in structure.elementary_divisors} == exponents
 
 
-@everywhere
-def test_nothing_is_in_doubt(name):
-    assert known(name).structure.notices == ()
-
-
 @pytest.mark.parametrize("name", AS_GIVEN)
 def test_structure_of_the_cases_of_the_referee(name):
     """Zeros agree to the last bit: both sides are the nearest float64 numbers."""
@@ -133,32 +126,12 @@ def test_two_masses(level, smith, infinite):
     assert frequencies == [0.27639320225002103036j, 0.72360679774997896964j]  # (5 -+ sqrt 5) / 10
 
 
-def test_two_masses_at_acceleration_level_have_one_chain_at_zero():
-    structure = mb.exact.structure(mb.PolynomialMatrix(two_masses(2)))
-    assert structure.determinant == fractions(0, 0, -4, 0, -60, 0, -100)
-    assert [(d.polynomial, d.exponents) for d in structure.elementary_divisors] == [
-        (fractions(0, 1), (2,)),
-        (fractions("1/25", 0, "3/5", 0, 1), (1,)),
-    ]
-
-
-@pytest.mark.parametrize("level, orders", [(0, (2, 2, 0, 0)), (1, (2, 2, 1, 0)), (2, (2, 2, 2, 0))])
-def test_two_masses_with_multiplier_have_no_infinite_zeros(level, orders):
-    assert mb.exact.structure(mb.PolynomialMatrix(two_masses_with_multiplier(level))).at_infinity == orders
-
-
 def test_massless_joints():
     """Moysis et al., section 5.2."""
     structure = mb.exact.structure(mb.PolynomialMatrix(massless_joints()))
     assert structure.determinant == fractions(0, 216, 288, 1080)
     assert structure.invariant_polynomials == ((1,), (1,), fractions(0, "1/5", "4/15", 1))
     assert (structure.at_infinity, structure.infinite_divisors, structure.infinite_chains) == ((2, 1, 0), (0, 1, 2), (1,))
-
-
-def test_rigid_link():
-    structure = mb.exact.structure(mb.PolynomialMatrix(rigid_link()))
-    assert (structure.at_infinity, structure.infinite_divisors, structure.highest_impulse) == ((2, 2, -2), (0, 0, 4), 2)
-    assert structure.elementary_divisors[0].polynomial == fractions("1/2", 0, 1)
 
 
 @pytest.mark.parametrize(

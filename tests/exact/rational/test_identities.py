@@ -1,7 +1,5 @@
 """The identities between A(s), its exact pairs and H_i (Moysis et al., section 2, corrected), with == throughout."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np
@@ -48,15 +46,6 @@ def test_both_pairs_give_the_laurent_coefficients(name):
         assert same(x.H(index), infinite.C @ power(infinite.J, index) @ infinite.B + zeros(x.r, x.r))
     for index in range(1, 2 * x.q + 2):
         assert same(x.H(-index), finite.C @ power(finite.J, index - 1) @ finite.B + zeros(x.r, x.r))
-
-
-@everywhere
-def test_sizes_are_those_of_the_structure(name):
-    x = known(name)
-    finite, infinite, mu = x.pairs.finite, x.pairs.infinite, sum(x.structure.infinite_chains)
-    assert (finite.C.shape, finite.J.shape, finite.B.shape) == ((x.r, x.n), (x.n, x.n), (x.n, x.r))
-    assert (infinite.C.shape, infinite.J.shape, infinite.B.shape) == ((x.r, mu), (mu, mu), (mu, x.r))
-    assert not power(infinite.J, x.highest + 1).any()
 
 
 @everywhere

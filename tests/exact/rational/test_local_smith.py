@@ -11,7 +11,7 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.exact.engine import ExactMatrix
-from mbconstrained.exact.rational import RationalMatrix, enclosed_roots, rounded_roots
+from mbconstrained.exact.rational import RationalMatrix, rounded_roots
 from tests.exact.rational.products import MATRICES, known, product
 from tests.oracles import exact
 
@@ -84,13 +84,6 @@ def test_roots_are_the_nearest_numbers(coefficients):
         ]
         expected = {complex(float(mpmath.nstr(re, 40)), float(mpmath.nstr(im, 40))) for re, im in parts if im >= 0}
     assert set(rounded_roots(flint.fmpz_poly(coefficients))) == expected
-
-
-def test_parts_that_are_zero_are_exactly_zero():
-    for coefficients in ([1, 0, 3, 0, 1], [2, 0, 1], [3, 0, 1, 0, 5, 0, 1]):
-        for root in enclosed_roots(flint.fmpz_poly(coefficients), 64):
-            assert root.real == 0 or not root.real.contains(0)
-            assert root.imag == 0 or not root.imag.contains(0)
 
 
 def test_a_root_between_two_neighbours_is_rounded_to_even():

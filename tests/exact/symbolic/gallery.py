@@ -1,7 +1,5 @@
 """Polynomial matrices with symbols whose structure is known beforehand: the papers' examples, and products U(s) diag(d_i(s)) V(s)."""
 
-from __future__ import annotations
-
 import sympy
 from sympy.polys.matrices import DomainMatrix
 

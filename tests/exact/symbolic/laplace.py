@@ -3,8 +3,6 @@
 Impulses and values at 0+ are the coefficients of X at infinity, from a circle around all poles.
 """
 
-from __future__ import annotations
-
 import mpmath
 import sympy
 

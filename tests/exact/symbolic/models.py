@@ -1,7 +1,5 @@
 """Small models with symbols: the examples of Moysis et al. and others."""
 
-from __future__ import annotations
-
 import sympy
 
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix

@@ -1,7 +1,5 @@
 """Conditions on the values at 0-: the papers', the counter-examples', and against impulses and jumps themselves."""
 
-from __future__ import annotations
-
 import pytest
 import sympy
 
@@ -93,11 +91,6 @@ def test_the_derivatives_of_the_convolution_count():
     assert x.admissible_conditions == () and x.continuity_conditions == (sympy.Eq(values[0, 1], 1 - values[1, 1]),)
     for start, jumps in (([[0, 1], [0, 0]], [0, 0, 0, 0]), ([[0, 1], [0, -1]], [0, 0, 0, 1])):
         assert list(solve_symbolically(FREE_AND_DECAYING, start, [0, 1]).jump) == jumps
-
-
-def test_conditions_of_a_rigid_link():
-    a, b, _ = initial_symbols(RIGID_LINK)[0, :]
-    assert impulse_equations(RIGID_LINK) == (sympy.Eq(a, b), sympy.Eq(*initial_symbols(RIGID_LINK)[1, :2]))
 
 
 @pytest.mark.parametrize("force", FORCES, ids=["free", "forced"])

@@ -1,13 +1,11 @@
 """J in Jordan form with zeros in radicals: the same C J^i B as by long division, in 40 digits at some values of the symbols."""
 
-from __future__ import annotations
-
 import mpmath
 import pytest
 import sympy
 
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
-from tests.exact.symbolic.gallery import MODELS, PRODUCTS, product, s
+from tests.exact.symbolic.gallery import MODELS, PRODUCTS, s
 from tests.exact.symbolic.models import MASSLESS_JOINTS, TWO_MASSES, k, m
 
 DIGITS = 40
@@ -62,13 +60,6 @@ def test_real_block_of_a_double_pair():
     assert J == sympy.Matrix([[0, w, 1, 0], [-w, 0, 0, 1], [0, 0, 0, w], [0, 0, -w, 0]])
 
 
-def test_rational_block_is_the_hypercompanion_matrix():
-    J = PRODUCTS["cubic"].jordan_pairs().finite.J[3:, 3:]
-    companion = sympy.Matrix([[0, 1, 0], [0, 0, 1], [k, 0, 0]])
-    corner = sympy.Matrix(3, 3, lambda i, j: int((i, j) == (2, 0)))
-    assert J == sympy.Matrix(sympy.BlockMatrix([[companion, corner], [sympy.zeros(3), companion]]).as_explicit())
-
-
 def test_one_factor_without_a_closed_form_has_the_state_matrix():
     """[0 I; -A_2^-1 A_0, -A_2^-1 A_1]; its characteristic polynomial is the determinant."""
     A = MODELS["one factor"]
@@ -109,12 +100,6 @@ def test_symbols_are_positive_whether_declared_so_or_not():
         difference = getattr(pair, name).subs(back) - getattr(known, name)
         assert difference.applyfunc(sympy.simplify) == sympy.zeros(*difference.shape)
     assert pair.J.free_symbols == set(back)
-
-
-def test_what_is_not_asked_for_is_not_computed():
-    pairs = product(1, s, s + k).jordan_pairs()
-    pairs.laurent(0)
-    assert "finite" not in vars(pairs) and "structure" not in vars(pairs)
 
 
 @pytest.mark.parametrize("A", [TWO_MASSES, MASSLESS_JOINTS], ids=["two masses", "massless joints"])

@@ -1,7 +1,5 @@
 """Models whose local Smith forms and Taylor coefficients have long units: inverses modulo powers, sums over one denominator."""
 
-from __future__ import annotations
-
 from itertools import islice
 
 import pytest

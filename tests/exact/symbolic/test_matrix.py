@@ -1,7 +1,5 @@
 """SymbolicPolynomialMatrix: shapes, names, values, determinants and numerators."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy
@@ -40,28 +38,6 @@ def test_matrices_may_be_given_in_every_usual_form():
     assert {SymbolicPolynomialMatrix([form]).coefficients for form in forms} == {(sympy.diag(k, 1).as_immutable(),)}
 
 
-def test_attributes():
-    A = SymbolicPolynomialMatrix([[[k]], [[0]], [[m]]], coordinates=["x"], equations=["balance"])
-    assert (A.size, A.degree, A.symbols, A.coordinates, A.equations) == (1, 2, (k, m), ("x",), ("balance",))
-    assert A.variable == s
-    assert repr(A) == "SymbolicPolynomialMatrix(degree=2, size=1, symbols=(k, m))"
-    assert A.dual.coefficients == A.coefficients[::-1]
-    assert A.dual.coordinates == ("x",)
-    assert TWO_MASSES.equations == ("equation 1", "equation 2", "equation 3")
-
-
-def test_names_are_checked():
-    with pytest.raises(mb.InputError, match="coordinates"):
-        SymbolicPolynomialMatrix([[[k]]], coordinates=["x", "y"])
-
-
-@every
-def test_values(A):
-    for at in (0, 0.5, sympy.Symbol("w"), s):
-        expected = sum((M * sympy.nsimplify(at) ** i for i, M in enumerate(A.coefficients)), sympy.zeros(A.size))
-        assert (A(at) - expected).expand() == sympy.zeros(A.size)
-
-
 @every
 def test_determinant_is_that_of_the_values(A):
     """Against elimination-free cofactor expansion of A(s) as expressions."""
@@ -96,11 +72,6 @@ def test_a_singular_matrix_names_equations_and_coordinates():
             ask()
 
 
-def test_a_singular_matrix_of_square_roots():
-    with pytest.raises(mb.SingularPolynomialMatrix, match='"x1", "x2"'):
-        SymbolicPolynomialMatrix([[[sympy.sqrt(2) * k, 2], [k, sympy.sqrt(2)]]]).structure()
-
-
 def test_what_is_singular_for_one_value_of_a_symbol_only_is_regular():
     A = SymbolicPolynomialMatrix([[[1, 1], [1, k]], [[0, 0], [0, 0]]])
     assert A.determinant.as_expr() == k - 1
@@ -126,11 +97,6 @@ def test_numbers_of_a_numerical_matrix_are_the_rationals_they_are():
 def test_only_numerical_matrices_are_taken_as_such(given, name):
     with pytest.raises(mb.InputError, match=f"A: found an object of type {name}; expected a PolynomialMatrix"):
         SymbolicPolynomialMatrix.of(given)
-
-
-@pytest.mark.parametrize("index", [-2, np.int64(-2), sympy.Integer(-2)])
-def test_laurent_takes_every_kind_of_whole_number(index):
-    assert OSCILLATOR.jordan_pairs().laurent(index)[0] == 1 / m
 
 
 @pytest.mark.parametrize("index", [1.0, True, "1", None])

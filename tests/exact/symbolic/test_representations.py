@@ -1,7 +1,5 @@
 """What is printed of results is one short line, whatever is in them."""
 
-from __future__ import annotations
-
 import pytest
 import sympy
 
@@ -27,7 +25,3 @@ def test_long_polynomials_are_shown_by_their_degree():
     A = SymbolicPolynomialMatrix([K + k1 * sympy.eye(2), c * K, m * sympy.eye(2)])
     (divisor,) = [d for d in A.structure().elementary_divisors if len(str(d.polynomial.as_expr())) > 60]
     assert repr(divisor) == "ElementaryDivisor(of degree 4 in s, exponents (1,))"
-
-
-def test_pairs_name_their_matrix():
-    assert repr(RIGID_LINK.jordan_pairs()) == "SymbolicJordanPairs(SymbolicPolynomialMatrix(degree=2, size=3, symbols=()))"

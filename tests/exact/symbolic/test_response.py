@@ -1,7 +1,5 @@
 """The motion in closed form against the papers, mpmath's inversion of X(s), the numeric engine, sympy and rational arithmetic."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import mpmath
@@ -309,17 +307,6 @@ def test_resonance_when_the_frequency_is_the_model_s():
     )
 
 
-def test_resonance_with_a_mode_of_5_1():
-    mode = sympy.sqrt(k / m) * (sympy.sqrt(5) - 1) / 2
-    x = solve_symbolically(TWO_MASSES, None, [F * sympy.cos(mode * t), 0, 0], t)
-    assert any(
-        term.has(t * sympy.sin(sympy.sqrt(k) * t * (sympy.sqrt(5) / 2 - R(1, 2)) / sympy.sqrt(m)))
-        for term in sympy.Add.make_args(x.regular[0])
-    )
-    residual = sum((matrix * x.derivative(i) for i, matrix in enumerate(TWO_MASSES.coefficients)), -x.force)
-    assert all(abs(entry) < 1e-30 for entry in numbers(residual, {**VALUES, t: 2}, 50))
-
-
 def test_without_resonance_the_frequency_is_an_assumption():
     x = solve_symbolically(OSCILLATOR, None, [F * sympy.cos(w * t)], t)
     assert x.assumptions == (k - m * w**2,) or x.assumptions == (-k + m * w**2,)
@@ -336,19 +323,6 @@ def test_a_later_start_is_the_same_motion_later():
     assert numbers(x.regular, {**VALUES, t: 3}) == pytest.approx(numbers(moved, {**VALUES, t: 3}), rel=1e-14)
     assert numbers(x.regular, {**VALUES, t: 1}) == [0, 0, 0]
     assert x.expression.has(sympy.DiracDelta(t - t0, 1))
-
-
-def test_an_impulse_of_the_force_is_a_velocity():
-    answer = solve_symbolically(DAMPED, None, [F * sympy.DiracDelta(t)], t)
-    moving = solve_symbolically(DAMPED, [[0], [F / m]], None, t)
-    assert sympy.simplify(answer.regular[0] - moving.regular[0]) == 0 and list(answer.start) == [0, F / m]
-
-
-def test_linearity_in_values_and_force():
-    x = solve_symbolically(DAMPED, "symbols", [F * sympy.cos(w * t)], t)
-    free, forced = solve_symbolically(DAMPED, "symbols", None, t), solve_symbolically(DAMPED, None, [F * sympy.cos(w * t)], t)
-    values = {**VALUES, **{symbol: i + 2 for i, symbol in enumerate(initial_symbols(DAMPED))}, t: 2}
-    assert numbers(x.regular, values) == pytest.approx(numbers(free.regular + forced.regular, values), rel=1e-14)
 
 
 def test_degenerate_shapes():
@@ -501,14 +475,6 @@ def test_values_put_in_by_solving_again(damping):
     np.testing.assert_allclose(values_of, numeric([0.5, 2.0])[0], rtol=1e-12)
 
 
-def test_values_for_some_symbols_leave_the_others():
-    x = solve_symbolically(MASSLESS_JOINTS, "symbols")
-    found = x.at({k1: 2 * k2, c1: 0.5, initial_symbols(MASSLESS_JOINTS)[0]: -3})
-    assert found.polynomial_matrix.coordinates == ("u1", "u2", "u3") and found.initial[0] == -3
-    assert found.polynomial_matrix.coefficients[0][0, 0] == 3 * k2 and found.polynomial_matrix.coefficients[1][1, 1] == c2 + R(1, 2)
-    assert x.at({}).regular == x.regular
-
-
 @pytest.mark.parametrize(
     ("values", "text"),
     [
@@ -554,27 +520,3 @@ def test_the_sign_of_a_number_with_pi_decides(damping, overdamped):
     assert x.regular[0].has(t * sympy.exp(-sympy.pi * t)) == (overdamped is None)
     numeric = mb.solve(mb.PolynomialMatrix([[[np.pi**2]], [[float(damping)]], [[1]]]), [[1], [2]])
     assert numbers(x.regular, {t: R(4, 5)})[0] == pytest.approx(numeric(0.8)[0], rel=1e-7)
-
-
-def test_numbers_with_pi_and_without_closed_roots_are_decimals():
-    A = SymbolicPolynomialMatrix([[[1]], [[sympy.pi]], [[1]], [[3]]])
-    numeric = mb.solve(mb.PolynomialMatrix([[[1]], [[np.pi]], [[1]], [[3]]]), [[1], [0], [2]])
-    x = solve_symbolically(A, [[1], [0], [2]], time=t)
-    assert numbers(x.regular, {t: 2})[0] == pytest.approx(numeric(2.0)[0], rel=1e-9) and x.assumptions == ()
-
-
-def test_symbols_without_assumptions_read_as_well():
-    """Calculated with positive ones of the same names; the result has the user's."""
-    names = {symbol: sympy.Symbol(symbol.name) for symbol in (m, k, c, w, F)}
-    real = {**names, k: sympy.Symbol("k", real=True)}
-    for own in (names, real):
-        A = SymbolicPolynomialMatrix([matrix.xreplace(own) for matrix in DAMPED.coefficients])
-        wave = F * sympy.cos(w * t) * sympy.Heaviside(t - 2) + sympy.DiracDelta(t)
-        x, known = (solve_symbolically(*each) for each in ((A, "symbols", [wave.xreplace(own)], t), (DAMPED, "symbols", [wave], t)))
-        assert x.regular.free_symbols == {t, *own.values(), *initial_symbols(A)}
-        assert x.start == known.start.xreplace(own) and x.assumptions == tuple(each.xreplace(own) for each in known.assumptions)
-        assert str(x.regular) == str(known.regular)
-        assert x.polynomial_matrix is A and x.force == sympy.Matrix([wave.xreplace(own)])
-        assert str(x.later_impulses) == str(known.later_impulses) and x.impulses == known.impulses
-    plain = SymbolicPolynomialMatrix([[[names[k]]], [[0]], [[names[m]]]])
-    assert str(solve_symbolically(plain, [[1], [0]], time=t).regular[0]) == "cos(sqrt(k)*t/sqrt(m))"

@@ -1,7 +1,5 @@
 """Two unit masses, a spring and a rigid link with its multiplier: an infinite zero of order 2, worked out in rational arithmetic."""
 
-from __future__ import annotations
-
 import sympy
 
 from tests.exact.symbolic.gallery import s

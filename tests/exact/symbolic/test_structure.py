@@ -1,7 +1,5 @@
 """Structures known beforehand, and those of random matrices against minors in rational arithmetic."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import pairwise
 
@@ -13,7 +11,7 @@ from hypothesis import strategies as st
 import mbconstrained as mb
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 from tests.exact.symbolic.gallery import PRODUCTS, from_polynomials, s
-from tests.exact.symbolic.models import STEP_OF_A_DERIVATIVE, k, m
+from tests.exact.symbolic.models import k, m
 from tests.oracles import exact
 
 DIVISORS = {
@@ -52,13 +50,6 @@ def test_zeros_without_a_closed_form_are_elementary_divisors_only():
     structure = PRODUCTS["cubic"].structure()
     assert structure.finite_zeros == ()
     assert [(d.polynomial.as_expr(), d.exponents) for d in structure.elementary_divisors] == [(s**3 - k, (1, 2))]
-
-
-def test_a_derivative_is_an_infinite_zero():
-    structure = STEP_OF_A_DERIVATIVE.structure()
-    assert structure.at_infinity == (1, -1)
-    assert structure.infinite_divisors == (0, 2)
-    assert structure.highest_impulse == 1
 
 
 def test_zeros_that_may_coincide_are_an_assumption():

@@ -1,7 +1,5 @@
 """Variances and spectral moments of close, weakly coupled and lightly damped modes: against the Lyapunov equation in rational arithmetic."""
 
-from __future__ import annotations
-
 import flint
 import numpy as np
 import pytest

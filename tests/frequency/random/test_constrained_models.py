@@ -1,7 +1,5 @@
 """Random constrained models with massless nodes and redundant rows against certified quadrature and exact arithmetic."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from flint import acb, acb_poly, arb, ctx, fmpq, fmpq_mat, fmpq_poly

@@ -1,7 +1,5 @@
 """Covariances after noise is switched on, entry by entry against the exponential of Van Loan (1978) in ball arithmetic of the exact data."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import flint

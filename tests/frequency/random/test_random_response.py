@@ -1,7 +1,5 @@
 """Random responses against certified integrals, closed formulas of textbooks, and published values."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from flint import acb, arb, ctx

@@ -1,7 +1,5 @@
 """Shock response spectra against closed forms with 30 digits, other paths through the package, and limits that are known."""
 
-from __future__ import annotations
-
 import itertools
 
 import mpmath

@@ -1,7 +1,5 @@
 """Sparse models for the tests: chains with ties and massless joints, rings, membranes, random ones."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy.sparse as sp
 

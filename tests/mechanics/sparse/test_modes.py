@@ -31,12 +31,6 @@ def rigid(modes):
     return sum(mode.kind == "rigid body" for mode in modes)
 
 
-def test_one_sparse_matrix_makes_the_system_sparse():
-    assert mb.MechanicalSystem(sp.eye_array(2), stiffness=np.eye(2)).is_sparse
-    assert mb.MechanicalSystem(np.eye(2), None, sp.csr_matrix(np.eye(2))).is_sparse
-    assert not mb.MechanicalSystem(np.eye(2)).is_sparse
-
-
 @pytest.mark.parametrize("n", [1, 2, 3, 10, 60])
 def test_chain_between_walls(n, both_ways):
     """w_i = 2 sin(i pi / (2 (n + 1))) for unit masses and springs (Lagrange)."""
@@ -244,11 +238,6 @@ def test_fewer_modes_than_asked_for(mass, count, both_ways):
     modes = mb.MechanicalSystem(sp.diags_array(mass), stiffness=line(4)).modes(count=9)
     assert len(modes) == count and modes.complete and modes.none_missed and modes.shapes.shape == (4, count)
     assert any("fewer than" in notice.text for notice in modes.notices)
-
-
-def test_table_tells_each_mode():
-    rows = mb.MechanicalSystem(sp.eye_array(2), 0.1 * sp.eye_array(2), line(2)).modes(count=2).table()
-    assert [row["kind"] for row in rows] == ["oscillation"] * 2 and rows[0]["eigenvalue (1/s)"] == "-0.05 ± 0.998749 i"
 
 
 def test_dense_systems_take_a_count_too():

@@ -130,16 +130,6 @@ def test_massless_coordinates_jump_to_their_place():
     assert any(notice.kind == "jump" for notice in motion.notices)
 
 
-def test_some_coordinates_by_name_or_number():
-    names = [f"mass {i}" for i in range(50)]
-    system = mb.MechanicalSystem(sp.eye_array(50), stiffness=line(50), names=names)
-    motion = system.solve({"mass 7": 1.0}, {"mass 3": -1.0}, count=50)
-    whole = motion(TIMES)
-    assert np.allclose(motion.of("mass 7", 2)(TIMES), whole[[7, 2]], rtol=1e-13, atol=1e-15)
-    assert np.allclose(motion.of("mass 3").derivative()(1.0), motion.velocity(1.0)[[3]], rtol=1e-13)
-    assert motion(0.0)[7] == pytest.approx(1.0) and motion.names == system.names == tuple(names)
-
-
 def test_energy_put_in_by_dampers_voids_the_bound():
     motion = mb.MechanicalSystem(sp.eye_array(50), -0.01 * sp.eye_array(50), line(50)).solve({"x3": 1.0}, count=5)
     assert not motion.bounded and any(notice.doubtful for notice in motion.notices)
@@ -231,8 +221,3 @@ def test_a_free_chain_of_any_springs_is_free(n):
     B = sp.diags_array([-np.ones(n - 1), np.ones(n - 1)], offsets=[0, 1], shape=(n - 1, n))
     modes = mb.MechanicalSystem(sp.eye_array(n), None, B.T @ sp.diags_array(springs) @ B).modes(count=2)
     assert [mode.kind for mode in modes] == ["rigid body", "oscillation"]
-
-
-def test_motions_have_a_hash():
-    M, _, K, rows = tied_chain(20)
-    assert len({mb.MechanicalSystem(M, None, K, rows).solve(count=3), dense(M, None, K, rows).solve()}) == 2

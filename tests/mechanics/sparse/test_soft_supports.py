@@ -1,7 +1,5 @@
 """Free structures of sparse matrices on springs and dampers down to rounding errors, against exponentials in ball arithmetic."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.sparse as sp

@@ -1,7 +1,5 @@
 """Frequency responses of sparse systems by few modes: errors against a factorization of the whole matrix are below the bounds."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

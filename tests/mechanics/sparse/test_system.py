@@ -109,11 +109,6 @@ def test_rows_that_say_the_same():
         mb.MechanicalSystem(EYE, constraints=[rows[0], mb.Constraint([2.0, -2, 0], value=1, names="other")])
 
 
-def test_rows_of_zeros():
-    (notice,) = mb.MechanicalSystem(EYE, stiffness=line(3), constraints=sp.csr_array((1, 3))).notices
-    assert "all its coefficients are zero" in notice.text
-
-
 @pytest.mark.parametrize("seed", range(8))
 def test_elimination_gives_the_null_space(seed):
     """A N = 0, A x_held = b, N of full rank with as many columns as A leaves free; rows in chains, reduced by one another."""
@@ -128,17 +123,6 @@ def test_elimination_gives_the_null_space(seed):
     N, rank = found.basis.toarray(), np.linalg.matrix_rank(A)
     assert N.shape == (n, n - rank) and np.linalg.matrix_rank(N) == n - rank and len(found.dependent) == k - rank
     assert np.abs(A @ N).max() < 1e-12 * np.abs(N).max() and np.abs(A @ found.offset - b).max() < 1e-12 * np.abs(found.offset).max()
-
-
-def test_the_words_of_a_system():
-    system = mb.MechanicalSystem(EYE, stiffness=line(3), constraints=sp.csr_array([[1.0, -1, 0]]))
-    assert repr(system) == "MechanicalSystem(3 coordinates, sparse, 1 constraint row at position level)" and system.names == (
-        "x1",
-        "x2",
-        "x3",
-    )
-    assert system.pencil.constraints.names == ("constraint 1",) and system.constraint_matrix.shape == (1, 3)
-    assert system.force.is_zero and system.size == 3
 
 
 def test_constraints_keep_sparse_rows():

@@ -5,7 +5,7 @@ import pytest
 
 from mbconstrained.ground.errors import InputError
 from mbconstrained.page.animation import Animation, key_frames
-from mbconstrained.page.drawing import Drawing, DrawnBody, DrawnLink, Path, Solid, View
+from mbconstrained.page.drawing import Drawing, DrawnBody, DrawnLink, Path, Solid
 from mbconstrained.page.figure import figure_data
 
 
@@ -68,18 +68,6 @@ def test_motion_too_large_to_be_seen_is_refused():
         figure(drawing, ("x",), [[0, 1e200]])
 
 
-@pytest.mark.parametrize("depth, yaw", [(0, 0.26), (1, 0.72), (-1, -0.72)])
-def test_what_stands_behind_is_seen_beside(depth, yaw):
-    # the body on the right is further away: seen from the right it moves out to the right
-    bodies = (DrawnBody("left"), DrawnBody("right", rest=(3, depth, 0)))
-    assert figure(Drawing(bodies))["view"]["yaw"] == pytest.approx(yaw)
-
-
-def test_a_long_chain_is_seen_from_its_side():
-    bodies = tuple(DrawnBody(f"b{i}", rest=(2.0 * i, 0, 0)) for i in range(50))
-    assert figure(Drawing(bodies))["view"]["yaw"] < 0.02
-
-
 def test_an_end_that_is_fixed_in_its_body_turns_with_it():
     path = Path(np.zeros((3, 2)), [[0, 0], [0, 0], [0, 0.5**0.5], [1, 0.5**0.5]])  # a quarter turn about z
     bodies = (DrawnBody("a", "solids", solids=(Solid("sphere", (1,)),), path=path), DrawnBody("b", rest=(0, 3, 0)))
@@ -97,13 +85,6 @@ def test_what_is_flat_is_seen_from_its_broad_side(size, yaw, pitch):
     assert figure(Drawing((DrawnBody("b", "solids", solids=(Solid("box", size),)),)))["view"] == {"yaw": yaw, "pitch": pitch}
 
 
-@pytest.mark.parametrize("solids", [(), (Solid("box", (0, 0, 0)),), (Solid("mesh"),)])
-def test_a_body_that_is_a_point_has_room_around_it(solids):
-    data = figure(Drawing((DrawnBody("b", "solids", rest=(1, 2, 3), solids=solids),)))
-    assert data["unit"] == 1
-    assert data["bounds"] == {"low": [0.5, 1.5, 2.5], "high": [1.5, 2.5, 3.5]}
-
-
 def test_a_path_too_far_away_to_be_seen_is_refused():
     far = Path([[0, 1e15], [0, 0], [0, 0]], np.ones((4, 2)))
     bodies = (DrawnBody("rocket", "solids", solids=(Solid("sphere", (1,)),), path=far),)
@@ -118,7 +99,3 @@ def test_a_turned_drawing_is_bounded_as_it_is_seen():
     assert turned["bounds"]["low"] == pytest.approx([-half, -0.4, -half])
     assert turned["bounds"]["high"] == pytest.approx([reach + half, 0.4, reach + half])
     assert turned["turn"] == pytest.approx([0, -np.sin(np.pi / 8), 0, np.cos(np.pi / 8)])
-
-
-def test_the_view_of_the_drawing_goes_before_the_usual_one():
-    assert figure(Drawing((DrawnBody("a"),), view=View(0.3, 0.2, 1.5)))["view"] == {"yaw": 0.3, "pitch": 0.2, "zoom": 1.5}

@@ -5,7 +5,7 @@ import base64
 import numpy as np
 import pytest
 
-from mbconstrained.page.animation import MOST_FRAMES, MOST_POSES, Animation, key_frames, slopes
+from mbconstrained.page.animation import MOST_FRAMES, Animation, key_frames, slopes
 from mbconstrained.page.drawing import Drawing, DrawnBody, Path
 from mbconstrained.page.figure import figure_data, invisible_errors
 from tests.page.contents import many, two_masses
@@ -61,15 +61,6 @@ def test_what_does_not_move_has_no_key_frames():
     assert (data["rates"][0], unpacked(data["rates"][1], "<f8").tolist()) == (0, [1.0, 1.0])
 
 
-@pytest.mark.parametrize("times", [[0.0, 0.5, 1.0], [0.0, 0.1, 1.0]])
-def test_numbers_keep_all_digits_and_even_times_are_counted(times):
-    values = np.array([[np.pi * 1e-9, -np.e * 1e7, 1e290]])
-    data = key_frames(Animation(EMPTY, ("x",), times, values)).as_data()
-    assert np.array_equal(unpacked(data["values"][0], "<f8"), values[0])
-    even = {"start": 0.0, "end": 1.0, "count": 3}
-    assert data["times"] == even if times[1] == 0.5 else unpacked(data["times"], "<f8").tolist() == times
-
-
 def test_one_time_is_enough():
     frames = key_frames(Animation(EMPTY, ("x",), [2.0], [[7.0]]))
     times = {"start": 2.0, "end": 2.0, "count": 1}
@@ -94,21 +85,6 @@ def test_a_path_that_rests_is_one_pose_and_a_body_without_one_has_none():
     drawing = Drawing((*still_and_moving(5).bodies, DrawnBody("d", "solids", path=resting)))
     paths = key_frames(Animation(drawing, (), np.arange(5.0), np.zeros((0, 5)))).paths
     assert [path and path.count for path in paths] == [5, 1, None, 1]
-
-
-def test_paths_are_thinned_with_the_coordinates():
-    count = 2 * MOST_FRAMES + 7
-    frames = key_frames(Animation(still_and_moving(count), ("x",), np.arange(float(count)), np.zeros((1, count))))
-    assert frames.stride == 3
-    assert np.array_equal(frames.paths[0].positions[0], frames.times)
-
-
-def test_many_moving_bodies_have_fewer_key_frames_each():
-    one = still_and_moving(1001).bodies[0]
-    drawing = Drawing(tuple(DrawnBody(f"b{i}", "solids", path=one.path) for i in range(MOST_POSES // 300)))
-    frames = key_frames(Animation(drawing, (), np.arange(1001.0), np.zeros((0, 1001))))
-    assert len(frames.times) <= 301
-    assert (frames.times[0], frames.times[-1]) == (0, 1000)
 
 
 def test_packed_key_frames_are_the_same_numbers_in_single_precision():
@@ -156,13 +132,3 @@ def test_rates_stay_where_the_page_would_miss_them_and_all_digits_where_they_are
     rates[29] *= 1.5  # as beside a kink
     kinked = key_frames(Animation(drawing, (*names, "told"), times, values, rates)).as_data(errors, paths)
     assert kinked["rates"][28] is None and np.allclose(shown(kinked["rates"][29]), rates[29], atol=1e-4 * rates[29].max())
-
-
-def test_paths_of_many_poses_are_codes_too():
-    count, angles = 4001, np.linspace(0.0, 0.2, 4001)
-    path = Path(np.outer([1, 2, 0.5], np.sin(50 * angles)), np.vstack([np.zeros((2, count)), np.sin(angles), np.cos(angles)]))
-    drawing = Drawing(tuple(DrawnBody(f"b{i}", path=path) for i in range(2)))
-    frames = key_frames(Animation(drawing, (), np.arange(float(count)), np.zeros((0, count))))
-    data = frames.as_data(*invisible_errors(drawing, (), figure_data(drawing, [frames])))["paths"][1]
-    read = np.array(data["low"]) + np.array(data["step"]) * unpacked(data["codes"], "<u2").reshape(count, 7)
-    assert np.abs(read - np.vstack([path.positions, path.quaternions]).T).max() < 4e-5

@@ -7,7 +7,7 @@ from mbconstrained.page.animation import Animation, Arrow, DrawnEvent, ForceArro
 from mbconstrained.page.content import PageContent
 from mbconstrained.page.drawing import Drawing, DrawnBody, Path
 from mbconstrained.page.figure import LONGEST, figure_data, force_scale
-from mbconstrained.page.html import page_html, script_json
+from mbconstrained.page.html import page_html
 
 TIMES = np.array([0.0, 1.0, 2.0])
 BODIES = (DrawnBody("cart", moves={"x": (0, 0, 2)}), DrawnBody("wheel", rest=(3, 0, 0), turns={"w": (0, -1, 0)}))
@@ -100,22 +100,6 @@ def test_a_force_in_the_frame_of_a_body_has_three_rows_and_no_direction():
     assert drawn["rows"] == 3 and drawn["arrows"][0]["direction"] is None and drawn["arrows"][0]["point"] == [0, 2, 0]
     assert drawn["arrows"][0]["length"] == pytest.approx(LONGEST / 3)
     assert "arrows: reactions on hook, longest arrow 3 N" in page_html(PageContent("t", animation=given))
-
-
-def test_the_picture_has_room_for_the_tips_of_all_arrows():
-    hook, values = turning_hook()
-    force = ForceArrows("pin", values, 0 * values, ((Arrow("hook", None, "N", point=(0, 2, 0)), 1.0),))
-    load = DrawnEvent(2.0, ("t",), np.zeros(1), np.zeros(1), (ImpulseArrow(Arrow("hook", (0, 0, -1), "N s"), 7.0, "7 N s"),))
-    given = Animation(Drawing((hook,)), ("x",), TIMES, np.zeros((1, 3)), np.zeros((1, 3)), Overlay((load,), (force,)))
-    bounds, plain = figure(given)["bounds"], figure(Animation(Drawing((hook,)), ("x",), TIMES, np.zeros((1, 3))))["bounds"]
-    assert bounds["low"] == pytest.approx([-LONGEST, -2.0, -LONGEST])  # half way round it is longest, and points back
-    assert bounds["high"] == pytest.approx([2 * LONGEST / 3, 2.0, plain["high"][2]])
-
-
-def test_forces_that_never_act_are_no_trouble():
-    force = ForceArrows("idle", np.zeros(3), np.zeros(3), ((Arrow("cart", (1, 0, 0), "N"), 1.0),))
-    assert force_scale((force,)) == ""
-    assert script_json(figure(animation(forces=(force,)))["overlay"])
 
 
 def test_a_force_along_a_coordinate_acts_on_the_body_that_it_moves_alone():

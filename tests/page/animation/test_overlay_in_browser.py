@@ -1,6 +1,5 @@
 """Overlay in a browser: faint bodies, arrows and lists come and go with the time; a drawing is seen as it asks for."""
 
-import json
 import math
 
 import numpy as np
@@ -96,56 +95,6 @@ def test_an_arrow_of_a_body_that_turns_turns_with_it(browser, tmp_path):
     assert browser.state()["errors"] == []
 
 
-def test_numbers_at_arrows_make_room_for_each_other(browser, tmp_path):
-    bodies = tuple(DrawnBody(name, rest=(0.01 * i, 0, 0), moves={"x": (0, 0, 0.1)}) for i, name in enumerate("abcd"))
-    arrows = tuple((Arrow(name, (0, 0, 1), "N"), 1.0) for name in "abcde")
-    force = ForceArrows("all", 1 + 0 * X, 0 * X, arrows)
-    drawing = Drawing((*bodies, DrawnBody("e", rest=(9, 0, 0))))
-    given = Animation(drawing, ("x",), TIMES, [X], [-np.sin(TIMES)], Overlay((), (force,)))
-    browser.open(write_page(tmp_path / "page.html", PageContent("t", animation=given)))
-    shown, tops = browser.evaluate("""(() => {
-        const labels = [...document.querySelectorAll(".label.force")];
-        return [labels.map((label) => label.style.visibility), labels.map((label) => label.getBoundingClientRect().top)];
-    })()""")
-    assert shown == ["visible"] * 3 + ["hidden", "visible"]  # three lines, and no more
-    assert np.diff(tops[:3]) == pytest.approx([-16, -16], abs=1)
-
-
-def test_a_small_moment_has_an_arc(browser, tmp_path):
-    moments = (Arrow("wheel", (0, -1, 0), "N m", True), 1.0), (Arrow("other", (0, -1, 0), "N m", True), 0.0187)
-    wheels = (DrawnBody("wheel", "disc", turns={"x": (0, -1, 0)}), DrawnBody("other", "disc", rest=(4, 0, 0)))
-    force = ForceArrows("motor", 0.3 + 0 * X, 0 * X, moments)
-    given = Animation(Drawing(wheels), ("x",), TIMES, [X], [-np.sin(TIMES)], Overlay((), (force,)))
-    browser.open(write_page(tmp_path / "page.html", PageContent("t", animation=given)))
-    arcs = browser.evaluate("""[0, 1].map((k) => {
-        const { object } = mbconstrained.viewer.scene_tree.find(["mbconstrained", "overlay", `force 0 ${k}`]);
-        let arc = null;
-        object.traverse((part) => { if (part.geometry?.parameters?.arc) arc = part.geometry.parameters.arc; });
-        return [object.visible, arc];
-    })""")
-    assert arcs == [[True, pytest.approx(1.5 * math.pi)], [True, pytest.approx(math.pi / 6)]]
-    assert browser.evaluate("[...document.querySelectorAll('.label.force')].map((l) => l.textContent)") == [
-        "0.3 N m",
-        "0.00561 N m",
-    ]
-
-
-def test_a_line_over_the_picture_that_breaks_has_room_of_its_own(browser, tmp_path):
-    given = Animation(Drawing((DrawnBody("a", moves={"x": (1, 0, 0)}),), note="long " * 60), ("x",), TIMES, [X], [-np.sin(TIMES)])
-    page = write_page(tmp_path / "page.html", PageContent("t", animation=given))
-    below = """(() => {
-        const [a] = mbconstrained.viewer.scene_tree.find(["mbconstrained", "bodies"]).object.children;
-        const top = a.getWorldPosition(new MeshCat.THREE.Vector3()).project(mbconstrained.viewer.camera).y;
-        const box = document.getElementById("stage").getBoundingClientRect();
-        return box.top + (1 - top) / 2 * box.height - document.querySelector(".magnification").getBoundingClientRect().bottom;
-    })()"""
-    browser.size(390, 800)
-    try:
-        assert browser.open(page).evaluate(below) > 40
-    finally:
-        browser.size(800, 600)
-
-
 def test_a_turned_drawing_moves_the_way_it_was_turned_to(browser, page):
     heights = """(() => {
         const tree = mbconstrained.viewer.scene_tree;
@@ -158,36 +107,3 @@ def test_a_turned_drawing_moves_the_way_it_was_turned_to(browser, page):
     })()"""
     (x, up, _), (x_later, up_later, _) = browser.open(page).evaluate(heights)
     assert (x, x_later) == pytest.approx((0, 0), abs=1e-6) and up - up_later == pytest.approx(2.0, abs=1e-3)
-
-
-def test_the_view_is_the_one_that_is_asked_for(browser, page):
-    eye = "(({ position, zoom }) => [position.x, position.z, zoom])(mbconstrained.viewer.camera)"
-    x, z, zoom = browser.open(page).evaluate(eye)
-    assert abs(x) < 0.01 * z and zoom == 2  # in front, on the axis that comes towards the viewer
-    assert json.loads(browser.evaluate("document.getElementById('motion-data').textContent"))["figure"]["view"]["zoom"] == 2
-
-
-@pytest.mark.long
-def test_names_and_values_are_recorded_in_their_font_and_colour(browser, page):
-    browser.open(page)
-    browser.evaluate("""void (() => {
-        const fill = CanvasRenderingContext2D.prototype.fillText;
-        window.written = {};
-        CanvasRenderingContext2D.prototype.fillText = function (text, ...place) {
-            written[text] = [this.font, this.fillStyle];
-            fill.call(this, text, ...place);
-        };
-    })()""")
-    browser.evaluate("[1, 2].forEach(() => document.getElementById('frames').click())")  # one picture
-    browser.until("document.getElementById('frames').textContent === 'Save frames'")
-    shown = browser.evaluate("""(() => {
-        const pen = document.createElement("canvas").getContext("2d");
-        const labels = [...document.querySelectorAll(".label")].filter((label) => label.textContent && label.style.visibility !== "hidden");
-        return Object.fromEntries(labels.map((label) => {
-            const { font, color } = getComputedStyle(label);
-            Object.assign(pen, { font: font, fillStyle: color });
-            return [label.textContent, [pen.font, pen.fillStyle]];
-        }));
-    })()""")
-    assert {"cart", "5 N", "3 N s"} <= set(shown) and len({color for _, color in shown.values()}) == 3
-    assert {text: browser.evaluate("written")[text] for text in shown} == shown

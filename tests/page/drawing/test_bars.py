@@ -50,20 +50,6 @@ def test_a_bar_stays_on_its_points(points, by_rows):
     assert joined == {body.name for body in drawing.bodies}
 
 
-def test_wheels_are_between_the_body_and_the_ground_and_bars_stand_on_bars():
-    model = mb.LumpedModel()
-    model.rigid_bar("frame", 3.0, inertia=2.0, points={"left": -1.0, "right": 1.0})
-    model.rigid_bar("engine", 1.0, inertia=0.2, points={"rear": -0.5, "front": 0.5})
-    for side, end in (("left", "rear"), ("right", "front")):
-        model.mass(f"{side} wheel", 0.2)
-        model.spring("ground", f"{side} wheel", 9.0), model.spring(f"{side} wheel", side, 2.0), model.spring(side, end, 3.0)
-    drawing = lumped_drawing(model.elements, model.coordinates)
-    heights = {body.name: body.rest[2] for body in drawing.bodies}
-    ground = next(name for name in heights if name.startswith("ground"))
-    order = [ground, "left wheel", "left", "frame", "rear", "engine"]
-    assert [heights[name] for name in order] == sorted(heights[name] for name in order) and not drawing.note
-
-
 def shaft(*, common=False) -> mb.LumpedModel:
     """Two rotors in two bearings with a disc that does not tilt between them; on request with the bearings in one housing."""
     model = mb.LumpedModel()
@@ -108,8 +94,3 @@ def test_a_rotor_is_one_shaft_that_stays_on_its_points_in_both_planes(common):
     )
     grounds = np.array([body.rest for body in drawing.bodies if body.shape == "ground"]) - rotor.rest
     assert ((grounds[:, 1] > 1) != (grounds[:, 2] < -1)).all() and len(grounds) == 2 * (1 if common else 2)
-
-
-def test_only_one_of_the_two_places_of_a_rotors_point_has_its_name():
-    labels = [body.label for body in lumped_drawing(shaft().elements, shaft().coordinates).bodies if body.label]
-    assert sorted(labels) == ["compressor", "disc", "inner", "left", "near", "right", "turbine"]

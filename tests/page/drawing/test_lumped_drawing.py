@@ -8,11 +8,8 @@ import pytest
 from mbconstrained.models.lumped import LumpedModel
 from mbconstrained.page.animation import Animation, key_frames
 from mbconstrained.page.automatic_drawing import coordinate_drawing, lumped_drawing
-from mbconstrained.page.content import PageContent
 from mbconstrained.page.drawing import quaternions_of, rotated
-from mbconstrained.page.figure import figure_data
-from mbconstrained.page.html import page_html
-from mbconstrained.page.layout import groups, joints_of, natural_positions, turn_to, walk
+from mbconstrained.page.layout import turn_to
 from tests.page.contents import positions
 from tests.page.models import gallery
 
@@ -52,28 +49,6 @@ def test_a_chain_stands_in_its_order_with_room_between(count):
     assert sum(body.shape == "ground" for body in drawing.bodies) == 1
 
 
-def test_a_long_chain_is_folded_into_rows_each_going_on_where_the_one_before_ends():
-    drawing = lumped_drawing(chain(200, both_ends=True).elements, [f"m{i}" for i in range(200)])
-    at = places(drawing)
-    rows = sorted({at[f"m{i}"][2] for i in range(200)}, reverse=True)
-    assert 8 <= len(rows) <= 14 and np.ptp(rows) * 1.2 < max(place[0] for place in at.values()) < np.ptp(rows) * 4
-    assert [at[f"m{i}"][2] for i in range(200)] == sorted((at[f"m{i}"][2] for i in range(200)), reverse=True)
-    marks = [body for body in drawing.bodies if body.shape == "mark"]
-    assert len(marks) == len(rows) - 1
-    for mark in marks:
-        (name,) = mark.moves
-        assert mark.label == name and mark.moves == {name: (1.0, 0.0, 0.0)} and at[mark.name][2] > at[name][2]
-        (link,) = (link for link in drawing.links if link.end == mark.name)
-        assert at[link.start][2] == at[mark.name][2] and 1.0 < at[mark.name][0] - at[link.start][0] < 3.0
-    assert len(drawing.links) == 201 and {*coordinates_of(drawing)} == {f"m{i}" for i in range(200)}
-
-
-def test_a_chain_whose_links_cross_is_not_folded():
-    model = chain(30)
-    model.spring("m0", "m29", 1.0)
-    assert len({body.rest[2] for body in lumped_drawing(model.elements, model.coordinates).bodies}) == 1
-
-
 TURNS = (((0, 0, 3), None), ((1, 2, 0), None), ((-1, 0, 0), None), (None, (1, 0, 0)), ((0, 1, 0), (1, 0, 0)), (None, (0, 1, 1e-9)))
 
 
@@ -83,21 +58,6 @@ def test_a_drawing_is_turned_so_that_it_moves_and_turns_as_asked(along, about):
     moved, axis = rotated(turn, np.array([[1.0, 0, 0], [0, -1, 0]]).T)[:, :, 0].T
     for found, wanted in ((moved, along), (axis, about)):
         assert wanted is None or found == pytest.approx(np.array(wanted) / np.linalg.norm(wanted), abs=1e-9)
-
-
-def test_magnifications_are_those_that_are_asked_for():
-    model = chain(2)
-    drawing = lumped_drawing(model.elements, model.coordinates, [0.01, 0.02], scale=1.0)
-    assert drawing.scale == 1.0 and lumped_drawing(model.elements, model.coordinates, [0.01, 0.02]).scale > 10
-    drawing = coordinate_drawing(["x", "q"], [0.01, 0.01], ["m", "rad"], scale=2.0, turn_scale=3.0)
-    assert (drawing.scale, drawing.turn_scale) == (2.0, 3.0)
-
-
-def test_a_chain_tied_at_both_ends_has_two_walls():
-    drawing = lumped_drawing(chain(4, both_ends=True).elements, [f"m{i}" for i in range(4)])
-    walls = sorted(body.rest[0] for body in drawing.bodies if body.shape == "ground")
-    assert len(walls) == 2
-    assert walls[0] < places(drawing)["m0"][0] and walls[1] > places(drawing)["m3"][0]
 
 
 @models
@@ -134,14 +94,6 @@ def test_bodies_do_not_run_into_each_other(animation):
     for (one, a), (other, b) in combinations(zip(bodies, tracks), 2):
         room = (np.array(one.size) + np.array(other.size))[:, None] / 2
         assert (np.abs(a - b) >= room - 1e-9).any(axis=0).all(), (one.name, other.name)
-
-
-@models
-def test_links_keep_a_length(animation):
-    figure = figure_data(
-        animation.drawing, [key_frames(Animation(animation.drawing, animation.names, animation.times, animation.values))]
-    )
-    assert all(link["shortest"] > 0.1 for link in figure["links"])
 
 
 def test_a_spring_is_drawn_longer_by_as_much_as_it_is_stretched():
@@ -189,25 +141,6 @@ def test_a_body_is_drawn_where_the_model_puts_it_in_line():
     assert x["left"][0] < x["middle"][0] < x["right"][0]
 
 
-def test_separate_models_stand_below_each_other():
-    model = LumpedModel()
-    for name in ("a", "b"):
-        model.mass(name, 1.0)
-        model.spring("ground", name, 1.0)
-    x = places(lumped_drawing(model.elements, model.coordinates))
-    assert x["a"][0] == x["b"][0]
-    assert x["a"][2] - x["b"][2] > 0.8
-
-
-def test_a_relation_that_is_a_difference_is_a_rod():
-    model = LumpedModel()
-    for name in ("q1", "cart"):
-        model.mass(name, 1.0)
-    model.constrain({"cart": -1, "q1": 1}, value=0.2, name="rod")
-    link = lumped_drawing(model.elements, model.coordinates).links[0]
-    assert (link.kind, link.start, link.end) == ("rod", "cart", "q1")
-
-
 def test_a_relation_between_an_angle_and_a_place_is_told():
     model = LumpedModel()
     model.mass("cart", 1.0)
@@ -226,70 +159,7 @@ def test_a_lever_turns_about_its_pivot():
         assert np.cross(ends[0] - pivot, ends[1] - pivot) == pytest.approx(np.zeros(3))
 
 
-def test_what_hangs_on_a_rope_moves_upwards():
-    drawing = GALLERY["ropes"].drawing
-    for body in drawing.bodies:
-        for coordinate in set(body.moves) & {"a", "b", "c", "d", "carrier"}:
-            assert body.moves[coordinate] == (0, 0, 1), body.name
-    place = places(drawing)
-    assert place["carrier"][2] > place["wheel of pulley c-d"][2] > place["c"][2]
-
-
-def test_known_by_equations_only_places_slide_and_angles_turn():
-    drawing = coordinate_drawing(["x", "f", "q"], np.array([[0.01], [1e9], [0.007]]), ["m", "N", "rad"])
-    assert [(body.name, body.shape) for body in drawing.bodies] == [("rail of x", "rail"), ("x", "box"), ("q", "disc")]
-    assert drawing.bodies[2].turns and not drawing.bodies[2].moves
-    assert (drawing.scale, drawing.turn_scale) == (200.0, 100.0)  # 2.4 / 0.01 and 0.7 / 0.007, rounded down
-    assert drawing.note == "not drawn, neither displacement nor angle: f"
-
-
-def test_angles_alone_are_told_as_angles():
-    names, values = ("q",), np.array([[0.0, 0.007]])
-    animation = Animation(coordinate_drawing(names, values, ("rad",)), names, [0, 1], values)
-    page = page_html(PageContent("wheel", animation=animation))
-    assert '<p class="magnification">angles drawn 100 × as large</p>' in page
-
-
 @pytest.mark.parametrize("units", [("N",), ("1",), ()])
 def test_nothing_is_drawn_of_what_has_no_place(units):
     drawing = coordinate_drawing(("f",)[: len(units)], None, units)
     assert (drawing.bodies, drawing.scale, drawing.turn_scale) == ((), 1.0, 1.0)
-
-
-@pytest.mark.parametrize("count", [1, 7, 50])
-def test_coordinates_have_a_rail_each(count):
-    names = [f"q{i}" for i in range(count)]
-    drawing = coordinate_drawing(names, np.ones(count))
-    boxes = [body for body in drawing.bodies if body.shape == "box"]
-    assert [box.name for box in boxes] == names
-    assert len({box.rest for box in boxes}) == count
-    width = np.ptp([box.rest[0] for box in boxes]) + 5
-    height = np.ptp([box.rest[2] for box in boxes]) + 1
-    assert width > 0.5 * height  # no tower
-
-
-def test_groups_are_connected_and_the_ground_connects_nothing():
-    pairs = [frozenset(pair) for pair in (("a", "c"), ("ground", "a"), ("ground", "b"), ("d", "c"))]
-    assert groups("abcd", pairs) == [["a", "c", "d"], ["b"]]
-
-
-def test_a_walk_goes_along_a_path_from_the_grounded_end():
-    model = LumpedModel()
-    for name in ("c", "a", "b"):
-        model.mass(name, 1.0)
-    model.spring("b", "c", 1.0)
-    model.spring("a", "b", 1.0)
-    model.spring("ground", "a", 1.0)
-    assert walk(["c", "a", "b"], joints_of(model.elements)) == ["a", "b", "c"]
-    assert walk(["c", "a", "b"], joints_of(model.elements), "c") == ["c", "b", "a"]
-
-
-def test_natural_positions_add_up_lengths_in_both_directions():
-    model = LumpedModel()
-    for name in ("a", "b", "alone", "mate"):
-        model.mass(name, 1.0)
-    model.spring("ground", "a", 1.0, rest_length=2.0)
-    model.rigid_tie("b", "a", distance=0.5)
-    model.spring("alone", "mate", 1.0, rest_length=3.0)
-    natural = natural_positions(model.coordinates, joints_of(model.elements))
-    assert natural == {"a": 2.0, "b": 1.5, "alone": 0.0, "mate": 3.0}

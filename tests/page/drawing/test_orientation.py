@@ -5,7 +5,7 @@ import pytest
 
 from mbconstrained.models.lumped import LumpedModel
 from mbconstrained.page.animation import Animation, body_poses, key_frames
-from mbconstrained.page.automatic_drawing import coordinate_drawing, lumped_drawing
+from mbconstrained.page.automatic_drawing import lumped_drawing
 from mbconstrained.page.content import PageContent
 from mbconstrained.page.drawing import quaternions_of, rotated
 from mbconstrained.page.html import write_page
@@ -53,17 +53,6 @@ def test_bodies_go_ways_of_their_own_and_what_holds_them_is_turned_with_them():
     assert {link.name: any(link.turn) for link in drawing.links} == {"ka": False, "kb": False, "kc": True, "kw": True}
 
 
-def test_it_is_told_which_elements_join_bodies_of_different_directions():
-    model = mixed()
-    note = lumped_drawing(model.elements, model.coordinates, directions=WAYS).note
-    assert note == "kb joins bodies of different directions: not drawn to scale"
-    turned_round = lumped_drawing(model.elements, model.coordinates, directions={"b": (-1.0, 0.0, 0.0)}).note
-    assert turned_round == note  # the drawn length changes by the sum of the displacements
-    same = {"a": (0.0, 0.0, 2.0), "b": (0.0, 0.0, 1.0)}
-    assert lumped_drawing(model.elements, model.coordinates).note == ""
-    assert lumped_drawing(model.elements, model.coordinates, directions=same).note == ""
-
-
 def inverse(quaternion):
     return quaternion * np.array([[-1.0], [-1.0], [-1.0], [1.0]])
 
@@ -79,15 +68,6 @@ def test_a_body_rests_at_its_natural_place_whichever_way_it_goes():
         wall, lift = drawing.bodies
         ends.append(np.linalg.norm(positions(drawing, lift, ["lift"], values) - np.array(wall.rest)[:, None], axis=0))
     assert ends[1] == pytest.approx(ends[0])
-
-
-def test_coordinates_that_go_another_way_stand_beside_the_others():
-    names = ["x", "y", "q"]
-    drawing = coordinate_drawing(names, units=["m", "m", "rad"], directions={"y": (0, 1, 0), "q": (0, 0, 2)})
-    bodies = {body.name: body for body in drawing.bodies}
-    assert (bodies["y"].moves["y"], bodies["q"].turns["q"]) == (pytest.approx((0, 1, 0)), pytest.approx((0, 0, 1)))
-    assert bodies["x"].rest[0] < bodies["y"].rest[0] < bodies["q"].rest[0]
-    assert np.subtract(bodies["rail of y"].rest, bodies["y"].rest) == pytest.approx((0, 0, -0.24))  # still below its box
 
 
 @needs_chromium

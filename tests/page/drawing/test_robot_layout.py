@@ -6,7 +6,7 @@ import pytest
 from mbconstrained.page.animation import Animation, key_frames
 from mbconstrained.page.drawing import Path
 from mbconstrained.page.figure import figure_data
-from mbconstrained.scene.run.drawing import BASE_PLATE, MOST_TRIANGLES, PAD, robot_drawing, simplified, solids_of
+from mbconstrained.scene.run.drawing import MOST_TRIANGLES, PAD, robot_drawing, simplified, solids_of
 from tests.page.robots import Seen, Tie, four_bar, turned
 
 TIMES = np.linspace(0, 6, 121)
@@ -67,66 +67,10 @@ def test_a_spring_and_a_damper_between_the_same_points_are_a_strut():
     assert [link.kind for link in drawing.links] == ["strut", "damper"]
 
 
-def test_a_link_without_a_shape_is_a_ball_where_something_is_tied_to_it_or_nothing_has_a_shape():
-    poses = {"a": REST, "b": Path([[1], [0], [0]], [[0], [0], [0], [1]]), "c": REST}
-
-    def count(drawing):
-        return [len(body.solids) for body in drawing.bodies[:3]]
-
-    assert count(robot_drawing({}, poses)) == [1, 1, 1]
-    assert count(
-        robot_drawing(solids_of([Seen("a", "sphere", (1,))]), poses, [Tie("l", "loop", "a", (0, 0, 0), "b", (0, 0, 0))])
-    ) == [
-        1,
-        1,
-        0,
-    ]
-
-
-def test_points_on_the_ground_stand_on_plates_and_a_free_robot_has_none_at_its_root():
-    names = [body.name for body in four_bar(TIMES).drawing.bodies]
-    assert names == ["crank", "coupler", "rocker", BASE_PLATE, " plate 1", "ground"]
-    assert BASE_PLATE not in [body.name for body in four_bar(TIMES, fixed=False).drawing.bodies]
-
-
-@pytest.mark.parametrize("z, below", [(1.0, True), (-1.0, False)])
-def test_the_plate_is_under_a_robot_that_stands_and_over_one_that_hangs(z, below):
-    poses = {"root": REST, "b": Path([[0], [0], [z]], [[0], [0], [0], [1]])}
-    plate = plate_of(robot_drawing(solids_of([Seen("root", "box", (1, 0.5, 0.2))]), poses))
-    assert plate.rest[2] == pytest.approx((-1 if below else 1) * (0.1 + plate.size[2] / 2))
-    assert (plate.size[0] > 1) is below  # it does not hide a root that hangs from it
-
-
-def test_the_plate_is_at_the_origin_where_the_first_link_moves():
-    plate = plate_of(four_bar(TIMES).drawing)
-    assert plate.rest[:2] == (0, 0) and plate.rest[2] == pytest.approx(-plate.size[2] / 2)
-
-
-def plate_of(drawing):
-    return next(body for body in drawing.bodies if body.name == BASE_PLATE)
-
-
-def test_a_link_that_is_not_drawn_has_no_name_in_the_picture():
-    drawing = robot_drawing(solids_of([Seen("a", "sphere", (1,))]), {"a": REST, "frame": REST})
-    assert [body.label for body in drawing.bodies[:2]] == ["a", ""]
-
-
 def test_no_links_at_all_is_a_drawing():
     drawing = robot_drawing({}, {})
     data = figure_data(drawing, [key_frames(Animation(drawing, (), [0.0], np.zeros((0, 1))))])
     assert data["unit"] > 0
-
-
-def test_colours_are_those_of_the_robot_or_differ():
-    poses = dict.fromkeys("abc", REST)
-    seen = [Seen("a", "sphere", (1,)), Seen("b", "sphere", (1,)), Seen("c", "sphere", (1,), color=(1.0, 0.5, 0, 0.25))]
-    drawing = robot_drawing(solids_of(seen), poses)
-    parts = [
-        body["solids"][0]
-        for body in figure_data(drawing, [key_frames(Animation(drawing, (), [0.0], np.zeros((0, 1))))])["bodies"][:3]
-    ]
-    assert len({part["color"] for part in parts}) == 3
-    assert (parts[2]["color"], parts[2]["opacity"]) == ("#ff8000", 0.25)
 
 
 @pytest.mark.parametrize(("height", "side"), [(0.5, -1), (-0.5, 1)])

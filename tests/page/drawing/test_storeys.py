@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.page.automatic_drawing import coordinate_drawing, lumped_drawing
+from mbconstrained.page.automatic_drawing import lumped_drawing
 from tests.scene.scenes import scene_of
 
 NAMES = ["floor 1", "floor 2", "roof"]
@@ -37,22 +37,6 @@ def test_storeys_are_known_by_their_names_and_move_sideways():
             body = next(body for body in drawing.bodies if body.name == end)
             assert abs(point[0]) < body.size[0] / 2 and point[2] == pytest.approx(face * body.size[2] / 2)
     assert not drawing.note
-
-
-def test_any_row_stands_on_request_and_storeys_lie_on_request():
-    names = ["a", "b", "c"]
-    lying = lumped_drawing(building(names).elements, names)
-    standing = lumped_drawing(building(names).elements, names, stack="vertical")
-    assert len({heights(lying)[name] for name in names}) == 1 and len({heights(standing)[name] for name in names}) == 3
-    storeys = lumped_drawing(building().elements, NAMES, stack="horizontal")
-    assert len({heights(storeys)[name] for name in NAMES}) == 1
-
-
-def test_coordinates_of_matrices_stand_too():
-    drawing = coordinate_drawing([*NAMES, "crank"], None, ["m"] * 3 + ["rad"])
-    assert heights(drawing)["floor 1"] < heights(drawing)["floor 2"] < heights(drawing)["roof"]
-    assert len(drawing.links) == 6 and {body.shape for body in drawing.bodies} == {"base", "box", "disc"}
-    assert {body.shape for body in coordinate_drawing(NAMES, stack="horizontal").bodies} == {"rail", "box"}
 
 
 def test_a_scene_requests_it(tmp_path):

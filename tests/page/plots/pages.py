@@ -1,7 +1,5 @@
 """What a page reads, re-implemented: functions from its data, their values and the texts next to the names."""
 
-from __future__ import annotations
-
 import base64
 import json
 import math

@@ -9,8 +9,8 @@ from PIL import Image
 
 from mbconstrained.page.content import Curve, Plot
 from mbconstrained.page.figure import PALETTE
-from mbconstrained.page.plots import plot_image, plot_images
-from tests.page.contents import HOSTILE, phase_plane
+from mbconstrained.page.plots import plot_image
+from tests.page.contents import HOSTILE
 
 TIMES = np.linspace(0, 2, 50)
 
@@ -39,11 +39,6 @@ def test_the_png_is_a_picture_with_the_curve_in_it():
     assert (np.asarray(picture) == blue).all(axis=2).sum() > 500
 
 
-def test_a_phase_plane_has_both_quantities_on_its_axes():
-    plane = phase_plane("phase plane of x", "x", TIMES, np.cos(TIMES), -np.sin(TIMES))
-    assert {"phase plane of x", "displacement in m", "velocity in m/s"} <= set(texts(rendered(plane)))
-
-
 @pytest.mark.parametrize("count", [1, 9, 30])
 def test_every_name_fits_and_more_curves_than_the_page_shows_are_told(count):
     plot = Plot("many", "N", TIMES, tuple(Curve(f"force of rod {i}", np.sin(TIMES + i)) for i in range(count)))
@@ -56,11 +51,3 @@ def test_names_of_the_user_are_texts_and_nothing_else():
     svg = rendered(Plot(HOSTILE, HOSTILE, TIMES[:1], (Curve(HOSTILE + "$x^2$" * 20, TIMES[:1]),)))
     assert b"<script" not in svg and b"<img" not in svg
     assert any(text.startswith("</script><script>alert(1)") for text in texts(svg))
-
-
-def test_plots_have_different_names_and_those_without_curves_none():
-    plots = [
-        Plot(title, unit, TIMES[:1], (Curve("a", TIMES[:1]),) * some)
-        for title, unit, some in (("angle", "rad", 1), ("angle", "", 1), ("../x y", "", 1), ("e", "", 0))
-    ]
-    assert list(plot_images(plots)) == ["angle", "angle-2", "x-y"]

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mbconstrained.analyses.motion_plots import plots_of
 from mbconstrained.page.content import Curve, PageContent, Plot, TimeFunctions
-from mbconstrained.page.html import page_html, write_page
+from mbconstrained.page.html import write_page
 from mbconstrained.page.plots import PlotFunctions
 from mbconstrained.page.readings import BOUNDS, FEW_BREAKS, interpolation, linear_readings, readings_of
 from mbconstrained.scene.run.scene import read_scene
@@ -164,10 +164,3 @@ def test_powers_of_ten_and_units_are_written_out(browser, tmp_path):
     small, decaying, tiny, large = (row[0] for row in browser.evaluate(TEXTS)[:4])
     assert small.endswith("J") and "·10" not in small
     assert tiny.endswith("·10⁻⁶ J") and large.endswith(" J") and len(decaying) < 16
-
-
-def test_the_size_of_the_data_of_a_page_is_a_few_kilobytes():
-    times = np.linspace(0.0, 10.0, 2001)
-    with_functions = len(page_html(PageContent("t", plots=wave_plots(times))))
-    without = tuple(Plot(p.title, p.unit, times, tuple(Curve(c.name, c.values) for c in p.curves)) for p in wave_plots(times)[:4])
-    assert with_functions < len(page_html(PageContent("t", plots=without)))

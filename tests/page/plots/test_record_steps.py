@@ -105,18 +105,6 @@ def test_readings_under_a_record_are_those_of_the_solver_with_three_digits(table
     assert len(json.dumps(functions.as_data())) < 80_000
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("table", ["force", "motion"])
-def test_a_page_with_a_record_of_a_hundred_thousand_samples_stays_small(table, tmp_path):
-    result = scene_with_record(tmp_path, 100_000, table).run()
-    plots = plots_of(result)
-    times = np.sort(np.random.default_rng(2).uniform(*plots[0].times[[0, -1]], 200))
-    wrong, few, _ = readings_against_the_solver(plots, times)
-    assert wrong == 0
-    assert few < 0.01
-    assert result.write_page(tmp_path / "page.html").stat().st_size < 6_000_000
-
-
 def motion_under(times, record):
     system = mb.MechanicalSystem(mass=[[2.0]], damping=[[0.4]], stiffness=[[300.0]])
     motion = system.solve(force=mb.sampled(times, record))

@@ -1,7 +1,5 @@
 """Constructed crossings and veerings: families of which every branch is known in closed form keep each branch in its column."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

@@ -1,7 +1,5 @@
 """Break points in closed form and against exact discriminants; crossings and near coalescences are none."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mbconstrained.ground.errors import SceneError
-from tests.scene.scenes import COEFFICIENTS, EXAMPLES, MATRICES, OSCILLATOR, scene_of
+from tests.scene.scenes import EXAMPLES, scene_of
 
 THREE = """
 [model]
@@ -42,10 +42,6 @@ def test_nothing_given_is_the_state_that_the_rows_demand(tmp_path):
     assert start(tmp_path, row("a = 2", value=6), "")[0] == pytest.approx([3, 0, 0, 0])
 
 
-def test_where_0_does_0_it_is(tmp_path):
-    assert not start(tmp_path, row("a = 1, b = 1, c = 1"), "").any()
-
-
 def test_rows_of_velocity_level_are_followed_by_velocities_alone(tmp_path):
     found = start(tmp_path, row("a = 1, b = -1", "velocity", 4), "displacement = { a = 1 }\nvelocity = { b = 1 }")
     assert found == pytest.approx(np.array([[1, 0, 0, 0], [5, 1, 0, 0]]))
@@ -80,15 +76,6 @@ def test_units_do_not_matter(tmp_path, scale):
 def test_message(tmp_path, rows, text, message):
     with pytest.raises(SceneError, match=message):
         scene_of(tmp_path, THREE.replace("ROWS", rows).replace("START", text))
-
-
-@pytest.mark.parametrize(
-    "base", [OSCILLATOR.replace("[initial]", "[initial]\nfollow = true"), COEFFICIENTS + "[initial]\nfollow = true\n"]
-)
-def test_without_rows_there_is_nothing_to_follow(tmp_path, base):
-    with pytest.raises(SceneError, match=r"initial\.follow: "):
-        scene_of(tmp_path, base)
-    assert scene_of(tmp_path, MATRICES + "[initial]\nfollow = false\n").run().is_trusted
 
 
 LINKAGE = """

@@ -1,8 +1,5 @@
 """Scenes of kinds "transfer-function" and "state-space": what they ask for, what is written, what is refused."""
 
-import csv
-import json
-
 import numpy as np
 import pytest
 
@@ -72,11 +69,6 @@ def test_gamma_is_the_input(tmp_path, gamma):
     assert np.array_equal(result.values, expected(result.times))
 
 
-def test_gamma_and_forces_add(tmp_path):
-    result = scene_of(tmp_path, FRACTION.replace("units =", "gamma = 1\nunits =")).run()
-    assert result.values[0] == pytest.approx(1.5 * lag(result.times), abs=1e-15)
-
-
 def test_values_of_the_output_before_zero(tmp_path):
     # y'' + 3 y' + 2 y = 0 from y = 0.2, y' = -0.2: 0.2 e^-t; with u' in the numerator a step makes y' jump by b_1/a_2
     free = (
@@ -104,12 +96,6 @@ def test_as_many_zeros_as_poles_and_more(tmp_path):
     motion = scene_of(tmp_path, text).run().motion
     assert [impulse.tolist() for impulse in motion.impulses] == [[0.5]]
     assert motion([0.0, 1.0])[0] == pytest.approx([-0.5, -0.5 * np.exp(-1)], abs=1e-15)
-
-
-def test_a_constant_gain(tmp_path):
-    result = scene_of(tmp_path, FRACTION.replace("[1, 3, 2]", "[4]")).run()
-    assert result.values[0] == pytest.approx(np.full(5, 0.25), rel=1e-15)
-    assert "none: the model is static" in result.summary()
 
 
 def test_a_state_space_from_a_state(tmp_path):
@@ -159,60 +145,9 @@ def test_a_descriptor_in_files(tmp_path):
     assert result.motion.jump[0] == pytest.approx([0, -4, 0])
 
 
-def test_only_outputs_are_plotted_and_nothing_is_animated(tmp_path):
-    result = scene_of(tmp_path, STATES).run(tmp_path / "out")
-    content = result.page()
-    assert content.animation is None and [(plot.title, plot.unit) for plot in content.plots] == [("output", "m")]
-    assert (tmp_path / "out" / "scene.html").exists()
-    with open(tmp_path / "out" / "scene.csv", encoding="utf-8", newline="") as file:
-        assert next(csv.reader(file)) == ["time (s)", "x1 displacement (m)", "x2 value (1)", "y1 displacement (m)"]
-    with np.load(tmp_path / "out" / "scene.npz") as found:
-        assert found["outputs"].tolist() == ["y1"] and found["displacement"].shape == (3, 5)
-
-
-def test_a_drawing_makes_an_animation(tmp_path):
-    drawing = '[[drawing.body]]\nname = "cart"\nshape = "box"\nmoves = { x1 = [1, 0, 0] }\n'
-    assert scene_of(tmp_path, STATES + drawing).run().page().animation is not None
-
-
-def test_without_outputs_the_states_are_plotted(tmp_path):
-    text = STATES.replace("C = [[1, 0]]\n", "").replace('y1 = "m", ', "")
-    content = scene_of(tmp_path, text).run().page()
-    assert [(plot.title, plot.unit) for plot in content.plots] == [("displacement", "m"), ("value", "")]
-
-
-def test_the_plan_says_what_is_done(tmp_path):
-    stages = {stage.name: stage for stage in scene_of(tmp_path, STATES).plan().stages}
-    assert stages["assemble the model"].reason == "2 states, 1 input, 1 output"
-    assert not stages["mechanical normal form"].needed and stages["outputs"].needed
-    assert not stages["animation"].needed and "[drawing]" in stages["animation"].reason
-    made = {
-        stage.name: stage for stage in scene_of(tmp_path, STATES.replace("units =", "normal_form = true\nunits =")).plan().stages
-    }
-    assert made["mechanical normal form"].needed and made["animation"].needed and made["modes"].needed
-    assert made["mechanical normal form"].seconds >= 0
-    fraction = {stage.name: stage for stage in scene_of(tmp_path, FRACTION).plan().stages}
-    assert fraction["assemble the model"].reason == "numerator of degree 0, denominator of degree 2"
-    assert "mechanical normal form" not in fraction
-
-
-def test_the_zeros_of_the_equations_are_called_poles(tmp_path):
-    result = scene_of(tmp_path, FRACTION).run()
-    assert "Poles\n  no.  pole (1/s)" in result.summary() and "Zeros" not in result.summary()
-    data = json.loads(json.dumps(result.to_dict(), allow_nan=False))
-    assert data["transfer_functions"] == [
-        {"input": "u", "output": "y", "dc_gain": 1.0, "zeros": [], "poles": [[-1, 0], [pytest.approx(-2), 0]], "gain": 2.0}
-    ]
-    assert data["inputs"] == [{"name": "u", "unit": "V"}]
-
-
 def test_a_common_factor_is_told(tmp_path):
     result = scene_of(tmp_path, FRACTION.replace("[2]", "[2, 2]")).run()
     assert any("common factor s + 1" in notice.text for notice in result.notices)
-
-
-def test_no_dc_gain_with_a_pole_at_zero(tmp_path):
-    assert "none: a pole at 0" in scene_of(tmp_path, FRACTION.replace("[1, 3, 2]", "[1, 3, 0]")).run().summary()
 
 
 def test_zeros_of_many_states_are_not_looked_for(tmp_path):

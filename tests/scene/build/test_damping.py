@@ -42,11 +42,6 @@ def test_a_formula_has_the_factors_of_rayleigh_damping_as_symbols(tmp_path):
     assert "exp(-0.2 t)" in written(formula_of(read, numbers=True), "text", 6)
 
 
-def test_modal_damping_has_no_formula(tmp_path):
-    with pytest.raises(SceneError, match=r"output.formula: there is no formula with symbols for modal damping"):
-        scene_of(tmp_path, OSCILLATOR.replace('"lumped"', '"lumped"\nmodal_damping = 0.1') + "\n[output]\nformula = true\n")
-
-
 @pytest.mark.parametrize(
     ("damping", "message"),
     [

@@ -39,11 +39,6 @@ def test_a_force_is_the_function_that_its_table_says(tmp_path, entry, function):
     assert force(tmp_path, entry)(T) == pytest.approx(np.array([function(T), 0 * T]), rel=1e-14, abs=1e-14)
 
 
-def test_an_impulse_may_come_later(tmp_path):
-    (load,) = force(tmp_path, 'kind = "impulse"\nvalue = "3 N*s"\ndelay = "2 s"').later
-    assert load.time == 2.0 and [g.tolist() for g in load.impulses] == [[3.0, 0.0]]
-
-
 @pytest.mark.parametrize(
     ("name", "column", "scale"), [("record.csv", "", 1.0), ("data/record.csv", "column = 3", 10.0), ("record.npz", "", 1.0)]
 )
@@ -130,12 +125,6 @@ def test_what_happens_later_has_a_table_and_one_sentence(tmp_path):
     assert "At t = 0 there" not in summary
 
 
-def test_the_page_shows_them(tmp_path):
-    content = events_scene(tmp_path).page()
-    (table,) = [table for table in content.tables if table.title == "Jumps and impulses after t = 0"]
-    assert table.rows[1] == ("0.5 s", "b", "velocity jumps", "0 m/s", "3 m/s", "3 m/s")
-
-
 def test_programs_get_all_of_them(tmp_path):
     result = events_scene(tmp_path)
     data = json.loads(json.dumps(result.to_dict()))
@@ -179,11 +168,6 @@ def test_coefficients_have_events_with_units(tmp_path):
         "q: its angle jumps at t = 1 s by 2 rad, from 0 rad to 2 rad",
         "q: its angle jumps at t = 2 s by -2 rad, from 2 rad to 0 rad",
     ]
-
-
-def test_a_later_force_keeps_the_plan_of_a_force(tmp_path):
-    text = OSCILLATOR.replace("[time]", '[[force]]\ncoordinate = "cart"\nkind = "step"\nvalue = 1\ndelay = 1\n[time]')
-    assert not scene_of(tmp_path, text).equations.is_free and scene_of(tmp_path, OSCILLATOR).equations.is_free
 
 
 @pytest.mark.parametrize(
@@ -313,13 +297,6 @@ def test_wrong_loads_on_several_coordinates(tmp_path, entry, problem):
         text = text.replace('["a", "b"]', '["a", "q"]\nunits = { q = "rad" }')
     with pytest.raises(SceneError, match=problem):
         scene_of(tmp_path, text)
-
-
-def test_loads_of_one_name_have_the_same_factors(tmp_path):
-    step = ONE.format('kind = "step"\nvalue = 1')
-    assert scene_of(tmp_path, PATTERN.format(2 * step)).equations.force(T)[1] == pytest.approx(-1.0)
-    with pytest.raises(SceneError, match="other factors"):
-        scene_of(tmp_path, PATTERN.format(step + step.replace("-0.5", "0.5")))
 
 
 def test_a_load_on_several_inputs_of_a_state_space(tmp_path):

@@ -1,7 +1,5 @@
 """[[motion]] tables: supports that move, with units and levels, and what is wrong with them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

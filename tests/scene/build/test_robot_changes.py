@@ -1,7 +1,5 @@
 """The table [robot] of a scene and --set robot.… change what the robot.toml gives, for this scene."""
 
-from __future__ import annotations
-
 import pytest
 
 import mbconstrained as mb

@@ -1,6 +1,5 @@
 """robot.toml: what is read, and what is said about entries that are wrong."""
 
-import json
 import math
 import re
 
@@ -9,9 +8,7 @@ import pytest
 
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.scene.build.robot_file import read_robot
-from mbconstrained.scene.schema.robot_tables import RobotFile
 from tests.scene.robots import ROBOTS, TOML, URDF, press
-from tests.scene.schema.test_schema import references_lead_somewhere, tables_are_closed_and_described
 
 
 def test_quantities_arrive_in_si_by_the_kind_of_their_joint(tmp_path):
@@ -22,11 +19,6 @@ def test_quantities_arrive_in_si_by_the_kind_of_their_joint(tmp_path):
     assert numbers == {"pivot": 40.0, "slide": 3000.0} and robot.joint_damping.tolist() == [0.1, 4.0]
     (tie,) = robot.springs
     assert (tie.point1, tie.stiffness, tie.preload, tie.rest_length) == ((0.2, 0.0, 0.0), 1000.0, 5.0, None)
-
-
-def test_the_folder_or_its_file_may_be_given(tmp_path):
-    folder = press(tmp_path)
-    assert repr(read_robot(folder)[0]) == repr(read_robot(folder / "robot.toml")[0]) == repr(read_robot(str(folder))[0])
 
 
 def test_the_posture_of_the_file_is_one(tmp_path):
@@ -75,20 +67,6 @@ def test_the_robots_have_the_inertia_of_their_shapes_and_rest(name):
     K = robot.linearize(posture).stiffness
     assert np.abs(K - K.T).max() <= 1e-10 * np.abs(K).max()
     assert "<collision" not in data.names.path.read_text("utf-8")
-
-
-def test_the_arm_has_a_mesh_of_a_few_dozen_triangles():
-    robot, _ = read_robot(ROBOTS / "seven_joint_arm")
-    (mesh,) = [visual for visual in robot.visuals() if visual.kind == "mesh"]
-    assert mesh.link == "tool" and 24 <= len(mesh.faces) <= 100
-    assert np.ptp(mesh.vertices, axis=0) == pytest.approx([0.06, 0.06, 0.08], rel=1e-3)
-
-
-def test_the_schema_of_robot_files_is_complete():
-    schema = RobotFile.model_json_schema()
-    tables_are_closed_and_described(schema)
-    references_lead_somewhere(schema)
-    assert json.dumps(schema)
 
 
 CASES = [  # what is replaced, by what, message

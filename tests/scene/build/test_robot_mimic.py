@@ -20,29 +20,9 @@ THIRD = """
 """
 
 
-def stages(scene):
-    return {stage.name: (stage.needed, stage.reason) for stage in scene.plan().stages}
-
-
 def following(folder, toml=TOML):
     """The press with a slide that follows the pivot, and a flag on it that is free."""
     return press(folder, toml, MIMIC.replace("</robot>", THIRD))
-
-
-def test_the_plan_counts_the_rows_of_joints_that_follow(tmp_path):
-    following(tmp_path)
-    taken = stages(scene_of(tmp_path, SCENE.replace("displacement", "follow = true\ndisplacement")))
-    assert taken["dependent constraint rows"] == (True, "1 row, 0 of them dependent")
-    assert taken["equilibrium"][1] == "the motion is about a state of rest, with 1 joint that follows another"
-    assert taken["constrained form"] == (True, "1 independent row at position level")
-
-
-def test_loops_and_joints_that_follow_are_counted_together(tmp_path):
-    loop = '[[loop]]\nname = "pin"\nbody1 = "crank"\npoint1 = [0.2, 0, 0]\nbody2 = "ground"\n'
-    following(tmp_path, TOML.replace("[[spring]]", f"{loop}[[spring]]"))
-    taken = stages(scene_of(tmp_path, SCENE.replace('{ pivot = "1 deg" }', "{}")))
-    assert taken["dependent constraint rows"][1].startswith("4 rows, 2 of them")  # a pin that only a turn opens, in a plane
-    assert taken["equilibrium"][1].endswith("with 1 closed loop and 1 joint that follows another")
 
 
 def test_the_gap_of_a_joint_that_follows_is_evidence(tmp_path):

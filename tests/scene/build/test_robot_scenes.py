@@ -28,11 +28,6 @@ def test_coordinates_are_the_joints(tmp_path):
     assert result.is_trusted and result.motion(0.0)[0] == pytest.approx(math.radians(1))
 
 
-def test_other_scenes_have_no_robot(tmp_path):
-    equations = scene_of(tmp_path, OSCILLATOR).equations
-    assert equations.robot is None and equations.posture is None
-
-
 def test_inputs_push_points_and_outputs_see_them(tmp_path):
     press(tmp_path)
     spots = "".join(
@@ -97,12 +92,6 @@ def test_a_scene_is_merged_with_the_posture_of_the_file(tmp_path):
     assert both["slide"] == pytest.approx(posture('forces = { slide = "7 N" }')["slide"], abs=1e-12)  # 5 N more
 
 
-def test_a_scene_may_lock_joints(tmp_path):
-    press(tmp_path)
-    scene = scene_of(tmp_path, SCENE.replace("[initial]", 'locked = { slide = "1 cm" }\n[initial]'))
-    assert scene.equations.coordinates.names == ("pivot",)
-
-
 def test_what_the_posture_tells_is_in_every_form(tmp_path):
     press(tmp_path, LOOP + 'hold = ["slide"]\n')
     result = scene_of(tmp_path, SCENE.replace('displacement = { pivot = "1 deg" }', "")).run()
@@ -116,28 +105,6 @@ def test_what_the_posture_tells_is_in_every_form(tmp_path):
     assert set(posture["torques"]) == {"slide"} and len(posture["reactions"]["pin"]) == 6 and posture["residual"] < 1e-9
     assert "robot" not in scene_of(tmp_path, OSCILLATOR).run().to_dict()
     assert "Press; tests; licence MIT" in page
-
-
-def test_the_plan_tells_what_a_robot_needs(tmp_path):
-    press(tmp_path)
-    taken = stages(scene_of(tmp_path, SCENE))
-    assert taken["robot model (pinocchio)"] == (True, "press/robot.toml: 3 links, 2 joints")
-    assert taken["equilibrium"][0] and taken["collision geometry"] == (True, "the page shows it on request")
-    assert taken["dependent constraint rows"] == (False, "the robot has no loops: no rows are built")
-    assert taken["robot meshes"] == (False, "the robot is drawn from boxes, cylinders and spheres")
-    press(tmp_path, LOOP + 'hold = ["slide"]\n')
-    assert (
-        stages(scene_of(tmp_path, SCENE))["dependent constraint rows"][1] == "3 rows, 2 of them dependent"
-    )  # a crank of which both ends are fixed
-    other = stages(scene_of(tmp_path, OSCILLATOR))
-    assert other["robot model (pinocchio)"] == (False, "no robot in the scene") and "equilibrium" not in other
-
-
-def test_units_of_the_robot_are_counted(tmp_path):
-    press(tmp_path)
-    texts = (SCENE, SCENE.replace('"1 s"', "1"))
-    many, fewer = (int(stages(scene_of(tmp_path, text))["units"][1].split()[0]) for text in texts)
-    assert many == fewer + 1 == 11
 
 
 def test_meshes_are_read_only_where_they_are_drawn():

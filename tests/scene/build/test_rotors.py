@@ -1,7 +1,5 @@
 """Rotors in scenes: of matrices and of lumped elements, at rest and at speed, with the force of their unbalance."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -95,10 +95,6 @@ def test_a_unit_of_another_kind_is_refused(tmp_path, change, message):
         system(tmp_path, CAR, *change)
 
 
-def test_parameters_are_numbers_of_teeth(tmp_path):
-    assert system(tmp_path, GEARS).constraint_matrix == pytest.approx(np.array([[1.0, 3.0]]))
-
-
 @pytest.mark.parametrize("count", ["20.5", "0", "-3"])
 def test_teeth_are_whole_numbers(tmp_path, count):
     with pytest.raises(SceneError, match=rf'teeth\[1\]: found "=z1", which is {count}; expected a whole number of teeth'):

@@ -90,14 +90,6 @@ def test_messages_name_the_file_in_which_the_mistake_stands(scene, changes, mess
         scene(**changes)
 
 
-def test_mistakes_in_several_files_are_told_together(scene):
-    with pytest.raises(SceneError) as caught:
-        scene(main=("5 s", "5 m"), deeper=('"=m"', '"3 m"'))
-    first, *lines = str(caught.value).splitlines()
-    assert first == "main.toml: 2 entries are wrong"
-    assert lines[0].startswith("  parts/deeper.toml: model.mass[1].mass") and lines[1].startswith("  time.end: found")
-
-
 @pytest.mark.parametrize(("inner", "outer"), [("along", "about"), ("about", "along")])
 def test_of_entries_of_two_files_that_do_not_fit_both_files_are_named(scene, inner, outer):
     main, deeper = (f"[drawing]\n{key} = {axis}\n" for key, axis in ((outer, [0, 0, 1]), (inner, [0, 1, 1])))

@@ -135,16 +135,6 @@ def test_an_unused_parameter_is_a_notice(tmp_path):
     assert scene.run().notices[:1] == scene.parameters.notices
 
 
-def test_units_are_told_in_si(tmp_path):
-    parameters = scene_of(tmp_path, WITH + "\n").parameters
-    assert parameters.values == {"m": 2.0, "k": 8.0, "x0": 0.1}
-    assert parameters.units == {"m": "kg", "k": "N/m", "x0": ""}
-
-
-def test_titles_and_names_are_texts_whatever_they_begin_with(tmp_path):
-    assert scene_of(tmp_path, 'title = "=k"\n' + OSCILLATOR).title == "=k"
-
-
 def test_editors_are_told_of_parameters_and_expressions():
     schema = SceneFile.model_json_schema()
     number, text = schema["properties"]["parameters"]["additionalProperties"]["anyOf"]

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from mbconstrained.scene.quantities.coordinates import with_time
-from tests.scene.scenes import COEFFICIENTS, MATRICES, OSCILLATOR, scene_of
+from tests.scene.scenes import COEFFICIENTS, MATRICES, scene_of
 
 
 def force_scene(folder, entry, coordinate="a", units=""):
@@ -63,10 +62,6 @@ def test_force_on_an_angle_is_a_torque(tmp_path):
     assert force(1.0).tolist() == [2.0, 0.0]
 
 
-def test_no_force_is_none(tmp_path):
-    assert scene_of(tmp_path, MATRICES).equations.force is None
-
-
 @pytest.mark.parametrize(
     ("initial", "rows"),
     [
@@ -103,14 +98,3 @@ def test_constraint_value_has_the_unit_of_its_level(tmp_path, level, value, expe
     (row,) = scene_of(tmp_path, MATRICES.replace("[time]", entry)).equations.system.rows
     assert (row.name, row.level, row.coefficients.tolist()) == ("row", level, [1.0, -2.0])
     assert row.value == pytest.approx(expected, rel=1e-15)
-
-
-def test_constraint_of_a_lumped_scene(tmp_path):
-    entry = '[[model.constraint]]\nrows = { cart = 2 }\nvalue = "300 mm"\n[initial]'
-    (row,) = scene_of(tmp_path, OSCILLATOR.replace("[initial]", entry)).equations.system.rows
-    assert (row.coefficients.tolist(), row.value) == ([2.0], pytest.approx(0.3))
-
-
-def test_unit_texts():
-    assert [with_time("N", power) for power in (-2, -1, 0, 1, 2)] == ["N/s^2", "N/s", "N", "N*s", "N*s^2"]
-    assert [with_time("1", power) for power in (-1, 0, 2)] == ["1/s", "1", "s^2"]

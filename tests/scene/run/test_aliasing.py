@@ -9,7 +9,6 @@ from mbconstrained.scene.run.result import SMOOTH, aliasing_notices
 from mbconstrained.scene.run.scene import read_scene
 from tests.scene.scenes import SLOW_AND_FAST
 
-FORCE = '[[force]]\ncoordinate = "slow"\nkind = "harmonic"\nvalue = 1e6\nangular_frequency = 1000\n'
 STEP = '[[force]]\ncoordinate = "fast"\nkind = "step"\nvalue = 1e4\ndelay = 80\n'
 
 
@@ -64,10 +63,6 @@ def test_nothing_is_told_of_what_is_not_seen_or_not_missed(tmp_path, given):
 def test_the_fastest_that_is_seen_counts_and_not_the_fastest_of_all(tmp_path):
     text = told(tmp_path, slow=100.0, fast=1e6, amplitude=1e-4, end=1e4)
     assert "has a period of 0.628 s" in text
-
-
-def test_forces_count_too(tmp_path):
-    assert "has a period of 0.00628 s" in told(tmp_path, force=FORCE)
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from mbconstrained.scene.run.plan import OutOfTime, time_limit
 from mbconstrained.scene.run.scene import read_scene
 from mbconstrained.scene.run.stages import plan_of
 from tests.exact.formulas.answers import c_values, python_values
-from tests.scene.scenes import COEFFICIENTS, EXAMPLES, MATRICES, OSCILLATOR, scene_of
+from tests.scene.scenes import EXAMPLES, MATRICES, OSCILLATOR, scene_of
 
 
 def kind(path) -> str:
@@ -192,21 +192,6 @@ def test_shafts_gears_and_racks(tmp_path):
     assert agrees(scene_of(tmp_path, dependent))
 
 
-def test_coefficients_and_files(tmp_path):
-    assert agrees(
-        scene_of(
-            tmp_path,
-            COEFFICIENTS.replace("[time]", "[initial]\ndisplacement = [1]\n[time]").replace("[[4]]", '[["=a"]]')
-            + "[parameters]\na = 4\n",
-        )
-    )
-    (tmp_path / "M.csv").write_text("1,0\n0,2.5\n", encoding="utf-8")
-    text = MATRICES.replace("mass = [[1, 0], [0, 1]]", 'mass = "M.csv"').replace(
-        "[time]", "[initial]\nvelocity = { b = 1 }\n[time]"
-    )
-    assert agrees(scene_of(tmp_path, text))
-
-
 def test_rows_that_contradict_each_other_with_symbols(tmp_path):
     rows = '[[model.constraint]]\nrows = { a = 1 }\nvalue = "=v"\n[[model.constraint]]\nrows = { a = 2 }\nvalue = "=v*v"\n[time]'
     scene = scene_of(tmp_path, "[parameters]\nv = 2\n" + MATRICES.replace("[time]", rows))
@@ -230,12 +215,6 @@ def test_names_of_parameters_mean_nothing_to_the_engine(tmp_path, one):
     text = f"[parameters]\n{one} = 2.0\ns_ = 8.0\n" + ONE.replace("M", f"={one}").replace("K", "=s_")
     scene = scene_of(tmp_path, text)
     assert f"sqrt(s_/{one})" in written(formula_of(scene), "text") and agrees(scene)
-
-
-def test_errors_call_parameters_by_their_names(tmp_path):
-    rows = '[[model.constraint]]\nrows = { a = 1 }\nvalue = "=v"\n[[model.constraint]]\nrows = { a = 2 }\nvalue = "=v*v"\n[time]'
-    with pytest.raises(ContradictoryConstraints, match=r"has the value v\^2, .* value 2 v;"):
-        formula_of(scene_of(tmp_path, "[parameters]\nv = 2\n" + MATRICES.replace("[time]", rows)))
 
 
 RESONANT = """
@@ -262,14 +241,6 @@ def test_signs_that_the_formula_relies_on_are_told(tmp_path):
     scene = scene_of(tmp_path, "[parameters]\nm = 1\ng = -2\n" + ONE.replace("M", "=m").replace("K", "=-g"))
     said = "Default values: m = 1, g = -2. Parameters are assumed positive, g negative."
     assert parameters_text(formula_of(scene)) == said
-
-
-def test_a_massless_default_is_a_notice_on_the_page(tmp_path):
-    text = ONE.replace("mass", "damping = [[1]]\nmass").replace("M", "=m").replace("K", "=k")
-    scene = scene_of(tmp_path, "[parameters]\nm = 0.0\nk = 4\n" + text + "[output]\nformula = true\n")
-    result = scene.run(tmp_path / "results")
-    told = "the formula is left out: with the default values m is 0, by which the formula divides"
-    assert any(told in notice.text for notice in result.notices)
 
 
 TWO = """
@@ -372,14 +343,6 @@ def test_impulses_jumps_and_conditions_are_those_of_the_run():
     names = motion.coordinates if hasattr(motion, "coordinates") else ("q1", "q2", "lambda")
     assert jumps == pytest.approx({(names[i], order): motion.jump[order, i] for order, i in np.argwhere(motion.jump)})
     assert len(form.admissible) == 2 and len(form.continuous) == 4
-
-
-def test_later_impulses_are_told(tmp_path):
-    load = '[[force]]\ncoordinate = "y"\nkind = "impulse"\nvalue = 3\ndelay = 2\n[time]'
-    text = '[model]\nkind = "matrices"\ncoordinates = ["y"]\nmass = [[0]]\ndamping = [[0]]\nstiffness = [[2]]\n[time]\nend = 5\n'
-    form = formula_of(scene_of(tmp_path, text.replace("[time]", load)))
-    assert [(float(each.factor), float(each.time)) for each in form.impulses] == [(1.5, 2.0)]
-    assert "y has the impulse 3/2 δ(t - 2)" in written(form, "text")
 
 
 def test_the_page_shows_the_formula_if_it_is_asked_for(tmp_path):

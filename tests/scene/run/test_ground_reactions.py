@@ -1,7 +1,5 @@
 """Forces of loops of a robot during the motion along the axes of the ground: pinocchio's placements of the links, Newton's law, feet."""
 
-from __future__ import annotations
-
 import re
 from shutil import copy
 
@@ -15,7 +13,7 @@ from mbconstrained.robot.statics import Balance
 from mbconstrained.scene.run.scene import read_scene
 from tests.robot.test_wrenches import spatial_arm
 from tests.scene.robots import ROBOTS
-from tests.scene.scenes import EXAMPLES, OSCILLATOR, scene_of
+from tests.scene.scenes import EXAMPLES, scene_of
 
 
 def rotation(posture, loop) -> np.ndarray:
@@ -64,18 +62,6 @@ def test_torques_are_turned_too():
     turn, wrench = rotation(posture, hinge), gradient.T @ multipliers
     assert forces.multipliers @ multipliers == pytest.approx(np.concatenate([turn @ wrench[:3], turn @ wrench[3:]]), abs=1e-12)
     assert forces.units == ("N",) * 3 + ("N m",) * 3 and forces.names[3] == "pin x"
-
-
-def test_files_have_both(tmp_path):
-    result = read_scene(EXAMPLES / "four_bar.toml", {"output.reactions": True}).run()
-    head = result.write(tmp_path / "bar.csv").read_text(encoding="utf-8").splitlines()[0]
-    assert "coupler pin x reaction (N)" in head and "coupler pin x force in ground axes (N)" in head
-    with np.load(result.write(tmp_path / "bar.npz")) as arrays:
-        assert arrays["ground_reaction"].shape == (3, len(result.times))
-
-
-def test_models_without_loops_have_none(tmp_path):
-    assert "ground_reaction" not in scene_of(tmp_path, OSCILLATOR + "[output]\nreactions = true\n").run().kinds
 
 
 FEET = """title = "Quadruped on soft ground"

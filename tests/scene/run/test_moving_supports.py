@@ -127,26 +127,3 @@ def test_several_spectra_are_refused_with_what_to_do():
     moved = system.with_constraints(mb.Constraint([1.0, 0.0], names="base"))
     with pytest.raises(InputError, match="each support by itself.*sum of squares"):
         moved.modal_combination({"base": lambda f: 1.0})
-
-
-@pytest.mark.parametrize("along", [(0, 0, 1), (1, 0, 0), (0, 1, 0)])
-def test_a_car_moves_along_what_the_drawing_says(tmp_path, along):
-    from mbconstrained.page.drawing import matrix_of
-
-    text = f"""[model]
-kind = "lumped"
-rigid_bar = [{{ name = "body", mass = "1200 kg", inertia = "1500 kg m^2", points = {{ rear = "-1.5 m", front = "1.2 m" }} }}]
-spring = [{{ between = ["ground", "rear"], stiffness = "35 N/mm" }}, {{ between = ["ground", "front"], stiffness = "30 N/mm" }}]
-[initial]
-displacement = {{ front = "5 cm", rear = "0 cm" }}
-follow = true
-[time]
-end = "1 s"
-[drawing]
-along = {list(along)}
-"""
-    drawing = scene_of(tmp_path, text).run().animation.drawing
-    bar = next(body for body in drawing.bodies if "body" in body.moves)
-    assert matrix_of(drawing.turn) @ bar.moves["body"] == pytest.approx(along, abs=1e-12)
-    if along == (0, 0, 1):
-        assert drawing.turn == pytest.approx((0, 0, 0))

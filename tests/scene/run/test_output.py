@@ -2,13 +2,15 @@
 
 import csv
 import json
+import re
 import zipfile
 
 import numpy as np
 import pytest
 
-from mbconstrained.ground.errors import MbconstrainedError
+from mbconstrained.ground.errors import MbconstrainedError, SceneError
 from mbconstrained.ground.files import Replacements, replacing
+from mbconstrained.scene.quantities.output_units import OutputUnits, output_units
 from mbconstrained.scene.run.scene import read_scene
 from tests.scene.scenes import EXAMPLES, MATRICES, OSCILLATOR, scene_of
 
@@ -85,27 +87,11 @@ def test_the_same_scene_gives_the_same_bytes_but_for_what_stages_took(tmp_path):
         assert {info.date_time for info in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
 
 
-def test_a_result_writes_where_it_is_told(tmp_path):
-    result = scene_of(tmp_path, OSCILLATOR).run()
-    assert result.write_page(tmp_path / "deep" / "page.html").read_text("utf-8").startswith("<!DOCTYPE html>")
-    assert result.write_csv(tmp_path / "a.csv").exists() and result.write_npz(tmp_path / "a.npz").exists()
-    assert [path.name for path in result.files] == ["page.html", "a.csv", "a.npz"]
-
-
 def test_texts_are_escaped_on_the_page(tmp_path):
     text = OSCILLATOR.replace("[model]", 'title = "<script>alert(1)</script>"\nsource = "a < b & c"\n[model]', 1)
     page = scene_of(tmp_path, text).run().write_page(tmp_path / "a.html").read_text("utf-8")
     assert "<script>alert" not in page
     assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page and "a &lt; b &amp; c" in page
-
-
-def test_only_the_coordinates_asked_for_are_plotted(tmp_path):
-
-    text = MATRICES.replace("[time]", '[model.units]\nb = "rad"\n[time]')
-    both = scene_of(tmp_path, text).run().page()
-    assert [(plot.title, plot.unit) for plot in both.plots] == [("displacement", "m"), ("angle", "rad")]
-    one = scene_of(tmp_path, text + '[output]\ncoordinates = ["b"]\n').run().page()
-    assert [curve.name for plot in one.plots for curve in plot.curves] == ["b"]
 
 
 def test_an_unfinished_file_leaves_the_earlier_one(tmp_path):
@@ -149,3 +135,64 @@ def test_every_example_can_be_told_as_data(name):
     data = json.loads(json.dumps(result.to_dict(), allow_nan=False))
     assert data["trusted"] is True
     assert sum(len(data[key]) for key in ("coordinates", "eigenvalues", "evidence", "plan")) > 10
+
+
+OUTPUT = '\n[output]\nunits = "{}"\nplots = ["displacement", "velocity", "energy", "phase"]\nanimation = false\n'
+
+
+def test_csv_and_page_have_the_units_and_npz_is_in_si(tmp_path):
+    result = scene_of(tmp_path, OSCILLATOR + OUTPUT.format("mm, kJ")).run(tmp_path)
+    head, first, *_ = (tmp_path / "scene.csv").read_text(encoding="utf-8").splitlines()
+    assert head.startswith("time (s),cart displacement (mm),cart velocity (mm/s),kinetic energy (kJ)")
+    assert [float(entry) for entry in first.split(",")][:2] == pytest.approx([0, 100]) and float(
+        first.split(",")[4]
+    ) == pytest.approx(4e-5)
+    with np.load(tmp_path / "scene.npz") as arrays:
+        assert arrays["displacement"][0, 0] == pytest.approx(0.1)
+    page = (tmp_path / "scene.html").read_text(encoding="utf-8")
+    assert "displacement in mm" in page and "velocity in mm/s" in page and not re.search(r"in m<", page)
+    assert "cart (mm)" in result.summary()
+
+
+def test_jumps_impulses_and_constraints_have_the_units(tmp_path):
+    row = '\n[[model.constraint]]\nname = "stop"\nrows = { cart = 1 }\nvalue = 0.02\n\n[time]'
+    text = OSCILLATOR.replace("\n[time]", row) + OUTPUT.format("mm, kN").replace(', "energy", "phase"', "")
+    result = scene_of(tmp_path, text).run()
+    cells = [cell for table in result.tables for line in table.rows for cell in line]
+    assert {"100 mm", "20 mm", "-80 mm"} <= set(cells)
+    assert any(re.fullmatch(r"-?[\d.e-]+ kN s\^?2?", cell) for cell in cells)
+
+
+@pytest.mark.parametrize(
+    ("unit", "name", "factor"),
+    [
+        ("m", "mm", 1e3), ("m/s", "mm/s", 1e3), ("m/s^2", "m/s^2", 1), ("rad", "deg", 180 / np.pi), ("rad/s", "rpm", 30 / np.pi),
+        ("rad/s^2", "deg/s^2", 180 / np.pi), ("N", "kN", 1e-3), ("N m", "kN m", 1e-3), ("N s^2", "kN s^2", 1e-3),
+        ("J", "J", 1), ("1", "1", 1), ("1/s", "1/s", 1), ("V", "V", 1),
+    ],
+)  # fmt: skip
+def test_derivatives_and_products_follow(unit, name, factor):
+    assert OutputUnits(("mm", "deg", "rpm", "kN")).of(unit) == (name, pytest.approx(factor, rel=1e-14))
+
+
+@pytest.mark.parametrize(
+    ("units", "shown"), [("mm, g", ("g", 1 / 9.80665)), ("mm, mm/s^2", ("mm/s^2", 1e3)), ("mm", ("m/s^2", 1.0))]
+)
+def test_accelerations_have_the_unit_that_is_meant_for_them(units, shown):
+    """1 g = 9.80665 m/s^2 (3rd General Conference on Weights and Measures, 1901); a gram is no unit of any result of a motion."""
+    chosen = OutputUnits(output_units(units))
+    assert chosen.of("m/s^2") == (shown[0], pytest.approx(shown[1], rel=1e-15)) and chosen.of("m")[0] == "mm"
+    assert chosen.of("kg") == ("kg", 1.0)
+
+
+@pytest.mark.parametrize(
+    ("units", "message"),
+    [
+        ("mm, cm", 'output.units: found "mm" and "cm", which measure the same; give one of them'),
+        ("mm, ton", 'output.units: found "ton", but "ton" may be read as'),
+        ("", 'output.units: found ""; expected a unit'),
+    ],
+)
+def test_what_is_no_choice_of_units_is_refused(tmp_path, units, message):
+    with pytest.raises(SceneError, match=message):
+        scene_of(tmp_path, OSCILLATOR + OUTPUT.format(units))

@@ -12,8 +12,7 @@ from mbconstrained.analyses.run import RunAnswer
 from mbconstrained.mechanics.motion import Motion
 from mbconstrained.mechanics.system import MechanicalSystem
 from mbconstrained.scene.run.scene import read_scene
-from tests.scene.robots import SCENE, press
-from tests.scene.scenes import COEFFICIENTS, EXAMPLES, MATRICES, OSCILLATOR, scene_of
+from tests.scene.scenes import EXAMPLES, MATRICES, OSCILLATOR, scene_of
 
 CONSTRAINT = '[[model.constraint]]\nrows = { a = 1, b = -1 }\nlevel = "LEVEL"\n[time]'
 
@@ -24,12 +23,6 @@ def stages(scene) -> dict[str, bool]:
 
 def constrained(folder, level, extra=""):
     return scene_of(folder, MATRICES.replace("[time]", CONSTRAINT.replace("LEVEL", level)).replace("[time]", f"{extra}\n[time]"))
-
-
-def test_every_stage_has_a_reason(tmp_path):
-    for text in (OSCILLATOR, MATRICES, COEFFICIENTS):
-        for stage in scene_of(tmp_path, text).plan().stages:
-            assert stage.reason and stage.name
 
 
 def test_a_free_oscillator_needs_little(tmp_path):
@@ -68,46 +61,6 @@ def test_output_decides(tmp_path, key, stage):
     assert changed[stage] is not default[stage]
 
 
-def test_velocities_are_needed_by_plots_and_by_what_moves(tmp_path):
-    still = OSCILLATOR + "[output]\nanimation = false\n"
-    assert stages(scene_of(tmp_path, still.replace("[output]", '[output]\nplots = ["velocity"]')))["velocities"]
-    assert not stages(scene_of(tmp_path, still))["velocities"]
-    moving = scene_of(tmp_path, OSCILLATOR)
-    assert stages(moving)["velocities"]
-    assert "velocities" in {stage.name for stage in moving.run().plan.left_out}  # nothing is written that would move
-
-
-def test_outputs_of_a_robot_are_spoken_of(tmp_path):
-    press(tmp_path)
-    output = '[[model.output]]\nname = "angle"\njoint = "pivot"\n'
-    text = SCENE.replace("[initial]", f"{output}[initial]")
-    plotted = scene_of(tmp_path, text + '[output]\nplots = ["output"]\n')
-    found = {
-        scene: next(stage for stage in scene_of(tmp_path, scene).plan().stages if stage.name == "outputs")
-        for scene in (SCENE, text)
-    }
-    assert [(stage.needed, stage.reason) for stage in found.values()] == [
-        (False, "no outputs are named"),
-        (False, "output is not among the plots"),
-    ]
-    assert stages(plotted)["outputs"]
-    assert "outputs" not in stages(scene_of(tmp_path, MATRICES))
-
-
-def test_units_are_needed_only_for_texts_with_units(tmp_path):
-    assert stages(scene_of(tmp_path, OSCILLATOR))["units"]
-    assert not stages(scene_of(tmp_path, MATRICES.replace("[model]", 'title = "2 kg"\n[model]', 1)))["units"]
-
-
-def test_constraints_decide_form_and_reactions(tmp_path):
-    free, held = stages(scene_of(tmp_path, MATRICES)), stages(constrained(tmp_path, "position"))
-    for name in ("dependent constraint rows", "constrained form"):
-        assert (free[name], held[name]) == (False, True)
-    assert not held["reactions"]
-    assert stages(constrained(tmp_path, "position", "[output]\nreactions = true"))["reactions"]
-    assert not stages(scene_of(tmp_path, MATRICES + "[output]\nreactions = true"))["reactions"]
-
-
 @pytest.mark.parametrize(
     ("level", "extra", "taken"),
     [  # A_2 is singular below acceleration level (Moysis et al., section 4.1: free and admissible needs no infinite pair)
@@ -123,18 +76,6 @@ def test_constraints_decide_form_and_reactions(tmp_path):
 )
 def test_infinite_pair_only_where_it_matters(tmp_path, level, extra, taken):
     assert stages(constrained(tmp_path, level, extra))["infinite pair"] is taken
-
-
-def test_a_mechanical_system_has_modes_and_coefficients_have_zeros(tmp_path):
-    assert stages(scene_of(tmp_path, MATRICES))["modes"]
-    assert not stages(scene_of(tmp_path, COEFFICIENTS))["modes"]
-
-
-def test_without_a_folder_nothing_is_written_and_nothing_made_for_it(tmp_path):
-    scene = scene_of(tmp_path, OSCILLATOR)
-    left_out = {stage.name for stage in scene.run().plan.left_out}
-    assert {"page", "animation", "CSV", "npz"} <= left_out
-    assert [path.name for path in tmp_path.iterdir()] == ["scene.toml"]
 
 
 def test_what_is_left_out_is_not_called(tmp_path, monkeypatch):

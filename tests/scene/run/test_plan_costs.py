@@ -11,7 +11,7 @@ import pytest
 
 from mbconstrained.scene.run.plan import Cost, Plan, Stage
 from mbconstrained.scene.run.scene import read_scene
-from tests.scene.scenes import EXAMPLES, MATRICES, OSCILLATOR, scene_of
+from tests.scene.scenes import EXAMPLES, OSCILLATOR, scene_of
 
 PLAN = Plan(
     (
@@ -28,13 +28,6 @@ def test_totals_are_those_of_the_stages():
     assert PLAN.total.memory == 7_000_000  # the first began at 100 MB
     assert PLAN.totals() == "3 stages in 1 s, 7.0 MB of memory; 1 left out"
     assert PLAN.totals_to_dict() == {"taken": 3, "left_out": 1, "seconds": 1.0, "memory": 7_000_000, "peak": 107_000_000}
-
-
-def test_memory_that_is_not_measured_is_a_dash():
-    plan = PLAN.with_costs({"first": Cost(0.25), "second": Cost(0.75)})
-    assert (plan.total.memory, plan.total.peak) == (None, None)
-    assert {row[3] for row in plan.cost_tables()[0].rows} == {"–"}
-    assert plan.totals() == "3 stages in 1 s; 1 left out"
 
 
 def test_shares_are_of_the_whole():
@@ -61,24 +54,6 @@ def test_every_stage_that_ran_has_its_cost_or_that_of_another(tmp_path, name):
         assert not stage.part_of or stage.part_of in plan.costs
     assert all(stage.cost is None for stage in plan.left_out)
     assert plan.total.seconds == pytest.approx(sum(stage.seconds or 0 for stage in plan.needed))
-
-
-def test_the_page_has_the_plan_folded_at_its_end(tmp_path):
-    result = scene_of(tmp_path, OSCILLATOR).run(tmp_path)
-    (*_, table) = result.page().tables
-    assert table.folded and table.title == f"Plan: {len(result.plan.needed)} stages taken, {len(result.plan.left_out)} left out"
-    rows = {row[1]: row for row in table.rows}
-    assert rows["page"] == ("taken", "page", "this page") and rows["symbols (sympy)"][0] == "left out"
-    page = (tmp_path / "scene.html").read_text("utf-8")
-    assert page.index("<details") < page.index("<h2>Plan: ") < page.index("this page")
-
-
-def test_a_page_that_is_asked_for_afterwards_has_the_plan_of_a_page(tmp_path):
-    (*_, table) = scene_of(tmp_path, MATRICES).run().page().tables
-    rows = {row[1]: row for row in table.rows}
-    assert rows["animation"][:2] == ("taken", "animation") and "no folder" not in str(rows)
-    (*_, table) = scene_of(tmp_path, MATRICES + "[output]\npage = false\n").run(tmp_path).page().tables
-    assert [row[:2] for row in table.rows].count(("taken", "page")) == 1 and "page = false" not in str(table.rows)
 
 
 def test_a_run_tells_totals_in_one_line_and_as_data(tmp_path):

@@ -1,7 +1,5 @@
 """What the plan leaves out is not run and its libraries are not imported; what it takes is. Scenes run in processes of their own."""
 
-from __future__ import annotations
-
 import functools
 from typing import NamedTuple
 

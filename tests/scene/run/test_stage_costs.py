@@ -1,6 +1,4 @@
-"""What a stage takes: nothing is lost, nothing fails, and it is said how memory is measured."""
-
-from __future__ import annotations
+"""What a stage takes: nothing is lost, nothing fails, how memory is measured is reported, and a limit of time is kept."""
 
 import ast
 import subprocess
@@ -9,8 +7,18 @@ import time
 
 import pytest
 
+from mbconstrained.scene.run import plan as module
 from mbconstrained.scene.run import plan as stage_costs
-from mbconstrained.scene.run.plan import GROWTH, NOT_MEASURED, OWN_PEAK, Cost, Costs, memory_note
+from mbconstrained.scene.run.plan import (
+    GROWTH,
+    NOT_MEASURED,
+    OWN_PEAK,
+    Cost,
+    Costs,
+    OutOfTime,
+    memory_note,
+    time_limit,
+)
 
 SIZE = 64_000_000
 SLACK = SIZE // 8  # pages that come and go beside what is measured
@@ -69,21 +77,21 @@ def test_without_any_measure_none_is_told_and_nothing_fails(monkeypatch):
     assert (cost.memory, cost.peak) == (None, None) and cost.seconds >= 0
 
 
-@pytest.mark.parametrize("text", ["", "VmRSS:\n", "VmRSS: many kB\n", "nothing\n"])
-def test_a_strange_status_is_no_measure(monkeypatch, tmp_path, text):
-    (tmp_path / "status").write_text(text)
-    monkeypatch.setattr(stage_costs, "_STATUS", str(tmp_path / "status"))
-    assert stage_costs._status("VmRSS:") is None
+class Slow:
+    """Takes its time when it goes."""
+
+    def __del__(self):
+        time.sleep(0.2)
 
 
-def test_laps_of_one_name_are_added():
-    costs = Costs()
-    for name in ("a", "b", "a"):
-        time.sleep(0.002)
-        costs.lap(name)
-    assert list(costs.by_name) == ["a", "b"]
-    assert costs.by_name["a"].seconds >= 0.004 and costs.by_name["b"].seconds >= 0.002
+def test_what_takes_longer_is_broken_off():
+    with pytest.raises(OutOfTime), time_limit(0.05):
+        time.sleep(30.0)
 
 
-def test_an_unknown_memory_makes_the_sum_unknown():
-    assert Cost(1.0, None, None) + Cost(2.0, 5, 9) == Cost(3.0, None, 9)
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # it is lost there: that is what is tested
+def test_an_alarm_that_is_lost_in_a_finalizer_is_rung_again(monkeypatch):
+    monkeypatch.setattr(module, "AGAIN", 0.1)
+    with pytest.raises(OutOfTime), time_limit(0.05):
+        Slow()
+        time.sleep(30.0)

@@ -81,10 +81,6 @@ def test_matrices_that_no_machine_has_are_reported(tmp_path, change, kind, text)
     assert any(notice.kind == kind and text in notice.text for notice in notices)
 
 
-def test_symmetric_and_semidefinite_matrices_are_not(tmp_path):
-    assert not scene_of(tmp_path, MATRICES.replace("mass = [[1, 0], [0, 1]]", "mass = [[1, 1], [1, 1]]")).notices
-
-
 def test_a_spring_without_rest_length_reports_the_length_taken(tmp_path):
     press(tmp_path, TOML.replace('preload = "5 N"\n', ""))
     notices = scene_of(tmp_path, SCENE).equations.posture.notices

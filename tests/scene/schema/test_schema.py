@@ -4,7 +4,6 @@ import contextlib
 import json
 import tomllib
 from pathlib import Path
-from typing import get_args
 
 import pytest
 from jsonschema import Draft202012Validator
@@ -13,10 +12,9 @@ from pydantic import ValidationError
 from mbconstrained import cli
 from mbconstrained.cli import new
 from mbconstrained.ground.errors import InputError, SceneError
-from mbconstrained.page import drawing
 from mbconstrained.scene.run.scene import read_scene
 from mbconstrained.scene.schema.entry_types import KINDS_OF_ENTRIES, Table
-from mbconstrained.scene.schema.scene_schema import LinkKind, SceneFile, Shape, robot_schema, scene_schema
+from mbconstrained.scene.schema.scene_schema import SceneFile, robot_schema, scene_schema
 from tests.scene.scenes import EXAMPLES, OSCILLATOR
 
 SCHEMA = SceneFile.model_json_schema()
@@ -43,11 +41,6 @@ def references_lead_somewhere(schema):
 def test_the_schema_of_scenes_is_complete():
     tables_are_closed_and_described(SCHEMA)
     references_lead_somewhere(SCHEMA)
-
-
-def test_drawing_knows_the_shapes_and_links_of_the_page():
-    assert (*get_args(Shape), "solids") == get_args(drawing.Shape)  # solids come from a URDF, never from a scene
-    assert get_args(LinkKind) == get_args(drawing.LinkKind)
 
 
 def test_kinds_in_messages_are_those_of_the_schema():
@@ -97,12 +90,6 @@ def test_the_schema_is_one_and_every_key_has_title_description_and_unit():
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_every_example_and_template_is_valid(path):
     assert [error.message for error in CHECK.iter_errors(data_of(path))] == []
-
-
-def test_a_scene_that_includes_another_needs_no_model_of_its_own():
-    data = tomllib.loads(OSCILLATOR)
-    del data["model"]
-    assert not CHECK.is_valid(data) and CHECK.is_valid({**data, "include": "parts/model.toml"})
 
 
 @pytest.mark.parametrize(

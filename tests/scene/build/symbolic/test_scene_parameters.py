@@ -1,7 +1,5 @@
 """Derivatives of the equations of scenes with respect to their [parameters], against scenes that are read with other values."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

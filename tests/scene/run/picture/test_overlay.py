@@ -57,16 +57,6 @@ def test_reactions_are_arrows_with_the_values_of_the_answer(tmp_path):
     assert next(stage for stage in scene.plan().stages if stage.name == "reactions").reason == "arrows in the animation show them"
 
 
-def test_many_lines_are_counted_and_many_moments_are_cut(tmp_path):
-    names = [f"x{i}" for i in range(9)]
-    matrix = [[float(i == k) for k in range(9)] for i in range(9)]
-    forces = "".join(f'[[force]]\ncoordinate = "{name}"\nkind = "impulse"\nvalue = 1\n' for name in names)
-    model = f'[model]\nkind = "matrices"\ncoordinates = {names}\nmass = {matrix}\nstiffness = {matrix}\n'
-    text = f"{model}{forces}[time]\nend = 1\npoints = 5\n"
-    (event,) = overlay_of(scene_of(tmp_path, text.replace("'", '"'))).events
-    assert len(event.lines) == 8 and event.lines[-1] == "and 12 more, see the tables" and len(event.impulses) == 9
-
-
 @pytest.mark.parametrize("scene", [OSCILLATOR, SCENE])
 def test_arrows_that_cannot_be_are_refused(tmp_path, scene):
     press(tmp_path)

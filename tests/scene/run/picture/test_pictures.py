@@ -33,12 +33,6 @@ def test_plots_are_written_as_svg_and_png(tmp_path):
     assert (tmp_path / "out" / "scene.velocity.png").read_bytes()[1:4] == b"PNG"
 
 
-def test_without_being_asked_for_none_is_written_and_the_plan_says_so(tmp_path):
-    found = stages(scene_of(tmp_path, MATRICES))
-    assert not found["plots as images (matplotlib)"].needed and "--plots" in found["plots as images (matplotlib)"].reason
-    assert not found["still picture (Chromium)"].needed and "--still TIME" in found["still picture (Chromium)"].reason
-
-
 @pytest.mark.long
 @needs_chromium
 def test_the_options_write_both(tmp_path):

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from mbconstrained.scene.run.animation import MOST_POSES
+from mbconstrained.scene.run.animation import frames_of
 from mbconstrained.scene.run.drawing import VISIBLE, RobotPicture, drawing_of_robot
 from mbconstrained.scene.run.scene import read_scene
-from tests.scene.robots import SCENE, TOML, press
-from tests.scene.scenes import EXAMPLES, scene_of
+from tests.scene.robots import SCENE, press
+from tests.scene.scenes import EXAMPLES, SLOW_AND_FAST, scene_of
 
 
 def moving(drawing):
@@ -70,15 +70,6 @@ def test_motion_at_rest_and_motion_that_goes_far_are_drawn_as_they_are(tmp_path)
     assert read_scene(EXAMPLES / "satellite.toml").run().animation.drawing.scale == 1
 
 
-def test_many_points_in_time_need_not_as_many_poses(tmp_path):
-    press(tmp_path)
-    result = scene_of(tmp_path, SCENE.replace("points = 21", "points = 20001")).run()
-    animation = result.animation
-    assert len(animation.times) == MOST_POSES and animation.times[[0, -1]].tolist() == [0.0, 1.0]
-    assert animation.values.shape == animation.rates.shape == (2, MOST_POSES)
-    assert result.values.shape == (2, 20001)
-
-
 def test_loops_stay_closed_in_the_picture():
     result = read_scene(EXAMPLES / "four_bar.toml").run()
     drawing = result.animation.drawing
@@ -91,7 +82,25 @@ def test_loops_stay_closed_in_the_picture():
     assert pin.kind == "loop"
 
 
-def test_a_page_has_the_links_and_no_mesh_loader_is_needed(tmp_path):
-    press(tmp_path, TOML)
-    page = scene_of(tmp_path, SCENE).run().write_page(tmp_path / "a.html").read_text("utf-8")
-    assert "small motions about the equilibrium" in page
+def frames(folder, slow=1.0, fast=1.0, amplitude=1.0, points=101, most=4001):
+    path = folder / "scene.toml"
+    given = {"slow": slow, "fast": fast, "amplitude": amplitude, "points": points}
+    path.write_text(SLOW_AND_FAST.format(**given, damper="", force="", end=10))
+    result = read_scene(path).run()
+    return result, frames_of(result, most)
+
+
+@pytest.mark.parametrize("angular_frequency", [1.0, 12.0, 50.0, 100.0])
+def test_the_fastest_motion_has_twenty_frames_in_a_period(tmp_path, angular_frequency):
+    _, (times, values, rates) = frames(tmp_path, fast=angular_frequency**2)
+    in_a_period = 2 * np.pi / angular_frequency / np.diff(times).max()
+    assert in_a_period >= 0.98 * 20
+    assert len(times) == 101 or in_a_period < 42  # and no more than twice as many
+    assert np.allclose(values[1], np.cos(angular_frequency * times), atol=1e-9)
+    assert np.allclose(rates[1], -angular_frequency * np.sin(angular_frequency * times), atol=1e-6)
+
+
+def test_there_are_no_more_than_allowed_and_never_fewer_than_the_scene_has(tmp_path):
+    assert len(frames(tmp_path, fast=1e6, most=500)[1][0]) == 500
+    result, (times, values, _) = frames(tmp_path, fast=1e6, points=901, most=500)
+    assert np.array_equal(times, result.times) and np.array_equal(values, result.values)

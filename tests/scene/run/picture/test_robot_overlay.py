@@ -13,7 +13,6 @@ from tests.scene.robots import ROBOTS, SCENE, press
 from tests.scene.scenes import EXAMPLES, scene_of
 
 ARROWS = '[output]\narrows = ["reaction"]\n'
-FOUR_BAR = (EXAMPLES / "four_bar.toml").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")

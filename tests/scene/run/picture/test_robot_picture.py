@@ -7,8 +7,7 @@ import pytest
 
 from mbconstrained.analyses.modes import ModalAnalysis
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.page.animation import cycle
-from mbconstrained.scene.run.drawing import BASE_PLATE, MOST_TRIANGLES, TURN, VISIBLE, RobotPicture, ShapeDrawing, drawing_of_robot
+from mbconstrained.scene.run.drawing import BASE_PLATE, MOST_TRIANGLES, TURN, VISIBLE, RobotPicture, ShapeDrawing
 from mbconstrained.scene.run.scene import read_scene
 from mbconstrained.scene.schema.scene_schema import DrawingTable
 from tests.page.drawing.test_robot_layout import sphere
@@ -18,7 +17,6 @@ from tests.scene.run.picture.test_robot_drawing import path_point
 from tests.scene.scenes import EXAMPLES, scene_of
 
 BOX = '<geometry><box size="0.2 0.02 0.02"/></geometry>'
-PIN = '[[loop]]\nname = "pin"\nbody1 = "crank"\npoint1 = [0.2, 0, 0]\nbody2 = "ground"\n[[spring]]'
 
 
 def names_of(drawing):
@@ -28,18 +26,6 @@ def names_of(drawing):
 def both_drawings(scene):
     """Of a run and of a page of modes."""
     return scene.run().animation.drawing, ModalAnalysis(scene).shapes().drawing
-
-
-def test_links_may_have_the_names_of_what_is_drawn_besides_them(tmp_path):
-    names = {"crank": "base plate", "ram": "plate 1"}
-    toml, urdf = TOML.replace("[[spring]]", PIN).replace("guess", 'hold = ["slide"]\nguess'), URDF
-    for old, new in names.items():
-        toml, urdf = toml.replace(f'"{old}"', f'"{new}"'), urdf.replace(f'"{old}"', f'"{new}"')
-    press(tmp_path, toml, urdf)
-    scene = scene_of(tmp_path, SCENE.replace('{ pivot = "1 deg" }', "{}"))
-    for drawing in both_drawings(scene):
-        assert {"base plate", "plate 1", " base plate", " plate 1"} <= set(names_of(drawing))
-    assert scene.run(tmp_path / "out").is_trusted and ModalAnalysis.solve(scene).write(tmp_path / "out", ["page"])[0].exists()
 
 
 @pytest.mark.parametrize("base", ["fixed", "free"])
@@ -72,16 +58,6 @@ def test_no_point_of_a_robot_moves_further_than_a_share_of_its_size(example):
         assert moved <= 1.1 * VISIBLE * picture.size  # of a mode with phases 8 % more between the times looked at
 
 
-def test_a_robot_of_one_link_without_a_shape_moves_by_a_share_of_its_ball(tmp_path):
-    inertia = '<mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
-    urdf = f'<robot name="p"><link name="lone"><inertial>{inertia}</inertial></link></robot>'
-    press(tmp_path, 'source = "s"\nlicence = "MIT"\nurdf = "press.urdf"\nbase = "free"\ngravity = 0\n', urdf)
-    modes = ModalAnalysis(scene_of(tmp_path, SCENE.replace('{ pivot = "1 deg" }', "{}")))
-    drawing = modes.shapes().drawing
-    assert RobotPicture(modes.scene.equations.robot_scene).size == 1.0 and names_of(drawing) == ["lone", "ground"]
-    assert [mode.scale for mode in modes.shapes().modes] == pytest.approx([VISIBLE] * 3 + [TURN] * 3)
-
-
 def with_motor(ratio):
     """The crank on a gear so soft that the motor turns that much further."""
     gear = f'stiffness = "{40 / ratio} N*m/rad"\nmotor_inertia = "1 kg*m^2"\nproportional_gain = "1 N*m/rad"\n'
@@ -100,43 +76,6 @@ def test_motors_do_not_limit_what_is_drawn(tmp_path, ratio):
     motor = max(found.lines, key=lambda line: abs(line.shape[2]) / np.abs(line.shape[:2]).max())
     assert abs(motor.shape[2]) == 1.0 and np.abs(motor.shape[:2]).max() < 0.1
     assert drawn.amplitude(motor.shape) > 10 * TURN
-
-
-def test_a_motor_that_moves_alone_leaves_the_links_at_rest(tmp_path):
-    press(tmp_path, with_motor(1e2))
-    drawn = ShapeDrawing(scene_of(tmp_path, SCENE), [])
-    shape = np.array([1e-17, -1e-17, 1.0])
-    assert drawn.amplitude(shape) == 1.0 and not any(path.moves for path in drawn.paths(shape, 1.0).values())
-
-
-@pytest.mark.parametrize("size", [1e-12, 1e-6, 1.0])
-def test_the_room_is_inverse_to_the_size_of_the_motion(tmp_path, size):
-    press(tmp_path)
-    picture = RobotPicture(scene_of(tmp_path, SCENE).equations.robot_scene)
-    for shape in np.array([[0.3, 0.0], [0.0, 0.01]]):
-        whole, scaled = (picture.room(cycle(factor * shape, 5)) for factor in (1.0, size))
-        assert scaled * size == pytest.approx(whole, rel=0.05)
-    assert picture.room(np.zeros((2, 1))) == 1.0
-
-
-def test_parts_are_made_once_for_each_visual(tmp_path, monkeypatch):
-    from mbconstrained.scene.run import drawing as robot
-
-    made, solid = [], robot.Solid
-    monkeypatch.setattr(robot, "Solid", lambda *of, **more: made.append(of[0]) or solid(*of, **more))
-    press(tmp_path)
-    found = scene_of(tmp_path, SCENE).equations.robot_scene
-    drawing_of_robot(RobotPicture(found), np.array([[0.0, 0.01], [0.0, 0.0]]))
-    assert made.count("box") == 2
-
-
-def test_the_scale_of_the_drawing_is_that_of_a_run_not_of_modes(tmp_path):
-    press(tmp_path)
-    plain, scaled = (
-        [mode.scale for mode in ModalAnalysis(scene_of(tmp_path, SCENE + more)).shapes().modes]
-        for more in ("", "[drawing]\nscale = 40\n")
-    )
-    assert plain == scaled
 
 
 def test_a_shape_that_cannot_be_drawn_names_the_urdf(tmp_path):

@@ -1,12 +1,9 @@
 """What the page of a scene plots."""
 
-import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from mbconstrained.analyses.motion_plots import MOST_PLANES, plots_of
 from mbconstrained.cli.commands import app
-from mbconstrained.ground.errors import SceneError
 from mbconstrained.scene.run.scene import read_scene
 
 SCENE = """
@@ -32,54 +29,12 @@ def result(folder, output):
     return read_scene(path).run(folder)
 
 
-def test_a_phase_plane_for_each_coordinate_that_moves(tmp_path):
-    found = result(tmp_path, 'plots = ["phase"]')
-    x, turn = plots_of(found)
-    assert (x.curves[0].name, x.across_unit, x.unit, x.across.name, x.quantity) == ("x", "m", "m/s", "displacement", "velocity")
-    assert (turn.title, turn.across_unit, turn.unit) == ("phase plane of turn", "rad", "rad/s")
-    assert (turn.across.name, turn.quantity) == ("angle", "angular velocity")
-    assert np.allclose(turn.across.values**2 + (turn.curves[0].values / 2) ** 2, 0.25)
-    assert "phase plane of turn" in (tmp_path / "scene.html").read_text()
-
-
 def test_a_phase_plane_needs_velocities_and_they_are_written_too(tmp_path):
     found = result(tmp_path, 'plots = ["phase"]')
     stage = next(stage for stage in found.plan.stages if stage.name == "velocities")
     assert (stage.needed, stage.reason) == (True, "phase is among the plots")
     assert found.kinds == ["displacement", "velocity"]
     assert "x velocity (m/s)" in (tmp_path / "scene.csv").read_text().splitlines()[0]
-
-
-def test_only_the_coordinates_that_are_wanted(tmp_path):
-    planes = plots_of(result(tmp_path, 'plots = ["phase", "velocity"]\ncoordinates = ["turn"]'))
-    assert [plot.title for plot in planes] == ["phase plane of turn", "angular velocity"]
-
-
-def test_of_many_coordinates_the_first_have_planes(tmp_path):
-    count = MOST_PLANES + 3
-    path = tmp_path / "many.toml"
-    rows = ", ".join(f"[{', '.join('1' if i == k else '0' for k in range(count))}]" for i in range(count))
-    names = ", ".join(f'"x{i}"' for i in range(count))
-    start = ", ".join(f"x{i} = 1" for i in range(count))
-    model = f'[model]\nkind = "matrices"\ncoordinates = [{names}]\nmass = [{rows}]\nstiffness = [{rows}]\n'
-    path.write_text(f'{model}[initial]\ndisplacement = {{ {start} }}\n[time]\nend = 1\n[output]\nplots = ["phase"]\n')
-    assert len(plots_of(read_scene(path).run())) == MOST_PLANES
-
-
-@pytest.mark.parametrize("viewer, files", [("inside", set()), ("separate", {"mbconstrained-viewer.js"}), ("compressed", set())])
-def test_where_the_viewer_is(tmp_path, viewer, files):
-    text = SCENE.replace("animation = false", f'viewer = "{viewer}"\ncsv = false\nnpz = false')
-    (tmp_path / "scene.toml").write_text(text)
-    found = read_scene(tmp_path / "scene.toml").run(tmp_path / "out")
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {"scene.html"} | files
-    assert {path.name for path in found.files} == {"scene.html"} | files
-    assert ("application/gzip" in (tmp_path / "out/scene.html").read_text()) is (viewer == "compressed")
-
-
-def test_an_unknown_place_of_the_viewer_is_named(tmp_path):
-    (tmp_path / "scene.toml").write_text(SCENE + 'viewer = "besides"')
-    with pytest.raises(SceneError, match="output.viewer"):
-        read_scene(tmp_path / "scene.toml")
 
 
 @pytest.mark.parametrize(

@@ -37,11 +37,6 @@ def test_a_torque_that_is_rounding_is_printed_as_0_and_stays_in_json(found, torq
     assert posture_json(made_up)["posture"]["torques"] == {"pivot": torque}
 
 
-def test_torques_are_rounding_beside_the_largest_of_them(found):
-    made_up = with_posture(found, torques={"pivot": 1e-9, "slide": 5e4})
-    assert [row[2] for row in posture_tables(made_up)[0].rows] == ["0 N m", "50000 N"]
-
-
 def test_a_planar_joint_has_units_and_an_angle(tmp_path):
     old = URDF[URDF.index('<joint name="slide"') : URDF.index("</robot>")]
     planar = '<joint name="slide" type="planar"><parent link="base"/><child link="ram"/><axis xyz="0 0 1"/></joint>\n'
