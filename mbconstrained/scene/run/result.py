@@ -28,6 +28,7 @@ from ...ground.tolerances import NOT_DRAWN
 from ...linalg.blocks import block_slices, zeros_of
 from ...mechanics.modes import Conservation, Mode, Modes, cleaned, kind_of
 from ...mechanics.motion import DELTAS
+from ...polynomial.reduced_equations import Reduction
 from ...response.admissible import admissible
 from ...response.estimate import error_estimate
 from ...response.events import Event
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
     from ...mechanics.motion import Motion
     from ...mechanics.system import MechanicalSystem
     from ...page.content import RecordResponse, TimeFunctions
-    from ...polynomial.jordan_pairs import FinitePair, InfinitePair
+    from ...polynomial.jordan_pairs import FinitePair, InfinitePair, JordanPairs
     from ...response.response import Response
     from ...robot.linear_range import LinearRange
     from ...signals.bohl import BohlFunction
@@ -263,7 +264,8 @@ def _fastest_visible(scene: SceneData, motion: Motion, slowest: float) -> tuple[
 
 def _angular_frequencies(scene: SceneData, motion: Motion) -> list[float]:
     """Angular frequencies of the eigenvalues and the forces, in descending order."""
-    zeros = {abs(value.imag) for value in scene.equations.polynomial_matrix.eigenvalues}
+    A = scene.equations.polynomial_matrix
+    zeros = {abs(value.imag) for value in (A.reduction if isinstance(A.reduction, Reduction) else A).eigenvalues}
     smooth = motion.force.smooth  # prescribed motions, too
     used = [np.abs(smooth.coefficients[:, at]).any() for at in block_slices(smooth.blocks)]
     forces = {abs(value.imag) for value in zeros_of([block for block, one in zip(smooth.blocks, used) if one])}
@@ -393,15 +395,19 @@ class Result:
         self._extrema: dict[str, Extrema] = {}
         self._functions: dict[str, TimeFunctions] = {}
 
-    @cached_property
+    def jordan_pairs(self) -> JordanPairs:
+        """The pairs (C, J, B) of the finite zeros and of those at infinity."""
+        return self.scene.equations.polynomial_matrix.jordan_pairs()
+
+    @property
     def finite_pair(self) -> FinitePair:
         """(C, J, B) of the finite zeros."""
-        return self.scene.equations.polynomial_matrix.jordan_pairs().finite
+        return self.jordan_pairs().finite
 
-    @cached_property
+    @property
     def infinite_pair(self) -> InfinitePair:
         """(C, J, B) of the zeros at infinity."""
-        return self.scene.equations.polynomial_matrix.jordan_pairs().infinite
+        return self.jordan_pairs().infinite
 
     @cached_property
     def times(self) -> np.ndarray:
