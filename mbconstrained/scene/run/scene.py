@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 from ...analyses import ANALYSES, load
 from ...ground.errors import InputError
 from ...ground.quantities import count_texts
-from ...ground.units import registry
 from ..build.equations import equations_of
 from ..build.model import Equations, element_quantities
 from ..file import SceneName, at, read_tables, with_robot_file
@@ -270,10 +269,6 @@ def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, An
     name, changes = with_settings(data, name, of_robot)
     overrides += changes
     unit_texts = count_texts({key: data[key] for key in data if key not in ("title", "source", "robot")})
-    costs.lap("read the scene")
-    if unit_texts:
-        registry()
-        costs.lap("units")
     data, parameters = with_parameters(data, name)
     name = with_values(name, overrides, parameters.places)
     table = validated(data, name, SceneFile)

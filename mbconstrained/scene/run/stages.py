@@ -29,7 +29,7 @@ MOST_FORMULA_STATES = 60
 
 
 def units(scene: SceneData) -> Decision:
-    """pint is loaded for texts with units such as "3 N/mm"."""
+    """Texts with units such as "3 N/mm"."""
     texts = scene.unit_texts + scene.equations.unit_texts
     if texts:
         return True, f"{counted(texts, 'quantity', 'quantities')} with a unit"
@@ -328,7 +328,7 @@ class PossibleStage:
 
 FILE_STEPS = (
     PossibleStage("read the scene", (True, "checked against the schema")),
-    PossibleStage("units", units),
+    PossibleStage("units", units, part_of="read the scene"),
 )
 ROBOT_STEPS = (
     PossibleStage("robot model (pinocchio)", robot_model),

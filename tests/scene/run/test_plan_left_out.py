@@ -17,7 +17,7 @@ pytestmark = pytest.mark.long  # a process for each scene, every call in it note
 
 #: Packages, and large parts of them, that a run may need or not.
 LIBRARIES = (
-    "pint", "pinocchio", "coal", "collada", "trimesh", "meshcat", "sympy", "matplotlib", "scipy.optimize", "scipy.signal", "scipy.io",
+    "pinocchio", "coal", "collada", "trimesh", "meshcat", "sympy", "matplotlib", "scipy.optimize", "scipy.signal", "scipy.io",
     "xarray", "pandas", "control", "typer", "rich", "IPython", "mbconstrained.page.html", "mbconstrained.scene.run.animation",
     "mbconstrained.exact", "mbconstrained.robot", "mbconstrained.studies",
 )  # fmt: skip
@@ -78,7 +78,7 @@ def computed(kind: str) -> str:
 
 WORK = {
     "read the scene": Work("plain", None, "scene/file.py:parse"),
-    "units": Work("all", "plain", "ground/units.py:registry", ("pint",)),
+    "units": Work("all", "plain", "ground/units.py:unit_in_si"),
     "robot model (pinocchio)": Work("robot", "lumped", "scene/build/robot_file.py:robot_of", ("pinocchio", "coal")),
     "equilibrium": Work("robot", "lumped", "robot/posture_search.py:find_posture", ("mbconstrained.robot",)),
     "robot meshes": Work("robot with meshes", "robot with unread meshes", "robot/description/meshes.py:read_mesh", MESHES_BY),
