@@ -6,7 +6,7 @@ import inspect
 import math
 from collections.abc import Mapping
 from dataclasses import MISSING
-from functools import partial
+from functools import cache, partial
 from typing import Annotated, Any, ClassVar, Literal, get_origin
 
 import numpy as np
@@ -27,12 +27,14 @@ from .entry_types import (
     DampedTable,
     Eccentric,
     Frequency,
+    LateTable,
     Name,
     Number,
     Pair,
     Quantity,
     Rate,
     Table,
+    TablesByKind,
     Teeth,
     Text,
     Time,
@@ -227,12 +229,6 @@ class SampledTable(ForceBase):
         return self
 
 
-ForceTable = Annotated[
-    StepTable | RampTable | PowerTable | ImpulseTable | HarmonicTable | TermTable | PulseTable | SampledTable,
-    Field(discriminator="kind"),
-]
-
-
 class MotionBase(Table):
     """Keys of every prescribed motion, in addition to those of a force of its kind."""
 
@@ -258,42 +254,27 @@ class MotionBase(Table):
         return {f"{base} of {coordinate}": (coordinate, factor) for coordinate, factor in (self.factors or {}).items()}
 
 
-class StepMotion(MotionBase, StepTable):
-    """A prescribed motion of the kind "step"."""
+FORCES: dict[str, type[ForceBase]] = {
+    "step": StepTable,
+    "ramp": RampTable,
+    "power": PowerTable,
+    "impulse": ImpulseTable,
+    "harmonic": HarmonicTable,
+    "term": TermTable,
+    "pulse": PulseTable,
+    "sampled": SampledTable,
+}
 
 
-class RampMotion(MotionBase, RampTable):
-    """A prescribed motion of the kind "ramp"."""
+@cache
+def _motion_table(kind: str) -> Any:
+    return create_model(
+        f"{kind.capitalize()}Motion", __base__=(MotionBase, FORCES[kind]), __doc__=f'A prescribed motion of the kind "{kind}".'
+    )
 
 
-class PowerMotion(MotionBase, PowerTable):
-    """A prescribed motion of the kind "power"."""
-
-
-class ImpulseMotion(MotionBase, ImpulseTable):
-    """A prescribed motion of the kind "impulse"."""
-
-
-class HarmonicMotion(MotionBase, HarmonicTable):
-    """A prescribed motion of the kind "harmonic"."""
-
-
-class TermMotion(MotionBase, TermTable):
-    """A prescribed motion of the kind "term"."""
-
-
-class PulseMotion(MotionBase, PulseTable):
-    """A prescribed motion of the kind "pulse"."""
-
-
-class SampledMotion(MotionBase, SampledTable):
-    """A prescribed motion of the kind "sampled"."""
-
-
-MotionTable = Annotated[
-    StepMotion | RampMotion | PowerMotion | ImpulseMotion | HarmonicMotion | TermMotion | PulseMotion | SampledMotion,
-    Field(discriminator="kind"),
-]
+ForceTable = Annotated[Any, TablesByKind(**{kind: partial(FORCES.__getitem__, kind) for kind in FORCES})]
+MotionTable = Annotated[Any, TablesByKind(**{kind: partial(_motion_table, kind) for kind in FORCES})]
 
 
 #: What a table by names is expected to be, by its key.
@@ -374,7 +355,8 @@ def _default(entry: Entry, is_replaced: bool) -> Any:
     return {} if entry.field.default is MISSING else None if entry.field.default == "" else entry.field.default
 
 
-def _table_of(key: str) -> Any:
+@cache
+def table_of(key: str) -> Any:
     """The table of a class of elements."""
     element = ELEMENTS[key]
     entries, spellings = entries_of(element), element.spellings
@@ -417,13 +399,17 @@ class _Lumped(DampedTable):
         return [(key, number, table) for key in keys for number, table in enumerate(getattr(self, key), 1)]
 
 
-TABLES = {key: _table_of(key) for key in ELEMENTS}
-_LISTS: dict[str, Any] = {
-    key: (list[TABLES[key]], Field([], description=f"{element.kind.capitalize()}s."))  # type: ignore[valid-type]
-    for key, element in ELEMENTS.items()
-}
-ConstraintTable: Any = TABLES["constraint"]
-LumpedTable: Any = create_model("LumpedTable", __base__=_Lumped, __doc__=_Lumped.__doc__, **_LISTS)
+@cache
+def lumped_table() -> Any:
+    """The table of lumped models, with a list of each class of elements."""
+    lists: dict[str, Any] = {
+        key: (list[table_of(key)], Field([], description=f"{element.kind.capitalize()}s."))  # type: ignore[misc]
+        for key, element in ELEMENTS.items()
+    }
+    return create_model("LumpedTable", __base__=_Lumped, __doc__=_Lumped.__doc__, **lists)
+
+
+ConstraintTable = Annotated[Any, LateTable(partial(table_of, "constraint"))]
 
 
 #: Keys that belong to mass, damping and stiffness.
