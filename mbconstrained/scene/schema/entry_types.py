@@ -147,6 +147,8 @@ QUANTITY_SCHEMA = {
     "title": 'a number and a unit, or "=" and an expression of parameters',
 }
 NUMBER_SCHEMA = {"anyOf": [{"type": "number"}, QUANTITY_SCHEMA]}
+NUMBERS_SCHEMA = {"type": "array", "items": NUMBER_SCHEMA}
+RATIOS_SCHEMA = {"anyOf": [*NUMBER_SCHEMA["anyOf"], NUMBERS_SCHEMA]}
 
 
 def quantity_field(unit: str):
@@ -214,19 +216,15 @@ def ratios(value):
     return [quantity(entry, "1") for entry in value] if isinstance(value, list) else quantity(value, "1")
 
 
+Ratios = Annotated[Any, BeforeValidator(ratios), WithJsonSchema(RATIOS_SCHEMA)]
+
+
 class DampedTable(Table):
     """A mechanical model, which may have damping of the model as a whole."""
 
     rayleigh_damping: RayleighTable | None = Field(None, description="Proportional (Rayleigh) damping, a M + b K.")
     modal_damping: Annotated[
-        Any,
-        BeforeValidator(ratios),
-        WithJsonSchema(
-            {
-                "title": "a ratio, or those of the lowest modes",
-                "anyOf": [*NUMBER_SCHEMA["anyOf"], {"type": "array", "items": NUMBER_SCHEMA}],
-            }
-        ),
+        Any, BeforeValidator(ratios), WithJsonSchema({"title": "a ratio, or those of the lowest modes", **RATIOS_SCHEMA})
     ] = Field(None, description="The damping ratio of all undamped modes, e.g. 0.02, or of the lowest ones, e.g. [0.02, 0.05].")
 
 

@@ -73,7 +73,7 @@ class Work(NamedTuple):
 
 
 def computed(kind: str) -> str:
-    return f"scene/run/result.py:Result._computed({kind})"
+    return f"scene/run/result.py:Result.curves({kind})"
 
 
 WORK = {
