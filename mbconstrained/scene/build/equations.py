@@ -135,7 +135,8 @@ def _mechanical(
 ) -> Equations:
     """The equations of a mechanical system with the motions, damping, speed, start and loads of the scene."""
     linearized = robot and robot.system  # which knows inputs by name
-    if prescribed := prescribed_motions(table.motion, coordinates, folder, file_name, linearized):
+    if table.motion:
+        prescribed = prescribed_motions(table.motion, coordinates, folder, file_name, linearized)
         with at(file_name, "motion"):
             if robot:  # a moving base is at rest where nothing else is prescribed
                 system = system.without_rows(f"motion of {name}" for motion in table.motion for name, _ in motion.rows.values())
@@ -149,7 +150,8 @@ def _mechanical(
     if table.initial.follow:
         initial = consistent_values(initial, table.initial, system, coordinates, file_name)
     loads = loads_of(table.force, coordinates, folder, file_name, linearized)
-    if patterns := load_patterns(table.force, coordinates, channels(system, "inputs"), file_name, linearized):
+    if any(load.factors for load in table.force):
+        patterns = load_patterns(table.force, coordinates, channels(system, "inputs"), file_name, linearized)
         for one in (system, rotor):
             if one is not None:
                 one.load_patterns = patterns

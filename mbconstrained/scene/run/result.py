@@ -143,18 +143,15 @@ def _sentences(motion: Response, coordinates: Coordinates, event: Event | None =
 def folded(notices: Sequence[Notice], jumps: int, impulses: int, later: tuple[int, int] = (0, 0)) -> tuple[Notice, ...]:
     """One sentence in place of the notices on each jump and impulse, which are in tables."""
     counts_of_events = [*_counted("At t = 0", jumps, impulses), *_counted("After t = 0", *later)]
-    return (*counts_of_events, *(notice for notice in notices if not _has_table(notice)))
+    jump, impulse = NoticeKind.JUMP, NoticeKind.IMPULSE  # a jump of a constraint row is a cause, which no table has
+    in_tables = (one.kind == impulse or (one.kind == jump and not one.text.startswith("constraint ")) for one in notices)
+    return (*counts_of_events, *(notice for notice, is_listed in zip(notices, in_tables) if not is_listed))
 
 
 def _counted(when: str, jumps: int, impulses: int) -> list[Notice]:
     counts = [f"{count} {one}{'s' if count > 1 else ''}" for count, one in ((jumps, "jump"), (impulses, "impulse")) if count]
     text = f"{when} there {'is' if jumps + impulses == 1 else 'are'} {' and '.join(counts)}; the tables give the sizes"
     return [Notice(NoticeKind.JUMP if jumps else NoticeKind.IMPULSE, text)] if counts else []
-
-
-def _has_table(notice: Notice) -> bool:
-    """Whether a notice is shown in a table, unlike a jump of a constraint row, which is a cause."""
-    return notice.kind == NoticeKind.IMPULSE or (notice.kind == NoticeKind.JUMP and not notice.text.startswith("constraint "))
 
 
 MOST_NOTICES = 12
@@ -402,6 +399,7 @@ class Result:
     def __init__(self, scene: SceneData):
         self.scene = scene
         self.system: MechanicalSystem | None = scene.equations.system
+        self._rows = () if self.system is None else self.system.rows
         self._curves: dict[str, Curves] = {}
         self._extrema: dict[tuple[str, tuple[int, ...] | None], Extrema] = {}
         self._functions: dict[str, TimeFunctions] = {}
@@ -445,15 +443,11 @@ class Result:
         reactions = ["reaction", "ground_reaction"] if output.reactions else []
         requested = ["displacement", *plots, *reactions, *(["quantity"] if output.quantity else [])]
         available = {
-            "reaction": self._has_rows,
+            "reaction": bool(self._rows),
             "ground_reaction": equations.has_connections,
             "output": not equations.has_outputs_among_coordinates,
         }
         return [kind for kind in dict.fromkeys(requested) if available.get(kind, True)]
-
-    @property
-    def _has_rows(self) -> bool:
-        return self.system is not None and bool(self.system.rows)
 
     def curves(self, kind: str) -> Curves:
         """Trajectories of a kind: displacement, velocity, acceleration, reaction, energy or output."""
@@ -479,7 +473,7 @@ class Result:
             values = motion.derivative(order) if order else motion
             return KindOfCurves(coordinates.names, units, values, lambda: values if order else motion.function, None, titles)
         if kind == "reaction":
-            names, units = zip(*((row.name, force_unit(row.unit)) for row in self.system.rows))
+            names, units = zip(*((row.name, force_unit(row.unit)) for row in self._rows))
             return KindOfCurves(names, units, motion.reaction, lambda: motion.reaction_function)
         if kind == "output":
             of_outputs = lambda times: equations.output_values(times, motion(times))  # noqa: E731
@@ -500,7 +494,7 @@ class Result:
 
     def _connection_forces(self) -> KindOfCurves:
         """Forces of loops, springs and bushings of a robot."""
-        forces, motion, rows = self.scene.equations.robot_scene.system.connection_forces, self.motion, self.system.rows
+        forces, motion, rows = self.scene.equations.robot_scene.system.connection_forces, self.motion, self._rows
         rate = motion.derivative(1)
         titles = tuple(f"{'force' if unit == 'N' else 'torque'} in ground axes" for unit in forces.units)
 
@@ -615,7 +609,7 @@ class Result:
         """The impulses at t = 0 in the coordinates, then in the constraint forces."""
         coordinates = self.scene.equations.coordinates
         impulses = impulses_of(self.motion.impulses, coordinates)
-        if self._has_rows:
+        if self._rows:
             impulses += impulses_of(self.motion.constraint_impulses, forces_of_rows(self.system, shown=coordinates.shown))
         return impulses
 
@@ -638,7 +632,10 @@ class Result:
         if self.system:
             return self.modes.table()
         names = self.scene.equations.coordinates.names
-        modes = [_mode_of(zero, len(names)) for zero in self.finite_pair.zeros]
+        modes, known = [], Conservation(passive=False, lossless=False)
+        for zero in self.finite_pair.zeros:
+            value = cleaned(complex(zero.value), zero.multiplicity, known)
+            modes.append(Mode(kind_of(value), value, zero.multiplicity, np.zeros((len(names), 0))))
         return [
             {**row, "kind": mode.kind if mode.eigenvalue else "at 0", "meaning": _meaning_of(mode.eigenvalue, mode.multiplicity)}
             for mode, row in zip(modes, Modes(tuple(modes), names).table())
@@ -652,9 +649,9 @@ class Result:
     @cached_property
     def error_estimates(self) -> dict[str, float]:
         """Error estimates of each requested kind of curve; energies depend on x and x', outputs of a robot on x."""
-        watched = ["ground_reaction"] if self.watches_connections else []
+        watched = ["ground_reaction"] if self.scene.equations.has_connections and self.watches_connections else []
         parts = (part for kind in (*self.kinds, *watched) for part in PARTS.get(kind, (kind,)))
-        kinds = [kind for kind in dict.fromkeys(parts) if kind != "reaction" or self._has_rows]
+        kinds = [kind for kind in dict.fromkeys(parts) if kind != "reaction" or self._rows]
         views = {kind: methodcaller("derivative", order) for kind, order in ORDERS.items()}
         views["reaction"] = getattr(self.motion, "_reaction_of", None)
         estimates = {kind: error_estimate(self.motion, self.times, views[kind]) for kind in kinds}
@@ -678,11 +675,6 @@ def in_units(curves: Curves, units: OutputUnits) -> Curves:
         return curves
     names, factors = zip(*map(units.of, curves.units))
     return replace(curves, units=names, values=np.array(factors)[:, None] * curves.values)
-
-
-def _mode_of(zero, size: int) -> Mode:
-    value = cleaned(complex(zero.value), zero.multiplicity, Conservation(passive=False, lossless=False))
-    return Mode(kind_of(value), value, zero.multiplicity, np.zeros((size, 0)))
 
 
 def _meaning_of(value: complex, multiplicity: int) -> str:

@@ -209,11 +209,11 @@ class Scene(SceneData):
         return load("run").answer(self, progress, folder=folder)
 
 
+@dataclass(frozen=True)
 class Question:
     """The method of a scene that answers an analysis, whose module is imported when the method is first used."""
 
-    def __init__(self, name: str):
-        self.name = name
+    name: str
 
     def __get__(self, scene: Scene | None, owner: type):
         function = load(self.name).method()
@@ -270,7 +270,8 @@ def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, An
     overrides += changes
     unit_texts = count_texts({key: data[key] for key in data if key not in ("title", "source", "robot")})
     data, parameters = with_parameters(data, name)
-    name = with_values(name, overrides, parameters.places)
+    if overrides:
+        name = with_values(name, overrides, parameters.places)
     table = validated(data, name, SceneFile)
     costs.lap("read the scene")
     equations = equations_of(table, path.parent, name, costs.lap)

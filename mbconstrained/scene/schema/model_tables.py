@@ -102,10 +102,7 @@ class RampTable(ForceBase):
     kind: Literal["ramp"] = Field(description="Grows linearly with t.")
     value: Quantity = Field(description='The force by time, e.g. "2 N/s".')
 
-    @property
-    def time_power(self) -> int:
-        """Exponent of t."""
-        return -1
+    time_power = property(lambda self: -1)  # type: ignore[assignment]
 
 
 class PowerTable(ForceBase):
@@ -115,10 +112,7 @@ class PowerTable(ForceBase):
     gamma: int = Field(ge=-MOST_POWER, le=MOST_POWER, description="The index gamma.")
     value: Quantity = Field(description="The factor.")
 
-    @property
-    def time_power(self) -> int:
-        """Exponent of t^(gamma - 1)."""
-        return 1 - self.gamma
+    time_power = property(lambda self: 1 - self.gamma)  # type: ignore[assignment]
 
 
 class ImpulseTable(ForceBase):
@@ -128,10 +122,7 @@ class ImpulseTable(ForceBase):
     order: int = Field(0, ge=0, le=MOST_POWER, description="The order of the derivative of Dirac's delta.")
     value: Quantity = Field(description='The impulse, e.g. "3 N*s".')
 
-    @property
-    def time_power(self) -> int:
-        """Exponent of the derivative of Dirac's delta."""
-        return self.order + 1
+    time_power = property(lambda self: self.order + 1)  # type: ignore[assignment]
 
 
 class PeriodicTable(ForceBase):
@@ -173,10 +164,7 @@ class TermTable(PeriodicTable):
     power: int = Field(0, ge=0, le=MOST_POWER, description="The power of t.")
     rate: Rate = Field(0.0, description="The rate of the exponential; negative decays.")
 
-    @property
-    def time_power(self) -> int:
-        """Exponent of t^power."""
-        return -self.power
+    time_power = property(lambda self: -self.power)  # type: ignore[assignment]
 
 
 class PulseTable(ForceBase):
