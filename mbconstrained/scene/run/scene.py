@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ...analyses import ANALYSES, load
 from ...ground.errors import InputError
 from ...ground.quantities import count_texts
+from ...ground.units import unit_in_si
 from ..build.equations import equations_of
 from ..build.model import Equations, element_quantities
 from ..file import SceneName, at, read_tables, with_robot_file
@@ -269,6 +270,10 @@ def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, An
     name, changes = with_settings(data, name, of_robot)
     overrides += changes
     unit_texts = count_texts({key: data[key] for key in data if key not in ("title", "source", "robot")})
+    costs.lap("read the scene")
+    if unit_texts:
+        unit_in_si("m")  # makes the table of all spellings
+        costs.lap("units")
     data, parameters = with_parameters(data, name)
     if overrides:
         name = with_values(name, overrides, parameters.places)

@@ -328,7 +328,7 @@ class PossibleStage:
 
 FILE_STEPS = (
     PossibleStage("read the scene", (True, "checked against the schema")),
-    PossibleStage("units", units, part_of="read the scene"),
+    PossibleStage("units", units),
 )
 ROBOT_STEPS = (
     PossibleStage("robot model (pinocchio)", robot_model),

@@ -49,7 +49,7 @@ def test_shares_are_of_the_whole():
 def test_a_plan_that_has_not_run_has_no_costs(tmp_path):
     plan = Plan((Stage("first", True, "always"),))
     assert plan.total == Cost(0)
-    reading = {"read the scene", "assemble the model", "scaling and staircase"}
+    reading = {"read the scene", "units", "assemble the model", "scaling and staircase"}
     assert set(scene_of(tmp_path, OSCILLATOR).plan().costs) == reading
 
 
