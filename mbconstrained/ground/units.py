@@ -134,13 +134,11 @@ def unit_in_si(text: str) -> tuple[Fraction, dict[str, int]]:
     size, exponents = Fraction(1), Counter[str]()
     for sign, name, power in _PART.findall(text):
         exponent = int(power or 1) * (-1 if sign == "/" else 1)
-        definition = _spellings().get(name)
-        if definition is None:
-            own, units = Fraction(name), {}
-        elif definition.startswith("["):
-            own, units = Fraction(1), {name: 1}
+        definition = _spellings().get(name, "").replace(" ", "").replace("**", "^")
+        if definition and not definition.startswith("["):
+            own, units = unit_in_si(definition)
         else:
-            own, units = unit_in_si(definition.replace(" ", "").replace("**", "^"))
+            own, units = (Fraction(1), {name: 1}) if definition else (Fraction(name), {})
         size *= own**exponent
         exponents.update({unit: exponent * count for unit, count in units.items()})
     return size, {unit: count for unit, count in exponents.items() if count}

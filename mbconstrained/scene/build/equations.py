@@ -185,7 +185,8 @@ def _damped(table, system: MechanicalSystem, file_name: str) -> MechanicalSystem
         relative = rayleigh.relative
         if relative is None:
             relative = not system.is_sparse and (
-                _is_shaken(table.random) or any(motion.kind == "sampled" for motion in table.motion)
+                any(entry.of != "force" for entry in (table.random.input if table.random else ()))
+                or any(motion.kind == "sampled" for motion in table.motion)
             )
         with at(file_name, "model.rayleigh_damping"):
             system = system.with_rayleigh_damping(rayleigh.mass, rayleigh.stiffness, relative)
@@ -193,11 +194,6 @@ def _damped(table, system: MechanicalSystem, file_name: str) -> MechanicalSystem
         with at(file_name, "model.modal_damping"):
             system = system.with_modal_damping(model.modal_damping)
     return system
-
-
-def _is_shaken(random) -> bool:
-    """Whether supports move randomly."""
-    return random is not None and any(entry.of != "force" for entry in random.input)
 
 
 def _coefficients(table, folder: Path, file_name: str) -> Equations:

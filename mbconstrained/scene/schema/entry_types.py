@@ -311,14 +311,9 @@ def validated(data: dict, file_name: str, schema: type[BaseModel]):
         return schema.model_validate(data)
     except ValidationError as error:
         errors = error.errors()
-        problems = [_problem(problem, data) for problem in errors[:MOST_EXPLAINED]]
+        places = ((problem, place(problem["loc"], data)) for problem in errors[:MOST_EXPLAINED])
+        problems = [(f"{where}: {_sentence(one, where)}", one.get("ctx", {}).get("error")) for one, where in places]
     raise SceneError(together(file_name, problems, len(errors) - len(problems)))
-
-
-def _problem(problem: Mapping[str, Any], data: dict) -> tuple[str, Exception | None]:
-    """The location with the sentence, and the exception raised there, if any."""
-    where = place(problem["loc"], data)
-    return f"{where}: {_sentence(problem, where)}", problem.get("ctx", {}).get("error")
 
 
 def _sentence(problem: Mapping[str, Any], where: str) -> str:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import MISSING
 from functools import cache, partial
-from typing import Annotated, Any, ClassVar, Literal, get_origin
+from typing import Annotated, Any, ClassVar, Literal, get_args, get_origin
 
 import numpy as np
 from pydantic import BeforeValidator, Field, PrivateAttr, WithJsonSchema, create_model, model_validator
@@ -242,16 +242,8 @@ class MotionBase(Table):
         return {f"{base} of {coordinate}": (coordinate, factor) for coordinate, factor in (self.factors or {}).items()}
 
 
-FORCES: dict[str, type[ForceBase]] = {
-    "step": StepTable,
-    "ramp": RampTable,
-    "power": PowerTable,
-    "impulse": ImpulseTable,
-    "harmonic": HarmonicTable,
-    "term": TermTable,
-    "pulse": PulseTable,
-    "sampled": SampledTable,
-}
+_FORCES = (StepTable, RampTable, PowerTable, ImpulseTable, HarmonicTable, TermTable, PulseTable, SampledTable)
+FORCES: dict[str, type[ForceBase]] = {get_args(table.model_fields["kind"].annotation)[0]: table for table in _FORCES}
 
 
 @cache
@@ -538,13 +530,10 @@ class MatricesTable(DampedTable):
     def _one_form(self):
         if (self.mass is None) == (self.coefficients is None):
             raise InputError("give either mass (with damping and stiffness) or coefficients = [A_0, A_1, …]")
-        if self.coefficients is not None:
-            self._refuse_with_coefficients()
-        return self
-
-    def _refuse_with_coefficients(self) -> None:
-        for key in WITHOUT_COEFFICIENTS:
-            if key in self.model_fields_set:
-                raise InputError(f"{key} cannot stand with coefficients; write it into A_0, A_1, … or give mass instead")
+        if self.coefficients is None:
+            return self
+        if given := [key for key in WITHOUT_COEFFICIENTS if key in self.model_fields_set]:
+            raise InputError(f"{given[0]} cannot stand with coefficients; write it into A_0, A_1, … or give mass instead")
         if not self.coefficients:
             raise InputError("coefficients is empty; expected [A_0, A_1, …] in ascending powers")
+        return self

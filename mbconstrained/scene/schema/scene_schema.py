@@ -372,8 +372,8 @@ def _named(module: str, name: str) -> type[BaseModel]:
     return getattr(import_module(module, __package__), name)
 
 
-def _of_analysis(name: str) -> LateTable:
-    return LateTable(partial(_named, ".analysis_tables", name))
+def _late(name: str, module: str = ".analysis_tables") -> LateTable:
+    return LateTable(partial(_named, module, name))
 
 
 _MODELS = {
@@ -383,13 +383,13 @@ _MODELS = {
     "state_space": partial(_named, ".model_tables", "StateSpaceTable"),
 }
 Model = Annotated[Any, TablesByKind(lumped=lumped_table, **_MODELS)]
-Changes = Annotated[Annotated[Any, LateTable(partial(_named, ".robot_tables", "RobotChanges"))] | None, SkipValidation]
-Frequency = Annotated[Any, _of_analysis("FrequencyTable")]
-Random = Annotated[Any, _of_analysis("RandomTable")]
-Shock = Annotated[Any, _of_analysis("ShockTable")]
-Vary = Annotated[Any, _of_analysis("VaryTable")]
-Campbell = Annotated[Any, _of_analysis("CampbellTable")]
-RobotPath = Annotated[Any, _of_analysis("PathTable")]
+Changes = Annotated[Annotated[Any, _late("RobotChanges", ".robot_tables")] | None, SkipValidation]
+Frequency = Annotated[Any, _late("FrequencyTable")]
+Random = Annotated[Any, _late("RandomTable")]
+Shock = Annotated[Any, _late("ShockTable")]
+Vary = Annotated[Any, _late("VaryTable")]
+Campbell = Annotated[Any, _late("CampbellTable")]
+RobotPath = Annotated[Any, _late("PathTable")]
 
 
 class SceneFile(Table):
