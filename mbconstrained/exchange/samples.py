@@ -10,13 +10,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from scipy.constants import g as STANDARD_GRAVITY
 
 from ..ground.checks import counted, real_number, whole_number
 from ..ground.errors import InputError
 from ..ground.files import checked_file, readable_as
 from .matrices import READERS, TEXT, NumberTable, full_matrix, number_table, read_matrix, text_of
 from .universal import UNIVERSAL, read_function
+
+STANDARD_GRAVITY = 9.80665  # m/s^2, by definition
 
 
 @dataclass(frozen=True, eq=False)

@@ -197,7 +197,8 @@ def _wrapped(text: str, width: int, first: str = "", further: str | None = None)
 
 def _widths(columns: Sequence[Sequence[str]], width: int) -> list[int]:
     """The widths at which the columns fit on a line, the widest made narrower in turn; none where that is impossible."""
-    least = [max(_unbroken(cell) for cell in column) for column in columns]
+    unbroken = lambda cell: max(map(len, _KEPT.sub("_", cell).split()), default=0)  # noqa: E731  # its longest part that is not wrapped
+    least = [max(map(unbroken, column)) for column in columns]
     widths = [max(map(len, column)) for column in columns]
     excess = sum(widths) + 2 * len(widths) - width
     while excess > 0:
@@ -210,11 +211,6 @@ def _widths(columns: Sequence[Sequence[str]], width: int) -> list[int]:
         widths[widest] -= step
         excess -= step
     return widths
-
-
-def _unbroken(cell: str) -> int:
-    """Length of the longest part that is not wrapped."""
-    return max(map(len, _KEPT.sub("_", cell).split()), default=0)
 
 
 def _row_text(row: Sequence[str], widths: Sequence[int]) -> list[str]:

@@ -1,7 +1,6 @@
 """Quantities: a number in SI, a text of a number and a unit such as "3 N/mm", or the value of an expression of parameters.
 
-A pattern splits a text before pint sees any of it, and pint only reads names of units: nothing in a text is executed. pint
-is imported at the first text, so numbers alone do not load it.
+A pattern splits a text into its number and names of units; nothing in a text is executed.
 """
 
 from __future__ import annotations
@@ -9,13 +8,11 @@ from __future__ import annotations
 import functools
 import math
 import re
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections import Counter
+from typing import Any, NamedTuple
 
 from .errors import InputError, quoted, shown
-from .units import instead_of, registry, unknown_name
-
-if TYPE_CHECKING:
-    from pint.util import UnitsContainer
+from .units import instead_of, unit_in_si, unknown_name
 
 KINDS = {  # SI unit: (what it is called, an example)
     "1": ("a plain number", "2"),
@@ -42,22 +39,20 @@ KINDS = {  # SI unit: (what it is called, an example)
 
 
 class Dimension(NamedTuple):
-    """A kind of quantity: the base units of pint with their exponents, and the radian."""
+    """A kind of quantity: exponents of the base units, and of the radian."""
 
-    units: UnitsContainer  # pint's container of base units, which multiplies and divides
-    radian: float | None  # the exponent of the radian; None in products, where radians may be written or not
+    units: tuple[tuple[str, int], ...]  # ascending by name, without the radian
+    radian: int | None  # None in products, where radians may be written or not
 
-    def times(self, other: Dimension) -> Dimension:
-        """The kind of a product."""
-        return Dimension(self.units * other.units, None)
-
-    def over(self, other: Dimension) -> Dimension:
-        """The kind of a quotient."""
-        return Dimension(self.units / other.units, None)
+    def times(self, other: Dimension, power: int = 1) -> Dimension:
+        """The kind of a product with a power, -1 for a quotient."""
+        exponents = Counter(dict(self.units))
+        exponents.update({unit: power * exponent for unit, exponent in other.units})
+        return Dimension(tuple(sorted((unit, exponent) for unit, exponent in exponents.items() if exponent)), None)
 
     def power(self, exponent: int) -> Dimension:
         """The kind of a power."""
-        return Dimension(self.units**exponent, None)
+        return Dimension((), None).times(self, exponent)
 
 
 def unit_of(kind: Dimension) -> str:
@@ -68,24 +63,19 @@ def unit_of(kind: Dimension) -> str:
     """
     if not kind.units and not kind.radian:
         return "1"
-    known = (unit for unit in KINDS if unit != "1" and same_kind(kind, unit))
-    return next(known, "") or f"{registry().Quantity(1, kind.units).units:~C}".replace("**", "^")
-
-
-@functools.cache
-def unit_named(text: str):
-    """A pint unit from a text of known names, * / and ^."""
-    return registry().parse_units(text)
+    if known := next((unit for unit in KINDS if unit != "1" and same_kind(kind, unit)), ""):
+        return known
+    powers = [(name if abs(power) == 1 else f"{name}^{abs(power)}", power > 0) for name, power in kind.units]
+    above = "*".join(text for text, is_above in powers if is_above) or "1"
+    return "/".join([above, *(text for text, is_above in powers if not is_above)])
 
 
 @functools.cache
 def dimension(text: str) -> Dimension:
     """The kind of a unit."""
-    from pint.util import UnitsContainer
-
-    exponents = dict((1 * unit_named(text)).to_root_units().unit_items())
+    exponents = dict(unit_in_si(text)[1])
     radian = exponents.pop("rad", 0)
-    return Dimension(UnitsContainer(exponents), radian)
+    return Dimension(tuple(sorted(exponents.items())), radian)
 
 
 def same_kind(kind: Dimension, unit: str) -> bool:
@@ -245,12 +235,12 @@ def _from_text(text: str, unit: str) -> float:
     if not same_kind(kind, unit):
         hint = advice(text, _in_si(number, unit_text), kind, unit) or _other_case(number, unit_text, unit)
         raise InputError(f"found {shown(text)}, {described(kind, ANOTHER)}; expected {expected(unit)}{hint}")
-    return float(registry().convert(float(number), unit_named(unit_text), unit_named(unit)))
+    return float(number) * float(unit_in_si(unit_text)[0] / unit_in_si(unit)[0])
 
 
 def _in_si(number: str, unit: str) -> float:
     """The value in the base units, those of SI."""
-    return (float(number) * unit_named(unit)).to_root_units().magnitude
+    return float(number) * float(unit_in_si(unit)[0])
 
 
 def _other_case(number: str, unit_text: str, unit: str) -> str:

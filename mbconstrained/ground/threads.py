@@ -8,7 +8,7 @@ other packages load.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager
 from functools import cache
 
 #: Below this size the library itself uses one thread.
@@ -26,18 +26,14 @@ def _libraries():
     return ThreadpoolController().select(user_api="blas")
 
 
-def one_thread(size: int) -> AbstractContextManager[None]:
+@contextmanager
+def one_thread(size: int) -> Iterator[None]:
     """A context with one thread for the QR algorithm on matrices of this size; see ``short_work`` for other work.
 
     >>> with one_thread(100):
     ...     pass
     """
-    return nullcontext() if size < SMALL else _limited()
-
-
-@contextmanager
-def _limited() -> Iterator[None]:
-    if all(library.num_threads == 1 for library in _libraries().lib_controllers):
+    if size < SMALL or all(library.num_threads == 1 for library in _libraries().lib_controllers):
         yield
         return
     with _libraries().limit(limits=1):

@@ -590,7 +590,7 @@ def _common_kinds(rows: Mapping[str, Any], kinds: Mapping[str, Dimension | None]
         term = kind.times(dimension(own[name]))
         common = common or [term]
         if all(term.units != other.units for other in common):
-            wanted = " or ".join(dict.fromkeys(unit_of(other.over(dimension(own[name]))) for other in common))
+            wanted = " or ".join(dict.fromkeys(unit_of(other.times(dimension(own[name]), -1)) for other in common))
             raise InputError(
                 f"{name}: found {shown(rows[name])}; expected a factor in {wanted}, so that all terms of the row have the same unit"
             )

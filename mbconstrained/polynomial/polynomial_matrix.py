@@ -127,12 +127,12 @@ class PolynomialMatrix(PolynomialCoefficients):
         return sum(zero.count for zero in self.jordan_pairs().finite.zeros)
 
     def check_regular(self) -> None:
-        """Check that A(s) is regular: of large ones by the reduction, whose divisors make up the leading coefficient of det A(s).
+        """Check that A(s) is regular: where it reduces directly, the divisors make up the leading coefficient of det A(s).
 
         Raises:
             SingularPolynomialMatrix, IllConditioned: as ``jordan_pairs``.
         """
-        if self.large_reduction is None:
+        if not isinstance(self.reduction, Reduction):
             self.jordan_pairs()
 
     def structure(self, rank_tolerance: float | None = None) -> Structure:

@@ -225,7 +225,9 @@ def read_text(path: Path, kind: FileKind = SCENE) -> str:
 def _content(path: Path) -> bytes:
     try:
         if path.is_dir():
-            raise SceneError(f"{path.name or path}: this is a directory; give the scene file in it{_scenes_in(path)}")
+            names = sorted(path.name for path in path.glob("*.toml"))[:5]
+            known = f", e.g. {', '.join(names)}" if names else ""
+            raise SceneError(f"{path.name or path}: this is a directory; give the scene file in it{known}")
         if path.exists() and not path.is_file():
             raise SceneError(f"{path.name}: this is not a file; give a scene file")
         with open(path, "rb") as file:
@@ -238,11 +240,6 @@ def _content(path: Path) -> bytes:
     except (OSError, ValueError) as problem:
         reason = getattr(problem, "strerror", None) or str(problem)
         raise SceneError(f"{quoted(str(path))}: the file cannot be read ({reason})") from None
-
-
-def _scenes_in(folder: Path) -> str:
-    names = sorted(path.name for path in folder.glob("*.toml"))[:5]
-    return f", e.g. {', '.join(names)}" if names else ""
 
 
 def parse(text: str, name: str) -> dict:

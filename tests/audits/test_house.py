@@ -33,7 +33,6 @@ HEAVY = {
     "flint": {"exact", "frequency", "linalg"},
     "matplotlib": {"frequency", "page", "analyses"},
     "pydantic": {"scene", "analyses"},
-    "pint": {"ground"},
     "typer": {"cli", "docs"},
     "rich": {"cli"},
 }

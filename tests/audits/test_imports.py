@@ -22,7 +22,6 @@ HEAVY = [
     "flint",
     "matplotlib",
     "pydantic",
-    "pint",
     "typer",
     "rich",
     "control",
@@ -82,10 +81,10 @@ def test_importing_has_no_side_effect_on_numpy():
     [
         ("check", "", {"pydantic", "typer"}),
         ("plan", "", {"pydantic", "typer"}),
-        ("check", "two_masses", {"pydantic", "typer", "pint"}),
-        ("plan", "two_masses_formula", {"pydantic", "typer", "pint"}),
-        ("check", "pendulum", {"pydantic", "typer", "pint", "pinocchio", "coal"}),
-        ("plan", "pendulum", {"pydantic", "typer", "pint", "pinocchio", "coal"}),
+        ("check", "two_masses", {"pydantic", "typer"}),
+        ("plan", "two_masses_formula", {"pydantic", "typer"}),
+        ("check", "pendulum", {"pydantic", "typer", "pinocchio", "coal"}),
+        ("plan", "pendulum", {"pydantic", "typer", "pinocchio", "coal"}),
     ],
 )
 def test_check_and_plan_load_what_reading_the_scene_needs(tmp_path, command, scene, needed):

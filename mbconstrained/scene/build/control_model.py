@@ -194,7 +194,7 @@ class ControlEquations(Equations):
         return self.control.form.notices if self.control.form else ()
 
     def tables(self, result: Any) -> ModelTables:
-        form = [_form_table(self.control)] if self.control.form is not None else []
+        form = [_form_table(self.control.form)] if self.control.form is not None else []
         return ModelTables(first=[_transfer_table(self.control), *form])
 
     def to_dict(self, result: Any) -> dict:
@@ -237,8 +237,8 @@ class ControlEquations(Equations):
 MATRICES = ("A", "B", "C", "D", "descriptor")
 
 
-def transfer_function_scene(table, folder: Path, file_name: str) -> ControlScene:
-    """Read a scene of kind "transfer-function"."""
+def transfer_function(table, folder: Path, file_name: str) -> ControlEquations:
+    """The equations of a scene of kind "transfer-function"."""
     model = table.model
     with at(file_name, "model"):
         fraction = rational_function(model.numerator, model.denominator)
@@ -258,10 +258,9 @@ def transfer_function_scene(table, folder: Path, file_name: str) -> ControlScene
     if u is None and not start.any():
         with at(file_name, "model"):
             raise InputError("nothing acts: give gamma = 1 (a step), a [[force]] on the input, or a start of the output")
-    transfer_function = TransferFunction(
-        model.numerator, model.denominator, zero(1) if u is None else u, start if start.any() else None
-    )
-    return ControlScene(inputs, outputs, transfer_function)
+    G = TransferFunction(model.numerator, model.denominator, zero(1) if u is None else u, start if start.any() else None)
+    control, A = ControlScene(inputs, outputs, G), G.polynomial_matrix
+    return ControlEquations(outputs, A, np.zeros((A.degree, 1)) if G.start is None else start, G.force, control=control)
 
 
 def state_space_scene(table, folder: Path, file_name: str) -> ControlScene:
@@ -335,14 +334,6 @@ def _named(names, units) -> Coordinates:
     return Coordinates(tuple(names), tuple(units.get(name, "1") for name in names))
 
 
-def transfer_function(table, folder: Path, file_name: str) -> ControlEquations:
-    """The equations of a scene of kind "transfer-function"."""
-    control = transfer_function_scene(table, folder, file_name)
-    G, A = control.transfer_function, control.transfer_function.polynomial_matrix
-    initial = np.zeros((A.degree, 1)) if G.start is None else G.start
-    return ControlEquations(control.outputs, A, initial, G.force, control=control)
-
-
 def state_space(table, folder: Path, file_name: str, lap: Callable[[str], object]) -> ControlEquations:
     """The equations of a scene of kind "state-space", of its normal form where that is requested."""
     control = state_space_scene(table, folder, file_name)
@@ -404,15 +395,14 @@ def _dc_gain(control: ControlScene, input: str, output: str, G: Transfer | None)
 
 
 def _roots(zeros: Sequence) -> str:
-    texts = [_root(complex(zero.value)) + (f" ({zero.multiplicity} times)" if zero.multiplicity > 1 else "") for zero in zeros]
+    texts = []
+    for root in zeros:
+        value = complex(root.value)
+        text = number_text(value.real) if value.real or not value.imag else ""
+        text += f" ± {number_text(value.imag)} i" if value.imag else ""
+        texts.append(text.strip() + (f" ({root.multiplicity} times)" if root.multiplicity > 1 else ""))
     more = [f"{len(texts) - MOST_ZEROS} more"] if len(texts) > MOST_ZEROS else []
     return ", ".join(texts[:MOST_ZEROS] + more) or "none"
-
-
-def _root(value: complex) -> str:
-    if not value.imag:
-        return number_text(value.real)
-    return f"{number_text(value.real)} ± {number_text(value.imag)} i" if value.real else f"± {number_text(value.imag)} i"
 
 
 def _quotient(above: str, below: str) -> str:
@@ -426,9 +416,8 @@ def _quotient(above: str, below: str) -> str:
     return f"{above}/({below})" if {"*", "/"} & set(below) else f"{above}/{below}"
 
 
-def _form_table(control: ControlScene) -> TextTable:
+def _form_table(form: NormalForm) -> TextTable:
     """Relation of the states to displacements and velocities."""
-    form = control.form
     choice = "there is no other" if form.is_unique else f"one of a family of {form.freedom} dimensions, of small condition"
     rows = [("transformation", f"{2 * form.size} states to {counted(form.size, 'displacement')} and as many velocities; {choice}")]
     rows += [(item.name, f"{item.value:.2g}: {item.text}") for item in form.evidence]

@@ -11,7 +11,7 @@ from ...exchange.matrices import full_matrix, read_matrix
 from ...exchange.samples import Samples, read_samples
 from ...ground.checks import counted, real_number
 from ...ground.display import Displayed
-from ...ground.errors import InputError, shown
+from ...ground.errors import InputError, named, shown
 from ...ground.quantities import (
     KINDS,
     LARGEST,
@@ -110,7 +110,10 @@ def read_record(
     ([0.0, 0.5], [500.0, 1500.0], 'N')
     """
     step = None if step is None else quantity(step, "s")
-    unit, time_unit = _named("unit", unit), _named("time_unit", time_unit)
+    with named("unit"):
+        unit = None if unit is None else unit_name(unit)
+    with named("time_unit"):
+        time_unit = None if time_unit is None else unit_name(time_unit)
     record = record_in_si(
         path, unit=unit, time_unit=time_unit, factor=factor, column=column, time=time, step=step, header=header, array=array
     )
@@ -174,13 +177,6 @@ def _check_sizes(samples: Samples, times: np.ndarray, values: np.ndarray) -> Non
         )
 
 
-def _named(key: str, unit) -> str | None:
-    try:
-        return None if unit is None else unit_name(unit)
-    except InputError as problem:
-        raise InputError(f"{key}: {problem}") from None
-
-
 def _readable(text: str) -> str | None:
     """The unit written in a file, where it is a known one."""
     if not text or text == "1":
@@ -207,10 +203,8 @@ def _factor(factor) -> tuple[float, Dimension | None]:
     if isinstance(factor, Expressed):
         raise InputError("factor: found an expression of parameters; give a number, or a text with a unit")
     if isinstance(factor, str):
-        try:
+        with named("factor"):
             return any_quantity(factor)
-        except InputError as problem:
-            raise InputError(f"factor: {problem}") from None
     return real_number(factor, "factor"), None
 
 

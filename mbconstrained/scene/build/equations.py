@@ -135,7 +135,8 @@ def _mechanical(
 ) -> Equations:
     """The equations of a mechanical system with the motions, damping, speed, start and loads of the scene."""
     linearized = robot and robot.system  # which knows inputs by name
-    if prescribed := prescribed_motions(table.motion, coordinates, folder, file_name, linearized):
+    if table.motion:
+        prescribed = prescribed_motions(table.motion, coordinates, folder, file_name, linearized)
         with at(file_name, "motion"):
             if robot:  # a moving base is at rest where nothing else is prescribed
                 system = system.without_rows(f"motion of {name}" for motion in table.motion for name, _ in motion.rows.values())
@@ -149,7 +150,8 @@ def _mechanical(
     if table.initial.follow:
         initial = consistent_values(initial, table.initial, system, coordinates, file_name)
     loads = loads_of(table.force, coordinates, folder, file_name, linearized)
-    if patterns := load_patterns(table.force, coordinates, channels(system, "inputs"), file_name, linearized):
+    if any(load.factors for load in table.force):
+        patterns = load_patterns(table.force, coordinates, channels(system, "inputs"), file_name, linearized)
         for one in (system, rotor):
             if one is not None:
                 one.load_patterns = patterns
@@ -183,7 +185,8 @@ def _damped(table, system: MechanicalSystem, file_name: str) -> MechanicalSystem
         relative = rayleigh.relative
         if relative is None:
             relative = not system.is_sparse and (
-                _is_shaken(table.random) or any(motion.kind == "sampled" for motion in table.motion)
+                any(entry.of != "force" for entry in (table.random.input if table.random else ()))
+                or any(motion.kind == "sampled" for motion in table.motion)
             )
         with at(file_name, "model.rayleigh_damping"):
             system = system.with_rayleigh_damping(rayleigh.mass, rayleigh.stiffness, relative)
@@ -191,11 +194,6 @@ def _damped(table, system: MechanicalSystem, file_name: str) -> MechanicalSystem
         with at(file_name, "model.modal_damping"):
             system = system.with_modal_damping(model.modal_damping)
     return system
-
-
-def _is_shaken(random) -> bool:
-    """Whether supports move randomly."""
-    return random is not None and any(entry.of != "force" for entry in random.input)
 
 
 def _coefficients(table, folder: Path, file_name: str) -> Equations:

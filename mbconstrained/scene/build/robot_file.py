@@ -149,37 +149,24 @@ def _given(entry, *left_out: str) -> dict:
     return {key: tuple(value) if isinstance(value, list) else value for key, value in values.items() if value is not None}
 
 
-def _connection(kind: type, entry, names: UrdfNames):
-    """A Loop, BodySpring or Bushing."""
-    for key in ("body1", "body2"):
-        with named(key):
-            names.check_body(getattr(entry, key), GROUND)
-    return kind(**{"point1": None, "point2": None, **_given(entry)})
+#: Units of a drive, by that of its joint.
+_DRIVE_UNITS = {
+    "stiffness": STIFFNESS, "proportional_gain": STIFFNESS, "position_gain": STIFFNESS,
+    "damping": DAMPING, "derivative_gain": DAMPING, "velocity_gain": DAMPING, "armature": INERTIA,
+}  # fmt: skip
 
 
-def _flexible_joint(name: str, entry, names: UrdfNames):
-    """A FlexibleJoint; its units are those of its joint."""
-    from ...robot.flexible_joint import FlexibleJoint
-
-    unit = names.joint_unit(name)
-    values = _given(entry)
-    for keys, units in ((("stiffness", "proportional_gain"), STIFFNESS), (("damping", "derivative_gain"), DAMPING)):
-        for key in values.keys() & set(keys):
-            with named(key):
-                values[key] = quantity(values[key], units[unit])
-    return FlexibleJoint(**values)
-
-
-def _motor(name: str, entry, names: UrdfNames):
-    """A Motor; its units are those of its joint."""
-    from ...robot.flexible_joint import Motor
-
-    unit = names.joint_unit(name)
-    values, units = _given(entry), {"armature": INERTIA, "position_gain": STIFFNESS, "velocity_gain": DAMPING}
-    for key in values.keys() & units.keys():
-        with named(key):
-            values[key] = quantity(values[key], units[key][unit])
-    return Motor(**values)
+def _drives(kind: type, entries: Mapping, key: str, names: UrdfNames, place: str) -> dict:
+    """The FlexibleJoint or Motor of each joint, in its units."""
+    drives = {}
+    for name, entry in entries.items():
+        with at(place, f"{key}.{name}"):
+            unit, values = names.joint_unit(name), _given(entry)
+            for field_name in values.keys() & _DRIVE_UNITS.keys():
+                with named(field_name):
+                    values[field_name] = quantity(values[field_name], _DRIVE_UNITS[field_name][unit])
+            drives[name] = kind(**values)
+    return drives
 
 
 def _gear(kind: type, entry, names: UrdfNames):
@@ -243,6 +230,7 @@ def robot_arguments(table, names: UrdfNames, place: str) -> dict:
     """Arguments of the robot from a robot.toml, in addition to its URDF."""
     from ...robot.connections import BodySpring, Bushing, Loop
     from ...robot.description.urdf import Payload
+    from ...robot.flexible_joint import FlexibleJoint, Motor
     from ...robot.tangent import JointGear
 
     values = {"base": table.base, "gravity": tuple(table.gravity) if isinstance(table.gravity, list) else table.gravity}
@@ -250,14 +238,8 @@ def robot_arguments(table, names: UrdfNames, place: str) -> dict:
     for key, unit in units.items():
         with at(place, key):
             values[key] = joint_values(getattr(table, key), names, unit)
-    values["flexible_joints"] = {}
-    for name, entry in table.flexible_joints.items():
-        with at(place, f"flexible_joints.{name}"):
-            values["flexible_joints"][name] = _flexible_joint(name, entry, names)
-    values["motors"] = {}
-    for name, entry in table.motors.items():
-        with at(place, f"motors.{name}"):
-            values["motors"][name] = _motor(name, entry, names)
+    for key, kind in (("flexible_joints", FlexibleJoint), ("motors", Motor)):
+        values[key] = _drives(kind, getattr(table, key), key, names, place)
     with at(place, "gear"):
         values["gears"] = [_gear(JointGear, entry, names) for entry in table.gear]
     with at(place, "payload"):
@@ -272,10 +254,14 @@ def robot_arguments(table, names: UrdfNames, place: str) -> dict:
 
 
 def _connections(kind: type, entries, key: str, names: UrdfNames, place: str) -> tuple:
+    """Loops, springs between bodies or bushings."""
     connections = []
     for number, entry in enumerate(entries, 1):
         with at(place, f"{key}[{number}]" + (f" (of {shown(entry.name)})" if entry.name else "")):
-            connections.append(_connection(kind, entry, names))
+            for end in ("body1", "body2"):
+                with named(end):
+                    names.check_body(getattr(entry, end), GROUND)
+            connections.append(kind(**{"point1": None, "point2": None, **_given(entry)}))
     return tuple(connections)
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -63,7 +62,8 @@ def scene_parameters(scene: SceneData, assembled: Callable[[SceneData, str, floa
         unit = scene.parameters.units[name]
         follows = model.modal_damping is not None or getattr(scene.equations.system, "mass_damping", None) == "relative"
         if model.kind not in ("lumped", "matrices") or follows or scene.equations.rotor:
-            yield Parameter.of_function(name, value, partial(_system, scene, assembled, name), unit)
+            system = lambda value, name=name: assembled(scene, name, value).equations.system  # noqa: E731
+            yield Parameter.of_function(name, value, system, unit)
             continue
         step = COMPLEX_STEP * (abs(value) or 1.0)
         numbers = ComplexNumbers(values, name, step)
@@ -71,10 +71,6 @@ def scene_parameters(scene: SceneData, assembled: Callable[[SceneData, str, floa
             _of_elements(scene, name, value, numbers, step) if model.kind == "lumped" else _of_matrices(scene, name, numbers, step)
         )
         yield replace(_with_rayleigh(scene, parameter, numbers, step), unit=unit)
-
-
-def _system(scene: SceneData, assembled, name: str, value: float):
-    return assembled(scene, name, value).equations.system
 
 
 def _of_elements(scene: SceneData, name: str, value: float, numbers: ComplexNumbers, step: float) -> Parameter:
@@ -211,7 +207,10 @@ def _state_space(scene: SceneData, symbols: Symbols) -> ExactEquations:
     from ...exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 
     system, inputs = scene.equations.control.system, scene.equations.control.inputs
-    E, A, B, C, D = _state_matrices(scene, symbols)
+    sources = ((key, getattr(scene.table.model, "descriptor" if key == "E" else key)) for key in "EABCD")
+    E, A, B, C, D = (  # omitted matrices as in the state space
+        symbols.all_of(getattr(system, key) if source is None else entries_of(source, scene.path.parent)) for key, source in sources
+    )
     n, q = len(A), len(C)
     constant, leading = (symbols.all_of(np.zeros((n + q, n + q))) for _ in range(2))
     constant[:n, :n], constant[n:, :n], constant[n:, n:] = -A, -C, symbols.all_of(np.eye(q))
@@ -224,16 +223,6 @@ def _state_space(scene: SceneData, symbols: Symbols) -> ExactEquations:
     initial = np.concatenate([start, C @ start])[None]
     outputs = {name: dict(zip(system.states, row)) for name, row in zip(system.outputs, C)}
     return ExactEquations(SymbolicPolynomialMatrix([constant, leading], names), initial, force, names, outputs)
-
-
-def _state_matrices(scene: SceneData, symbols: Symbols) -> list[np.ndarray]:
-    """E, A, B, C, D; omitted matrices as in the state space."""
-    model, system = scene.table.model, scene.equations.control.system
-    keys = {"E": model.descriptor, "A": model.A, "B": model.B, "C": model.C, "D": model.D}
-    matrices = {
-        key: getattr(system, key) if source is None else entries_of(source, scene.path.parent) for key, source in keys.items()
-    }
-    return [symbols.all_of(matrix) for matrix in matrices.values()]
 
 
 def _transfer_function(scene: SceneData, symbols: Symbols) -> ExactEquations:

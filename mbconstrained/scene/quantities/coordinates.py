@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...ground.checks import nearest
-from ...ground.coordinate_units import DERIVATIVES
+from ...ground.coordinate_units import DERIVATIVES, rate_unit
 from ...ground.errors import InputError, named, shown
 from ...ground.quantities import quantity
 from ...ground.tolerances import noise_of
@@ -25,11 +25,9 @@ def with_time(unit: str, power: int) -> str:
     >>> with_time("m", -2), with_time("N", 1), with_time("1", -1)
     ('m/s^2', 'N*s', '1/s')
     """
-    if power == 0:
-        return unit
-    seconds = "s" if abs(power) == 1 else f"s^{abs(power)}"
-    if power < 0:
-        return f"{unit}/{seconds}"
+    if power <= 0:
+        return rate_unit(unit, -power)
+    seconds = "s" if power == 1 else f"s^{power}"
     return seconds if unit == "1" else f"{unit}*{seconds}"
 
 
@@ -57,10 +55,6 @@ class Coordinates:
 
     def to_list(self) -> list[dict[str, str]]:
         return [{"name": name, "unit": unit} for name, unit in zip(self.names, self.units)]
-
-    def derivative_unit(self, index: int, order: int) -> str:
-        """The unit of a derivative of a coordinate, e.g. m/s^2."""
-        return with_time(self.units[index], -order)
 
 
 def beyond_noise(jump: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
@@ -103,7 +97,7 @@ def _row(row: dict | list, coordinates: Coordinates, order: int) -> np.ndarray:
         try:
             index = coordinates.number(name)
             with named(name):
-                values[index] = quantity(value, coordinates.derivative_unit(index, order))
+                values[index] = quantity(value, rate_unit(coordinates.units[index], order))
         except InputError as problem:
             raise EntryError(str(problem), name) from None
     return values

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 from ...ground.display import with_unit
 from ...ground.errors import InputError, shown
-from ...ground.quantities import dimension, meant, unit_name, unit_named
-from ...ground.units import registry
+from ...ground.quantities import dimension, meant, unit_name
+from ...ground.units import unit_in_si
 
 ACCELERATION = "m/s^2"
 
-#: Units that are shown by another name than that of the registry.
+#: Units that are shown by another name than in the table of units.
 _SHOWN = {"gn": "g"}
 
 
@@ -83,4 +83,4 @@ def _alike(one: str, other: str) -> bool:
 
 
 def _factor(unit: str, chosen: str) -> float:
-    return 1.0 / float(registry().convert(1.0, unit_named(chosen), unit_named(unit.replace(" ", "*"))))
+    return float(unit_in_si(unit.replace(" ", "*"))[0] / unit_in_si(chosen)[0])

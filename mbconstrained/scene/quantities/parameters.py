@@ -221,6 +221,8 @@ class Parameters:
 
 def with_parameters(data: dict, file_name: str) -> tuple[dict, Parameters]:
     """Replace every text "=…" in the tables of a scene by its value."""
+    if "parameters" not in data and not _has_expressions(data):
+        return data, Parameters()
     work = _Substitution(data)
     result = {key: value if key == "parameters" else work.replaced(value, (key,)) for key, value in data.items()}
     if work.problems:
@@ -342,6 +344,12 @@ class _Substitution:
         raise InputError(
             f'found {shown(text)}, but there is no parameter "{name}"{nearest(name, self.known)}; there are {", ".join(self.known)}'
         )
+
+
+def _has_expressions(value) -> bool:
+    if isinstance(value, (dict, list)):
+        return any(map(_has_expressions, value.values() if isinstance(value, dict) else value))
+    return _is_expression(value)
 
 
 def _is_expression(value) -> bool:

@@ -205,7 +205,10 @@ def _distribution(kind: str, parts: Sequence[str], text: str) -> Distribution:
     given = [parts[0], *([] if percent else [parts[1]]), *(limit.strip() for limit in limits)]
     numbers, dimension = _numbers(given)
     mean = numbers.pop(0)
-    deviation = abs(mean) * _before_percent(percent[1], text) / 100 if percent else numbers.pop(0)
+    try:
+        deviation = abs(mean) * float(percent[1]) / 100 if percent else numbers.pop(0)
+    except ValueError:
+        raise InputError(f"found {shown(text)}; expected a number before %") from None
     low, high = numbers or (-math.inf, math.inf)
     if not deviation > 0:
         raise InputError(f"found {shown(text)}, without variance; expected a standard deviation above 0, or set the value by --set")
@@ -246,13 +249,6 @@ def _number_or_text(entry):
         return float(entry)
     except ValueError:
         return entry
-
-
-def _before_percent(text: str, whole: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise InputError(f"found {shown(whole)}; expected a number before %") from None
 
 
 def _unit(kind: Dimension | None) -> str:

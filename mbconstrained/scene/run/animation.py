@@ -43,6 +43,9 @@ MOST_EVENTS = 100
 #: Lines of one event in the picture; the tables have all.
 MOST_LINES = 6
 
+#: Of these the name of the coordinate alone stands in the picture.
+POSITIONS = ("displacement", "angle", "value")
+
 #: For more bodies than these only the number is given over the picture.
 MOST_NAMED = 3
 
@@ -267,15 +270,14 @@ class _RobotPicture(_Picture):
 
 def _lines(time: float, jumps: Sequence[ReportedJump], impulses: Iterable[str]) -> tuple[str, ...]:
     """A heading and the events, or nothing."""
-    lines = [f"{_whose(jump)} jumps from {jump.before} to {jump.after}" for jump in jumps] + list(impulses)
+    lines = [
+        f"{jump.name if jump.what in POSITIONS else f'{jump.what} of {jump.name}'} jumps from {jump.before} to {jump.after}"
+        for jump in jumps
+    ] + list(impulses)
     more = len(lines) - MOST_LINES
     kept = lines if more <= 0 else [*lines[:MOST_LINES], f"and {more} more, see the tables"]
     faint = " (faint: just before)" if any(jump.what in ("displacement", "angle") for jump in jumps) else ""
     return (f"at t = {number_text(time)} s{faint}", *kept) if lines else ()
-
-
-def _whose(jump: ReportedJump) -> str:
-    return jump.name if jump.what in ("displacement", "angle", "value") else f"{jump.what} of {jump.name}"
 
 
 def _delta(order: int) -> str:

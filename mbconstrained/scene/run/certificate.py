@@ -112,7 +112,9 @@ def certificate_of(result: Result) -> Certificate:
         return _nothing(result, Notice(NoticeKind.OMITTED, f"nothing is certified: exact arithmetic took more than {SECONDS:g} s"))
     curves = tuple(curve for curves, _ in certified for curve in curves)
     notices_of_proof = distinct(*(notices for _, notices in certified))
-    return Certificate(curves, len(chosen), len(result.times), (*notices_of_proof, *_wrong(curves)))
+    text = "the {0.kind} of {0.name} is not proved to more than {0.digits} digits"
+    wrong = (Notice(NoticeKind.ACCURACY, text.format(one), doubtful=True) for one in curves if not one.relative <= TRUST_LIMIT)
+    return Certificate(curves, len(chosen), len(result.times), (*notices_of_proof, *wrong))
 
 
 def _nothing(result: Result, notice: Notice) -> Certificate:
@@ -135,12 +137,3 @@ def _certified(result: Result, kind: str, chosen: np.ndarray) -> tuple[list[Cert
         if kind == "reaction" or wanted is True or name in wanted
     ]
     return curve_bounds, box.notices
-
-
-def _wrong(curves) -> tuple[Notice, ...]:
-    """Curves that the proof shows to be wrong."""
-    return tuple(
-        Notice(NoticeKind.ACCURACY, f"the {c.kind} of {c.name} is not proved to more than {c.digits} digits", doubtful=True)
-        for c in curves
-        if not c.relative <= TRUST_LIMIT
-    )

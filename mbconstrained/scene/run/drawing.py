@@ -373,15 +373,12 @@ def event_with_poses(event: DrawnEvent, picture: RobotPicture, scale: float) -> 
 
 def drawing_of_robot(picture: RobotPicture, values: np.ndarray, table=None) -> Drawing:
     """A drawing of the robot with the paths of its links."""
-    scale = table.scale if table and "scale" in table.model_fields_set else _visible_scale(picture, values)
+    if table and "scale" in table.model_fields_set:
+        scale = table.scale
+    else:  # at least 1, so that the point of largest displacement visibly moves
+        scale = max(1.0, picture.room(values[:, np.unique(np.abs(values).argmax(axis=1))]))
     drawing = picture.drawing(picture.poses(values, scale), scale, (table.note if table else "") or NOTE)
     return replace(drawing, view=view_of(table), posing=picture.posing())
-
-
-def _visible_scale(picture: RobotPicture, values: np.ndarray) -> float:
-    """Magnification of the motion, at least 1, that makes the point of largest displacement visibly move."""
-    extremes = values[:, np.unique(np.abs(values).argmax(axis=1))]
-    return max(1.0, picture.room(extremes))
 
 
 #: Largest drawn displacement of a point of the robot, as a share of the robot's size.

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from operator import methodcaller
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from ...ground.tolerances import NOT_DRAWN
 from ...linalg.blocks import block_slices, zeros_of
 from ...mechanics.modes import Conservation, Mode, Modes, cleaned, kind_of
 from ...mechanics.motion import DELTAS
+from ...polynomial.reduced_equations import Reduction
 from ...response.admissible import admissible
 from ...response.estimate import error_estimate
 from ...response.events import Event
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
     from ...mechanics.motion import Motion
     from ...mechanics.system import MechanicalSystem
     from ...page.content import RecordResponse, TimeFunctions
-    from ...polynomial.jordan_pairs import FinitePair, InfinitePair
+    from ...polynomial.jordan_pairs import FinitePair, InfinitePair, JordanPairs
     from ...response.response import Response
     from ...robot.linear_range import LinearRange
     from ...signals.bohl import BohlFunction
@@ -142,18 +143,15 @@ def _sentences(motion: Response, coordinates: Coordinates, event: Event | None =
 def folded(notices: Sequence[Notice], jumps: int, impulses: int, later: tuple[int, int] = (0, 0)) -> tuple[Notice, ...]:
     """One sentence in place of the notices on each jump and impulse, which are in tables."""
     counts_of_events = [*_counted("At t = 0", jumps, impulses), *_counted("After t = 0", *later)]
-    return (*counts_of_events, *(notice for notice in notices if not _has_table(notice)))
+    jump, impulse = NoticeKind.JUMP, NoticeKind.IMPULSE  # a jump of a constraint row is a cause, which no table has
+    in_tables = (one.kind == impulse or (one.kind == jump and not one.text.startswith("constraint ")) for one in notices)
+    return (*counts_of_events, *(notice for notice, is_listed in zip(notices, in_tables) if not is_listed))
 
 
 def _counted(when: str, jumps: int, impulses: int) -> list[Notice]:
     counts = [f"{count} {one}{'s' if count > 1 else ''}" for count, one in ((jumps, "jump"), (impulses, "impulse")) if count]
     text = f"{when} there {'is' if jumps + impulses == 1 else 'are'} {' and '.join(counts)}; the tables give the sizes"
     return [Notice(NoticeKind.JUMP if jumps else NoticeKind.IMPULSE, text)] if counts else []
-
-
-def _has_table(notice: Notice) -> bool:
-    """Whether a notice is shown in a table, unlike a jump of a constraint row, which is a cause."""
-    return notice.kind == NoticeKind.IMPULSE or (notice.kind == NoticeKind.JUMP and not notice.text.startswith("constraint "))
 
 
 MOST_NOTICES = 12
@@ -263,7 +261,8 @@ def _fastest_visible(scene: SceneData, motion: Motion, slowest: float) -> tuple[
 
 def _angular_frequencies(scene: SceneData, motion: Motion) -> list[float]:
     """Angular frequencies of the eigenvalues and the forces, in descending order."""
-    zeros = {abs(value.imag) for value in scene.equations.polynomial_matrix.eigenvalues}
+    A = scene.equations.polynomial_matrix
+    zeros = {abs(value.imag) for value in (A.reduction if isinstance(A.reduction, Reduction) else A).eigenvalues}
     smooth = motion.force.smooth  # prescribed motions, too
     used = [np.abs(smooth.coefficients[:, at]).any() for at in block_slices(smooth.blocks)]
     forces = {abs(value.imag) for value in zeros_of([block for block, one in zip(smooth.blocks, used) if one])}
@@ -377,6 +376,17 @@ class Largest:
     margin: float
 
 
+class KindOfCurves(NamedTuple):
+    """Curves of a kind: names, units, the function of time, and what has a closed form without constants."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    values: Callable[[np.ndarray], np.ndarray]
+    linear: Callable[[], BohlFunction] | None = None  # None of energies
+    constants: np.ndarray | None = None
+    titles: tuple[str, ...] = ()  # by default the kind
+
+
 class Result:
     """The motion of a scene.
 
@@ -389,19 +399,24 @@ class Result:
     def __init__(self, scene: SceneData):
         self.scene = scene
         self.system: MechanicalSystem | None = scene.equations.system
+        self._rows = () if self.system is None else self.system.rows
         self._curves: dict[str, Curves] = {}
-        self._extrema: dict[str, Extrema] = {}
+        self._extrema: dict[tuple[str, tuple[int, ...] | None], Extrema] = {}
         self._functions: dict[str, TimeFunctions] = {}
 
-    @cached_property
+    def jordan_pairs(self) -> JordanPairs:
+        """The pairs (C, J, B) of the finite zeros and of those at infinity."""
+        return self.scene.equations.polynomial_matrix.jordan_pairs()
+
+    @property
     def finite_pair(self) -> FinitePair:
         """(C, J, B) of the finite zeros."""
-        return self.scene.equations.polynomial_matrix.jordan_pairs().finite
+        return self.jordan_pairs().finite
 
-    @cached_property
+    @property
     def infinite_pair(self) -> InfinitePair:
         """(C, J, B) of the zeros at infinity."""
-        return self.scene.equations.polynomial_matrix.jordan_pairs().infinite
+        return self.jordan_pairs().infinite
 
     @cached_property
     def times(self) -> np.ndarray:
@@ -428,101 +443,79 @@ class Result:
         reactions = ["reaction", "ground_reaction"] if output.reactions else []
         requested = ["displacement", *plots, *reactions, *(["quantity"] if output.quantity else [])]
         available = {
-            "reaction": self._has_rows,
+            "reaction": bool(self._rows),
             "ground_reaction": equations.has_connections,
             "output": not equations.has_outputs_among_coordinates,
         }
         return [kind for kind in dict.fromkeys(requested) if available.get(kind, True)]
 
-    @property
-    def _has_rows(self) -> bool:
-        return self.system is not None and bool(self.system.rows)
-
     def curves(self, kind: str) -> Curves:
         """Trajectories of a kind: displacement, velocity, acceleration, reaction, energy or output."""
         if kind not in self._curves:
-            self._curves[kind] = self._computed(kind)
+            own = self._kind(kind)
+            self._curves[kind] = Curves(kind, own.names, own.titles or (kind,) * len(own.names), own.units, own.values(self.times))
         return self._curves[kind]
-
-    def _computed(self, kind: str) -> Curves:
-        """The trajectories of a kind at the times of the scene."""
-        equations, values = self.scene.equations, self.functions(kind)(self.times)
-        if kind in ORDERS:
-            order, coordinates = ORDERS[kind], equations.coordinates
-            titles = tuple(derivative_name(unit, order) for unit in coordinates.units)
-            return Curves(kind, coordinates.names, titles, tuple(rate_unit(unit, order) for unit in coordinates.units), values)
-        if kind == "quantity":
-            names, titles, units = zip(*((each.name, each.title, each.unit) for each in self._quantities))
-            return Curves(kind, names, titles, units, values)
-        if kind == "reaction":
-            rows = self.system.rows
-            names, units = tuple(row.name for row in rows), tuple(force_unit(row.unit) for row in rows)
-        elif kind == "output":
-            names, units = equations.outputs.names, equations.outputs.units
-        elif kind == "ground_reaction":
-            forces = equations.robot_scene.system.connection_forces
-            titles = tuple(f"{'force' if unit == 'N' else 'torque'} in ground axes" for unit in forces.units)
-            return Curves(kind, forces.names, titles, forces.units, values)
-        else:
-            names, units = ENERGIES, ("J",) * len(ENERGIES)
-        return Curves(kind, names, (kind,) * len(names), units, values)
 
     def shown_curves(self, kind: str) -> Curves:
         """Curves in the units of [output], for page and CSV."""
         return in_units(self.curves(kind), self.scene.equations.coordinates.shown)
 
-    @property
-    def _quantities(self):
-        return tuple(element_quantities(self.scene.table.output.quantity, self.scene.equations))
-
     def functions(self, kind: str) -> Callable[[np.ndarray], np.ndarray]:
         """Trajectories of a kind as functions of time."""
-        equations, motion = self.scene.equations, self.motion
-        if kind in ORDERS:
-            return motion.derivative(ORDERS[kind]) if ORDERS[kind] else motion
-        if kind == "reaction":
-            return motion.reaction
-        if kind == "ground_reaction":
-            forces, rate = equations.robot_scene.system.connection_forces, motion.derivative(1)
-            reaction = motion.reaction if equations.system.rows else lambda times: np.zeros((0, len(times)))
-            return lambda times: forces.values(motion(times), rate(times), reaction(times))
-        if kind == "output":
-            return lambda times: equations.output_values(times, motion(times))
-        if kind == "quantity":
-            quantities = self._quantities
-            return lambda times: np.array([each.values(motion, times) for each in quantities])
-        return lambda times: np.array([getattr(motion.energy(times), name) for name in ENERGIES])
+        return self._kind(kind).values
 
-    def _linear(self, kind: str) -> tuple[BohlFunction | None, np.ndarray | None]:
-        """A kind of curves in closed form, without constants, and the constants; None for energies."""
-        equations, motion = self.scene.equations, self.motion
+    def _kind(self, kind: str) -> KindOfCurves:
+        """Names, units and functions of the curves of a kind."""
+        equations, motion, coordinates = self.scene.equations, self.motion, self.scene.equations.coordinates
         if kind in ORDERS:
-            return (motion.derivative(ORDERS[kind]) if ORDERS[kind] else motion.function), None
+            order = ORDERS[kind]
+            titles, units = (tuple(name(unit, order) for unit in coordinates.units) for name in (derivative_name, rate_unit))
+            values = motion.derivative(order) if order else motion
+            return KindOfCurves(coordinates.names, units, values, lambda: values if order else motion.function, None, titles)
         if kind == "reaction":
-            return motion.reaction_function, None
+            names, units = zip(*((row.name, force_unit(row.unit)) for row in self._rows))
+            return KindOfCurves(names, units, motion.reaction, lambda: motion.reaction_function)
         if kind == "output":
-            return equations.output_closed_form(motion), None
+            of_outputs = lambda times: equations.output_values(times, motion(times))  # noqa: E731
+            return KindOfCurves(
+                equations.outputs.names, equations.outputs.units, of_outputs, lambda: equations.output_closed_form(motion)
+            )
         if kind == "quantity":
-            quantities = self._quantities
+            quantities = tuple(element_quantities(self.scene.table.output.quantity, equations))
+            names, titles, units = zip(*((each.name, each.title, each.unit) for each in quantities))
             matrices = np.array([each.rows for each in quantities]).transpose(1, 0, 2)
-            return motion.function.differential(*matrices), np.array([each.constant for each in quantities])
+            of_elements = lambda times: np.array([each.values(motion, times) for each in quantities])  # noqa: E731
+            constants = np.array([each.constant for each in quantities])
+            return KindOfCurves(names, units, of_elements, lambda: motion.function.differential(*matrices), constants, titles)
         if kind == "ground_reaction":
-            forces = equations.robot_scene.system.connection_forces
+            return self._connection_forces()
+        energies = lambda times: np.array([getattr(motion.energy(times), name) for name in ENERGIES])  # noqa: E731
+        return KindOfCurves(ENERGIES, ("J",) * len(ENERGIES), energies)
+
+    def _connection_forces(self) -> KindOfCurves:
+        """Forces of loops, springs and bushings of a robot."""
+        forces, motion, rows = self.scene.equations.robot_scene.system.connection_forces, self.motion, self._rows
+        rate = motion.derivative(1)
+        titles = tuple(f"{'force' if unit == 'N' else 'torque'} in ground axes" for unit in forces.units)
+
+        def values(times: np.ndarray) -> np.ndarray:
+            return forces.values(motion(times), rate(times), motion.reaction(times) if rows else np.zeros((0, len(times))))
+
+        def linear() -> BohlFunction:
             function = motion.function.differential(forces.displacement, forces.velocity)
-            return function + motion.reaction_function.mapped(
-                forces.multipliers
-            ) if equations.system.rows else function, forces.rest
-        return None, None
+            return function + motion.reaction_function.mapped(forces.multipliers) if rows else function
+
+        return KindOfCurves(forces.names, forces.units, values, linear, forces.rest, titles)
 
     def drawn_functions(self, kind: str) -> Callable[[np.ndarray], np.ndarray]:
         """The functions without proof of their values, which takes long, where no visible difference results at the times of the scene."""
-        linear, constants = self._linear(kind)
-        if linear is None:
-            return self.functions(kind)
-        rough, proved = getattr(linear, "rough", linear), self.curves(kind).values
-        added = 0.0 if constants is None else constants[:, None]
+        own = self._kind(kind)
+        if own.linear is None:
+            return own.values
+        linear, proved = own.linear(), self.curves(kind).values
+        rough, added = getattr(linear, "rough", linear), 0.0 if own.constants is None else own.constants[:, None]
         near = np.abs(rough(self.times) + added - proved).max(axis=1) <= NOT_DRAWN * np.abs(proved).max(axis=1)
-        return (lambda times: rough(times) + added) if near.all() else self.functions(kind)
+        return (lambda times: rough(times) + added) if near.all() else own.values
 
     def time_functions(self, kind: str) -> TimeFunctions:
         """Trajectories as stored in the page: in the units of [output], with the times of possible jumps and kinks, and their estimated
@@ -561,21 +554,20 @@ class Result:
 
     def extrema(self, kind: str, rows: Sequence[int] | None = None) -> Extrema:
         """The largest and the smallest values of a kind of curves, or of some, with their times, also between the times of the scene."""
-        if rows is not None:
-            return self._extrema_of(kind, rows)
-        if kind not in self._extrema:
-            self._extrema[kind] = self._extrema_of(kind, None)
-        return self._extrema[kind]
-
-    def _extrema_of(self, kind: str, rows: Sequence[int] | None) -> Extrema:
-        at, (linear, constants) = self.functions(kind), self._linear(kind)
-        if linear is not None:
-            chosen = list(range(linear.size) if rows is None else rows)
-            extremes = extrema(linear.rows(chosen), *self._ends)
-            return (
-                extremes.with_values(lambda times: at(times)[chosen]) if constants is None else extremes.shifted(constants[chosen])
-            )
-        return self.sampled_extrema(at if rows is None else lambda times: at(times)[list(rows)])
+        key = kind, None if rows is None else tuple(rows)
+        if key not in self._extrema:
+            own = self._kind(kind)
+            chosen = list(range(len(own.names)) if rows is None else rows)
+            if own.linear is None:
+                extremes = self.sampled_extrema(lambda times: own.values(times)[chosen])
+            else:
+                extremes = extrema(own.linear().rows(chosen), *self._ends)
+                if own.constants is None:
+                    extremes = extremes.with_values(lambda times: own.values(times)[chosen])
+                else:
+                    extremes = extremes.shifted(own.constants[chosen])
+            self._extrema[key] = extremes
+        return self._extrema[key]
 
     def sampled_extrema(self, at: Callable[[np.ndarray], np.ndarray]) -> Extrema:
         """Extrema of functions with squares of the motion, such as energies, by ``sampled_extrema``."""
@@ -587,9 +579,9 @@ class Result:
 
     def rms(self, kind: str, rows: Sequence[int]) -> RootMeanSquares:
         """The RMS values of some curves of a kind from the first to the last time, by integrals of the closed form."""
-        at, (linear, constants) = self.functions(kind), self._linear(kind)
-        added = None if constants is None else constants[list(rows)]
-        return root_mean_squares(linear.rows(rows), *self._ends, added, lambda times: at(times)[list(rows)])
+        own, chosen = self._kind(kind), list(rows)
+        added = None if own.constants is None else own.constants[chosen]
+        return root_mean_squares(own.linear().rows(rows), *self._ends, added, lambda times: own.values(times)[chosen])
 
     @cached_property
     def largest(self) -> list[Largest]:
@@ -617,7 +609,7 @@ class Result:
         """The impulses at t = 0 in the coordinates, then in the constraint forces."""
         coordinates = self.scene.equations.coordinates
         impulses = impulses_of(self.motion.impulses, coordinates)
-        if self._has_rows:
+        if self._rows:
             impulses += impulses_of(self.motion.constraint_impulses, forces_of_rows(self.system, shown=coordinates.shown))
         return impulses
 
@@ -640,7 +632,10 @@ class Result:
         if self.system:
             return self.modes.table()
         names = self.scene.equations.coordinates.names
-        modes = [_mode_of(zero, len(names)) for zero in self.finite_pair.zeros]
+        modes, known = [], Conservation(passive=False, lossless=False)
+        for zero in self.finite_pair.zeros:
+            value = cleaned(complex(zero.value), zero.multiplicity, known)
+            modes.append(Mode(kind_of(value), value, zero.multiplicity, np.zeros((len(names), 0))))
         return [
             {**row, "kind": mode.kind if mode.eigenvalue else "at 0", "meaning": _meaning_of(mode.eigenvalue, mode.multiplicity)}
             for mode, row in zip(modes, Modes(tuple(modes), names).table())
@@ -654,9 +649,9 @@ class Result:
     @cached_property
     def error_estimates(self) -> dict[str, float]:
         """Error estimates of each requested kind of curve; energies depend on x and x', outputs of a robot on x."""
-        watched = ["ground_reaction"] if self.watches_connections else []
+        watched = ["ground_reaction"] if self.scene.equations.has_connections and self.watches_connections else []
         parts = (part for kind in (*self.kinds, *watched) for part in PARTS.get(kind, (kind,)))
-        kinds = [kind for kind in dict.fromkeys(parts) if kind != "reaction" or self._has_rows]
+        kinds = [kind for kind in dict.fromkeys(parts) if kind != "reaction" or self._rows]
         views = {kind: methodcaller("derivative", order) for kind, order in ORDERS.items()}
         views["reaction"] = getattr(self.motion, "_reaction_of", None)
         estimates = {kind: error_estimate(self.motion, self.times, views[kind]) for kind in kinds}
@@ -680,11 +675,6 @@ def in_units(curves: Curves, units: OutputUnits) -> Curves:
         return curves
     names, factors = zip(*map(units.of, curves.units))
     return replace(curves, units=names, values=np.array(factors)[:, None] * curves.values)
-
-
-def _mode_of(zero, size: int) -> Mode:
-    value = cleaned(complex(zero.value), zero.multiplicity, Conservation(passive=False, lossless=False))
-    return Mode(kind_of(value), value, zero.multiplicity, np.zeros((size, 0)))
 
 
 def _meaning_of(value: complex, multiplicity: int) -> str:

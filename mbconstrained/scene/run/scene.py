@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ...analyses import ANALYSES, load
 from ...ground.errors import InputError
 from ...ground.quantities import count_texts
-from ...ground.units import registry
+from ...ground.units import unit_in_si
 from ..build.equations import equations_of
 from ..build.model import Equations, element_quantities
 from ..file import SceneName, at, read_tables, with_robot_file
@@ -210,11 +210,11 @@ class Scene(SceneData):
         return load("run").answer(self, progress, folder=folder)
 
 
+@dataclass(frozen=True)
 class Question:
     """The method of a scene that answers an analysis, whose module is imported when the method is first used."""
 
-    def __init__(self, name: str):
-        self.name = name
+    name: str
 
     def __get__(self, scene: Scene | None, owner: type):
         function = load(self.name).method()
@@ -272,10 +272,11 @@ def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, An
     unit_texts = count_texts({key: data[key] for key in data if key not in ("title", "source", "robot")})
     costs.lap("read the scene")
     if unit_texts:
-        registry()
+        unit_in_si("m")  # makes the table of all spellings
         costs.lap("units")
     data, parameters = with_parameters(data, name)
-    name = with_values(name, overrides, parameters.places)
+    if overrides:
+        name = with_values(name, overrides, parameters.places)
     table = validated(data, name, SceneFile)
     costs.lap("read the scene")
     equations = equations_of(table, path.parent, name, costs.lap)

@@ -199,7 +199,10 @@ def free_motion_notices(system: MechanicalSystem) -> tuple[Notice, ...]:
     rows_of_elements = [_directions(stiffness), _directions(damping), system.constraint_matrix]
     if any(rows is None for rows in rows_of_elements):
         return ()
-    free = _null_projection(np.vstack(rows_of_elements))
+    rows = np.vstack(rows_of_elements)
+    _, sizes, right = np.linalg.svd(rows, full_matrices=True)
+    null = right[int((sizes > noise_of(sizes.max(initial=0.0), max(rows.shape))).sum()) :]
+    free = null.T @ null  # the orthogonal projection onto the null space of the rows
     groups = ((group, round(float(free[group, group].sum()))) for group in _groups(free))  # the trace of a projection is its rank
     return tuple(_free_notice([system.names[i] for i in group], count) for group, count in groups)
 
@@ -215,13 +218,6 @@ def _directions(given: np.ndarray | ElementMatrix) -> np.ndarray | None:
         rows = given
     lengths = np.abs(rows).max(axis=1, initial=0.0)
     return rows[lengths > 0] / lengths[lengths > 0, None]
-
-
-def _null_projection(rows: np.ndarray) -> np.ndarray:
-    """The orthogonal projection onto the null space of the rows."""
-    _, sizes, right = np.linalg.svd(rows, full_matrices=True)
-    rank = int((sizes > noise_of(sizes.max(initial=0.0), max(rows.shape))).sum())
-    return right[rank:].T @ right[rank:]
 
 
 def _groups(free: np.ndarray) -> list[np.ndarray]:

@@ -29,7 +29,7 @@ MOST_FORMULA_STATES = 60
 
 
 def units(scene: SceneData) -> Decision:
-    """pint is loaded for texts with units such as "3 N/mm"."""
+    """Texts with units such as "3 N/mm"."""
     texts = scene.unit_texts + scene.equations.unit_texts
     if texts:
         return True, f"{counted(texts, 'quantity', 'quantities')} with a unit"
@@ -73,17 +73,25 @@ def constrained_form(scene: SceneData) -> Decision:
     return True, f"{counted(len(system.rows), 'independent row')} at {' and '.join(levels)} level"
 
 
+def _serves_reduced(scene: SceneData) -> bool:
+    """Whether the reduced equations give motion and eigenvalues, and neither file nor frequency response needs the Jordan pairs."""
+    equations, table = scene.equations, scene.table
+    if equations.polynomial_matrix.large_reduction is not None:
+        return True
+    return not (equations.system is None or table.output.npz or table.frequency or scene.method.name == PAIRS)
+
+
 def staircase(scene: SceneData) -> Decision:
-    """The Weierstrass form, of large models only where they do not reduce directly."""
-    if scene.equations.polynomial_matrix.large_reduction is not None:
-        return False, "many states, whose equations reduce directly without rank decisions"
+    """The Weierstrass form, only where the equations do not reduce directly, or a file holds their Jordan pairs."""
+    if _serves_reduced(scene):
+        return False, "the equations reduce directly without rank decisions"
     return True, "splits the finite from the infinite part by rank decisions"
 
 
 def finite_pair(scene: SceneData) -> Decision:
     """Eigenvalues are always listed; the motion comes from the pair only where the chosen method uses pairs."""
-    if scene.equations.polynomial_matrix.large_reduction is not None:
-        return False, "the modes have the eigenvalues, which take less time for many states"
+    if _serves_reduced(scene):
+        return False, "the modes have the eigenvalues"
     if scene.method.name == PAIRS:
         return True, "the motion for t > 0, and the eigenvalues"
     return True, "the eigenvalues; the motion comes from the reduced equations"
@@ -93,7 +101,7 @@ def infinite_pair(scene: SceneData) -> Decision:
     """Jumps and impulses come from the infinite pair; free admissible motion needs none (Moysis et al., section 4.1)."""
     equations = scene.equations
     A = equations.polynomial_matrix
-    if A.large_reduction is not None:
+    if _serves_reduced(scene):
         return False, "the reduced equations, which have no infinite part, serve"
     if not any(A.jordan_pairs().form.split.infinite_divisors):
         return False, f"A_{A.degree} is nonsingular: there is no infinite part"
@@ -345,7 +353,7 @@ STEPS = (
     PossibleStage("assemble the model", lambda scene: scene.equations.size_decision()),
     PossibleStage("dependent constraint rows", lambda scene: scene.equations.rows_decision(), part_of="assemble the model"),
     PossibleStage("constrained form", constrained_form, part_of="assemble the model"),
-    PossibleStage("scaling and staircase", staircase),
+    PossibleStage("scaling and staircase", staircase, methodcaller("jordan_pairs")),
     PossibleStage("finite pair", finite_pair, attrgetter("finite_pair")),
     PossibleStage("infinite pair", infinite_pair, attrgetter("infinite_pair")),
     PossibleStage("response", response, attrgetter("motion")),

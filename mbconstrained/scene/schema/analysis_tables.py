@@ -15,16 +15,17 @@ from ...ground.quantities import quantity
 from ..quantities.variations import FORMS, Variation, variation_of
 from .entry_types import (
     NUMBER_SCHEMA,
+    NUMBERS_SCHEMA,
     QUANTITY_SCHEMA,
     Angle,
     AngularVelocity,
     Number,
+    Ratios,
     Table,
     Text,
     Time,
     Vector,
     quantity_field,
-    ratios,
 )
 
 ResponseQuantity = Literal[
@@ -75,6 +76,9 @@ def frequency_lines(value):
     return sorted(set(lines))
 
 
+FrequencyLines = Annotated[Any, BeforeValidator(frequency_lines), WithJsonSchema({**NUMBERS_SCHEMA, "title": "frequencies"})]
+
+
 class FrequencyTable(Table):
     """Steady response to harmonic loads and prescribed motions over the frequency."""
 
@@ -102,14 +106,10 @@ class FrequencyTable(Table):
         "auto", description="auto: placed by the poles, so that no peak is missed; or even steps of the frequency or its logarithm."
     )
     points: int | None = Field(None, ge=2, le=MOST_LINES, description="Number of evenly spaced frequencies; 401 by default.")
-    frequencies: Annotated[
-        Any, BeforeValidator(frequency_lines), WithJsonSchema({"type": "array", "items": NUMBER_SCHEMA, "title": "frequencies"})
-    ] = Field(None, description="Explicit list of frequencies.")
-    modal_damping: Annotated[
-        Any,
-        BeforeValidator(ratios),
-        WithJsonSchema({"anyOf": [*NUMBER_SCHEMA["anyOf"], {"type": "array", "items": NUMBER_SCHEMA}]}),
-    ] = Field(None, description="Damping ratios in addition to that of the model: one for all modes, or one for each.")
+    frequencies: FrequencyLines = Field(None, description="Explicit list of frequencies.")
+    modal_damping: Ratios = Field(
+        None, description="Damping ratios in addition to that of the model: one for all modes, or one for each."
+    )
     loss_factor: Annotated[
         Any,
         BeforeValidator(_loss_factors),
@@ -161,16 +161,19 @@ Frequency = quantity_field("Hz")
 KINDS = ("values", "white", "road", "soil")
 
 
-def _corner_frequencies(value):
-    if not isinstance(value, list):
-        raise InputError(f'found {shown(value)}; expected an array of frequencies, e.g. ["10 Hz", "2000 Hz"]')
-    return [quantity(entry, "Hz") for entry in value]
+def _array_of(unit: str, expected: str):
+    """The type of an array of quantities."""
+
+    def converted(value):
+        if not isinstance(value, list):
+            raise InputError(f"found {shown(value)}; expected an array of {expected}")
+        return [quantity(entry, unit) for entry in value]
+
+    return Annotated[Any, BeforeValidator(converted), WithJsonSchema(NUMBERS_SCHEMA)]
 
 
-def _numbers(value):
-    if not isinstance(value, list):
-        raise InputError(f"found {shown(value)}; expected an array of numbers in the unit of the density")
-    return [quantity(entry, "1") for entry in value]
+Corners = _array_of("Hz", 'frequencies, e.g. ["10 Hz", "2000 Hz"]')
+Densities = _array_of("1", "numbers in the unit of the density")
 
 
 class RoadTable(Table):
@@ -193,12 +196,8 @@ class RandomInputTable(Table):
 
     on: Text = Field(description="A coordinate, for a force on it, or a [[motion]] or constraint row, for its motion.")
     of: Literal["force", "displacement", "velocity", "acceleration"] = Field("force", description="Quantity of the density.")
-    frequencies: Annotated[Any, BeforeValidator(_corner_frequencies), WithJsonSchema({"type": "array", "items": NUMBER_SCHEMA})] = (
-        Field(None, description="Corner frequencies of a table, ascending.")
-    )
-    values: Annotated[Any, BeforeValidator(_numbers), WithJsonSchema({"type": "array", "items": NUMBER_SCHEMA})] = Field(
-        None, description="The one-sided density at the corners."
-    )
+    frequencies: Corners = Field(None, description="Corner frequencies of a table, ascending.")  # type: ignore[valid-type]
+    values: Densities = Field(None, description="The one-sided density at the corners.")  # type: ignore[valid-type]
     unit: Text | None = Field(None, description='Of the density, e.g. "g^2/Hz"; SI when left out.')
     interpolation: Literal["log-log", "linear", "steps"] = Field("log-log", description="Between the corners.")
     white: Number | None = Field(None, gt=0, description="Intensity of white noise, instead of a table.")
@@ -247,11 +246,7 @@ class RandomTable(Table):
         description="Ordinary coherence of all inputs; independent when left out, coherent where they have delays.",
     )
     duration: Time = Field(60.0, gt=0, description="Duration for the expected largest value.")
-    modal_damping: Annotated[
-        Any,
-        BeforeValidator(ratios),
-        WithJsonSchema({"anyOf": [*NUMBER_SCHEMA["anyOf"], {"type": "array", "items": NUMBER_SCHEMA}]}),
-    ] = Field(None, description="Damping ratios in addition to that of the model.")
+    modal_damping: Ratios = Field(None, description="Damping ratios in addition to that of the model.")
 
 
 ShockQuantity = Literal[
@@ -272,9 +267,7 @@ class ShockTable(Table):
     )
     highest: AnyFrequency | None = Field(None, alias="to", gt=0, description="The highest natural frequency.")
     per_octave: int = Field(12, ge=1, le=96, description="Natural frequencies in each octave.")
-    frequencies: Annotated[
-        Any, BeforeValidator(frequency_lines), WithJsonSchema({"type": "array", "items": NUMBER_SCHEMA, "title": "frequencies"})
-    ] = Field(None, description="Explicit list of natural frequencies.")
+    frequencies: FrequencyLines = Field(None, description="Explicit list of natural frequencies.")
     interpolation: Literal["linear", "band-limited"] = Field("linear", description="Interpolation of a record between its samples.")
     tripartite: bool = Field(
         False, description="The pseudo-velocity, too, with lines of equal displacement and of equal acceleration."

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
+from functools import cache
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -11,12 +12,15 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
+    GetPydanticSchema,
     PlainValidator,
+    TypeAdapter,
     ValidationError,
     WithJsonSchema,
     WrapValidator,
     model_validator,
 )
+from pydantic_core import core_schema
 
 from ...ground.checks import nearest
 from ...ground.errors import InputError, SceneError, quoted, shown
@@ -80,6 +84,61 @@ class Table(BaseModel):
         return ""
 
 
+class LateTable:
+    """The type of a table whose class is created when a scene has it: all classes together take as long as most answers."""
+
+    def __init__(self, create: Callable[[], type[BaseModel]]):
+        self._create = create
+
+    def __get_pydantic_core_schema__(self, source, handler):
+        return core_schema.no_info_plain_validator_function(lambda value: self._create().model_validate(value))
+
+    def __get_pydantic_json_schema__(self, schema, handler):
+        return handler(core_schema.definitions_schema(_with_names(TypeAdapter(self._create()).core_schema), []))
+
+
+class TablesByKind:
+    """The type of a table whose class depends on its key kind, and is created when a scene has one of it."""
+
+    def __init__(self, **create: Callable[[], type[BaseModel]]):
+        self._create = {kind.replace("_", "-"): one for kind, one in create.items()}
+        self._adapter = cache(self._new_adapter)
+
+    def _new_adapter(self, *kinds: str) -> TypeAdapter:
+        def union(source, handler):
+            return core_schema.tagged_union_schema({kind: handler.generate_schema(self._create[kind]()) for kind in kinds}, "kind")
+
+        return TypeAdapter(Annotated[Any, GetPydanticSchema(union)])
+
+    def _validated(self, value):
+        kind = value.get("kind") if isinstance(value, dict) else None
+        kinds = (kind,) if isinstance(kind, str) and kind in self._create else tuple(self._create)
+        return self._adapter(*kinds).validate_python(value)
+
+    def __get_pydantic_core_schema__(self, source, handler):
+        return core_schema.no_info_plain_validator_function(self._validated)
+
+    def __get_pydantic_json_schema__(self, schema, handler):
+        return handler(_with_names(self._adapter(*self._create).core_schema))
+
+
+def _with_names(schema: Any, *, is_named: bool = False) -> Any:
+    """A schema of pydantic in which each table has its name in $defs; pydantic leaves out those of tables that stand once."""
+    if isinstance(schema, list):
+        return [_with_names(entry) for entry in schema]
+    if not isinstance(schema, dict):
+        return schema
+    table = schema["cls"] if schema.get("type") == "model" else None
+    has_name = is_named or "ref" in schema
+    named = {
+        key: value if key == "metadata" else _with_names(value, is_named=has_name and table is None)
+        for key, value in schema.items()
+    }
+    if table is None or has_name:
+        return named
+    return {"ref": f"{table.__module__}.{table.__qualname__}:{id(table)}", **named}
+
+
 #: For editors: what a text that stands for a number looks like.
 EXPRESSION_SCHEMA = {"type": "string", "pattern": r"^\s*=.+$", "title": '"=" and an expression of parameters'}
 QUANTITY_SCHEMA = {
@@ -88,6 +147,8 @@ QUANTITY_SCHEMA = {
     "title": 'a number and a unit, or "=" and an expression of parameters',
 }
 NUMBER_SCHEMA = {"anyOf": [{"type": "number"}, QUANTITY_SCHEMA]}
+NUMBERS_SCHEMA = {"type": "array", "items": NUMBER_SCHEMA}
+RATIOS_SCHEMA = {"anyOf": [*NUMBER_SCHEMA["anyOf"], NUMBERS_SCHEMA]}
 
 
 def quantity_field(unit: str):
@@ -155,19 +216,15 @@ def ratios(value):
     return [quantity(entry, "1") for entry in value] if isinstance(value, list) else quantity(value, "1")
 
 
+Ratios = Annotated[Any, BeforeValidator(ratios), WithJsonSchema(RATIOS_SCHEMA)]
+
+
 class DampedTable(Table):
     """A mechanical model, which may have damping of the model as a whole."""
 
     rayleigh_damping: RayleighTable | None = Field(None, description="Proportional (Rayleigh) damping, a M + b K.")
     modal_damping: Annotated[
-        Any,
-        BeforeValidator(ratios),
-        WithJsonSchema(
-            {
-                "title": "a ratio, or those of the lowest modes",
-                "anyOf": [*NUMBER_SCHEMA["anyOf"], {"type": "array", "items": NUMBER_SCHEMA}],
-            }
-        ),
+        Any, BeforeValidator(ratios), WithJsonSchema({"title": "a ratio, or those of the lowest modes", **RATIOS_SCHEMA})
     ] = Field(None, description="The damping ratio of all undamped modes, e.g. 0.02, or of the lowest ones, e.g. [0.02, 0.05].")
 
 
@@ -254,14 +311,9 @@ def validated(data: dict, file_name: str, schema: type[BaseModel]):
         return schema.model_validate(data)
     except ValidationError as error:
         errors = error.errors()
-        problems = [_problem(problem, data) for problem in errors[:MOST_EXPLAINED]]
+        places = ((problem, place(problem["loc"], data)) for problem in errors[:MOST_EXPLAINED])
+        problems = [(f"{where}: {_sentence(one, where)}", one.get("ctx", {}).get("error")) for one, where in places]
     raise SceneError(together(file_name, problems, len(errors) - len(problems)))
-
-
-def _problem(problem: Mapping[str, Any], data: dict) -> tuple[str, Exception | None]:
-    """The location with the sentence, and the exception raised there, if any."""
-    where = place(problem["loc"], data)
-    return f"{where}: {_sentence(problem, where)}", problem.get("ctx", {}).get("error")
 
 
 def _sentence(problem: Mapping[str, Any], where: str) -> str:

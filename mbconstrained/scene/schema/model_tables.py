@@ -6,8 +6,8 @@ import inspect
 import math
 from collections.abc import Mapping
 from dataclasses import MISSING
-from functools import partial
-from typing import Annotated, Any, ClassVar, Literal, get_origin
+from functools import cache, partial
+from typing import Annotated, Any, ClassVar, Literal, get_args, get_origin
 
 import numpy as np
 from pydantic import BeforeValidator, Field, PrivateAttr, WithJsonSchema, create_model, model_validator
@@ -27,12 +27,14 @@ from .entry_types import (
     DampedTable,
     Eccentric,
     Frequency,
+    LateTable,
     Name,
     Number,
     Pair,
     Quantity,
     Rate,
     Table,
+    TablesByKind,
     Teeth,
     Text,
     Time,
@@ -100,10 +102,7 @@ class RampTable(ForceBase):
     kind: Literal["ramp"] = Field(description="Grows linearly with t.")
     value: Quantity = Field(description='The force by time, e.g. "2 N/s".')
 
-    @property
-    def time_power(self) -> int:
-        """Exponent of t."""
-        return -1
+    time_power = property(lambda self: -1)  # type: ignore[assignment]
 
 
 class PowerTable(ForceBase):
@@ -113,10 +112,7 @@ class PowerTable(ForceBase):
     gamma: int = Field(ge=-MOST_POWER, le=MOST_POWER, description="The index gamma.")
     value: Quantity = Field(description="The factor.")
 
-    @property
-    def time_power(self) -> int:
-        """Exponent of t^(gamma - 1)."""
-        return 1 - self.gamma
+    time_power = property(lambda self: 1 - self.gamma)  # type: ignore[assignment]
 
 
 class ImpulseTable(ForceBase):
@@ -126,10 +122,7 @@ class ImpulseTable(ForceBase):
     order: int = Field(0, ge=0, le=MOST_POWER, description="The order of the derivative of Dirac's delta.")
     value: Quantity = Field(description='The impulse, e.g. "3 N*s".')
 
-    @property
-    def time_power(self) -> int:
-        """Exponent of the derivative of Dirac's delta."""
-        return self.order + 1
+    time_power = property(lambda self: self.order + 1)  # type: ignore[assignment]
 
 
 class PeriodicTable(ForceBase):
@@ -171,10 +164,7 @@ class TermTable(PeriodicTable):
     power: int = Field(0, ge=0, le=MOST_POWER, description="The power of t.")
     rate: Rate = Field(0.0, description="The rate of the exponential; negative decays.")
 
-    @property
-    def time_power(self) -> int:
-        """Exponent of t^power."""
-        return -self.power
+    time_power = property(lambda self: -self.power)  # type: ignore[assignment]
 
 
 class PulseTable(ForceBase):
@@ -227,12 +217,6 @@ class SampledTable(ForceBase):
         return self
 
 
-ForceTable = Annotated[
-    StepTable | RampTable | PowerTable | ImpulseTable | HarmonicTable | TermTable | PulseTable | SampledTable,
-    Field(discriminator="kind"),
-]
-
-
 class MotionBase(Table):
     """Keys of every prescribed motion, in addition to those of a force of its kind."""
 
@@ -258,42 +242,19 @@ class MotionBase(Table):
         return {f"{base} of {coordinate}": (coordinate, factor) for coordinate, factor in (self.factors or {}).items()}
 
 
-class StepMotion(MotionBase, StepTable):
-    """A prescribed motion of the kind "step"."""
+_FORCES = (StepTable, RampTable, PowerTable, ImpulseTable, HarmonicTable, TermTable, PulseTable, SampledTable)
+FORCES: dict[str, type[ForceBase]] = {get_args(table.model_fields["kind"].annotation)[0]: table for table in _FORCES}
 
 
-class RampMotion(MotionBase, RampTable):
-    """A prescribed motion of the kind "ramp"."""
+@cache
+def _motion_table(kind: str) -> Any:
+    return create_model(
+        f"{kind.capitalize()}Motion", __base__=(MotionBase, FORCES[kind]), __doc__=f'A prescribed motion of the kind "{kind}".'
+    )
 
 
-class PowerMotion(MotionBase, PowerTable):
-    """A prescribed motion of the kind "power"."""
-
-
-class ImpulseMotion(MotionBase, ImpulseTable):
-    """A prescribed motion of the kind "impulse"."""
-
-
-class HarmonicMotion(MotionBase, HarmonicTable):
-    """A prescribed motion of the kind "harmonic"."""
-
-
-class TermMotion(MotionBase, TermTable):
-    """A prescribed motion of the kind "term"."""
-
-
-class PulseMotion(MotionBase, PulseTable):
-    """A prescribed motion of the kind "pulse"."""
-
-
-class SampledMotion(MotionBase, SampledTable):
-    """A prescribed motion of the kind "sampled"."""
-
-
-MotionTable = Annotated[
-    StepMotion | RampMotion | PowerMotion | ImpulseMotion | HarmonicMotion | TermMotion | PulseMotion | SampledMotion,
-    Field(discriminator="kind"),
-]
+ForceTable = Annotated[Any, TablesByKind(**{kind: partial(FORCES.__getitem__, kind) for kind in FORCES})]
+MotionTable = Annotated[Any, TablesByKind(**{kind: partial(_motion_table, kind) for kind in FORCES})]
 
 
 #: What a table by names is expected to be, by its key.
@@ -374,7 +335,8 @@ def _default(entry: Entry, is_replaced: bool) -> Any:
     return {} if entry.field.default is MISSING else None if entry.field.default == "" else entry.field.default
 
 
-def _table_of(key: str) -> Any:
+@cache
+def table_of(key: str) -> Any:
     """The table of a class of elements."""
     element = ELEMENTS[key]
     entries, spellings = entries_of(element), element.spellings
@@ -417,13 +379,17 @@ class _Lumped(DampedTable):
         return [(key, number, table) for key in keys for number, table in enumerate(getattr(self, key), 1)]
 
 
-TABLES = {key: _table_of(key) for key in ELEMENTS}
-_LISTS: dict[str, Any] = {
-    key: (list[TABLES[key]], Field([], description=f"{element.kind.capitalize()}s."))  # type: ignore[valid-type]
-    for key, element in ELEMENTS.items()
-}
-ConstraintTable: Any = TABLES["constraint"]
-LumpedTable: Any = create_model("LumpedTable", __base__=_Lumped, __doc__=_Lumped.__doc__, **_LISTS)
+@cache
+def lumped_table() -> Any:
+    """The table of lumped models, with a list of each class of elements."""
+    lists: dict[str, Any] = {
+        key: (list[table_of(key)], Field([], description=f"{element.kind.capitalize()}s."))  # type: ignore[misc]
+        for key, element in ELEMENTS.items()
+    }
+    return create_model("LumpedTable", __base__=_Lumped, __doc__=_Lumped.__doc__, **lists)
+
+
+ConstraintTable = Annotated[Any, LateTable(partial(table_of, "constraint"))]
 
 
 #: Keys that belong to mass, damping and stiffness.
@@ -564,13 +530,10 @@ class MatricesTable(DampedTable):
     def _one_form(self):
         if (self.mass is None) == (self.coefficients is None):
             raise InputError("give either mass (with damping and stiffness) or coefficients = [A_0, A_1, …]")
-        if self.coefficients is not None:
-            self._refuse_with_coefficients()
-        return self
-
-    def _refuse_with_coefficients(self) -> None:
-        for key in WITHOUT_COEFFICIENTS:
-            if key in self.model_fields_set:
-                raise InputError(f"{key} cannot stand with coefficients; write it into A_0, A_1, … or give mass instead")
+        if self.coefficients is None:
+            return self
+        if given := [key for key in WITHOUT_COEFFICIENTS if key in self.model_fields_set]:
+            raise InputError(f"{given[0]} cannot stand with coefficients; write it into A_0, A_1, … or give mass instead")
         if not self.coefficients:
             raise InputError("coefficients is empty; expected [A_0, A_1, …] in ascending powers")
+        return self

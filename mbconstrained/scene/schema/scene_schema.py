@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import math
 import re
+from functools import partial
+from importlib import import_module
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -17,10 +19,22 @@ from ...ground.tolerances import noise_of
 from ..file import EntryError
 from ..quantities.coordinates import DERIVATIVES
 from ..quantities.output_units import output_units
-from .analysis_tables import CampbellTable, FrequencyTable, PathTable, RandomTable, ShockTable, VaryTable
-from .entry_types import NUMBER_SCHEMA, Angle, Name, Number, Pair, Quantity, Table, Teeth, Text, Time, Vector
-from .model_tables import ForceTable, LumpedTable, MatricesTable, MotionTable, StateSpaceTable, TransferFunctionTable
-from .robot_tables import RobotChanges, RobotFile, RobotTable
+from .entry_types import (
+    NUMBER_SCHEMA,
+    Angle,
+    LateTable,
+    Name,
+    Number,
+    Pair,
+    Quantity,
+    Table,
+    TablesByKind,
+    Teeth,
+    Text,
+    Time,
+    Vector,
+)
+from .model_tables import ForceTable, MotionTable, lumped_table
 
 Shape = Literal["box", "sphere", "disc", "gear", "ring", "mark", "rail", "ground", "base"]
 LinkKind = Literal["spring", "damper", "strut", "rod", "bushing", "loop", "torsion spring", "torsion damper", "belt"]
@@ -353,7 +367,29 @@ class OutputTable(Table):
         return names
 
 
-Model = Annotated[LumpedTable | MatricesTable | RobotTable | TransferFunctionTable | StateSpaceTable, Field(discriminator="kind")]
+def _named(module: str, name: str) -> type[BaseModel]:
+    """A table from a file that few scenes need."""
+    return getattr(import_module(module, __package__), name)
+
+
+def _late(name: str, module: str = ".analysis_tables") -> LateTable:
+    return LateTable(partial(_named, module, name))
+
+
+_MODELS = {
+    "matrices": partial(_named, ".model_tables", "MatricesTable"),
+    "robot": partial(_named, ".robot_tables", "RobotTable"),
+    "transfer_function": partial(_named, ".model_tables", "TransferFunctionTable"),
+    "state_space": partial(_named, ".model_tables", "StateSpaceTable"),
+}
+Model = Annotated[Any, TablesByKind(lumped=lumped_table, **_MODELS)]
+Changes = Annotated[Annotated[Any, _late("RobotChanges", ".robot_tables")] | None, SkipValidation]
+Frequency = Annotated[Any, _late("FrequencyTable")]
+Random = Annotated[Any, _late("RandomTable")]
+Shock = Annotated[Any, _late("ShockTable")]
+Vary = Annotated[Any, _late("VaryTable")]
+Campbell = Annotated[Any, _late("CampbellTable")]
+RobotPath = Annotated[Any, _late("PathTable")]
 
 
 class SceneFile(Table):
@@ -364,25 +400,25 @@ class SceneFile(Table):
     include: list[Text] | Text = Field([], description="Scene files whose tables are part of this one, relative to it.")
     parameters: Parameters = Field({}, description='Quantities by name, e.g. m = "10 kg"; "=2*m" may stand wherever a number does.')
     model: Model = Field(description="The equations.")
-    robot: Annotated[RobotChanges | None, SkipValidation] = Field(
+    robot: Changes = Field(
         None, description="Changes of the robot.toml for this scene, e.g. its gravity, stiffness, damping or payloads."
     )
-    initial: InitialTable = Field(InitialTable(), description="The values just before t = 0.")
+    initial: InitialTable = Field(InitialTable.model_construct(), description="The values just before t = 0.")
     force: list[ForceTable] = Field([], description="Forces from t = 0 or from their delays on; entries on one coordinate add up.")
     motion: list[MotionTable] = Field([], description="Prescribed motions of coordinates: supports that move.")
     time: TimeTable = Field(description="Times of the answer.")
-    frequency: FrequencyTable | None = Field(None, description="The frequency response that is computed, too; left out: none.")
-    random: RandomTable | None = Field(None, description="Random vibration, by the command random; left out: none.")
-    shock: ShockTable | None = Field(None, description="Peaks under a shock, by the command shock; left out: the defaults.")
-    vary: VaryTable | None = Field(None, description="Parameters that the commands sweep and optimise vary; left out: named there.")
-    campbell: CampbellTable | None = Field(None, description="Speeds and orders of the command campbell; left out: the defaults.")
-    path: PathTable | None = Field(None, description="Path of a point of a robot, along which the command path computes its modes.")
-    output: OutputTable = Field(OutputTable(), description="Files to write, and contents of the page.")
+    frequency: Frequency | None = Field(None, description="The frequency response that is computed, too; left out: none.")
+    random: Random | None = Field(None, description="Random vibration, by the command random; left out: none.")
+    shock: Shock | None = Field(None, description="Peaks under a shock, by the command shock; left out: the defaults.")
+    vary: Vary | None = Field(None, description="Parameters that the commands sweep and optimise vary; left out: named there.")
+    campbell: Campbell | None = Field(None, description="Speeds and orders of the command campbell; left out: the defaults.")
+    path: RobotPath | None = Field(None, description="Path of a point of a robot, along which the command path computes its modes.")
+    output: OutputTable = Field(OutputTable.model_construct(), description="Files to write, and contents of the page.")
     drawing: DrawingTable | None = Field(None, description="Drawing of the model; automatic by default.")
 
     @classmethod
     def _hint(cls, key: str) -> str:
-        if key not in LumpedTable.model_fields:
+        if key not in lumped_table().model_fields:
             return ""
         return f"; it belongs to the model: write [[model.{key}]], or {key} = … below [model]"
 
@@ -448,6 +484,8 @@ def robot_schema() -> dict:
     >>> robot_schema()["required"]
     ['urdf']
     """
+    from .robot_tables import RobotFile
+
     return _schema(RobotFile, "A robot.toml of mbconstrained")
 
 

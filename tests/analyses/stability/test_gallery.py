@@ -86,7 +86,7 @@ def test_a_wrong_name_is_answered_with_the_nearest():
 def test_importing_the_gallery_loads_nothing_heavy():
     script = "import mbconstrained.analyses.stability.gallery, sys; print(*{name.split('.')[0] for name in sys.modules})"
     loaded = set(subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split())
-    assert not loaded & {"flint", "sympy", "pydantic", "pint", "typer", "rich", "matplotlib", "pinocchio", "meshcat"}
+    assert not loaded & {"flint", "sympy", "pydantic", "typer", "rich", "matplotlib", "pinocchio", "meshcat"}
 
 
 def test_building_is_reproducible_and_solves_nothing():

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.long  # a process for each scene, every call in it note
 
 #: Packages, and large parts of them, that a run may need or not.
 LIBRARIES = (
-    "pint", "pinocchio", "coal", "collada", "trimesh", "meshcat", "sympy", "matplotlib", "scipy.optimize", "scipy.signal", "scipy.io",
+    "pinocchio", "coal", "collada", "trimesh", "meshcat", "sympy", "matplotlib", "scipy.optimize", "scipy.signal", "scipy.io",
     "xarray", "pandas", "control", "typer", "rich", "IPython", "mbconstrained.page.html", "mbconstrained.scene.run.animation",
     "mbconstrained.exact", "mbconstrained.robot", "mbconstrained.studies",
 )  # fmt: skip
@@ -71,12 +71,12 @@ class Work(NamedTuple):
 
 
 def computed(kind: str) -> str:
-    return f"scene/run/result.py:Result._computed({kind})"
+    return f"scene/run/result.py:Result.curves({kind})"
 
 
 WORK = {
     "read the scene": Work("plain", None, "scene/file.py:parse"),
-    "units": Work("all", "plain", "ground/units.py:registry", ("pint",)),
+    "units": Work("all", "plain", "ground/units.py:unit_in_si"),
     "robot model (pinocchio)": Work("robot", "lumped", "scene/build/robot_file.py:robot_of", ("pinocchio", "coal")),
     "equilibrium": Work("robot", "lumped", "robot/posture_search.py:find_posture", ("mbconstrained.robot",)),
     "robot meshes": Work("robot with meshes", "robot with unread meshes", "robot/description/meshes.py:read_mesh", MESHES_BY),
@@ -85,8 +85,8 @@ WORK = {
     "mechanical normal form": Work("normal form", "states", "mechanics/normal_form.py:mechanical_normal_form"),
     "dependent constraint rows": Work("all", "plain", "mechanics/constraints.py:_reduced"),
     "constrained form": Work("all", "plain", "mechanics/constrained_form.py:_projected"),
-    "scaling and staircase": Work("plain", None, "linalg/staircase.py:split_pencil"),
-    "finite pair": Work("plain", None, "polynomial/jordan_pairs.py:JordanPairs.finite"),
+    "scaling and staircase": Work("coefficients", "plain", "linalg/staircase.py:split_pencil"),
+    "finite pair": Work("coefficients", "plain", "polynomial/jordan_pairs.py:JordanPairs.finite"),
     "infinite pair": Work("all", "free and held", "polynomial/jordan_pairs.py:JordanPairs.infinite"),
     "response": Work("plain", None, "response/response.py:Response._solved"),
     "displacements": Work("plain", None, computed("displacement")),
