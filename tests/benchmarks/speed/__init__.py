@@ -1,1 +1,1 @@
-"""Speed beside what one would use instead: models, hand reductions, references, peers, measuring and the report."""
+"""Models, hand reductions, references and other methods of the tables of run times."""

@@ -33,10 +33,6 @@ class Equations:
     mass: np.ndarray | None = None
     stiffness: np.ndarray | None = None
 
-    def rows(self, chosen) -> Equations:
-        """With these coordinates only."""
-        return Equations(self.S, self.E[chosen], self.start, self.b, self.mass, self.stiffness)
-
 
 def as_fractions(array) -> np.ndarray:
     """The same numbers as fractions, in an array of objects."""

@@ -6,10 +6,10 @@ import pytest
 import mbconstrained as mb
 from tests.benchmarks.speed.examples import STARTS, example_equations, example_system
 from tests.benchmarks.speed.models import chain, even_times, forty_periods
+from tests.benchmarks.speed.motions import chain_system
 from tests.benchmarks.speed.reductions import as_fractions, reduced_chain, with_oscillator
 from tests.benchmarks.speed.references import by_balls, by_taylor, record_by_taylor
 from tests.benchmarks.speed.stacks import SLOWEST, stack_equations, stack_model, stack_start
-from tests.benchmarks.speed.workloads import chain_system
 from tests.oracles.models import table
 
 

@@ -1,16 +1,15 @@
 """References agree with one another and with formulas; peers are written as right as they can be."""
 
-from dataclasses import replace
+from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from tests.benchmarks.speed.measure import Effort, measured, ours, relative_error
 from tests.benchmarks.speed.models import chain, even_times, forty_periods
-from tests.benchmarks.speed.peers import PEERS, Method
+from tests.benchmarks.speed.motions import INTEGRATORS, MOTIONS, PEERS, Method, free_chain, harmonic_chain, recorded_chain
 from tests.benchmarks.speed.reductions import Equations, as_fractions, reduced_chain
 from tests.benchmarks.speed.references import by_balls, by_taylor, record_by_taylor
-from tests.benchmarks.speed.workloads import WORKLOADS, free_chain, harmonic_chain, recorded_chain
+from tests.benchmarks.tables import Measured, fastest, relative_error
 
 EXTENDED = np.finfo(np.longdouble).nmant > 60
 
@@ -37,14 +36,14 @@ def test_a_record_that_is_constant_is_a_step():
 
 
 def suitable(problem) -> list[Method]:
-    return [method for method in PEERS if method.suits(problem) and not method.once]
+    return [method for method in PEERS if method.suits(problem)]
 
 
 @pytest.mark.parametrize("make", [lambda: free_chain(10), lambda: free_chain(10, damped=False), lambda: harmonic_chain(10)])
 def test_peers_are_right(make):
     problem = make()
     truth, methods = problem.truth(), suitable(problem)
-    assert len(methods) >= 4
+    assert len(methods) >= 3
     for method in methods:
         assert relative_error(method.prepare(problem)(problem.times), truth) < 1e-11, method.name
 
@@ -55,31 +54,18 @@ def test_lsim_is_right_about_a_record():
     assert relative_error(lsim.prepare(problem)(problem.times), problem.truth()) < 1e-12
 
 
-def test_solve_ivp_is_as_right_as_it_is_told_to_be():
-    problem = next(workload for workload in WORKLOADS if workload.name == "example 5.1").make()
-    integrated = [method for method in PEERS if method.once]
-    errors = [relative_error(method.prepare(problem)(problem.times), problem.truth()) for method in integrated]
-    assert len(errors) == 2 and all(error < 1e-10 for error in errors)
+def test_solve_ivp_reaches_its_tolerance():
+    problem = MOTIONS[0].make()
+    (integrator,) = INTEGRATORS
+    assert relative_error(integrator.prepare(problem)(problem.times), problem.truth()) < 1e-10
 
 
-def test_chosen_coordinates_are_rows_of_all():
-    whole, some = free_chain(10), free_chain(10, chosen=(2, 7))
-    np.testing.assert_array_equal(some.truth(), whole.truth()[[2, 7]])
-    assert relative_error(ours().prepare(some)(some.times), some.truth()) < 1e-11
+def test_a_faster_method_is_bold():
+    rival = Measured("lsim", 1e-15, 2e-3, 1e-3)
+    assert fastest(rival, "one_run", 1e-3) == "2 ms (lsim)" and fastest(rival, "further", 2e-3) == "**1 ms (lsim)**"
+    assert fastest(None, "one_run", 1.0) == "no correct digit"
 
 
-def test_what_fails_is_told_and_the_others_go_on():
-    def failing(problem):
-        raise FloatingPointError("lost")
-
-    problem = replace(free_chain(10), times=even_times(20.0, 5), truth=lambda: np.ones((12, 5)))
-    peers = (Method("failing", failing), Method("quick", lambda _: lambda times: np.full((12, len(times)), 1.5)))
-    found = measured(problem, 20, peers, Effort(2, 2, 0.0), lambda method: "not tried" if method.name == "mbconstrained" else "")
-    assert [one.failure for one in found] == ["not tried", "FloatingPointError: lost", ""]
-    assert found[2].error == 0.5 and len(found[2].further.seconds) == 2
-
-
-@pytest.mark.parametrize("workload", [one for one in WORKLOADS if one.states <= 250], ids=lambda workload: workload.name)
-def test_every_small_workload_is_as_large_as_it_is_said_to_be(workload):
-    equations = workload.make().equations
-    assert equations.S.shape == (workload.states,) * 2 and len(equations.E) == workload.coordinates
+@pytest.mark.parametrize("motion", [one for one in MOTIONS if one.states <= 250], ids=lambda motion: motion.name)
+def test_every_small_model_has_its_number_of_states(motion):
+    assert motion.make().equations.S.shape == (motion.states,) * 2
