@@ -33,7 +33,7 @@ LINES = {
     "mechanics": 10963,
     "models": 1377,
     "page": 4907,
-    "polynomial": 2860,
+    "polynomial": 2857,
     "response": 5499,
     "robot": 9019,
     "scene": 9208,
