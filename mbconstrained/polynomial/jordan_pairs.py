@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -452,11 +452,8 @@ def _form_in_enough_digits(A: PolynomialCoefficients, rank_tolerance: float | No
 def _form_as_written(A: PolynomialCoefficients, form: WeierstrassForm) -> WeierstrassForm:
     """The decoupled pencil with zeros at s = 0 decided in precise arithmetic; where that takes long or fails, in float64 without any."""
     if form.companion.state_count <= AS_WRITTEN_STATES:
-        try:
-            with precise_arithmetic():
-                return weierstrass_form(scaled_companion(A, 0.0, in_float64=False), form.split.decisions)
-        except IllConditioned:
-            pass
+        with suppress(IllConditioned), precise_arithmetic():
+            return weierstrass_form(scaled_companion(A, 0.0, in_float64=False), form.split.decisions)
     return weierstrass_form(scaled_companion(A), [*form.split.decisions, RankDecision(len(form.T), np.inf, 0.0)])
 
 
