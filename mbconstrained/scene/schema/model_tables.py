@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING
 from functools import cache, partial
 from typing import Annotated, Any, ClassVar, Literal, get_args, get_origin
@@ -86,7 +86,16 @@ class ForceBase(Table):
     @property
     def time_power(self) -> int:
         """The power of seconds by which the unit of the value differs from that of the force."""
-        return 0
+        of_kind = _TIME_POWERS.get(getattr(self, "kind", ""))
+        return of_kind(self) if of_kind else 0
+
+
+_TIME_POWERS: dict[str, Callable[[Any], int]] = {
+    "ramp": lambda table: -1,
+    "power": lambda table: 1 - table.gamma,
+    "impulse": lambda table: table.order + 1,
+    "term": lambda table: -table.power,
+}
 
 
 class StepTable(ForceBase):
@@ -102,8 +111,6 @@ class RampTable(ForceBase):
     kind: Literal["ramp"] = Field(description="Grows linearly with t.")
     value: Quantity = Field(description='The force by time, e.g. "2 N/s".')
 
-    time_power = property(lambda self: -1)  # type: ignore[assignment]
-
 
 class PowerTable(ForceBase):
     """value t^(gamma-1) / (gamma-1)! for gamma >= 1, the derivatives of Dirac's delta for gamma <= 0."""
@@ -112,8 +119,6 @@ class PowerTable(ForceBase):
     gamma: int = Field(ge=-MOST_POWER, le=MOST_POWER, description="The index gamma.")
     value: Quantity = Field(description="The factor.")
 
-    time_power = property(lambda self: 1 - self.gamma)  # type: ignore[assignment]
-
 
 class ImpulseTable(ForceBase):
     """value times the derivative of the given order of Dirac's delta at t = 0."""
@@ -121,8 +126,6 @@ class ImpulseTable(ForceBase):
     kind: Literal["impulse"] = Field(description="An impulsive load (Dirac impulse) at t = 0.")
     order: int = Field(0, ge=0, le=MOST_POWER, description="The order of the derivative of Dirac's delta.")
     value: Quantity = Field(description='The impulse, e.g. "3 N*s".')
-
-    time_power = property(lambda self: self.order + 1)  # type: ignore[assignment]
 
 
 class PeriodicTable(ForceBase):
@@ -163,8 +166,6 @@ class TermTable(PeriodicTable):
     kind: Literal["term"] = Field(description="One term of a Bohl function.")
     power: int = Field(0, ge=0, le=MOST_POWER, description="The power of t.")
     rate: Rate = Field(0.0, description="The rate of the exponential; negative decays.")
-
-    time_power = property(lambda self: -self.power)  # type: ignore[assignment]
 
 
 class PulseTable(ForceBase):
@@ -383,8 +384,7 @@ class _Lumped(DampedTable):
 def lumped_table() -> Any:
     """The table of lumped models, with a list of each class of elements."""
     lists: dict[str, Any] = {
-        key: (list[table_of(key)], Field([], description=f"{element.kind.capitalize()}s."))  # type: ignore[misc]
-        for key, element in ELEMENTS.items()
+        key: (list[table_of(key)], Field([], description=f"{element.kind.capitalize()}s.")) for key, element in ELEMENTS.items()
     }
     return create_model("LumpedTable", __base__=_Lumped, __doc__=_Lumped.__doc__, **lists)
 
