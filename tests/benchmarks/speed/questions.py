@@ -248,9 +248,9 @@ def whole_scene(count: int) -> tuple[Work, None]:
     return lambda: mb.read_scene(folder / "chain.toml").run(folder / "results"), None
 
 
-def large_model(answer: Callable[[mb.MechanicalSystem], object]) -> tuple[Work, None]:
+def large_model(answer: Callable[[mb.MechanicalSystem], object], sparse: bool = False) -> tuple[Work, None]:
     """A lumped model of 2000 masses, built and answered."""
-    return lambda: answer(lumped_chain(2000).assemble()), None
+    return lambda: answer(lumped_chain(2000).assemble(sparse=sparse)), None
 
 
 def sweep(example: str, samples: int, **table) -> tuple[Work, None]:
@@ -304,7 +304,14 @@ QUESTIONS = (
     Question("read_scene, 300 masses", partial(reading, 300), seconds=0.3),
     Question("read_scene, 1000 masses", partial(reading, 1000), seconds=1.0),
     Question("LumpedModel of 2000 masses: motion", partial(large_model, lambda system: system.solve(START)(TIMES)), seconds=2.0),
-    Question("LumpedModel of 2000 masses: 50 modes", partial(large_model, lambda system: system.modes(count=50)), seconds=1.0),
+    Question(
+        "LumpedModel of 2000 masses, sparse: motion in 50 modes",
+        partial(large_model, lambda system: system.solve(START)(TIMES), True),
+        seconds=2.0,
+    ),
+    Question(
+        "LumpedModel of 2000 masses, sparse: 50 modes", partial(large_model, lambda system: system.modes(), True), seconds=1.0
+    ),
     Question("scene of 800 masses with page and files", partial(whole_scene, 800), seconds=5.0),
     Question(
         "sweep, a sample: frequencies",
