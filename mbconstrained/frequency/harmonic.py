@@ -17,7 +17,7 @@ from ..ground.tolerances import EPS, LARGEST_POWER, LINE_ACCURACY, LINE_ROUNDING
 from ..linalg.elimination import as_slice
 from ..linalg.scaling import joint_scaling
 from ..polynomial.polynomial_matrix import PolynomialMatrix
-from .pole_residue_form import PoleResidueForm
+from .pole_residue_form import ModalSum, PoleResidueForm
 
 # A(i w) X = B for many lines w at once, with an error estimate of every entry of C X.
 # The pattern of A(s) = A_0 + A_1 s + ... is eliminated once, in an order that SuperLU chooses at one line (fill-reducing columns,
@@ -482,3 +482,8 @@ class Harmonic:
         """Poles, residues and polynomial part."""
         A, inputs, outputs = self.real
         return PoleResidueForm(A.jordan_pairs(), inputs, outputs, self.power)
+
+    @cached_property
+    def modal_sum(self) -> ModalSum | None:
+        """The sum over modes in graded coordinates, where the matrices have that form."""
+        return ModalSum.of(self.coefficients, self.inputs, self.outputs)
