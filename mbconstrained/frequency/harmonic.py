@@ -156,8 +156,8 @@ class StructuredSolver:
         """A^-1 B, and Z with C A^-1 = (ratio Z)^T, shapes (r, m, F) and (r, p, F)."""
         if self._together is None:
             return solver.solved(self.inputs), solver.solved(self.outputs.T, transposed=True)
-        X = solver.solved(self._together)
-        return tuple(X[:, own] for own in self._where)
+        X, (right, left) = solver.solved(self._together), self._where
+        return X[:, right], X[:, left]
 
     # Errors.
 
@@ -358,8 +358,7 @@ class _Full:
 
     def __init__(self, solver: StructuredSolver, nu):
         self.solver, self.nu = solver, nu
-        r = solver.size
-        self.matrices = np.moveaxis(_polynomials(solver.coefficients.reshape(-1, r * r), 1j * nu).reshape(r, r, -1), 2, 0)
+        self.matrices = _matrices(solver.coefficients, 1j * nu)
         self.factors = [_lu(matrix) for matrix in self.matrices]
 
     def at(self, lines: np.ndarray) -> _Full:
@@ -379,11 +378,15 @@ class _Full:
 
     def terms(self, X) -> np.ndarray:
         """|A X - B| + u |A| |X|, shape (r, m, F)."""
-        solver, X = self.solver, np.moveaxis(X, 2, 0)
-        r = solver.size
-        sizes = np.moveaxis(_polynomials(solver.sizes.reshape(-1, r * r), self.nu).reshape(r, r, -1), 2, 0)
-        residual = np.abs(self.matrices @ X - solver.inputs)
-        return np.moveaxis(residual + LINE_ROUNDING * EPS * (np.ascontiguousarray(sizes) @ np.abs(X)), 0, 2)
+        X = np.moveaxis(X, 2, 0)
+        sizes = LINE_ROUNDING * EPS * _matrices(self.solver.sizes, self.nu)
+        return np.moveaxis(np.abs(self.matrices @ X - self.solver.inputs) + sizes @ np.abs(X), 0, 2)
+
+
+def _matrices(coefficients, s) -> np.ndarray:
+    """The polynomial matrix at F points, shape (F, r, r)."""
+    flat = _polynomials(coefficients.reshape(len(coefficients), -1), s)
+    return np.ascontiguousarray(flat.T).reshape(len(s), *coefficients.shape[1:])
 
 
 def _lu(matrix):
