@@ -61,7 +61,7 @@ def _taylor(derivatives: list, tau) -> np.ndarray:
     return total
 
 
-class Record:
+class ShockRecord:
     """Samples, with what all oscillators share.
 
     Attributes:
@@ -169,7 +169,7 @@ class Oscillator:
         result[:, 0, 3] = (1 / (l1 * l2) + more - ((e2 - 1) / l2 - h) / l2) / l1
         return result
 
-    def states(self, record: Record) -> tuple[np.ndarray, np.ndarray]:
+    def states(self, record: ShockRecord) -> tuple[np.ndarray, np.ndarray]:
         """y and y' at the samples, from rest before the first."""
         (l1, l2), h, values = self.roots, record.h, record.values
         if record.step is not None:
@@ -243,7 +243,7 @@ class Oscillator:
         first, gap = np.exp(l2 * tau), l2 - l1
         return first * -np.expm1(-gap * tau) / gap if gap else tau * first
 
-    def peaks(self, record: Record, output) -> tuple[float, float, float, float]:
+    def peaks(self, record: ShockRecord, output) -> tuple[float, float, float, float]:
         """max and min of c_0 y + c_1 y' during the record, and after it."""
         y, v = self.states(record)
         c0, c1 = output
@@ -523,7 +523,7 @@ def shock_response_spectrum(
         else:
             text = 'the record is read as linear between its samples; interpolation="band-limited" reads it without frequencies above half of its rate'
         notices.append(Notice(NoticeKind.ACCURACY, text))
-    rows, record = [], None if samples is None else Record(times, values)
+    rows, record = [], None if samples is None else ShockRecord(times, values)
     for own in f:
         oscillator = Oscillator(2 * np.pi * float(own), zeta)
         output = QUANTITIES[quantity](oscillator)
