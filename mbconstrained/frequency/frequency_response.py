@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-import scipy.linalg
 
 from ..exchange.trajectories import csv_of, write_arrays
 from ..exchange.universal import UNIVERSAL, Geometry, write_frequency_responses
@@ -26,60 +25,6 @@ from .pole_residue_form import PoleOnLine
 
 if TYPE_CHECKING:
     from ..exact.enclosure.intervals import Enclosure
-
-
-# H(i w) of K + C s + M s^2 with symmetric K and M > 0 as a sum over modes, for many lines of full matrices.
-# The undamped modes, K phi = M phi w^2, are coordinates in which the equations are graded by their frequencies; the damped modes are
-# eigenvectors in these. Their errors are relative to each frequency, not to the largest, which those of eigenvalues of A(s) itself are.
-
-
-@dataclass(frozen=True, eq=False)
-class ModalSum:
-    """C_e (s I - diag(poles))^-1 B_e.
-
-    Attributes:
-        poles: shape (2 r,).
-        outputs, inputs: C_e and B_e, shapes (p, 2 r) and (2 r, m).
-    """
-
-    poles: np.ndarray
-    outputs: np.ndarray
-    inputs: np.ndarray
-
-    @classmethod
-    def of(cls, coefficients, inputs, outputs) -> ModalSum | None:
-        """The modal sum, or None where the matrices do not have that form."""
-        if len(coefficients) != 3 or any((matrix != matrix.T).any() for matrix in (coefficients[0], coefficients[2])):
-            return None
-        K, C, M = coefficients
-        try:
-            squares, modes = scipy.linalg.eigh(K.real, M.real, check_finite=False)
-        except np.linalg.LinAlgError:  # M is not positive definite
-            return None
-        w = np.sqrt(np.abs(squares))
-        elastic = w[w > EPS**0.5 * w.max(initial=0.0)]
-        w = np.maximum(w, elastic.min(initial=np.inf) if len(elastic) else 1.0)  # free motion in the unit of the lowest oscillation
-        r, order = len(w), np.argsort(-np.repeat(w, 2), kind="stable")  # each displacement next to its velocity
-        place = np.arange(2 * r).reshape(2, r).T.reshape(-1)[order]
-        J = np.zeros((2 * r, 2 * r), dtype=coefficients.dtype)
-        J[:r, r:], J[r:, r:] = np.diag(w), -modes.T @ C.real @ modes
-        J[r:, :r] = -(np.diag(squares) + 1j * modes.T @ K.imag @ modes if np.iscomplexobj(K) else np.diag(squares)) / w
-        try:
-            poles, right = np.linalg.eig(J[np.ix_(place, place)])
-            back = np.linalg.solve(right, np.pad(modes.T @ inputs, ((r, 0), (0, 0)))[place])
-        except np.linalg.LinAlgError:  # no convergence, or a basis that is singular
-            return None
-        return cls(poles, np.hstack([outputs @ modes / w, np.zeros(outputs.shape)])[:, place] @ right, back)
-
-    def values(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The sum, and the scales of its errors, both of shape (p, m, S)."""
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            inverse = 1 / np.subtract.outer(s, self.poles)
-            size = np.abs(inverse)
-            size = size * (1 + np.abs(self.poles) * size)
-        pairs = [(C[:, None] * self.inputs).T for C in self.outputs]
-        total = np.array([pair @ inverse.T for pair in pairs])
-        return total, np.array([np.abs(pair) @ size.T for pair in pairs])
 
 
 def largest_nearby(values: np.ndarray, places: np.ndarray, rank: np.ndarray) -> np.ndarray:
@@ -453,7 +398,7 @@ def _values(harmonic: Harmonic, omega: np.ndarray) -> tuple[np.ndarray, np.ndarr
     if len(omega) < SUM_LINES or solver.is_sparse(omega):
         lines = solver.solve(omega)
         return lines.values, lines.relative
-    modal = ModalSum.of(harmonic.coefficients, harmonic.inputs, harmonic.outputs) if harmonic.A.size > MODAL_SIZE else None
+    modal = harmonic.modal_sum if harmonic.A.size > MODAL_SIZE else None
     H, sizes = (modal or replace(harmonic.form, power=0)).values(1j * omega.astype(float))
     order = np.argsort(omega, kind="stable")
     places = np.unique(np.linspace(0, len(omega) - 1, COMPARED).astype(int))

@@ -14,9 +14,10 @@ from scipy.sparse.linalg import splu
 from ..ground.errors import InputError
 from ..ground.notices import Notice
 from ..ground.tolerances import EPS, LARGEST_POWER, LINE_ACCURACY, LINE_ROUNDING, TRUST_LIMIT
+from ..linalg.elimination import as_slice
 from ..linalg.scaling import joint_scaling
 from ..polynomial.polynomial_matrix import PolynomialMatrix
-from .pole_residue_form import PoleResidueForm
+from .pole_residue_form import ModalSum, PoleResidueForm
 
 # A(i w) X = B for many lines w at once, with an error estimate of every entry of C X.
 # The pattern of A(s) = A_0 + A_1 s + ... is eliminated once, in an order that SuperLU chooses at one line (fill-reducing columns,
@@ -44,6 +45,9 @@ REFINED = 60
 
 #: Steps of refinement, with residuals in extended precision.
 STEPS = 3
+
+#: Products for each line are those of matrices where they have so many entries.
+BY_MATRICES = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,14 +89,15 @@ class StructuredSolver:
         self.outputs = outputs * scaling.columns
         self.columns = scaling.columns
         self._orders: dict[float, _Pattern | None] = {}
-        symmetric = all((matrix == matrix.T).all() for matrix in coefficients)
-        if symmetric:  # S = D_r A D_c, and S^-T = D S^-1 D^-1 with D = D_c D_r^-1
-            self._ratio = (scaling.columns / scaling.rows)[:, None]
-            both = np.hstack([self.inputs, self.outputs.T / self._ratio])
-            self._together, where = np.unique(both, axis=1, return_inverse=True)
-            self._where = np.split(where.reshape(-1), [self.inputs.shape[1]])
-        else:
-            self._ratio = None
+        self._nonzero = self.sizes.any(axis=0).nonzero()
+        self._together, self._ratio = None, np.ones((self.size, 1, 1))
+        if all((matrix == matrix.T).all() for matrix in coefficients):  # S = D_r A D_c, and S^-T = D S^-1 D^-1 with D = D_c D_r^-1
+            self._ratio = (scaling.columns / scaling.rows)[:, None, None]
+            both = np.hstack([self.inputs, self.outputs.T / self._ratio[..., 0]])
+            _, first, where = np.unique(both, axis=1, return_index=True, return_inverse=True)
+            order = np.argsort(first)  # as they come: most often parts are slices, which need no copies
+            self._together, where = both[:, first[order]], np.argsort(order)[where.reshape(-1)]
+            self._where = [as_slice(places.tolist()) for places in np.split(where, [self.inputs.shape[1]])]
 
     @property
     def size(self) -> int:
@@ -131,8 +136,8 @@ class StructuredSolver:
             with np.errstate(all="ignore", under="call", call=lambda kind, _, kinds=lost: kinds.append(kind)):
                 own = nu[part].astype(float)
                 solver = _Full(self, own) if factors is None else _Eliminated(self, own, factors)
-                X, Z = solver.both()
-                H, error, X = self._estimated(own, X, Z)
+                X, Z = self._both(solver)
+                H, error = _contracted(self.outputs, X), _bilinear(Z, self._ratio * solver.terms(X))
                 limit = TRUST_LIMIT if factors is None and self.size > REFINED else accuracy
                 bad = ~(error <= limit * np.abs(H)).all(axis=(0, 1)) & np.isfinite(error).all(axis=(0, 1))
                 if bad.any():
@@ -147,46 +152,39 @@ class StructuredSolver:
             if solutions is not None:
                 solutions[..., part] = np.where(np.isfinite(X), X, 0)
 
-    # Residuals and errors.
+    def _both(self, solver: _Eliminated | _Full) -> tuple[np.ndarray, np.ndarray]:
+        """A^-1 B, and Z with C A^-1 = (ratio Z)^T, shapes (r, m, F) and (r, p, F)."""
+        if self._together is None:
+            return solver.solved(self.inputs), solver.solved(self.outputs.T, transposed=True)
+        X, (right, left) = solver.solved(self._together), self._where
+        return X[:, right], X[:, left]
 
-    @cached_property
-    def _stacked(self):
-        return scipy.sparse.csr_array(np.concatenate(list(self.coefficients)))
+    # Errors.
 
-    @cached_property
-    def _stacked_sizes(self):
-        return scipy.sparse.csr_array(np.concatenate(list(self.sizes)))
-
-    @cached_property
-    def _stacked_excess(self):
-        return scipy.sparse.csr_array(np.concatenate(list(self.sizes - np.abs(self.coefficients))))
-
-    def _applied(self, nu, X) -> np.ndarray:
-        """A(i nu) X of X with shape (r, m, F)."""
-        return _horner(_product(self._stacked, X), 1j * nu, len(self.coefficients))
-
-    def _estimated(self, nu, X, Z, residual=None, rounding=LINE_ROUNDING * EPS):
-        if residual is None:
-            residual = _modulus(self._applied(nu, X) - self.inputs[:, :, None])
-        terms = _horner(_product(self._stacked_sizes, _modulus(X)), np.abs(nu), len(self.sizes))
-        H = _contracted(self.outputs, X)
-        return H, np.einsum("rpf,rmf->pmf", _modulus(Z), residual + rounding * terms), X
+    def terms(self, nu, X, sizes) -> tuple[np.ndarray, np.ndarray]:
+        """A X - B in the precision of the lines and of X, and its modulus + |A| |X| with these sizes of the coefficients."""
+        A = _polynomials(self.coefficients[:, *self._nonzero], 1j * nu)
+        S, size = _polynomials(sizes[:, *self._nonzero], nu.astype(float)), np.abs(X).astype(float, copy=False)
+        residual, total = np.zeros(X.shape, dtype=A.dtype), np.zeros(X.shape)
+        residual -= self.inputs[..., None]
+        product, real_product = np.empty_like(residual[:1]), np.empty_like(total[:1])
+        for own, own_size, i, j in zip(A, S, *(at.tolist() for at in self._nonzero)):
+            residual[i] += np.multiply(own, X[j], out=product[0])
+            total[i] += np.multiply(own_size, size[j], out=real_product[0])
+        total += np.abs(residual)
+        return residual, total
 
     def _refined(self, solver, nu, X, Z):
         """Steps of refinement with residuals in extended precision, and the error after them."""
-        X, inputs = X.astype(np.clongdouble), self.inputs[:, :, None]
-        coefficients, s = [_triplets(matrix) for matrix in self.coefficients], 1j * nu.astype(np.longdouble)
-        rounding = LINE_ROUNDING * float(np.finfo(np.longdouble).eps)
-        residual = _extended_product(coefficients, s, X) - inputs
+        unit, X = float(np.finfo(np.longdouble).eps), X.astype(np.clongdouble)
+        sizes = LINE_ROUNDING * (unit * self.sizes + EPS * (self.sizes - np.abs(self.coefficients)))
+        residual, _ = self.terms(nu, X, sizes)
+        error = np.inf
         for _ in range(STEPS):
             X = X - solver.solved(residual.astype(complex))
-            residual = _extended_product(coefficients, s, X) - inputs
-            left = np.abs(residual).astype(float)
-            if self.rounded:
-                terms = _product(self._stacked_excess, np.abs(X).astype(float))
-                left = left + LINE_ROUNDING * EPS * _horner(terms, np.abs(nu).astype(float), len(self.sizes))
-            H, error, _ = self._estimated(nu.astype(float), X, Z, left, rounding)
-            if (error <= EPS * np.abs(H)).all():
+            residual, terms = self.terms(nu, X, sizes)
+            H, before, error = _contracted(self.outputs, X), error, _bilinear(Z, self._ratio * terms)
+            if (error > before / 2).all() or (error <= EPS * np.abs(H)).all():
                 break
         H = H.astype(complex)
         return H, error + EPS * np.abs(H), X.astype(complex)
@@ -220,24 +218,12 @@ class StructuredSolver:
         return None if result.operations > FULL * r**3 / 3 + 8 * r else result
 
 
-def _product(stacked, X) -> np.ndarray:
-    flat = np.ascontiguousarray(X).reshape(len(X), -1)
-    if np.iscomplexobj(flat) and not np.iscomplexobj(stacked.data):
-        return (stacked @ flat.view(float)).view(complex).reshape(-1, *X.shape)[: stacked.shape[0]].reshape(-1, *X.shape[1:])
-    return (stacked @ flat).reshape(-1, *X.shape[1:])
-
-
-def _horner(stacked, s, count: int) -> np.ndarray:
-    parts = np.split(stacked, count)
-    total = parts[-1]
-    for part in parts[-2::-1]:
-        total = total * s + part
-    return total
-
-
-def _modulus(x) -> np.ndarray:
-    """|Re x| + |Im x|, at most sqrt(2) times the modulus."""
-    return np.abs(x.real) + np.abs(x.imag) if np.iscomplexobj(x) else np.abs(x)
+def _polynomials(coefficients, s) -> np.ndarray:
+    """Polynomials with coefficients of shape (q + 1, E) at F points, shape (E, F)."""
+    powers = s ** np.arange(len(coefficients))[:, None]
+    if np.iscomplexobj(powers) and not np.iscomplexobj(coefficients):
+        return (coefficients.T @ powers.view(powers.real.dtype)).view(powers.dtype)
+    return coefficients.T @ powers
 
 
 def _contracted(outputs, X) -> np.ndarray:
@@ -249,21 +235,13 @@ def _contracted(outputs, X) -> np.ndarray:
     return result
 
 
-def _triplets(matrix):
-    """Rows that are not empty, where their entries begin, columns and entries."""
-    rows, columns = np.nonzero(matrix)
-    filled, begins = np.unique(rows, return_index=True)
-    return filled, begins, columns, matrix[rows, columns][:, None, None]
-
-
-def _extended_product(coefficients, s, X) -> np.ndarray:
-    """A(s) X in extended precision."""
-    total = np.zeros_like(X)
-    for filled, begins, columns, entries in coefficients[::-1]:
-        total = total * s
-        if len(filled):
-            total[filled] += np.add.reduceat(entries * X[columns], begins, axis=0)
-    return total
+def _bilinear(Z, terms) -> np.ndarray:
+    """|Z|^T terms for each line, shape (p, m, F)."""
+    Z = np.abs(Z)
+    if Z.shape[1] * terms.shape[1] < BY_MATRICES:
+        return np.einsum("rpf,rmf->pmf", Z, terms)
+    by_line = (np.ascontiguousarray(np.moveaxis(one, 2, 0)) for one in (Z.swapaxes(0, 1), terms))
+    return np.moveaxis(np.matmul(*by_line), 0, 2)
 
 
 # The two solvers: along a pattern, and by LAPACK.
@@ -327,14 +305,9 @@ class _Eliminated:
     """The factors at some lines; rows of the permuted matrix are equations, its columns unknowns."""
 
     def __init__(self, solver: StructuredSolver, nu, pattern: _Pattern):
-        self.solver, self.pattern = solver, pattern
-        entries = solver.coefficients[:, pattern.row_order[pattern.rows], pattern.column_order[pattern.columns]]
-        powers = (1j * nu) ** np.arange(len(entries))[:, None]
-        W = np.zeros((entries.shape[1], len(nu)), dtype=complex)
-        for k, (line, power) in enumerate(zip(entries, powers)):
-            used = np.flatnonzero(line)
-            if len(used):
-                W[used] += line[used, None] * (power if k else 1.0)
+        self.solver, self.nu, self.pattern = solver, nu, pattern
+        places = pattern.row_order[pattern.rows], pattern.column_order[pattern.columns]
+        self.W = W = _polynomials(solver.coefficients[:, *places], 1j * nu)
         self.inverse = np.empty((solver.size, len(nu)), dtype=complex)
         for k, _, _, column, row, changed in pattern.steps:
             np.divide(1.0, W[k], out=self.inverse[k])
@@ -343,66 +316,49 @@ class _Eliminated:
                 factor *= self.inverse[k]
                 for one, other in zip(places, row):
                     W[one] -= factor * W[other]
-        self.W = W
 
     def at(self, lines: np.ndarray) -> _Eliminated:
         """The factors at some of the lines."""
         part = copy(self)
-        part.W, part.inverse = self.W[:, lines], self.inverse[:, lines]
+        part.W, part.inverse, part.nu = self.W[:, lines], self.inverse[:, lines], self.nu[lines]
         return part
 
-    def both(self):
-        """A^-1 B, and Z with C A^-1 = Z^T."""
-        solver = self.solver
-        if solver._ratio is None:
-            return self.solved(solver.inputs), self._transposed(solver.outputs.T)
-        X, (right, left) = self.solved(solver._together), solver._where
-        return X[:, right], X[:, left] * solver._ratio[..., None]
-
-    def solved(self, right) -> np.ndarray:
-        """A^-1 right, of right with shape (r, m) or (r, m, F)."""
+    def solved(self, right, transposed: bool = False) -> np.ndarray:
+        """A^-1 right or A^-T right, of right with shape (r, m) or (r, m, F)."""
         pattern, W = self.pattern, self.W
-        x = _spread(right[pattern.row_order], W.shape[1])
-        filled = [bool(row.any()) for row in x]
-        for k, below, _, column, _, _ in pattern.steps:
+        before, after = pattern.row_order, pattern.column_order
+        if transposed:
+            before, after = after, before
+        x, place = np.empty((*right.shape[:2], W.shape[1]), dtype=complex), after.tolist()
+        x[after] = right[before] if right.ndim == 3 else right[before, :, None]
+        filled = right[before].any(axis=tuple(range(1, right.ndim))).tolist()
+        for k, below, beyond, column, row, _ in pattern.steps:
             if filled[k]:
-                for i, at in zip(below, column):
-                    x[i] -= W[at] * x[k]
+                own = x[place[k]]
+                if transposed:
+                    own *= self.inverse[k]
+                for i, at in zip(beyond, row) if transposed else zip(below, column):
+                    x[place[i]] -= W[at] * own
                     filled[i] = True
-        for k, _, after, _, row, _ in reversed(pattern.steps):
-            for j, at in zip(after, row):
-                x[k] -= W[at] * x[j]
-            x[k] *= self.inverse[k]
-        result = np.empty_like(x)
-        result[pattern.column_order] = x
-        return result
+        for k, below, beyond, column, row, _ in reversed(pattern.steps):
+            own = x[place[k]]
+            for i, at in zip(below, column) if transposed else zip(beyond, row):
+                own -= W[at] * x[place[i]]
+            if not transposed:
+                own *= self.inverse[k]
+        return x
 
-    def _transposed(self, right) -> np.ndarray:
-        """A^-T right."""
-        pattern, W = self.pattern, self.W
-        x = _spread(right[pattern.column_order], W.shape[1])
-        for k, _, after, _, row, _ in pattern.steps:
-            x[k] *= self.inverse[k]
-            for j, at in zip(after, row):
-                x[j] -= W[at] * x[k]
-        for k, below, _, column, _, _ in reversed(pattern.steps):
-            for i, at in zip(below, column):
-                x[k] -= W[at] * x[i]
-        result = np.empty_like(x)
-        result[pattern.row_order] = x
-        return result
+    def terms(self, X) -> np.ndarray:
+        """|A X - B| + u |A| |X|, shape (r, m, F)."""
+        return self.solver.terms(self.nu, X, LINE_ROUNDING * EPS * self.solver.sizes)[1]
 
 
 class _Full:
     """Factors by LAPACK with partial pivoting, line by line."""
 
     def __init__(self, solver: StructuredSolver, nu):
-        self.solver = solver
-        s = 1j * np.asarray(nu)
-        self.matrices = np.zeros((len(nu), solver.size, solver.size), dtype=complex)
-        for matrix in solver.coefficients[::-1]:
-            self.matrices *= s[:, None, None]
-            self.matrices += matrix
+        self.solver, self.nu = solver, nu
+        self.matrices = _matrices(solver.coefficients, 1j * nu)
         self.factors = [_lu(matrix) for matrix in self.matrices]
 
     def at(self, lines: np.ndarray) -> _Full:
@@ -411,35 +367,31 @@ class _Full:
         part.factors = [self.factors[line] for line in np.flatnonzero(lines)]
         return part
 
-    def both(self):
-        """A^-1 B, and Z with C A^-1 = Z^T."""
-        return self.solved(self.solver.inputs), self._each(self.solver.outputs.T, transposed=1)
-
-    def solved(self, right) -> np.ndarray:
-        """A^-1 right, of right with shape (r, m) or (r, m, F)."""
-        return self._each(right, transposed=0)
-
-    def _each(self, right, transposed: int) -> np.ndarray:
-        result = np.empty((len(right), right.shape[1], len(self.factors)), dtype=complex)
+    def solved(self, right, transposed: bool = False) -> np.ndarray:
+        """A^-1 right or A^-T right, of right with shape (r, m) or (r, m, F)."""
+        result = np.full((len(self.factors), *right.shape[:2]), np.nan, dtype=complex)
         for line, factors in enumerate(self.factors):
-            own = right if right.ndim == 2 else right[..., line]
-            if factors is None:
-                result[..., line] = np.nan
-            else:
-                result[..., line] = scipy.linalg.lu_solve(factors, own, trans=transposed, check_finite=False)
-        return result
+            if factors is not None:
+                own = right if right.ndim == 2 else right[..., line]
+                result[line] = scipy.linalg.lu_solve(factors, own, trans=int(transposed), check_finite=False)
+        return np.moveaxis(result, 0, 2)
+
+    def terms(self, X) -> np.ndarray:
+        """|A X - B| + u |A| |X|, shape (r, m, F)."""
+        X = np.moveaxis(X, 2, 0)
+        sizes = LINE_ROUNDING * EPS * _matrices(self.solver.sizes, self.nu)
+        return np.moveaxis(np.abs(self.matrices @ X - self.solver.inputs) + sizes @ np.abs(X), 0, 2)
+
+
+def _matrices(coefficients, s) -> np.ndarray:
+    """The polynomial matrix at F points, shape (F, r, r)."""
+    flat = _polynomials(coefficients.reshape(len(coefficients), -1), s)
+    return np.ascontiguousarray(flat.T).reshape(len(s), *coefficients.shape[1:])
 
 
 def _lu(matrix):
     lu, pivots, info = scipy.linalg.lapack.zgetrf(matrix)
     return (lu, pivots) if info == 0 else None
-
-
-def _spread(right, count: int) -> np.ndarray:
-    """One right side for all lines, or one for each, as a new array."""
-    if right.ndim == 3:
-        return right.astype(complex)
-    return np.repeat(right[:, :, None].astype(complex), count, axis=2)
 
 
 # The matrices of a frequency response: s^p C A(s)^-1 B, with names and units of its inputs and outputs.
@@ -533,3 +485,8 @@ class Harmonic:
         """Poles, residues and polynomial part."""
         A, inputs, outputs = self.real
         return PoleResidueForm(A.jordan_pairs(), inputs, outputs, self.power)
+
+    @cached_property
+    def modal_sum(self) -> ModalSum | None:
+        """The sum over modes in graded coordinates, where the matrices have that form."""
+        return ModalSum.of(self.coefficients, self.inputs, self.outputs)

@@ -57,6 +57,68 @@ class PoleOnLine:
     pole: Pole
 
 
+#: Lines that are summed at once: their terms stay near the processor.
+LINES = 512
+
+
+# H(i w) of K + C s + M s^2 with symmetric K and M > 0 as a sum over modes, for many lines of full matrices.
+# The undamped modes, K phi = M phi w^2, are coordinates in which the equations are graded by their frequencies; the damped modes are
+# eigenvectors in these. Their errors are relative to each frequency, not to the largest, which those of eigenvalues of A(s) itself are.
+
+
+@dataclass(frozen=True, eq=False)
+class ModalSum:
+    """C_e (s I - diag(poles))^-1 B_e.
+
+    Attributes:
+        poles: shape (2 r,).
+        outputs, inputs: C_e and B_e, shapes (p, 2 r) and (2 r, m).
+    """
+
+    poles: np.ndarray
+    outputs: np.ndarray
+    inputs: np.ndarray
+
+    @classmethod
+    def of(cls, coefficients, inputs, outputs) -> ModalSum | None:
+        """The modal sum, or None where the matrices do not have that form."""
+        if len(coefficients) != 3 or any((matrix != matrix.T).any() for matrix in (coefficients[0], coefficients[2])):
+            return None
+        K, C, M = coefficients
+        try:
+            squares, modes = scipy.linalg.eigh(K.real, M.real, check_finite=False)
+        except np.linalg.LinAlgError:  # M is not positive definite
+            return None
+        w = np.sqrt(np.abs(squares))
+        elastic = w[w > EPS**0.5 * w.max(initial=0.0)]
+        w = np.maximum(w, elastic.min(initial=np.inf) if len(elastic) else 1.0)  # free motion in the unit of the lowest oscillation
+        r, order = len(w), np.argsort(-np.repeat(w, 2), kind="stable")  # each displacement next to its velocity
+        place = np.arange(2 * r).reshape(2, r).T.reshape(-1)[order]
+        J = np.zeros((2 * r, 2 * r), dtype=coefficients.dtype)
+        J[:r, r:], J[r:, r:] = np.diag(w), -modes.T @ C.real @ modes
+        J[r:, :r] = -(np.diag(squares) + 1j * modes.T @ K.imag @ modes if np.iscomplexobj(K) else np.diag(squares)) / w
+        try:
+            poles, right = np.linalg.eig(J[np.ix_(place, place)])
+            back = np.linalg.solve(right, np.pad(modes.T @ inputs, ((r, 0), (0, 0)))[place])
+        except np.linalg.LinAlgError:  # no convergence, or a basis that is singular
+            return None
+        return cls(poles, np.hstack([outputs @ modes / w, np.zeros(outputs.shape)])[:, place] @ right, back)
+
+    def values(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The sum, and the scales of its errors, both of shape (p, m, S)."""
+        shape = (len(self.outputs), self.inputs.shape[1], len(s))
+        terms = (self.outputs[:, None] * self.inputs.T).reshape(-1, len(self.poles))
+        total, scales, moduli = np.empty((len(terms), len(s)), dtype=complex), np.empty((len(terms), len(s))), np.abs(terms)
+        for begin in range(0, len(s), LINES):
+            at = slice(begin, begin + LINES)
+            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+                inverse = 1 / np.subtract.outer(self.poles, s[at])
+                size = np.abs(inverse)
+                size *= 1 + np.abs(self.poles)[:, None] * size
+            total[:, at], scales[:, at] = terms @ -inverse, moduli @ size
+        return total.reshape(shape), scales.reshape(shape)
+
+
 @dataclass(frozen=True, eq=False)
 class PoleResidueForm:
     """Poles, residues and polynomial part of s^p C A(s)^-1 B.

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.frequency.frequency_response import MODAL_SIZE, SUM_LINES, ModalSum
+from mbconstrained.frequency.frequency_response import MODAL_SIZE, SUM_LINES
+from mbconstrained.frequency.pole_residue_form import ModalSum
 
 
 def matrices(n, free=False, structural=0.0):

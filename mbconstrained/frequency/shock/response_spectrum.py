@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg
@@ -26,6 +28,9 @@ from .extrema import extrema, falling_root
 #: Steps that differ by so many units in the last place of the last time are equal.
 EQUAL = 8.0
 
+#: So many steps of equal length are one product of matrices.
+BLOCK = 64
+
 #: So many intervals are searched at once, those with the highest bounds first; then twice as many each time, up to the most.
 TOGETHER, MOST_TOGETHER = 64, 4096
 
@@ -44,7 +49,7 @@ CLOSE = 0.1
 #: Up to this damping ratio the extrema of successive cycles are ordered.
 ORDERED = 0.35
 
-#: Steps shorter than this, in units of the fastest rate, take Taylor's series of so many terms: 1 / 20! is below rounding error.
+#: Steps shorter than this, in units of the fastest rate, take Taylor's series of so many terms at most: 1 / 20! is below rounding error.
 SHORT, DEGREE = 1.0, 20
 
 
@@ -56,21 +61,47 @@ def _taylor(derivatives: list, tau) -> np.ndarray:
     return total
 
 
-def _slopes(h: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Slopes of a record; 0 where it jumps."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(h > 0, np.diff(values) / h, 0.0)
+class ShockRecord:
+    """Samples, with what all oscillators share.
 
+    Attributes:
+        times, values: shape (N,).
+        h, slopes: lengths of the intervals, and slopes, 0 where the record jumps, shape (N - 1,).
+        longest, load, steepest: the largest moduli of h, of the values and of the slopes.
+        step: the length of all intervals; None where they differ.
+    """
 
-def _filtered(factor: complex, constant: complex, rising: complex, values: np.ndarray, more=None) -> np.ndarray:
-    """z_(k+1) = factor z_k + constant a_k + rising (a_(k+1) - a_k) + more_k, z_0 = 0."""
-    from scipy.signal import lfilter  # scipy.signal takes a second to import
+    def __init__(self, times: np.ndarray, values: np.ndarray):
+        """Create the record from its samples."""
+        self.times, self.values, self.h = times, values, np.diff(times)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            self.slopes = np.where(self.h > 0, np.diff(values) / self.h, 0.0)
+        self.longest, self.load, self.steepest = (np.abs(one).max(initial=0.0) for one in (self.h, values, self.slopes))
+        is_even = len(self.h) > 0 and np.ptp(self.h) <= EQUAL * EPS * np.abs(times).max() and self.h[0] > 0
+        self.step = (times[-1] - times[0]) / len(self.h) if is_even else None
 
-    if more is None:
-        return lfilter([rising, constant - rising], [1.0, -factor], values, zi=[-rising * values[0]])[0]
-    z = np.zeros(len(values), dtype=complex)
-    z[1:] = lfilter([1.0], [1.0, -factor], constant * values[:-1] + rising * np.diff(values) + more)
-    return z
+    @cached_property
+    def blocks(self) -> np.ndarray:
+        """The values of ``BLOCK`` intervals with both ends, shape (number, BLOCK + 1)."""
+        count = -(-len(self.h) // BLOCK)
+        padded = np.pad(self.values, (0, count * BLOCK + 1 - len(self.values)))
+        return np.column_stack([padded[:-1].reshape(count, BLOCK), padded[BLOCK::BLOCK]])
+
+    def filtered(self, rate: complex, constant: complex, rising: complex) -> np.ndarray:
+        """Re z and Im z of z_(k+1) = e^(rate step) z_k + constant a_k + rising (a_(k+1) - a_k), z_0 = 0: blocks as products of matrices."""
+        powers = np.exp(rate * self.step * np.arange(BLOCK + 1))
+        # A sample adds rising at its own time, and from the next one on:
+        later = (constant - rising + powers[1] * rising) * powers[:-2]
+        first = np.append(rising, np.zeros(BLOCK - 1))
+        gains = np.vstack([(constant - rising) * powers[:-1], scipy.linalg.toeplitz(first, np.append(rising, later)), powers[1:]])
+        ends = self.blocks[:-1] @ gains[:-1, [-1]].view(float)
+        starts = itertools.accumulate(ends.view(complex)[:, 0].tolist(), lambda z, end: powers[-1] * z + end, initial=0j)
+        inputs = np.hstack([self.blocks, np.array(list(starts)).view(float).reshape(-1, 2)])
+        parts = (np.vstack([gains.real, -gains.imag[-1:]]), np.vstack([gains.imag, gains.real[-1:]]))
+        z = np.zeros((2, len(self.values)))
+        for own, part in zip(z, parts):
+            own[1:] = (inputs @ part).reshape(-1)[: len(self.h)]
+        return z
 
 
 def _phi(order: int, x: np.ndarray) -> np.ndarray:
@@ -138,25 +169,26 @@ class Oscillator:
         result[:, 0, 3] = (1 / (l1 * l2) + more - ((e2 - 1) / l2 - h) / l2) / l1
         return result
 
-    def states(self, times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def states(self, record: ShockRecord) -> tuple[np.ndarray, np.ndarray]:
         """y and y' at the samples, from rest before the first."""
-        h, l2 = np.diff(times), self.roots[1]
-        y, u = np.zeros(len(times), dtype=complex), np.zeros(len(times), dtype=complex)
-        equal = len(h) > 0 and np.ptp(h) <= EQUAL * EPS * np.abs(times).max()
-        if equal and h[0] > 0:
-            step = (times[-1] - times[0]) / len(h)
-            E = self.steps(np.array([step]))[0]
-            u = _filtered(E[1, 1], E[1, 2], E[1, 3] / step, values)
+        (l1, l2), h, values = self.roots, record.h, record.values
+        if record.step is not None:
+            E = self.steps(np.array([record.step]))[0]
+            real, imaginary = record.filtered(l1, E[1, 2], E[1, 3] / record.step)
             if self.zeta <= LIGHT:  # u = (d/dt - l2) y with l2 the conjugate of l1
-                y = u.imag / self.roots[0].imag
-                return y, u.real - self.zeta * self.w * y
-            y = _filtered(E[0, 0], E[0, 2], E[0, 3] / step, values, E[0, 1] * u[:-1])
+                y = imaginary / l1.imag
+                return y, real - self.zeta * self.w * y
+            from scipy.signal import lfilter  # scipy.signal takes a second to import
+
+            u, y = real + 1j * imaginary, np.zeros(len(values), dtype=complex)
+            y[1:] = lfilter(
+                [1.0], [1.0, -E[0, 0]], E[0, 2] * values[:-1] + E[0, 3] / record.step * np.diff(values) + E[0, 1] * u[:-1]
+            )
         else:
             own, where = np.unique(h, return_inverse=True)
             E = self.steps(own)[where]
-            slopes = _slopes(h, values)
-            from_u = E[:, 1, 2] * values[:-1] + E[:, 1, 3] * slopes
-            from_y = E[:, 0, 2] * values[:-1] + E[:, 0, 3] * slopes
+            from_u = E[:, 1, 2] * values[:-1] + E[:, 1, 3] * record.slopes
+            from_y = E[:, 0, 2] * values[:-1] + E[:, 0, 3] * record.slopes
             decay, keep, mix = E[:, 1, 1].tolist(), E[:, 0, 0].tolist(), E[:, 0, 1].tolist()
             now_y, now_u, ys, us = 0j, 0j, [0j], [0j]
             for p, q, r, a, b in zip(decay, keep, mix, from_u.tolist(), from_y.tolist()):
@@ -169,10 +201,13 @@ class Oscillator:
     def inside(self, y, v, a, slope, tau) -> tuple[np.ndarray, np.ndarray]:
         """y and y' at times tau after samples with y, v = y', a and the slope of a; all of shape (K,) or broadcast to it."""
         w, z = self.w, self.zeta
-        if np.max(tau, initial=0.0) * w * (1 + 2 * z) < SHORT:  # Taylor's series, in which no particular solution cancels
+        if (
+            x := float(np.max(tau, initial=0.0)) * w * (1 + 2 * z)
+        ) < SHORT:  # Taylor's series, in which no particular solution cancels
+            degree = next(n for n in range(5, DEGREE + 1) if x**n * math.factorial(DEGREE) <= math.factorial(n))
             terms = [y, v, a - 2 * z * w * v - w**2 * y]
             terms.append(slope - 2 * z * w * terms[2] - w**2 * v)
-            while len(terms) < DEGREE:
+            while len(terms) < degree:
                 terms.append(-2 * z * w * terms[-1] - w**2 * terms[-2])
             return _taylor(terms, tau), _taylor(terms[1:], tau)
         if z >= 1:  # u' = l1 u + a with the fast root first: its particular solution does not cancel
@@ -208,24 +243,27 @@ class Oscillator:
         first, gap = np.exp(l2 * tau), l2 - l1
         return first * -np.expm1(-gap * tau) / gap if gap else tau * first
 
-    def peaks(self, times, values, output) -> tuple[float, float, float, float]:
+    def peaks(self, record: ShockRecord, output) -> tuple[float, float, float, float]:
         """max and min of c_0 y + c_1 y' during the record, and after it."""
-        y, v = self.states(times, values)
+        y, v = self.states(record)
         c0, c1 = output
-        r = c0 * y + c1 * v
+        r = c0 * y + c1 * v if c1 else c0 * y
         high, low = max(float(r.max()), 0.0), min(float(r.min()), 0.0)
-        h, slopes = np.diff(times), _slopes(np.diff(times), values)
         # A bound of the free motions in all intervals, by their energy; a curve leaves its chord by an eighth of its curvature times h^2.
         whole = (abs(c0) + abs(c1) * self.w) * (1 + 2 * self.zeta) ** 2
-        speed, load = np.abs(slopes).max(initial=0.0) / self.w**2, np.abs(values).max() / self.w**2
-        most = whole * (np.abs(y).max() + load + np.abs(v).max() / self.w + (1 + 2 * self.zeta) * speed / self.w)
-        bend = most * min(2.0, (self.w * h.max(initial=0.0)) ** 2 / 8)
+        speed, load = record.steepest / self.w**2, record.load / self.w**2
+        far, fast = (max(one.max(), -one.min()) for one in (y, v))
+        most = whole * (far + load + fast / self.w + (1 + 2 * self.zeta) * speed / self.w)
+        bend = most * min(2.0, (self.w * record.longest) ** 2 / 8)
         for sign in (1.0, -1.0):
             best, signed = high if sign > 0 else -low, (sign * c0, sign * c1)
-            highest = np.maximum(sign * r[:-1], sign * r[1:])
-            chosen = np.flatnonzero(highest + bend > best)
-            y0, v0, a0, s0, own = y[chosen], v[chosen], values[chosen], slopes[chosen], h[chosen]
-            limit = self._limits(y0, v0, a0, s0, own, highest[chosen], signed)
+            near = np.flatnonzero(
+                r > best - bend if sign > 0 else r < bend - best
+            )  # an end of each interval that may exceed the best
+            chosen = np.unique(np.concatenate([near[near > 0] - 1, near[near < len(r) - 1]]))
+            highest = np.maximum(sign * r[chosen], sign * r[chosen + 1])
+            y0, v0, a0, s0, own = (one[chosen] for one in (y, v, record.values, record.slopes, record.h))
+            limit = self._limits(y0, v0, a0, s0, own, highest, signed)
             left, together = np.arange(len(limit)), TOGETHER
             while len(left := left[limit[left] > best]):
                 now = left[np.argpartition(-limit[left], together)[:together]] if len(left) > together else left
@@ -476,22 +514,20 @@ def shock_response_spectrum(
         )
     if interpolation not in INTERPOLATIONS:
         raise InputError(f"interpolation: found {interpolation!r}; expected one of {', '.join(INTERPOLATIONS)}")
-    record, notices = _record(signal), []
-    if record is not None:
-        times, values = record
+    samples, notices = _record(signal), []
+    if samples is not None:
+        times, values = samples
         if interpolation == "band-limited":
             times, values = _resampled(times, values, float(f.max()))
             text = f"the record is read as band-limited, resampled to {counted(len(times), 'sample')}"
         else:
             text = 'the record is read as linear between its samples; interpolation="band-limited" reads it without frequencies above half of its rate'
         notices.append(Notice(NoticeKind.ACCURACY, text))
-    rows = []
+    rows, record = [], None if samples is None else ShockRecord(times, values)
     for own in f:
         oscillator = Oscillator(2 * np.pi * float(own), zeta)
         output = QUANTITIES[quantity](oscillator)
-        rows.append(
-            oscillator.peaks(times, values, output) if record is not None else _closed_form_peaks(signal, oscillator, output)
-        )
+        rows.append(_closed_form_peaks(signal, oscillator, output) if record is None else oscillator.peaks(record, output))
     high, low, after_high, after_low = np.array(rows).reshape(-1, 4).T
     return ShockResponseSpectrum(f, zeta, quantity, high, 0.0 - low, after_high, 0.0 - after_low, tuple(notices))
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.frequency.shock.response_spectrum import Oscillator
+from mbconstrained.frequency.shock.response_spectrum import Oscillator, ShockRecord
 
 QUANTITIES = ("absolute acceleration", "relative displacement", "relative velocity")
 PARTS = ("primary_positive", "primary_negative", "residual_positive", "residual_negative")
@@ -98,8 +98,9 @@ def test_no_sample_is_above_the_extrema(values, log_frequency, log_damping):
     times = np.cumsum(np.linspace(0.2, 1.0, len(values)))
     o = Oscillator(2 * np.pi * 10**log_frequency, 10**log_damping)
     output = (o.w**2, 2 * o.zeta * o.w)
-    high, low, *_ = o.peaks(times, values, output)
-    y, v = o.states(times, values)
+    record = ShockRecord(times, values)
+    high, low, *_ = o.peaks(record, output)
+    y, v = o.states(record)
     slopes, h = np.diff(values) / np.diff(times), np.diff(times)
     tau = np.linspace(0, 1, 2001) * h[:, None]
     position, rate = o.inside(*(one[:, None] for one in (y[:-1], v[:-1], values[:-1], slopes)), tau)
