@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from ..ground.checks import listed
 from ..ground.coordinate_units import GROUND
 from ..models.elements import Body as ModelBody
 from ..models.elements import Element, Gear, GearMesh, Mass, Node, Pulley, Rack, Relation, RigidBar, with_parts
@@ -733,9 +734,6 @@ def _teeth(one: float, other: float) -> int:
 #: Two directions (unit vectors) that differ by less are equal within rounding error.
 ALIKE = 1e-9
 
-#: Names in the note on elements that are not drawn to scale.
-MOST_NAMED = 3
-
 #: Distances from one coordinate to the next, downwards and across, and to the right of all, drawing units.
 ROW_PITCH, COLUMN_WIDTH, PIECE_GAP = 0.95, 5.6, 0.8
 
@@ -857,9 +855,8 @@ def _askew(bodies: list[DrawnBody], joints: list[DrawnJoint]) -> str:
     names = [joint.name for joint in between if np.abs(directions[joint.start] - directions[joint.end]).max() > ALIKE]
     if not names:
         return ""
-    further = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
     join = "joins" if len(names) == 1 else "join"
-    return f"{', '.join(names[:MOST_NAMED])}{further} {join} bodies of different directions: not drawn to scale"
+    return f"{listed(names)} {join} bodies of different directions: not drawn to scale"
 
 
 def coordinate_drawing(names, values=None, units=None, scale=None, turn_scale=None, directions=None, stack=None) -> Drawing:

@@ -156,14 +156,13 @@ def connection_forces(posture: Posture, size: int, rows: Sequence[str]) -> Conne
     """The forces of all loops, springs and bushings about a posture."""
     balance, load = posture.balance, posture.balance.load
     connections = tuple(item.connection for item in (*load.loops, *load.springs))
-    parts, start = [], 0
-    for item, G in zip(load.loops, balance.gradients):
-        pose, own = item.pose(balance.kinematics), posture.multipliers[start : start + len(G)]
+    parts = []
+    for item, pose, G, at in balance.loops:
+        own = posture.multipliers[at]
         curvature = item.connection.curvature(pose.value, own)
-        gradients = dict(zip(load.row_names[start : start + len(G)], G))
+        gradients = dict(zip(load.row_names[at], G))
         by_row = np.array([gradients.get(name, np.zeros(6)) for name in rows]).reshape(-1, 6).T
         parts.append((pose, G.T @ own, curvature, np.zeros((6, 6)), by_row))
-        start += len(G)
     parts += [(own.pose, own.wrench, -own.curvature, -own.damper, np.zeros((6, len(rows)))) for own in balance.elastic]
     blocks, places, count = [], {}, 0
     for one, (pose, f, by_phi, by_rate, by_row) in zip(connections, parts):
@@ -364,8 +363,7 @@ class LinearizedRobot(MechanicalSystem):
         link_stiffness, notices = symmetric_stiffness(posture, np.where(np.abs(K) > noise, K, 0.0))
         self._notices = (*notices, *lost_springs(self._stiffness_parts[:-1], noise))
         sizes = balance.entry_sizes
-        dampers = [*(item.damping for item in balance.elastic), *(item.damping for item in balance.tendons)]
-        damping = np.diag(robot.joint_damping) + sum(cleaned(part, sizes) for part in dampers)
+        damping = np.diag(robot.joint_damping) + sum(cleaned(part, sizes) for part in balance.dampings)
         motors = [joint for _, joint in self._flexible]
         names = (*robot.coordinates, *(f"{robot.coordinates[i]} motor" for i, _ in self._flexible))
         super().__init__(
@@ -382,7 +380,7 @@ class LinearizedRobot(MechanicalSystem):
             energy_parts=self._energy_parts(),
             uncertainty={
                 "mass": self._with_motors(rounding_errors(balance.mass, sizes)),
-                "damping": self._with_motors(sum((rounding_errors(part, sizes) for part in dampers), 0.0 * sizes)),
+                "damping": self._with_motors(sum((rounding_errors(part, sizes) for part in balance.dampings), 0.0 * sizes)),
                 "stiffness": self._with_motors(rounding),
             },
         )

@@ -13,16 +13,12 @@ from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed
 from ..ground.errors import InputError
 from .connections import BodySpring, Bushing, LinkFrames, Loop, PointMotion, checked_connections
-from .description.mjcf import is_mjcf, read_mjcf
 from .description.sdf import read_description
 from .description.urdf import (
-    ModelFile,
     Payload,
     SemanticDescription,
-    described,
     description_notices,
     has_free_base,
-    is_model,
     link_masses,
     mimics_of,
     read_srdf,
@@ -64,16 +60,8 @@ class RobotModel(Displayed):
         if isinstance(package_dirs, str) or not all(isinstance(folder, (str, Path)) for folder in package_dirs):
             raise InputError(f"package_dirs: found {package_dirs!r}; expected a list of folders")
         self.package_dirs = tuple(Path(folder) for folder in package_dirs)
-        source = urdf if isinstance(urdf, ModelFile) else None
-        if is_mjcf(urdf):
-            source = read_mjcf(urdf, base != "fixed", self.package_dirs)
-        if is_model(urdf):
-            model: Any = urdf
-            source = ModelFile(model, model.gravity.linear.tolist())
-        self.source = source = source or read_description(urdf, base, self.package_dirs)
-        given_model: Any = source.model
-        self.folder = source.folder
-        self.description = source.description if source.description is not None else described(given_model)
+        self.source = source = read_description(urdf, base, self.package_dirs)
+        given_model, self.folder, self.description = source.model, source.folder, source.description
         if given_model is not None and (masses or inertias):
             raise InputError("masses, inertias: found them with a pinocchio model; change model.inertias, or add an mb.Payload")
         self.name = str(name or self.description.get("name") or "robot")

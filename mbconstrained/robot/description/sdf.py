@@ -21,17 +21,14 @@ from ...ground.notices import Notice, NoticeKind
 from ..tangent import BASE, JointGear
 from .extensions import (
     WORLD,
-    Content,
     Joint,
     acts,
     add_joint,
     add_loop,
-    add_origin,
     amount,
     is_true,
     leave_out_repeated,
     local_name,
-    placement,
     pose_of,
     read_drake,
     read_joint,
@@ -39,7 +36,22 @@ from .extensions import (
     read_urdf_file,
     text_of,
 )
-from .urdf import DOWNWARDS, MOMENTS, MOST_LINKS, RENAMED_GROUND, ModelFile, number, numbers, read_urdf, short, xml_element
+from .mjcf import is_mjcf, read_mjcf
+from .urdf import (
+    DOWNWARDS,
+    MOMENTS,
+    MOST_LINKS,
+    RENAMED_GROUND,
+    ModelFile,
+    add_origin,
+    is_model,
+    number,
+    numbers,
+    placement,
+    read_urdf,
+    short,
+    xml_element,
+)
 
 #: Endings of SDF files; one that ends in .xml is looked into.
 ENDINGS = (".sdf", ".world", ".model")
@@ -80,7 +92,13 @@ def is_sdf(source) -> bool:
 
 
 def read_description(source, base: str = "fixed", package_dirs: tuple[Path, ...] = ()) -> ModelFile:
-    """The content of a URDF or an SDF; the arguments are those of ``read_sdf``."""
+    """The content of a URDF, SDF or MJCF file, or of a pinocchio model; ``base`` is that of ``Robot``."""
+    if isinstance(source, ModelFile):
+        return source
+    if is_mjcf(source):
+        return read_mjcf(source, base != "fixed", package_dirs)
+    if is_model(source):
+        return ModelFile(model=source, gravity=source.gravity.linear.tolist())
     return read_sdf(source, base, package_dirs) if is_sdf(source) else read_urdf_file(source)
 
 
@@ -88,7 +106,7 @@ def read_sdf(source: str | Path, base: str = "fixed", package_dirs: tuple[Path, 
     """The content of an SDF file: one model, or a world of models."""
     text, folder = read_urdf(source, "SDF")
     root = _root(text)
-    content = Content("SDF")
+    content = ModelFile("SDF", folder=folder)
     reader = _SdfReader(content, folder, package_dirs)
     worlds = root.findall("world")
     if len(worlds) > 1:
@@ -97,16 +115,17 @@ def read_sdf(source: str | Path, base: str = "fixed", package_dirs: tuple[Path, 
         raise InputError("sdf: found a world and models outside of it; expected all of them in the world")
     if _version(root) > _LAST:
         text = f"its version is later than {'.'.join(map(str, _LAST))}, the last that is known; what it changes is not read"
-        content.notices.append(Notice(NoticeKind.OMITTED, f"SDF: {text}", doubtful=True))
+        content.remarks.append(Notice(NoticeKind.OMITTED, f"SDF: {text}", doubtful=True))
     models = worlds[0] if worlds else root
     if not worlds and len(models.findall("model")) == 1:
         scope = _Scope(reader, models.findall("model")[0], None, "", _version(root), folder)
     else:
         scope = _Scope(reader, models, None, "", _version(root), folder, is_world=True)
     gravity = text_of(worlds[0], "gravity", USUAL_GRAVITY) if worlds else " ".join(map(repr, DOWNWARDS))
-    robot = Element("robot", name=(scope.element.get("name") or "robot"))
-    _Assembly(robot, scope, content).build(base)
-    return content.model_file(gravity=numbers(gravity, 3, "sdf, gravity"), description=robot, folder=folder)
+    content.description = Element("robot", name=(scope.element.get("name") or "robot"))
+    _Assembly(content.description, scope, content).build(base)
+    content.gravity = numbers(gravity, 3, "sdf, gravity")
+    return content
 
 
 def _root(text: str, where: str = "sdf") -> Element:
@@ -130,7 +149,7 @@ def _version(root: Element) -> tuple[int, int]:
 class _SdfReader:
     """Finds included models."""
 
-    def __init__(self, content: Content, folder: Path | None, package_dirs: tuple[Path, ...]):
+    def __init__(self, content: ModelFile, folder: Path | None, package_dirs: tuple[Path, ...]):
         self.content, self.folder, self.package_dirs = content, folder, package_dirs
         self.links = self.models = 0
 
@@ -415,7 +434,7 @@ def body_name(name: str) -> str:
 class _Assembly:
     """The tree of all bodies of an SDF."""
 
-    def __init__(self, robot: Element, scope: _Scope, content: Content):
+    def __init__(self, robot: Element, scope: _Scope, content: ModelFile):
         self.robot, self.scope, self.content = robot, scope, content
         self.places: dict[str, Any] = {WORLD: placement((0, 0, 0))}
         self.joints: list[Joint] = []
@@ -528,7 +547,7 @@ class _Assembly:
             names = ", ".join(f'"{short(name)}"' for name in free[:3]) + (f" and {len(free) - 3} more" if len(free) > 3 else "")
             text = f"nothing joins {names} to the world, so that the base is free"
             advice = "" if len(free) > 1 or attached else '; base = "moving" keeps it at rest'
-            self.content.notices.append(Notice(NoticeKind.OVERRIDE, f"SDF: {text}{advice}"))
+            self.content.remarks.append(Notice(NoticeKind.OVERRIDE, f"SDF: {text}{advice}"))
         if base == "free" and not free:
             raise InputError('base: found "free", but the SDF joins the robot to the world; leave it out')
         if base == "moving" and free and (len(free) > 1 or attached):
@@ -573,7 +592,7 @@ class _Assembly:
             self.content.gears.append(JointGear(second[0].name, first[0].name, ratio))
 
 
-def _add_link(robot: Element, name: str, scope: _Scope, link: Element, content: Content) -> None:
+def _add_link(robot: Element, name: str, scope: _Scope, link: Element, content: ModelFile) -> None:
     """A link with its mass and shapes."""
     where, element = f'sdf, link "{short(name)}"', SubElement(robot, "link", name=name)
     if not scope.is_static:
@@ -584,7 +603,7 @@ def _add_link(robot: Element, name: str, scope: _Scope, link: Element, content: 
             _add_shape(element, shape, tag, scope, own, where, content)
 
 
-def _add_inertial(element: Element, link: Element, where: str, name: str, content: Content) -> None:
+def _add_inertial(element: Element, link: Element, where: str, name: str, content: ModelFile) -> None:
     inertial = link.find("inertial")
     if inertial is not None and is_true(inertial.get("auto", "")):
         raise InputError(f"{where}: its inertia is to be computed from its shapes (auto); give mass and inertia")
@@ -608,7 +627,7 @@ def _add_inertial(element: Element, link: Element, where: str, name: str, conten
 _SHAPES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "capsule": ("radius", "length")}
 
 
-def _add_shape(link: Element, shape: Element, tag: str, scope: _Scope, own, where: str, content: Content) -> None:
+def _add_shape(link: Element, shape: Element, tag: str, scope: _Scope, own, where: str, content: ModelFile) -> None:
     """A visual or collision shape."""
     geometry = shape.find("geometry")
     kind = next((part for part in ([] if geometry is None else geometry) if part.tag in (*_SHAPES, "mesh")), None)
@@ -649,7 +668,7 @@ _KNOWN = {
 }
 
 
-def _leave_out(element: Element, scope: _Scope, content: Content) -> None:
+def _leave_out(element: Element, scope: _Scope, content: ModelFile) -> None:
     """Note the omitted parts of a model or world and of its links."""
     static = scope.is_static
     for child in element:
