@@ -139,7 +139,7 @@ class Balance:
     @property
     def dampings(self) -> list[np.ndarray]:
         """D of each spring, bushing and tendon, shape (nv, nv)."""
-        return [item.damping for item in (*self.elastic, *self.tendons)]
+        return [*(item.damping for item in self.elastic), *(item.damping for item in self.tendons)]
 
     @cached_property
     def _poses(self):

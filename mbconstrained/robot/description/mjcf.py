@@ -520,7 +520,7 @@ class _Reader:
         if self.places[first][0] == self.places[second][0]:
             return
         ends = (self._body(first), points[0].tolist(), self._body(second), points[1].tolist())
-        turns = {}
+        turns: dict[str, Any] = {}
         if kind == "WELD" and data[10]:
             turns = {"kind": "rigid", "rotation1": angles_of(frames[0]), "rotation2": angles_of(frames[1])}
         self.file.loops.append(Loop(*ends, **turns, name=name or None))
@@ -596,7 +596,10 @@ class _Reader:
                     f'mjcf: the tendon "{short(name)}" with stiffness, damping or inertia is wrapped around a geom, which is not read; '
                     "let it pass through sites alone"
                 )
-            springs = {"stiffness": tuple(constants[number].tolist()), "rest": tuple(mj.tendon_lengthspring[number].tolist())}
+            springs: dict[str, Any] = {
+                "stiffness": tuple(constants[number].tolist()),
+                "rest": tuple(mj.tendon_lengthspring[number].tolist()),
+            }
             yield Tendon(name, *path, **springs, damping=c, inertia=float(armature[number]))
 
     def _tendon_names(self) -> list[str]:

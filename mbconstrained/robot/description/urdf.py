@@ -58,7 +58,7 @@ class ModelFile:
     """
 
     word: str = ""
-    description: Element = None  # type: ignore[assignment]
+    description: Element = None
     folder: Path | None = None
     model: Any = None
     gravity: Sequence[float] = DOWNWARDS
