@@ -139,16 +139,7 @@ class ConnectionForces:
     multipliers: np.ndarray
 
     def values(self, d: np.ndarray, rates: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
-        """F over time.
-
-        Args:
-            d: deviations from the posture, shape (n, T).
-            rates: their derivatives by time, shape (n, T).
-            multipliers: of the constraint rows, changes of those at rest, shape (m, T).
-
-        Returns:
-            Shape (k, T), in N and N m.
-        """
+        """F over time, shape (k, T), for deviations and their rates (n, T), and changes of the multipliers (m, T)."""
         return self.rest[:, None] + self.displacement @ d + self.velocity @ rates + self.multipliers @ multipliers
 
 

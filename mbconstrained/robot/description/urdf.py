@@ -523,19 +523,7 @@ class SemanticDescription:
     rotors: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def state(self, name: str, joints: Collection[str], base: str | None) -> dict[str, float | tuple[float, ...]]:
-        """The values of the moving joints, as a guess.
-
-        Args:
-            name: name of the state.
-            joints: the moving joints.
-            base: the name of a free base, which takes the pose of a joint that is not among them; None of a fixed one.
-
-        Returns:
-            Values by joint.
-
-        Raises:
-            InputError: no such state.
-        """
+        """The values of the moving joints in a state; a free base, if one is named, takes the pose of a joint that is not among them."""
         if name not in self.states:
             there = f"; there are {', '.join(self.states)}" if self.states else ": no SRDF file with one is given (srdf)"
             raise InputError(f'state: there is no "{short(name)}"{nearest(name, self.states)}{there}')
