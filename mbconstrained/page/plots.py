@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import groupby, pairwise, zip_longest
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -148,13 +148,8 @@ def plot_figures(plots: tuple[Plot, ...], functions: PlotFunctions | None = None
 
 
 def _figure(plot: Plot, functions: PlotFunctions, wide: str) -> str:
-    count, note, body = (
-        len(plot.curves),
-        f'\n<p class="note">{typeset(plot.note)}</p>' if plot.note else "",
-        '<p class="note">no curves</p>',
-    )
-    if count:
-        body = f"{_svg(plot)}\n{_legend(plot, functions)}"
+    count, note = len(plot.curves), f'\n<p class="note">{typeset(plot.note)}</p>' if plot.note else ""
+    body = f"{_svg(plot)}\n{_legend(plot, functions)}" if count else '<p class="note">no curves</p>'
     if count > plot.shown:
         note += f'\n<p class="note">{count} curves, {plot.shown} of them shown at first</p>'
     return f'<figure class="plot-figure{wide}">\n<h2>{html.escape(plot.title)}</h2>\n{body}{note}\n</figure>'
@@ -165,10 +160,8 @@ def _svg(plot: Plot) -> str:
     times, phase = plot.times, plot.across is not None
     across, up = plot.axes
     shown, height = plot.curves[: plot.shown], LARGE_HEIGHT if plot.is_large else HEIGHT
-    x, y = (
-        np.array([_cells(across, plot.along(curve)) for curve in shown]),
-        CELLS - np.array([_cells(up, curve.values) for curve in shown]),
-    )
+    x = np.array([_cells(across, plot.along(curve)) for curve in shown])
+    y = CELLS - np.array([_cells(up, curve.values) for curve in shown])
     right, upwards = map(html.escape, axis_titles(plot, across.exponent, up.exponent))
     elements = [
         f'<g class="ticks">\n{_grid(across, up, height)}\n{_guide_names(plot, across, up, height)}</g>',
@@ -183,17 +176,14 @@ def _svg(plot: Plot) -> str:
         ]
     else:
         order = np.argsort(-np.ptp(y, axis=1), kind="stable")  # the smallest is drawn last, so that no larger one hides it
-        twins = _coinciding(np.hstack([x, y])[order])
-        paths = "\n".join(
-            _path(
-                number,
-                shown[number],
-                [plotted(x[number, a : b + 1], y[number, a : b + 1], phase=phase) for a, b in shown[number].parts],
-                twin,
+        paths = []
+        for number, twin in zip(order.tolist(), _coinciding(np.hstack([x, y])[order])):
+            ends = [slice(a, b + 1) for a, b in shown[number].parts]
+            paths.append(
+                _path(number, shown[number], [plotted(x[number, part], y[number, part], phase=phase) for part in ends], twin)
             )
-            for number, twin in zip(order.tolist(), twins)
-        )
-        elements.append(f'<svg class="curves" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">\n{paths}\n</svg>')
+        curves = "\n".join(paths)
+        elements.append(f'<svg class="curves" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">\n{curves}\n</svg>')
     elements += _marks(plot, across, up, height)
     over = "phase" if phase else html.escape(plot.variable)
     variable = f' data-variable="{html.escape(plot.variable)}"' if phase and plot.variable != "time" else ""
@@ -285,14 +275,11 @@ def _mark(plot: Plot, marks: Marks, title: str = "") -> str:
 def axis_titles(plot: Plot, across: int = 0, up: int = 0) -> tuple[str, str]:
     """The titles of the axes, such as "displacement in 10⁻³ m"; a long name is shortened, the heading has all of it."""
     rows = (plot.across_name, plot.across_unit, across), (plot.quantity or plot.title, plot.unit, up)
-    horizontal, vertical = (
-        " in ".join(filter(None, (shortened(name, AXIS_NAME), _measure(unit, power)))) for name, unit, power in rows
-    )
-    return horizontal, vertical
-
-
-def _measure(unit: str, exponent: int) -> str:
-    return " ".join(filter(None, (f"10{superscript(exponent)}" if exponent else "", shortened(raised(unit), AXIS_NAME))))
+    titles = []
+    for name, unit, power in rows:
+        measure = " ".join(filter(None, (f"10{superscript(power)}" if power else "", shortened(raised(unit), AXIS_NAME))))
+        titles.append(" in ".join(filter(None, (shortened(name, AXIS_NAME), measure))))
+    return titles[0], titles[1]
 
 
 def _description(plot: Plot, curves: tuple[Curve, ...]) -> str:
@@ -530,15 +517,8 @@ def _draw(figure: Figure, plot: Plot, curves: tuple[Curve, ...], columns: int) -
             color = INK if marks.curve is None else PALETTE[(curves[marks.curve].color or 0) % len(PALETTE)]
             label = marks.name if marks.name not in named else ""
             named.add(marks.name)
-            style: dict[str, Any] = {
-                "marker": _MARKERS[marks.shape],
-                "linestyle": "none",
-                "markersize": 4,
-                "label": label or "_",
-                "clip_on": False,
-                "zorder": 3,
-            }
-            axes.plot(*marks.points.T, color=color, markerfacecolor="white", **style)
+            (line,) = axes.plot(*marks.points.T, _MARKERS[marks.shape], color=color, markerfacecolor="white", label=label or "_")
+            line.set(markersize=4, clip_on=False, zorder=3)
     if 0.0 in up.ticks:
         axes.axhline(0.0, color=LINE, linewidth=0.8, zorder=0.9)
     xlabel, ylabel = axis_titles(plot, across.exponent, up.exponent)

@@ -34,9 +34,9 @@ from ..mechanics.system import MechanicalSystem
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
 from .connections import AXES, BodySpring, PointMotion
-from .description.urdf import link_masses, replace_masses, skeleton
+from .description.urdf import link_masses, replace_masses
 from .flexible_joint import FlexibleJoint
-from .kinematics import Tree, built_model
+from .kinematics import Tree
 from .posture_search import limit_values, moving_contact_notices
 from .robot_model import RobotModel
 from .statics import (
@@ -279,8 +279,8 @@ def _links(robot: RobotModel) -> Iterator[tuple[str, float, dict[int, np.ndarray
 def _inertias(robot: RobotModel, masses: dict[str, float]) -> np.ndarray:
     description = deepcopy(robot.description)
     replace_masses(description, masses, {})
-    model = built_model(skeleton(description), robot.base != "fixed", robot.locked, robot.model.gravity.linear)
-    return np.array([np.array(one.toDynamicParameters()) for one in list(model.inertias)[1:]]).reshape(-1, 10)
+    inertias = list(robot.model_of(description).inertias)[1:]
+    return np.array([np.array(one.toDynamicParameters()) for one in inertias]).reshape(-1, 10)
 
 
 def _payloads(robot: RobotModel) -> Iterator[tuple[str, float, dict[int, np.ndarray]]]:

@@ -39,8 +39,7 @@ from ..ground.tolerances import (
     SINGULAR_POSTURE,
 )
 from .connections import TURNING, Attached, BodySpring, LinkFrames, PointMotion, Support, untwisted, with_rest_length
-from .description.urdf import skeleton
-from .kinematics import Kinematics, Tree, built_model
+from .kinematics import Kinematics, Tree
 from .robot_model import RobotModel
 from .statics import LARGEST_STEP, Balance, Equilibrium, Load, Posture, Rows, Search, closed, equilibrium, instability, rows_of
 
@@ -457,16 +456,11 @@ def with_all_digits(robot: RobotModel) -> RobotModel:
     twin, description = copy(robot), deepcopy(robot.description)
     for origin in description.iterfind("joint/origin[@rpy]"):
         origin.set("rpy", " ".join(repr(_all_digits(text)) for text in origin.get("rpy", "").split()))
-    base, gravity = robot.base != "fixed", robot.model.gravity.linear
-    twin.tree = Tree(built_model(skeleton(description), base, robot.locked, gravity))
+    twin.tree = Tree(robot.model_of(description))
     twin.link_frames = LinkFrames(twin.model, {})
+    turns = ("rotation1", "rotation2")
     twin.loops = tuple(
-        replace(
-            loop,
-            rotation1=[_all_digits(repr(angle)) for angle in loop.rotation1],
-            rotation2=[_all_digits(repr(angle)) for angle in loop.rotation2],
-        )
-        for loop in robot.loops
+        replace(loop, **{key: [_all_digits(repr(angle)) for angle in getattr(loop, key)] for key in turns}) for loop in robot.loops
     )
     return twin
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
@@ -77,7 +78,7 @@ class RobotModel(Displayed):
         mimics = geared([*source.gears, *gears] if isinstance(gears, Sequence) else gears, mimics_of(self.description), single)
         self.locked = locked_values(locked, mimics)
         if given_model is None:
-            model = built_model(skeleton(self.description), base != "fixed", self.locked, _gravity(gravity, source.gravity))
+            model = self.model_of(self.description, _gravity(gravity, source.gravity))
         else:
             if base == "moving" and not has_free_base(given_model):
                 raise InputError('base: found "moving" with a pinocchio model; give it a JointModelFreeFlyer as its first joint')
@@ -89,7 +90,9 @@ class RobotModel(Displayed):
         self._add_payloads(payloads)
         self.mimic_rows = mimic_rows(mimics, self.tangent)
         given = checked_connections(loops, (Loop,), "loops", self.link_frames)
-        self.moving_base = self._moving_base() if base == "moving" else None
+        self.moving_base = None
+        if base == "moving":
+            self.moving_base = Loop(GROUND, _ORIGIN, root_link(self.description), _ORIGIN, kind="rigid", name=f"motion of {BASE}")
         given = (*source.loops, *given, *filter(None, [self.moving_base]))
         self.loops = checked_connections(given, (Loop,), "loops", self.link_frames)
         own_springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames)
@@ -107,8 +110,10 @@ class RobotModel(Displayed):
         }
         self._set_motors({**self._rotors(), **own_motors, **self._by_joint(motors, Motor, "motors")})
 
-    def _moving_base(self) -> Loop:
-        return Loop(GROUND, _ORIGIN, root_link(self.description), _ORIGIN, kind="rigid", name=f"motion of {BASE}")
+    def model_of(self, description: Element, gravity: np.ndarray | None = None):
+        """The pinocchio model of another description, with the base, the locked joints and the gravity of this robot."""
+        gravity = self.model.gravity.linear if gravity is None else gravity
+        return built_model(skeleton(description), self.base != "fixed", self.locked, gravity)
 
     def _lift(self) -> dict[PointMotion, float]:
         """Forces that compensate the weight of bodies, from the file of the robot (N)."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 from xml.etree.ElementTree import Element, SubElement
@@ -215,10 +215,14 @@ def read_joint(element: Element, frames: Frames, content: ModelFile, version: tu
     return joint
 
 
-#: Children of <joint> and of <axis> in an SDF that are read or have no effect on the motion.
-_KNOWN = set(
+#: Children of <joint>, <axis> and <dynamics> in an SDF that are read or have no effect on the motion.
+_JOINT = (
     "parent child pose axis axis2 sensor thread_pitch screw_thread_pitch gearbox_ratio gearbox_reference_body rotor_inertia "
-    "gear_ratio effort_limit acceleration provideFeedback must_be_loop_joint mimic".split()
+    "gear_ratio effort_limit acceleration provideFeedback must_be_loop_joint mimic physics controller_gains"
+)
+_OF_AXIS, _OF_DYNAMICS = (
+    "xyz dynamics limit use_parent_model_frame mimic initial_position",
+    "damping friction spring_stiffness spring_reference",
 )
 
 
@@ -239,28 +243,30 @@ def leave_out_repeated(element: Element, place: str, content: ModelFile) -> None
 
 def _leave_out_of_joint(element: Element, name: str, kind: str, content: ModelFile) -> None:
     leave_out_repeated(element, f'the joint "{short(name)}"', content)
-    for child in element:
-        tag = child.tag.rpartition("}")[2]
-        if tag not in ("physics", "controller_gains", *_KNOWN):
-            content.leave_out(f'<{short(tag)}> of the joint "{short(name)}"', True)
+    of = f' of the joint "{short(name)}"'
+    leave_out_unknown(element, _JOINT, of, content)
     for suspension in element.iterfind("physics/ode/suspension"):
         if kind == "universal" and element.get("type") == "revolute2" and amount(text_of(suspension, "cfm")):
-            content.leave_out(f'<suspension> of the joint "{short(name)}"', True)
+            content.leave_out(f"<suspension>{of}", True)
     if amount(text_of(element.find("physics/ode"), "cfm")):
-        content.leave_out(f'<physics> cfm of the joint "{short(name)}"', True)
+        content.leave_out(f"<physics> cfm{of}", True)
     beyond = [part for tag in ("axis", "axis2")[_AXES[kind] :] for part in element.findall(tag)]
     if kind != "fixed" and any(amount(value.text or "") for axis in beyond for value in axis.iterfind("dynamics/*")):
         content.leave_out(f'spring and damper of the {kind} joint "{short(name)}" about <{beyond[0].tag}>, which it has not', True)
     for axis in (*element.findall("axis"), *element.findall("axis2")):
         if amount(text_of(axis, "initial_position")):
             content.leave_out(f'<initial_position> of "{short(name)}"', False)
-        known = ("damping", "friction", "spring_stiffness", "spring_reference")
-        for part in axis.iterfind("dynamics/*"):
-            if part.tag not in known and amount(part.text or ""):
-                content.leave_out(f'<{short(part.tag)}> of the joint "{short(name)}"', True)
-        for part in axis:
-            if part.tag not in ("xyz", "dynamics", "limit", "use_parent_model_frame", "mimic", "initial_position"):
-                content.leave_out(f'<{short(part.tag)}> of the joint "{short(name)}"', True)
+        leave_out_unknown((part for part in axis.iterfind("dynamics/*") if amount(part.text or "")), _OF_DYNAMICS, of, content)
+        leave_out_unknown(axis, _OF_AXIS, of, content)
+
+
+def leave_out_unknown(
+    children: Iterable[Element], known: str, of: str, content: ModelFile, acts: Callable[[Element], Any] = lambda child: True
+) -> None:
+    """Note the children whose tags are not known, and whether they may act on the motion."""
+    for child in children:
+        if (tag := local_name(child)) not in known.split():
+            content.leave_out(f"<{short(tag)}>{of}", bool(acts(child)))
 
 
 def amount(text: str) -> float:
@@ -511,8 +517,7 @@ def read_urdf_file(source) -> ModelFile:
         _read_transmission(transmission, urdf, content)
     for gazebo in root.findall("gazebo"):
         _read_gazebo(gazebo, urdf, content)
-    for part, may_act in _others(root):
-        content.leave_out(part, may_act)
+    _leave_out_others(root, content)
     return content
 
 
@@ -638,10 +643,11 @@ def _read_transmission(element: Element, urdf: _UrdfFrames, content: ModelFile) 
 
 
 #: Children of <gazebo> that have no effect on the motion of the bodies, or only where they touch others.
-_CONTACTS = set(
+_CONTACTS = (
     "material mu1 mu2 mu kp kd maxVel minDepth fdir1 selfCollide self_collide sensor laserRetro maxContacts visual implicitSpringDamper "
     "provideFeedback stopCfm stopErp stopKp stopKd fudgeFactor disableFixedJointLumping preserveFixedJoint cfmDamping erp cfm "
-    "initial_joint_position collision canonicalBody allow_auto_disable pose static enable_wind physics ode limit light".split()
+    "initial_joint_position collision canonicalBody allow_auto_disable pose static enable_wind physics ode limit light "
+    "joint plugin springStiffness springReference gravity turnGravityOff kinematic dampingFactor velocity_decay"
 )
 
 
@@ -669,8 +675,8 @@ def _read_gazebo(element: Element, urdf: _UrdfFrames, content: ModelFile) -> Non
         elif child.tag in ("dampingFactor", "velocity_decay"):
             if amount(text) or any(amount(part.text or "") for part in child):
                 content.leave_out(f"<{tag}> in {place}", True)
-        elif child.tag not in _CONTACTS and "#controller" not in child.tag and "#sensor" not in child.tag and not _is_drake(child):
-            content.leave_out(f"<{short(tag)}> in {place}", acts(child) is not None)
+        elif not ("#controller" in child.tag or "#sensor" in child.tag or _is_drake(child)):
+            leave_out_unknown([child], _CONTACTS, f" in {place}", content, acts)
 
 
 def _read_plugin(element: Element, urdf: _UrdfFrames, content: ModelFile) -> None:
@@ -692,40 +698,32 @@ _READ_BY_URDF = {
 }
 
 
-def _others(root: Element) -> Iterator[tuple[str, bool]]:
-    """Unread parts of the other elements, and whether they may affect the motion."""
-    for child in root:
-        if child.tag not in _READ_BY_URDF["robot"].split() and not _is_drake(child):
-            yield f"<{short(local_name(child))}>", acts(child) is not None
+def _leave_out_others(root: Element, content: ModelFile) -> None:
+    """Note the unread parts of the other elements, and whether they may affect the motion."""
+    leave_out_unknown((child for child in root if not _is_drake(child)), _READ_BY_URDF["robot"], "", content, acts)
     for mujoco in root.findall("mujoco"):
-        yield from _of_mujoco(mujoco)
+        for part, may_act in _of_mujoco(mujoco):
+            content.leave_out(part, may_act)
     for link in root.findall("link"):
         name = short(link.get("name"))
         for child in link:
             text = (child.text or child.get("value") or "").strip()
             if child.tag in ("gravity", "kinematic"):
                 if is_true(text) != (child.tag == "gravity"):
-                    yield f'<{child.tag}> {text} of "{name}"', True
-            elif child.tag not in _READ_BY_URDF["link"].split():
-                yield f'<{short(local_name(child))}> of "{name}"', acts(child) is not None
-        for child in link.iterfind("inertial/*"):
-            if child.tag not in _READ_BY_URDF["inertial"].split():
-                yield f'<{short(local_name(child))}> in the <inertial> of "{name}"', True
-        for child in link.iterfind("contact/inertia_scaling"):
-            if amount(_value(child)) != 1:
-                yield f'<inertia_scaling> of "{name}"', True
+                    content.leave_out(f'<{child.tag}> {text} of "{name}"', True)
+            else:
+                leave_out_unknown([child], _READ_BY_URDF["link"], f' of "{name}"', content, acts)
+        leave_out_unknown(link.iterfind("inertial/*"), _READ_BY_URDF["inertial"], f' in the <inertial> of "{name}"', content)
+        if any(amount(_value(child)) != 1 for child in link.iterfind("contact/inertia_scaling")):
+            content.leave_out(f'<inertia_scaling> of "{name}"', True)
     for joint in root.findall("joint"):
         name = short(joint.get("name"))
-        for child in joint:
-            if child.tag not in _READ_BY_URDF["joint"].split():
-                yield (
-                    f'<{short(local_name(child))}> of the joint "{name}"',
-                    acts(child) is not None or any(map(amount, child.attrib.values())),
-                )
+        of, known = f' of the joint "{name}"', _READ_BY_URDF["joint"]
+        leave_out_unknown(joint, known, of, content, lambda child: acts(child) or any(map(amount, child.attrib.values())))
         dynamics = joint.find("dynamics")
         for key, value in {} if dynamics is None else dynamics.attrib.items():
             if key not in ("damping", "friction") and amount(value):
-                yield f'{short(key)} = {short(value)} in the <dynamics> of "{name}"', _ACTS.search(key) is not None
+                content.leave_out(f'{short(key)} = {short(value)} in the <dynamics> of "{name}"', _ACTS.search(key) is not None)
 
 
 #: Settings of MuJoCo for a URDF that change masses, by their neutral values.

@@ -418,7 +418,12 @@ def read_mesh(path: Path, scale, roots: tuple[Path, ...], where: str) -> Mesh:
         if path.suffix.lower() == ".dae":
             return collada_mesh(_text(path), scale)
         if path.suffix.lower() == ".obj":
-            return wavefront_mesh(_text(path), lambda name: _material_file(path, name, roots), scale)
+
+            def materials(name: str) -> str:
+                file = _named_file(path, name, roots, (".mtl",))
+                return "" if file is None else _text(file)
+
+            return wavefront_mesh(_text(path), materials, scale)
         if path.suffix.lower() == ".stl":
             return stl_mesh(path.read_bytes(), scale)
     try:
@@ -444,11 +449,6 @@ def _named_file(mesh: Path, name: str, roots: tuple[Path, ...], endings: tuple[s
         if path.suffix.lower() in endings and _lies_in(path, roots) and path.is_file() and path.stat().st_size <= LARGEST_MESH:
             return path
     return None
-
-
-def _material_file(mesh: Path, name: str, roots: tuple[Path, ...]) -> str:
-    path = _named_file(mesh, name, roots, (".mtl",))
-    return "" if path is None else _text(path)
 
 
 def _with_images(mesh: Mesh, path: Path, roots: tuple[Path, ...]) -> Mesh:

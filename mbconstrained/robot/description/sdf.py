@@ -28,6 +28,7 @@ from .extensions import (
     amount,
     is_true,
     leave_out_repeated,
+    leave_out_unknown,
     local_name,
     pose_of,
     read_drake,
@@ -276,9 +277,8 @@ class _Scope:
         self.children[name] = child
         if merges:
             self.merged.append(child)
-        for part in element:
-            if part.tag not in ("uri", "name", "pose", "placement_frame", "static"):
-                self.reader.content.leave_out(f'<{short(part.tag)}> of the included "{short(name)}"', part.tag != "plugin")
+        of, known = f' of the included "{short(name)}"', "uri name pose placement_frame static"
+        leave_out_unknown(element, known, of, self.reader.content, lambda part: part.tag != "plugin")
 
     def _scope_of(self, name: str) -> tuple[_Scope, str] | None:
         """The nested model of a name with ::, or of one of a merged model, and the name in it."""
@@ -618,9 +618,9 @@ def _add_inertial(element: Element, link: Element, where: str, name: str, conten
     usual = {key: "1" if key in ("ixx", "iyy", "izz") else "0" for key in MOMENTS}
     moments = {key: repr(number(text_of(inertia, key, usual[key]), f"{where}, inertia, {key}")) for key in MOMENTS}
     SubElement(result, "inertia", moments)
-    for part in inertial if inertial is not None else ():
-        if part.tag not in ("pose", "mass", "inertia", "frame", "density"):
-            content.leave_out(f'<{short(part.tag)}> of the mass of "{short(name)}"', True)
+    leave_out_unknown(
+        () if inertial is None else inertial, "pose mass inertia frame density", f' of the mass of "{short(name)}"', content
+    )
 
 
 #: Shapes of an SDF that are those of a URDF, with their sizes.
@@ -642,20 +642,17 @@ def _add_shape(link: Element, shape: Element, tag: str, scope: _Scope, own, wher
     add_origin(result, place)
     target = SubElement(result, "geometry")
     if kind.tag == "mesh":
-        file = {"filename": _mesh_name(text_of(kind, "uri") or text_of(kind, "filename"), scope)}
-        SubElement(target, "mesh", file | ({"scale": text_of(kind, "scale")} if kind.find("scale") is not None else {}))
+        uri = text_of(kind, "uri") or text_of(kind, "filename")
+        if "://" not in uri and scope.folder is not None and scope.folder != scope.reader.folder:  # of an included model
+            uri = str(scope.folder / uri)
+        SubElement(
+            target, "mesh", {"filename": uri} | ({"scale": text_of(kind, "scale")} if kind.find("scale") is not None else {})
+        )
     else:
         SubElement(target, kind.tag, {key: text_of(kind, key) for key in _SHAPES[kind.tag]})
     color = text_of(shape.find("material"), "diffuse") or text_of(shape.find("material"), "ambient")
     if len(color.split()) in (3, 4):
         SubElement(SubElement(result, "material"), "color", rgba=f"{color} 1" if len(color.split()) == 3 else color)
-
-
-def _mesh_name(uri: str, scope: _Scope) -> str:
-    """A mesh of an included model by its path, others as they are."""
-    if "://" in uri or scope.folder is None or scope.folder == scope.reader.folder:
-        return uri
-    return str(scope.folder / uri)
 
 
 #: Children of <model>, <world> and <link> that are read or have no effect on the motion.
@@ -671,6 +668,10 @@ _KNOWN = {
 def _leave_out(element: Element, scope: _Scope, content: ModelFile) -> None:
     """Note the omitted parts of a model or world and of its links."""
     static = scope.is_static
+
+    def may_act(child: Element) -> bool:
+        return bool(acts(child) or amount(child.text or ""))
+
     for child in element:
         if "}" in child.tag or ":" in child.tag:
             continue
@@ -679,10 +680,10 @@ def _leave_out(element: Element, scope: _Scope, content: ModelFile) -> None:
         elif child.tag in ("enable_wind", "wind"):
             if amount(child.text or "") or amount(text_of(child, "linear_velocity")):
                 content.leave_out(f"<{child.tag}>", False)
-        elif child.tag not in _KNOWN["world" if scope.is_world else "model"].split():
-            place = "the world" if scope.is_world else scope.where.removeprefix("sdf, ")
-            content.leave_out(f"<{short(child.tag)}> of {place}", bool(acts(child) or amount(child.text or "")))
-        elif child.tag == "state" and any(amount(part.text or "") for part in child.iterfind("model//*")):
+        else:
+            kind, place = ("world", "the world") if scope.is_world else ("model", scope.where.removeprefix("sdf, "))
+            leave_out_unknown([child], _KNOWN[kind], f" of {place}", content, may_act)
+        if child.tag == "state" and any(amount(part.text or "") for part in child.iterfind("model//*")):
             content.leave_out("<state> of the world", True)
     for link in () if static else element.findall("link"):
         name = short(f"{scope.prefix}{link.get('name')}")
@@ -700,6 +701,6 @@ def _leave_out(element: Element, scope: _Scope, content: ModelFile) -> None:
             elif child.tag == "enable_wind":
                 if is_true(text):
                     content.leave_out(f'<enable_wind> of "{name}"', False)
-            elif child.tag not in _KNOWN["link"].split():
-                content.leave_out(f'<{short(child.tag)}> of "{name}"', bool(acts(child) or amount(child.text or "")))
+            else:
+                leave_out_unknown([child], _KNOWN["link"], f' of "{name}"', content, may_act)
         leave_out_repeated(link, f'the link "{name}"', content)
