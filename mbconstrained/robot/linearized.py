@@ -258,22 +258,28 @@ def _connections(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
 
 
 def _masses(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
-    """Masses of links; the inertia of a body is linear in each of them: by joint the ten inertial parameters of pinocchio for 1 kg."""
+    """Masses of the links of a URDF, by the description with another mass, and of payloads.
+
+    The inertia of a body is linear in each of them: by joint the ten inertial parameters of pinocchio for 1 kg.
+    """
+    import pinocchio
+
     robot = posture.robot
-    for name, mass, slopes in (*_links(robot), *_payloads(robot)):
+    masses: list[tuple[str, float, dict[int, np.ndarray]]] = []
+    if robot.source.model is None:
+        own = _inertias(robot, {})
+        for name, mass in link_masses(robot.description).items():
+            if mass > 0.0:
+                changes = _inertias(robot, {name: 2 * mass}) - own
+                masses.append((name, mass, {joint: change / mass for joint, change in enumerate(changes, 1) if change.any()}))
+    for payload in robot.payloads:
+        anchor = robot.link_frames.anchor(payload.body, payload.centre, (0.0, 0.0, 0.0), "payloads")
+        slope = np.array(pinocchio.Inertia(1.0, anchor.point, np.zeros((3, 3))).toDynamicParameters())
+        if payload.mass and anchor.joint:
+            masses.append((f"payload on {payload.body}", payload.mass, {anchor.joint: slope}))
+    for name, mass, slopes in masses:
         if slopes:
             yield Parameter.of_function(f"{name}.mass", mass, partial(_with_masses, posture, linearize, mass, slopes), "kg")
-
-
-def _links(robot: RobotModel) -> Iterator[tuple[str, float, dict[int, np.ndarray]]]:
-    """Masses of the links of a URDF, by the description with another mass."""
-    if robot.source.model is not None:
-        return
-    own = _inertias(robot, {})
-    for name, mass in link_masses(robot.description).items():
-        if mass > 0.0:
-            changes = _inertias(robot, {name: 2 * mass}) - own
-            yield name, mass, {joint: change / mass for joint, change in enumerate(changes, 1) if change.any()}
 
 
 def _inertias(robot: RobotModel, masses: dict[str, float]) -> np.ndarray:
@@ -281,16 +287,6 @@ def _inertias(robot: RobotModel, masses: dict[str, float]) -> np.ndarray:
     replace_masses(description, masses, {})
     inertias = list(robot.model_of(description).inertias)[1:]
     return np.array([np.array(one.toDynamicParameters()) for one in inertias]).reshape(-1, 10)
-
-
-def _payloads(robot: RobotModel) -> Iterator[tuple[str, float, dict[int, np.ndarray]]]:
-    import pinocchio
-
-    for payload in robot.payloads:
-        anchor = robot.link_frames.anchor(payload.body, payload.centre, (0.0, 0.0, 0.0), "payloads")
-        slope = np.array(pinocchio.Inertia(1.0, anchor.point, np.zeros((3, 3))).toDynamicParameters())
-        if payload.mass and anchor.joint:
-            yield f"payload on {payload.body}", payload.mass, {anchor.joint: slope}
 
 
 def _with_joint_stiffness(posture: Posture, linearize: Linearize, only: np.ndarray, old: float, value: float) -> MechanicalSystem:

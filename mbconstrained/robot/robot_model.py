@@ -72,9 +72,8 @@ class RobotModel(Displayed):
             base = "free" if has_free_base(given_model) else "fixed"
         self.base = base
         replace_masses(self.description, masses or {}, inertias or {})
-        single = {
-            j.get("name", ""): j.get("type") in ("revolute", "continuous", "prismatic") for j in self.description.findall("joint")
-        }
+        types = {joint.get("name", ""): joint.get("type") for joint in self.description.findall("joint")}
+        single = {name: kind in ("revolute", "continuous", "prismatic") for name, kind in types.items()}
         mimics = geared([*source.gears, *gears] if isinstance(gears, Sequence) else gears, mimics_of(self.description), single)
         self.locked = locked_values(locked, mimics)
         if given_model is None:
@@ -96,18 +95,16 @@ class RobotModel(Displayed):
         given = (*source.loops, *given, *filter(None, [self.moving_base]))
         self.loops = checked_connections(given, (Loop,), "loops", self.link_frames)
         own_springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames)
-        self.springs = checked_connections(
-            (*source.springs, *own_springs), (BodySpring, Bushing), "springs", self.link_frames, self.loops
-        )
+        own_springs = (*source.springs, *own_springs)
+        self.springs = checked_connections(own_springs, (BodySpring, Bushing), "springs", self.link_frames, self.loops)
         self.lift, self._is_compared = self._lift(), False
         moving = {name for name in source.joint_stiffness if name in self.coordinates and name not in (joint_stiffness or {})}
         own, rest = ({name: values[name] for name in moving} for values in (source.joint_stiffness, source.joint_rest))
         self._set_joints({**own, **(joint_stiffness or {})}, {**rest, **(joint_rest or {})}, joint_damping)
         self.flexible_joints = self._by_joint(flexible_joints, FlexibleJoint, "flexible_joints")
         self.semantics = SemanticDescription() if srdf is None else read_srdf(srdf)
-        own_motors = {
-            name: motor for name, motor in source.motors.items() if name in self.coordinates and name not in self.flexible_joints
-        }
+        single_motors = set(self.coordinates) - set(self.flexible_joints)
+        own_motors = {name: motor for name, motor in source.motors.items() if name in single_motors}
         self._set_motors({**self._rotors(), **own_motors, **self._by_joint(motors, Motor, "motors")})
 
     def model_of(self, description: Element, gravity: np.ndarray | None = None):
@@ -154,15 +151,13 @@ class RobotModel(Displayed):
     def _set_motors(self, motors: dict[str, Motor]) -> None:
         """Set inertias in the model, and gains as vectors by coordinate, shape (nv,)."""
         self.motors, self.position_gains = motors, np.zeros(self.model.nv)
-        armature = np.array(self.model.armature)
         for name, motor in motors.items():
             if name in self.flexible_joints:
                 raise InputError(f'motors: "{name}" is a flexible joint, which has a motor; give its inertia and gains there')
             place = self.tangent.place(name, "motors")
-            armature[place] += motor.reflected_inertia
+            self.model.armature[place] += motor.reflected_inertia
             self.position_gains[place] = motor.position_gain
             self.joint_damping[place] += motor.velocity_gain
-        self.model.armature = armature
 
     def _set_joints(self, stiffness, rest, damping) -> None:
         self.joint_stiffness = self.tangent.vector(stiffness, "joint_stiffness", minimum=0.0)

@@ -539,19 +539,14 @@ def _check(state: Equilibrium, search: Search) -> None:
         advice = f"; {search.rounded}" if search.rounded and state.misfit < LOOPS_TILTED else singular or nearer
         raise InputError(f"equilibrium: the loops do not close near the guess: {row} stays open by {gap:.3g} {unit}{advice}")
     if not state.residual <= BALANCED:
+        left = np.where(search.free, state.balance.force - state.balance.jacobian.T @ state.multipliers, 0.0)
+        worst = int(np.abs(left * search.load.lengths).argmax())  # in comparable units
+        force = f"{abs(left[worst]):.4g} {'N m' if search.load.units[worst] == 'rad' else 'N'} on {search.names[worst]}"
         advice = singular or "; give another guess, springs, loops, forces, or joints to hold"
         raise InputError(
-            f"equilibrium: there is none near the guess: {_unbalanced(state, search)} stay without balance, {state.residual:.2g} of the "
-            f"largest force, and steps of Newton's method lead no nearer{advice}"
+            f"equilibrium: there is none near the guess: {force} stay without balance, {state.residual:.2g} of the largest force, and "
+            f"steps of Newton's method lead no nearer{advice}"
         )
-
-
-def _unbalanced(state: Equilibrium, search: Search) -> str:
-    """The coordinate with the largest unbalanced force in comparable units, and that force."""
-    left = np.where(search.free, state.balance.force - state.balance.jacobian.T @ state.multipliers, 0.0)
-    worst = int(np.abs(left * search.load.lengths).argmax())
-    unit = "N m" if search.load.units[worst] == "rad" else "N"
-    return f"{abs(left[worst]):.4g} {unit} on {search.names[worst]}"
 
 
 @dataclass(frozen=True, repr=False, eq=False)

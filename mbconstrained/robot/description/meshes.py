@@ -338,22 +338,14 @@ class MeshFiles:
     def __init__(self, folder: Path | None, package_dirs: tuple[Path, ...]):
         self.folder, self.package_dirs = folder, package_dirs
         self._meshes: dict[tuple, Mesh] = {}
-        self._with_images: dict[tuple, Mesh] = {}
 
     def mesh(self, name: str, scale, where: str, *, images: bool = False) -> Mesh:
+        """The mesh of a file times a scale, with the images that its textures name, or with their names."""
         path, roots = self._file(name, where)
-        mesh = self.read(path, scale, roots, where)
-        if not images:
-            return mesh
-        key = (path, tuple(scale))
-        if key not in self._with_images:
-            self._with_images[key] = _with_images(mesh, path, roots)
-        return self._with_images[key]
-
-    def read(self, path: Path, scale, roots: tuple[Path, ...], where: str) -> Mesh:
-        key = (path, tuple(scale))
+        key = (path, tuple(scale), images)
         if key not in self._meshes:
-            self._meshes[key] = read_mesh(path, scale, roots, where)
+            whole = self.mesh(name, scale, where) if images else read_mesh(path, scale, roots, where)
+            self._meshes[key] = _with_images(whole, path, roots) if images else whole
         return self._meshes[key]
 
     def path(self, name: str, where: str) -> Path:

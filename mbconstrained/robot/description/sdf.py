@@ -81,12 +81,10 @@ _OWN = ("", "__model__")
 
 def is_sdf(source) -> bool:
     """Whether this is the path or the text of an SDF."""
-    if isinstance(source, str) and "<" in source:
-        return re.search(r"<sdf\b", source) is not None and re.search(r"<(mujoco|robot)\b", source) is None
     if not isinstance(source, (str, Path)):
         return False
     ending = Path(str(source)[:4096]).suffix.lower()
-    if ending != ".xml":
+    if not (isinstance(source, str) and "<" in source) and ending != ".xml":
         return ending in ENDINGS
     text = read_urdf(source, "SDF")[0]
     return re.search(r"<sdf\b", text) is not None and re.search(r"<(mujoco|robot)\b", text) is None
