@@ -458,10 +458,11 @@ def with_all_digits(robot: RobotModel) -> RobotModel:
         origin.set("rpy", " ".join(repr(_all_digits(text)) for text in origin.get("rpy", "").split()))
     twin.tree = Tree(robot.model_of(description))
     twin.link_frames = LinkFrames(twin.model, {})
-    turns = ("rotation1", "rotation2")
-    twin.loops = tuple(
-        replace(loop, **{key: [_all_digits(repr(angle)) for angle in getattr(loop, key)] for key in turns}) for loop in robot.loops
-    )
+
+    def exact(angles: Sequence[float]) -> list[float]:
+        return [_all_digits(repr(angle)) for angle in angles]
+
+    twin.loops = tuple(replace(loop, rotation1=exact(loop.rotation1), rotation2=exact(loop.rotation2)) for loop in robot.loops)
     return twin
 
 
