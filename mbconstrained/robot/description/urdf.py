@@ -108,12 +108,12 @@ class ModelFile:
             ),
             (NoticeKind.OMITTED, "not read, without effect on the motion", self.noted),
         )
-        parts = (
-            Notice(kind, f"{self.word}: {text}: {listed(list(dict.fromkeys(found)), MOST_PARTS)}", doubtful=found is self.doubted)
-            for kind, text, found in rows
-            if found
+        notices = (
+            Notice(kind, f"{self.word}: {text}: {listed(list(dict.fromkeys(parts)), MOST_PARTS)}", doubtful=parts is self.doubted)
+            for kind, text, parts in rows
+            if parts
         )
-        return (*self.remarks, *parts)
+        return (*self.remarks, *notices)
 
     def named_states(self, tangent) -> dict[str, dict]:
         """The states as guesses: values (rad, m) by joint, of the joints of a ``Tangent``; none where joints of the file are locked."""
