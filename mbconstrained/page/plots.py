@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import groupby, pairwise, zip_longest
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -148,8 +148,13 @@ def plot_figures(plots: tuple[Plot, ...], functions: PlotFunctions | None = None
 
 
 def _figure(plot: Plot, functions: PlotFunctions, wide: str) -> str:
-    count, note = len(plot.curves), f'\n<p class="note">{typeset(plot.note)}</p>' if plot.note else ""
-    body = f"{_svg(plot)}\n{_legend(plot, functions)}" if count else '<p class="note">no curves</p>'
+    count, note, body = (
+        len(plot.curves),
+        f'\n<p class="note">{typeset(plot.note)}</p>' if plot.note else "",
+        '<p class="note">no curves</p>',
+    )
+    if count:
+        body = f"{_svg(plot)}\n{_legend(plot, functions)}"
     if count > plot.shown:
         note += f'\n<p class="note">{count} curves, {plot.shown} of them shown at first</p>'
     return f'<figure class="plot-figure{wide}">\n<h2>{html.escape(plot.title)}</h2>\n{body}{note}\n</figure>'
@@ -160,8 +165,10 @@ def _svg(plot: Plot) -> str:
     times, phase = plot.times, plot.across is not None
     across, up = plot.axes
     shown, height = plot.curves[: plot.shown], LARGE_HEIGHT if plot.is_large else HEIGHT
-    x = np.array([_cells(across, plot.along(curve)) for curve in shown])
-    y = CELLS - np.array([_cells(up, curve.values) for curve in shown])
+    x, y = (
+        np.array([_cells(across, plot.along(curve)) for curve in shown]),
+        CELLS - np.array([_cells(up, curve.values) for curve in shown]),
+    )
     right, upwards = map(html.escape, axis_titles(plot, across.exponent, up.exponent))
     elements = [
         f'<g class="ticks">\n{_grid(across, up, height)}\n{_guide_names(plot, across, up, height)}</g>',
@@ -517,8 +524,15 @@ def _draw(figure: Figure, plot: Plot, curves: tuple[Curve, ...], columns: int) -
             color = INK if marks.curve is None else PALETTE[(curves[marks.curve].color or 0) % len(PALETTE)]
             label = marks.name if marks.name not in named else ""
             named.add(marks.name)
-            (line,) = axes.plot(*marks.points.T, _MARKERS[marks.shape], color=color, markerfacecolor="white", label=label or "_")
-            line.set(markersize=4, clip_on=False, zorder=3)
+            style: dict[str, Any] = {
+                "marker": _MARKERS[marks.shape],
+                "linestyle": "none",
+                "markersize": 4,
+                "label": label or "_",
+                "clip_on": False,
+                "zorder": 3,
+            }
+            axes.plot(*marks.points.T, color=color, markerfacecolor="white", **style)
     if 0.0 in up.ticks:
         axes.axhline(0.0, color=LINE, linewidth=0.8, zorder=0.9)
     xlabel, ylabel = axis_titles(plot, across.exponent, up.exponent)

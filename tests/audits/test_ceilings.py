@@ -32,7 +32,7 @@ LINES = {
     "linalg": 4595,
     "mechanics": 10963,
     "models": 1377,
-    "page": 4806,
+    "page": 4820,
     "polynomial": 2958,
     "response": 5499,
     "robot": 8814,
