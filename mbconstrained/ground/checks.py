@@ -135,6 +135,15 @@ def counted(count: int, one: str, several: str | None = None) -> str:
     return f"{count} {one if count == 1 else several or one + 's'}"
 
 
+def listed(names: Sequence[str], most: int = 3, what: str = "") -> str:
+    """The first names; the others are counted.
+
+    >>> listed("abc"), listed("abcdef", 2, " rows")
+    ('a, b, c', 'a, b and 4 more rows')
+    """
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more{what}" if len(names) > most else "")
+
+
 def names_of(names, count: int, what: str, prefix: str) -> tuple[str, ...]:
     """A tuple of distinct names, numbered from the prefix where none are given.
 

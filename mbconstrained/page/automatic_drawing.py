@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -21,16 +22,18 @@ from typing import Any
 
 import numpy as np
 
+from ..ground.checks import listed
 from ..ground.coordinate_units import GROUND
 from ..models.elements import Body as ModelBody
 from ..models.elements import Element, Gear, GearMesh, Mass, Node, Pulley, Rack, Relation, RigidBar, with_parts
 from ..models.rotor import PLANES, Rotor, in_planes
-from .drawing import Drawing, DrawnBody, DrawnLink, Shape, Solid, Vector
+from .drawing import Drawing, DrawnBody, DrawnLink, LinkKind, Shape, Solid, Vector
 from .layout import (
     PULLEY,
     DrawnJoint,
     Piece,
     angle_scale,
+    as_tuple,
     direction_of,
     displacement_scale,
     groups,
@@ -233,37 +236,24 @@ def storeys(order: Sequence[str], joints: Sequence[DrawnJoint]) -> Piece:
     base = DrawnBody("ground", "base", (0.0, 0.0, -SLAB[2] / 2), size=(SLAB[0] + 1.0, SLAB[1] + 0.6, 0.1))
     slabs = [DrawnBody(name, "box", (0.0, 0.0, levels[name]), {name: (1.0, 0.0, 0.0)}, size=SLAB) for name in order]
     links: list[DrawnLink] = []
-    drawn: dict[tuple[str, str], int] = {}
+    drawn: Counter[tuple[str, str]] = Counter()
     for joint in joints:
         if joint.ends <= levels.keys():
             low, high = sorted((joint.start, joint.end), key=lambda name: levels[name])
-            number = drawn.get((low, high), 0)
-            drawn[low, high] = number + 1
-            links += _joined(joint, low, high, BEHIND * number, far=levels[high] - levels[low] > 1.5 * STOREY)
+            far, back = levels[high] - levels[low] > 1.5 * STOREY, BEHIND * drawn[low, high]
+            drawn[low, high] += 1
+            bottom, top = (0.05 if low == GROUND else SLAB[2] / 2), -SLAB[2] / 2
+            kind: LinkKind = "rod" if joint.kind in ("spring", "rod") and not far else joint.kind
+            lines = [(-COLUMN, -COLUMN), (COLUMN, COLUMN)] if kind == "rod" else [(-0.7 * COLUMN, 0.7 * COLUMN)]
+            for name, (left, right) in zip((joint.name, f"{joint.name}, right"), lines):
+                ends = {"start_point": (left, back, bottom), "end_point": (right, back, top)}
+                links.append(DrawnLink(name, kind, low, high, **ends))
     return Piece((base, *slabs), tuple(links))
 
 
 def columns(order: Sequence[str]) -> list[DrawnJoint]:
     """Connections from each storey to the next one, where only the coordinates of the storeys are known."""
     return [DrawnJoint(f"columns of {high}", "rod", low, high, None) for low, high in pairwise((GROUND, *order))]
-
-
-def _joined(joint: DrawnJoint, low: str, high: str, back: float, *, far: bool) -> list[DrawnLink]:
-    """A connection of two storeys, displaced backwards."""
-    bottom, top = (0.05 if low == GROUND else SLAB[2] / 2), -SLAB[2] / 2
-    kind = "rod" if joint.kind in ("spring", "rod") and not far else joint.kind
-    lines = [(-COLUMN, -COLUMN), (COLUMN, COLUMN)] if kind == "rod" else [(-0.7 * COLUMN, 0.7 * COLUMN)]
-    return [
-        DrawnLink(
-            joint.name if side == 0 else f"{joint.name}, right",
-            kind,
-            "ground" if low == GROUND else low,
-            high,
-            start_point=(left, back, bottom),
-            end_point=(right, back, top),
-        )
-        for side, (left, right) in enumerate(lines)
-    ]
 
 
 #: Length between the outermost points of the longest bar, least distance of points, and longest bar, drawing units.
@@ -275,8 +265,9 @@ HEIGHT, DEPTH, OVERHANG, BAR_STOREY = 0.4, 0.6, 0.45, 2.4
 #: Radius and width of the disc at the centre of mass of a rotor, and the distance between rotors on one axis, drawing units.
 DISC, WIDTH, BETWEEN = 0.7, 0.3, 1.6
 
-#: Directions of the displacements of rotors by the names of their planes; bars move upwards.
+#: Directions of the displacements of rotors by the names of their planes, bars moving upwards, and from a point to its attachment.
 DIRECTIONS: dict[str, Vector] = {"y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+OUTWARDS = {"y": np.array([0.0, 1.0, 0.0]), "z": np.array([0.0, 0.0, -1.0])}
 
 #: The placement of a cylinder whose axis is along x.
 _LYING = np.array([[0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
@@ -455,7 +446,7 @@ class _Layout:
         return DrawnBody(
             bar.name,
             "solids",
-            _place(self.places[bar.name]),
+            as_tuple(self.places[bar.name]),
             moves={bar.name: (0.0, 0.0, 1.0)},
             turns={bar.angle: (0.0, -self.turn, 0.0)} if bar.angle else {},
             size=(2 * max(-left, right), DEPTH, HEIGHT),
@@ -471,9 +462,9 @@ class _Layout:
         return DrawnBody(
             str(bars[0].rotor),
             "solids",
-            _place(self.places[bars[0].name]),
+            as_tuple(self.places[bars[0].name]),
             moves={bar.name: DIRECTIONS[bar.plane] for bar in bars},
-            turns={angle: _place(tilt) for angle, tilt in tilts.items()},
+            turns={angle: as_tuple(tilt) for angle, tilt in tilts.items()},
             size=(2 * max(-left, right), 2 * DISC, 2 * DISC),
             solids=(Solid("cylinder", (HEIGHT / 2, right - left), placement), Solid("cylinder", (DISC, WIDTH), _LYING)),
         )
@@ -482,35 +473,24 @@ class _Layout:
         """The position of a point at the side of its bar that faces its attachment: the lower one, in the plane y the far one."""
         bar = self.rigid[point]
         in_disc = bar.rotor and abs(self.unit * bar.places[point]) < (WIDTH + BALL) / 2
-        return self.places[point] + self._outwards(point) * ((DISC if in_disc else HEIGHT / 2) + BALL / 2)
-
-    def _outwards(self, point: str) -> np.ndarray:
-        """The direction from a point to its attachment."""
-        plane = self.rigid[point].plane
-        return np.multiply(DIRECTIONS[plane], 1.0 if plane == "y" else -1.0)
+        return self.places[point] + OUTWARDS[bar.plane] * ((DISC if in_disc else HEIGHT / 2) + BALL / 2)
 
     def _chain(self, part: list[str], point: str) -> Piece:
         """The bodies between the ground and a point, or suspended from it, upwards; in the plane y those behind a point."""
         behind = self.rigid[point].plane == "y"
-        joints = [self._from_left(joint, GROUND in joint.ends, behind) for joint in self.joints]
+        joints = [  # the ground at the left end, or behind a point at the right one
+            replace(joint, start=joint.end, end=joint.start) if (joint.start if behind else joint.end) == GROUND else joint
+            for joint in self.joints
+        ]
         order = walk(part, joints, point)
         chain = Chain(order if behind else order[::-1], self.massless | {point}, joints, wall=not behind).piece()
         chain = turned_piece(chain, dict.fromkeys(part, DIRECTIONS[self.rigid[point].plane]))
         return chain.shifted(self._surface(point) - chain.body(point).rest)
 
-    @staticmethod
-    def _from_left(joint: DrawnJoint, grounded: bool, behind: bool) -> DrawnJoint:
-        """A joint with the ground at its left end, or at its right one."""
-        if not grounded or (joint.start if not behind else joint.end) == GROUND:
-            return joint
-        return replace(joint, start=joint.end, end=joint.start)
-
     def _between(self, part: list[str]) -> Piece:
         """Bodies between two bars, or two points of one: in the middle of their attachments; those of a shaft next to it."""
-        bodies, places = [], {}
-        planes = [self.rigid[name].plane for name in part if name in self.rigid and self.rigid[name].rotor]
-        plane = planes[0] if planes else "z"
-        outwards = np.multiply(DIRECTIONS[plane], 1.0 if plane == "y" else -1.0)
+        bodies, places, grounds, links = [], {}, [], []
+        plane = next((self.rigid[name].plane for name in part if name in self.rigid and self.rigid[name].rotor), "z")
         for name in part:
             if name in self.rigid:
                 places[name] = self._surface(name) if self.rigid[name].rotor else self.places[name]
@@ -519,28 +499,19 @@ class _Layout:
                 near = near or [one for one in part if one in self.places]
                 places[name] = np.mean([self.places[end] for end in near], axis=0)
                 if all(self.rigid[end].rotor for end in near):
-                    places[name] += BAR_STOREY * outwards
+                    places[name] += BAR_STOREY * OUTWARDS[plane]
             size = (BALL,) * 3 if name in self.massless or name in self.rigid else (0.8, 0.8, 0.8)
             shape: Shape = "sphere" if size[0] == BALL else "box"
-            bodies.append(DrawnBody(name, shape, _place(places[name]), {name: DIRECTIONS[plane]}, size=size))
-        grounds = []
-        links = []
+            bodies.append(DrawnBody(name, shape, as_tuple(places[name]), {name: DIRECTIONS[plane]}, size=size))
         for joint in self.joints:
-            if not joint.ends & set(part):
-                continue
-            start, end = joint.start, joint.end
-            if GROUND in joint.ends:
-                body = joint.other(GROUND)
-                size = (1.2, 0.2, 1.2) if plane == "y" else (1.2, 1.2, 0.2)
-                grounds.append(DrawnBody(f"ground of {joint.name}", "ground", _place(places[body] + 2.0 * outwards), size=size))
-                start, end = grounds[-1].name, body
-            links.append(DrawnLink(joint.name, joint.kind, start, end))
+            if joint.ends & set(part):
+                start, end = joint.start, joint.end
+                if GROUND in joint.ends:
+                    start, end = f"ground of {joint.name}", joint.other(GROUND)
+                    size = (1.2, 0.2, 1.2) if plane == "y" else (1.2, 1.2, 0.2)
+                    grounds.append(DrawnBody(start, "ground", as_tuple(places[end] + 2.0 * OUTWARDS[plane]), size=size))
+                links.append(DrawnLink(joint.name, joint.kind, start, end))
         return Piece((*grounds, *bodies), tuple(links))
-
-
-def _place(vector: np.ndarray) -> Vector:
-    x, y, z = (np.asarray(vector, dtype=float) + 0.0).tolist()
-    return x, y, z
 
 
 #: Distances from body to body along a shaft, from a shaft to its wall, and between unconnected shafts, drawing units.
@@ -589,7 +560,9 @@ class Train:
         while len(self.axes) < len(self.shafts):  # those connected by gears next to each other
             shaft = next(shaft for shaft in self.shafts if shaft not in self.axes)
             self.axes[shaft] = np.array([edge, 0.0, 0.0])
-            while gear := next(filter(self._is_next, self.gears), None):
+            while gear := next(
+                (g for g in self.gears if (self.shaft_of[g.start] in self.axes) != (self.shaft_of[g.end] in self.axes)), None
+            ):
                 self._mesh(gear)
             edge = max(axis[0] for axis in self.axes.values()) + SHAFT_GAP
         drawn = {name: self._bodies(name) for shaft in self.shafts for name in shaft}
@@ -597,10 +570,6 @@ class Train:
         inner = (DrawnLink(joint.name, joint.kind, joint.start, joint.end) for joint in self.joints if GROUND not in joint.ends)
         bodies = (body for own in (*drawn.values(), *(anchor.bodies for anchor in anchors)) for body in own)
         return Piece(tuple(bodies), (*inner, *(link for anchor in anchors for link in anchor.links)))
-
-    def _is_next(self, gear: Gear | GearMesh) -> bool:
-        """Whether one of its shafts has a position and the other does not."""
-        return (self.shaft_of[gear.start] in self.axes) != (self.shaft_of[gear.end] in self.axes)
 
     def _mesh(self, gear: Gear | GearMesh) -> None:
         """Places the other shaft of a gear so that its wheels touch, in the first direction in which no wheel meshes yet."""
@@ -733,9 +702,6 @@ def _teeth(one: float, other: float) -> int:
 #: Two directions (unit vectors) that differ by less are equal within rounding error.
 ALIKE = 1e-9
 
-#: Names in the note on elements that are not drawn to scale.
-MOST_NAMED = 3
-
 #: Distances from one coordinate to the next, downwards and across, and to the right of all, drawing units.
 ROW_PITCH, COLUMN_WIDTH, PIECE_GAP = 0.95, 5.6, 0.8
 
@@ -765,12 +731,14 @@ def lumped_drawing(
     slides = [joint for joint in joints if joint.ends <= {GROUND, *sliding}]
     twists = [joint for joint in joints if joint.ends <= {GROUND, *turning}]
     bars = bars_of(elements)
-    natural, length = _natural(sliding, slides, bars), bar_length(bars) if bars else 1.0
-    scale = (
-        _slide_scale(slides, pulleys, {name: motion[name] for name in sliding if name in motion}, natural)
-        if scale is None
-        else scale
-    )
+    natural, length = natural_positions(sliding, slides), bar_length(bars) if bars else 1.0
+    for bar in bars:  # level where none of its springs is stretched on the average
+        natural |= dict.fromkeys(bar.places, float(np.mean([natural[point] for point in bar.points or bar.places])))
+    if scale is None:
+        pairs = [(joint.start, joint.end) for joint in slides]
+        pairs += [(end, pulley.over) for pulley in pulleys for end in (pulley.start, pulley.end)]
+        moved = [name for name in natural if name in motion and name in sliding]
+        scale = displacement_scale({name: motion[name] - natural[name] for name in moved}, pairs)
     lying = {bar.angle for bar in bars if not any(bar.angle in joint.ends for joint in twists)}
     wheels = [name for name in turning if name not in lying]
     if turn_scale is None:
@@ -818,21 +786,6 @@ def _not_drawn(elements: Iterable[Element], known: set[str]) -> str:
     return f"not drawn: {missing}" * bool(missing)
 
 
-def _natural(sliding: list[str], slides: list[DrawnJoint], bars) -> dict:
-    """Positions in which all springs have their lengths; bars are level where none of their springs is stretched on the average."""
-    natural = natural_positions(sliding, slides)
-    for bar in bars:
-        natural |= dict.fromkeys(bar.places, float(np.mean([natural[point] for point in bar.points or bar.places])))
-    return natural
-
-
-def _slide_scale(slides: list[DrawnJoint], pulleys: list[Pulley], motion: dict, natural: dict) -> float:
-    """The magnification of displacements."""
-    pairs = [(joint.start, joint.end) for joint in slides]
-    pairs += [(end, pulley.over) for pulley in pulleys for end in (pulley.start, pulley.end)]
-    return displacement_scale({name: motion[name] - natural[name] for name in natural if name in motion}, pairs)
-
-
 def _motion(names, values) -> dict[str, np.ndarray]:
     values = np.asarray(values, dtype=float)
     return dict(zip(names, values[:, None] if values.ndim == 1 else values))
@@ -857,9 +810,8 @@ def _askew(bodies: list[DrawnBody], joints: list[DrawnJoint]) -> str:
     names = [joint.name for joint in between if np.abs(directions[joint.start] - directions[joint.end]).max() > ALIKE]
     if not names:
         return ""
-    further = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
     join = "joins" if len(names) == 1 else "join"
-    return f"{', '.join(names[:MOST_NAMED])}{further} {join} bodies of different directions: not drawn to scale"
+    return f"{listed(names)} {join} bodies of different directions: not drawn to scale"
 
 
 def coordinate_drawing(names, values=None, units=None, scale=None, turn_scale=None, directions=None, stack=None) -> Drawing:
@@ -879,19 +831,16 @@ def coordinate_drawing(names, values=None, units=None, scale=None, turn_scale=No
     bodies = []
     for i, name in enumerate(usual):
         bodies += _of_coordinate(name, unit_of[name], (COLUMN_WIDTH * (i // rows), 0.0, -ROW_PITCH * (i % rows)))
-    left = Piece(tuple(bodies)).corners[1, 0] + PIECE_GAP if bodies else 0.0
-    if floors:
-        low, high = building.corners
-        bodies += building.shifted((left - low[0], 0.0, 0.0)).bodies
-        left += high[0] - low[0] + PIECE_GAP
+    left, others = Piece(tuple(bodies)).corners[1, 0] + PIECE_GAP if bodies else 0.0, [building] * bool(floors)
     for name in drawn:
         if name in directions:
             own = _of_coordinate(name, unit_of[name], (0.0, 0.0, 0.0))
             links = tuple(DrawnLink("", "rod", own[0].name, body.name) for body in own[1:])  # so that they are turned together
-            piece = Piece(turned_piece(Piece(tuple(own), links), {name: directions[name]}).bodies)
-            low, high = piece.corners
-            bodies += piece.shifted((left - low[0], 0.0, 0.0)).bodies
-            left += high[0] - low[0] + PIECE_GAP
+            others.append(Piece(turned_piece(Piece(tuple(own), links), {name: directions[name]}).bodies))
+    for piece in others:
+        low, high = piece.corners
+        bodies += piece.shifted((left - low[0], 0.0, 0.0)).bodies
+        left += high[0] - low[0] + PIECE_GAP
     if scale is None:
         moves = {name: motion[name] for name in names if unit_of[name] == "m"}
         scale = displacement_scale(moves, pairwise((GROUND, *floors)))

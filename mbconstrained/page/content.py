@@ -104,13 +104,7 @@ class Axis:
     scale: Scale = "linear"
 
     def shares(self, values: np.ndarray) -> np.ndarray:
-        """Positions of values on the axis, from 0 at its low end to 1 at its high end.
-
-        Args:
-            values: values of any shape; on a logarithmic axis those below its low end are at that end.
-
-        Returns:
-            Positions of the same shape.
+        """Positions on the axis, from 0 at its low end to 1 at its high end; on a logarithmic axis smaller values are at that end.
 
         >>> axis_of(1.0, 100.0, scale="log").shares(np.array([1.0, 10.0, 0.0]))
         array([0. , 0.5, 0. ])

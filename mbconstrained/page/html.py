@@ -231,9 +231,10 @@ def mode_sections(content: PageContent, shapes: Shapes, functions: PlotFunctions
     first = moves.index(True) if any(moves) else 0
     notes = [_scale_note(shapes.drawing, *each) for each in zip(modes, moves)]
     figure = figure_data(shapes.drawing, cycles)
-    picture = stage_section(
-        figure, 0.0, float(any(moves)), notes[first], _TIME, SPEEDS, 1.0, loop=False, further=_slider(shapes, first)
-    )
+    slider = ""
+    if shapes.word != MODE and len(modes) > 1:  # through a list of other things than modes
+        slider = _slider(shapes.word, "choice", "chosen", len(modes), first, html.escape(modes[first].name))
+    picture = stage_section(figure, 0.0, float(any(moves)), notes[first], _TIME, SPEEDS, 1.0, loop=False, further=slider)
     if any(mode.shares or mode.shape or mode.note for mode in modes):
         # without scripts the details of all modes are visible
         visible = "<noscript><style>.details section[hidden] { display: block; }</style></noscript>"
@@ -252,16 +253,8 @@ def mode_sections(content: PageContent, shapes: Shapes, functions: PlotFunctions
     facts = [dict(mode.facts) for mode in modes]
     labels = list(dict.fromkeys(label for own in facts for label in own))
     rows = [(mode.name, *(own.get(label, "") for label in labels)) for mode, own in zip(modes, facts)]
-    listed = _list(
-        "modes",
-        f"{shapes.word.capitalize()}s",
-        shapes.word,
-        "mode",
-        [shapes.word, *labels],
-        rows,
-        [f'data-mode="{i}"' for i in range(len(modes))],
-        first,
-    )
+    table = TextTable(f"{shapes.word.capitalize()}s", (shapes.word, *labels), tuple(rows))
+    listed = _list("modes", table, shapes.word, "mode", [f'data-mode="{i}"' for i in range(len(modes))], first)
     plots = plot_figures(content.plots, functions) if content.plots else ""
     return [picture, listed, plots, *map(table_section, content.tables)], data
 
@@ -295,34 +288,24 @@ def deflection_sections(content: PageContent, shapes: Deflections, functions: Pl
     listed = f'<section class="peaks">\n<h2>{html.escape(peaks.title)}</h2>\n{note}\n</section>'
     if peaks.rows:
         data_of_rows = [f'data-line="{line}" data-input="{number}"' for line, number in zip(lines, inputs)]
-        listed = _list("modes peaks", peaks.title, "peak", "peak", peaks.columns, peaks.rows, data_of_rows, 0, f"\n{note}")
+        listed = _list("modes peaks", peaks, "peak", "peak", data_of_rows, 0, f"\n{note}")
     return [together, listed, *map(table_section, tables)], data
 
 
-def _list(
-    kind: str,
-    title: str,
-    word: str,
-    group: str,
-    columns: Sequence[str],
-    rows: Sequence[Sequence[str]],
-    data: Sequence[str],
-    first: int,
-    note: str = "",
-) -> str:
+def _list(kind: str, table: TextTable, word: str, group: str, data: Sequence[str], first: int, note: str = "") -> str:
     """A table with a group of radio buttons in its first column, so that the arrow keys move from row to row."""
-    cells = [' class="number"' * (any(column) and all(map(is_number, column))) for column in list(zip(*rows))[1:]]
-    head = "".join(f'<th scope="col"{number}>{typeset(text)}</th>' for number, text in zip(cells, columns[1:]))
+    cells = [' class="number"' * (any(column) and all(map(is_number, column))) for column in list(zip(*table.rows))[1:]]
+    head = "".join(f'<th scope="col"{number}>{typeset(text)}</th>' for number, text in zip(cells, table.columns[1:]))
     lines = []
-    for i, (row, own) in enumerate(zip(rows, data)):
+    for i, (row, own) in enumerate(zip(table.rows, data)):
         button = f'<input type="radio" name="{group}" value="{i}" autocomplete="off"{" checked" * (i == first)}>'
         others = "".join(f"<td{number}>{typeset(cell)}</td>" for number, cell in zip(cells, row[1:]))
         name = f"<td><label>{button}<span>{typeset(row[0])}</span></label></td>"
         lines.append(f'<tr {own}{" class=selected" * (i == first)}><td class="number">{i + 1}</td>{name}{others}</tr>')
     return (
-        f'<section class="{kind}">\n<h2>{html.escape(title)}</h2>\n'
+        f'<section class="{kind}">\n<h2>{html.escape(table.title)}</h2>\n'
         f'<div class="scroll" role="radiogroup" aria-label="selected {word}"><table>\n'
-        f'<thead><tr><th scope="col" class="number">no.</th><th scope="col">{typeset(columns[0])}</th>{head}</tr></thead>\n'
+        f'<thead><tr><th scope="col" class="number">no.</th><th scope="col">{typeset(table.columns[0])}</th>{head}</tr></thead>\n'
         f"<tbody>\n{chr(10).join(lines)}\n</tbody>\n</table></div>{note}\n</section>"
     )
 
@@ -337,31 +320,23 @@ def _scale_note(drawing: Drawing, mode: ModePicture, moves: bool) -> str:
     return "\n".join(filter(None, (drawing.note, "not to scale: " + ", ".join(factors) if moves else "does not move")))
 
 
-def _slider(shapes: Shapes, first: int) -> str:
-    """Slider through the list, for a list of other things than modes."""
-    if shapes.word == MODE or len(shapes.modes) < 2:
-        return ""
-    text = html.escape(shapes.modes[first].name)
+def _slider(label: str, name: str, chosen: str, count: int, first: int, text: str, further: str = "") -> str:
+    """A slider through a list, and the name of the entry that is chosen."""
     return (
-        f'\n<div class="controls">\n<label for="choice">{shapes.word}</label>\n<input type="range" id="choice" min="0"'
-        f' max="{len(shapes.modes) - 1}" step="1" value="{first}" autocomplete="off" aria-valuetext="{text}">\n'
-        f'<span id="chosen">{text}</span></div>'
+        f'\n<div class="controls">\n<label for="{name}">{label}</label>\n<input type="range" id="{name}" min="0" max="{count - 1}"'
+        f' step="1" value="{first}" autocomplete="off" aria-valuetext="{text}">\n<span id="{chosen}">{text}</span>{further}</div>'
     )
 
 
 def _frequency_controls(shapes: Deflections, first: tuple[int, int]) -> str:
     """The slider of the frequency, and the choice of the input where there are several."""
-    count, frequency, axis = len(shapes.frequencies), shapes.frequencies[first[0]], shapes.axis
     options = "".join(
         f'<option value="{i}"{" selected" if i == first[1] else ""}>{html.escape(text)}</option>'
         for i, text in enumerate(shapes.inputs)
     )
     choice = f'<label>input <select id="input" autocomplete="off">{options}</select></label>' if len(shapes.inputs) > 1 else ""
-    return (
-        f'\n<div class="controls">\n<label for="line">frequency</label>\n<input type="range" id="line" min="0" max="{count - 1}" step="1"'
-        f' value="{first[0]}" autocomplete="off" aria-valuetext="{frequency:.4g} {axis}">\n'
-        f'<span id="frequency">{frequency:.4g} {axis}</span>\n{choice}</div>'
-    )
+    frequency = f"{shapes.frequencies[first[0]]:.4g} {shapes.axis}"
+    return _slider("frequency", "line", "frequency", len(shapes.frequencies), first[0], frequency, f"\n{choice}")
 
 
 def _bounding(shapes: Deflections, lines: list[int]):

@@ -322,7 +322,7 @@ def turn_to(along: Sequence[float] | None, about: Sequence[float] | None, own: S
     (0.0, 0.0, 0.0)
     """
     frame = _frame(along, about)
-    return _tuple(vector_of(frame @ _frame(own, None).T if along is not None else frame))
+    return as_tuple(vector_of(frame @ _frame(own, None).T if along is not None else frame))
 
 
 def turned_piece(piece: Piece, directions: Mapping[str, Sequence[float]], gears=()) -> Piece:
@@ -356,13 +356,13 @@ def _turned_together(piece: Piece, names: Collection[str], first: DrawnBody, dir
     bodies, links = list(piece.bodies), list(piece.links)
     for i, body in enumerate(bodies):
         if body.name in names:
-            moves, turns = ({key: _tuple(rotation @ vector) for key, vector in own.items()} for own in (body.moves, body.turns))
+            moves, turns = ({key: as_tuple(rotation @ vector) for key, vector in own.items()} for own in (body.moves, body.turns))
             rest, rest_turn = middle + rotation @ (body.rest - middle), vector_of(rotation @ matrix_of(body.rest_turn))
-            bodies[i] = replace(body, rest=_tuple(rest), rest_turn=_tuple(rest_turn), moves=moves, turns=turns)
+            bodies[i] = replace(body, rest=as_tuple(rest), rest_turn=as_tuple(rest_turn), moves=moves, turns=turns)
     for i, link in enumerate(links):
         if link.start in names and link.end in names:
-            offset, end_offset = (_tuple(rotation @ each) for each in (link.offset, link.end_offset))
-            turn = _tuple(vector_of(rotation @ matrix_of(link.turn)))
+            offset, end_offset = (as_tuple(rotation @ each) for each in (link.offset, link.end_offset))
+            turn = as_tuple(vector_of(rotation @ matrix_of(link.turn)))
             links[i] = replace(link, offset=offset, end_offset=end_offset, turn=turn)
     return Piece(tuple(bodies), tuple(links))
 
@@ -384,7 +384,8 @@ def _frame(along: Sequence[float] | None, about: Sequence[float] | None) -> np.n
     return np.column_stack([first, -second, np.cross(first, -second)])
 
 
-def _tuple(vector: np.ndarray) -> Vector:
+def as_tuple(vector: np.ndarray) -> Vector:
+    """The components of a vector; -0.0 is 0.0."""
     return tuple((np.asarray(vector) + 0.0).tolist())
 
 

@@ -203,17 +203,14 @@ def _svg(plot: Plot) -> str:
         ]
     else:
         order = np.argsort(-np.ptp(y, axis=1), kind="stable")  # the smallest is drawn last, so that no larger one hides it
-        twins = _coinciding(np.hstack([x, y])[order])
-        paths = "\n".join(
-            _path(
-                number,
-                shown[number],
-                [plotted(x[number, a : b + 1], y[number, a : b + 1], phase=phase) for a, b in shown[number].parts],
-                twin,
+        paths = []
+        for number, twin in zip(order.tolist(), _coinciding(np.hstack([x, y])[order])):
+            ends = [slice(a, b + 1) for a, b in shown[number].parts]
+            paths.append(
+                _path(number, shown[number], [plotted(x[number, part], y[number, part], phase=phase) for part in ends], twin)
             )
-            for number, twin in zip(order.tolist(), twins)
-        )
-        elements.append(f'<svg class="curves" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">\n{paths}\n</svg>')
+        curves = "\n".join(paths)
+        elements.append(f'<svg class="curves" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">\n{curves}\n</svg>')
     elements += _marks(plot, across, up, height)
     over = "phase" if phase else html.escape(plot.variable)
     variable = f' data-variable="{html.escape(plot.variable)}"' if phase and plot.variable != "time" else ""
@@ -331,14 +328,11 @@ def _mark(plot: Plot, marks: Marks, title: str = "") -> str:
 def axis_titles(plot: Plot, across: int = 0, up: int = 0) -> tuple[str, str]:
     """The titles of the axes, such as "displacement in 10⁻³ m"; a long name is shortened, the heading has all of it."""
     rows = (plot.across_name, plot.across_unit, across), (plot.quantity or plot.title, plot.unit, up)
-    horizontal, vertical = (
-        " in ".join(filter(None, (shortened(name, AXIS_NAME), _measure(unit, power)))) for name, unit, power in rows
-    )
-    return horizontal, vertical
-
-
-def _measure(unit: str, exponent: int) -> str:
-    return " ".join(filter(None, (f"10{superscript(exponent)}" if exponent else "", shortened(raised(unit), AXIS_NAME))))
+    titles = []
+    for name, unit, power in rows:
+        measure = " ".join(filter(None, (f"10{superscript(power)}" if power else "", shortened(raised(unit), AXIS_NAME))))
+        titles.append(" in ".join(filter(None, (shortened(name, AXIS_NAME), measure))))
+    return titles[0], titles[1]
 
 
 def _description(plot: Plot, curves: tuple[Curve, ...]) -> str:

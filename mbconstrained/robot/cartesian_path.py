@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..ground.checks import real_array
+from ..ground.checks import listed, real_array
 from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed, TextTable, notice_table, number_text
 from ..ground.errors import InputError
@@ -168,9 +168,8 @@ class PathModes(Displayed):
 
     def _notices(self) -> Iterator[Notice]:
         if missed := self.unreachable:
-            named = ", ".join(f"{i + 1} ({self.distances[i]:.2g} m remain)" for i in missed[:4])
-            more = f" and {len(missed) - 4} more" if len(missed) > 4 else ""
-            yield Notice(NoticeKind.OMITTED, f"{len(missed)} of {len(self.places)} places are not reached: {named}{more}")
+            named = listed([f"{i + 1} ({self.distances[i]:.2g} m remain)" for i in missed], 4)
+            yield Notice(NoticeKind.OMITTED, f"{len(missed)} of {len(self.places)} places are not reached: {named}")
         doubtful = np.argwhere(self.assurance < TRACKED)
         if len(doubtful):
             place, mode = doubtful[0]

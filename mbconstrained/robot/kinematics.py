@@ -200,11 +200,13 @@ class RelativePose:
     """
 
     def __init__(self, kinematics: Kinematics, first: Anchor, second: Anchor, turning: bool = True):
+        import pinocchio
+
         self._turning = turning
         self._kinematics = kinematics
         self._first, self._second = first, second
         (self._R1, p1), (self._R2, self._p2) = kinematics.frame(first), kinematics.frame(second)
-        self.turn = rotation_vector(self._R1.T @ self._R2) if turning else np.zeros(3)
+        self.turn = pinocchio.log3(self._R1.T @ self._R2) if turning else np.zeros(3)
         self.value = np.concatenate([self._R1.T @ (self._p2 - p1), self.turn])
 
     @cached_property
@@ -240,23 +242,16 @@ class RelativePose:
         d_torque = cross_columns(turning2, torque) + self._R2 @ self._turn_change(factors[3:])
         return np.vstack([cross_columns(turning1, force), d_torque])
 
-    @cached_property
-    def _relative(self) -> np.ndarray:
-        """Velocity of the second body less that of the first, by rate of each coordinate, shape (6, nv)."""
-        return self._kinematics.velocity(self._second.joint) - self._kinematics.velocity(self._first.joint)
-
     def _turn_change(self, factors: np.ndarray) -> np.ndarray:
         """d(Jlog(turn)^T f) / dq at constant f, shape (3, nv)."""
         if not factors.any():
             return np.zeros((3, self.jacobian.shape[1]))
         return _inverse_right_jacobian_change(self.turn, factors) @ self.jacobian[3:]
 
-
-def rotation_vector(rotation: np.ndarray) -> np.ndarray:
-    """log R, the axis times the angle, for an angle from 0 to pi."""
-    import pinocchio
-
-    return pinocchio.log3(rotation)
+    @cached_property
+    def _relative(self) -> np.ndarray:
+        """Velocity of the second body less that of the first, by rate of each coordinate, shape (6, nv)."""
+        return self._kinematics.velocity(self._second.joint) - self._kinematics.velocity(self._first.joint)
 
 
 def inverse_right_jacobian(turn: np.ndarray) -> np.ndarray:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import null_space
 
+from ..ground.checks import listed
 from ..ground.display import Displayed
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
@@ -246,8 +247,7 @@ def _worth_looking_at(motion: np.ndarray) -> list[int]:
 
 def _damping(balance: Balance) -> np.ndarray:
     """D of springs, bushings and tendons between bodies, shape (nv, nv); that of joints is constant."""
-    parts = [*(item.damping for item in balance.elastic), *(item.damping for item in balance.tendons)]
-    return sum(parts, np.zeros((balance.tree.model.nv,) * 2))
+    return sum(balance.dampings, np.zeros((balance.tree.model.nv,) * 2))
 
 
 def _energy_metric(inertia: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
@@ -295,18 +295,12 @@ def compared_with_mujoco(robot: RobotModel, posture: Posture) -> tuple[Notice, .
     scale = EPS * max(float(np.abs(part).max(initial=0.0)) for part in ours.forces)
     own_stiffness = np.sum(ours.stiffnesses, axis=0) + np.diag(bare.position_gains)
     branches = bare.tree.moves_axis | bare.tree.moves_axis.T  # elsewhere MuJoCo has no masses, also not of tendons
-    dampers = [*(item.damping for item in ours.elastic), *(item.damping for item in ours.tendons)]
+    damping = np.diag(bare.joint_damping) + _damping(ours)
     for what, own, other, tolerance, noise in (
         ("mass", ours.mass * branches, twin.mass() * branches, SAME_AS_MUJOCO, 0.0),
         ("force", ours.force[:, None], twin.force(q)[:, None], SAME_AS_MUJOCO, scale + EPS * np.abs(own_stiffness).max()),
         ("stiffness", own_stiffness, twin.stiffness(), DIFFERENCED, scale / MUJOCO_STEP),
-        (
-            "damping",
-            np.diag(bare.joint_damping) + sum(dampers, 0.0 * ours.mass),
-            twin.damping(),
-            DIFFERENCED,
-            scale / MUJOCO_RATE,
-        ),
+        ("damping", damping, twin.damping(), DIFFERENCED, scale / MUJOCO_RATE),
     ):
         _agree(what, own, other, bare.coordinates, tolerance, NOISE_SAFETY * noise)
     twin.compare_loops(ours)
@@ -411,6 +405,5 @@ class _Twin:
         pairs = dict.fromkeys(" and ".join(links[geoms[geom]] for geom in pair) for pair in touching if min(pair) >= 0)
         if not pairs:
             return ()
-        more = f" and {len(pairs) - MOST_NAMED} more pairs" if len(pairs) > MOST_NAMED else ""
-        text = f"contacts are not in the equations: at the posture {', '.join(list(pairs)[:MOST_NAMED])}{more} touch; give feet as loops or bushings"
-        return (Notice(NoticeKind.OMITTED, f"mjcf: {text}"),)
+        text = f"at the posture {listed(list(pairs), MOST_NAMED, ' pairs')} touch; give feet as loops or bushings"
+        return (Notice(NoticeKind.OMITTED, f"mjcf: contacts are not in the equations: {text}"),)

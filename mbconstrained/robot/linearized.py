@@ -34,9 +34,9 @@ from ..mechanics.system import MechanicalSystem
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
 from .connections import AXES, BodySpring, PointMotion
-from .description.urdf import link_masses, replace_masses, skeleton
+from .description.urdf import link_masses, replace_masses
 from .flexible_joint import FlexibleJoint
-from .kinematics import Tree, built_model
+from .kinematics import Tree
 from .posture_search import limit_values, moving_contact_notices
 from .robot_model import RobotModel
 from .statics import (
@@ -139,16 +139,7 @@ class ConnectionForces:
     multipliers: np.ndarray
 
     def values(self, d: np.ndarray, rates: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
-        """F over time.
-
-        Args:
-            d: deviations from the posture, shape (n, T).
-            rates: their derivatives by time, shape (n, T).
-            multipliers: of the constraint rows, changes of those at rest, shape (m, T).
-
-        Returns:
-            Shape (k, T), in N and N m.
-        """
+        """F over time, shape (k, T), for deviations and their rates (n, T), and changes of the multipliers (m, T)."""
         return self.rest[:, None] + self.displacement @ d + self.velocity @ rates + self.multipliers @ multipliers
 
 
@@ -156,14 +147,13 @@ def connection_forces(posture: Posture, size: int, rows: Sequence[str]) -> Conne
     """The forces of all loops, springs and bushings about a posture."""
     balance, load = posture.balance, posture.balance.load
     connections = tuple(item.connection for item in (*load.loops, *load.springs))
-    parts, start = [], 0
-    for item, G in zip(load.loops, balance.gradients):
-        pose, own = item.pose(balance.kinematics), posture.multipliers[start : start + len(G)]
+    parts = []
+    for item, pose, G, at in balance.loops:
+        own = posture.multipliers[at]
         curvature = item.connection.curvature(pose.value, own)
-        gradients = dict(zip(load.row_names[start : start + len(G)], G))
+        gradients = dict(zip(load.row_names[at], G))
         by_row = np.array([gradients.get(name, np.zeros(6)) for name in rows]).reshape(-1, 6).T
         parts.append((pose, G.T @ own, curvature, np.zeros((6, 6)), by_row))
-        start += len(G)
     parts += [(own.pose, own.wrench, -own.curvature, -own.damper, np.zeros((6, len(rows)))) for own in balance.elastic]
     blocks, places, count = [], {}, 0
     for one, (pose, f, by_phi, by_rate, by_row) in zip(connections, parts):
@@ -268,39 +258,35 @@ def _connections(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
 
 
 def _masses(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
-    """Masses of links; the inertia of a body is linear in each of them: by joint the ten inertial parameters of pinocchio for 1 kg."""
+    """Masses of the links of a URDF, by the description with another mass, and of payloads.
+
+    The inertia of a body is linear in each of them: by joint the ten inertial parameters of pinocchio for 1 kg.
+    """
+    import pinocchio
+
     robot = posture.robot
-    for name, mass, slopes in (*_links(robot), *_payloads(robot)):
+    masses: list[tuple[str, float, dict[int, np.ndarray]]] = []
+    if robot.source.model is None:
+        own = _inertias(robot, {})
+        for name, mass in link_masses(robot.description).items():
+            if mass > 0.0:
+                changes = _inertias(robot, {name: 2 * mass}) - own
+                masses.append((name, mass, {joint: change / mass for joint, change in enumerate(changes, 1) if change.any()}))
+    for payload in robot.payloads:
+        anchor = robot.link_frames.anchor(payload.body, payload.centre, (0.0, 0.0, 0.0), "payloads")
+        slope = np.array(pinocchio.Inertia(1.0, anchor.point, np.zeros((3, 3))).toDynamicParameters())
+        if payload.mass and anchor.joint:
+            masses.append((f"payload on {payload.body}", payload.mass, {anchor.joint: slope}))
+    for name, mass, slopes in masses:
         if slopes:
             yield Parameter.of_function(f"{name}.mass", mass, partial(_with_masses, posture, linearize, mass, slopes), "kg")
-
-
-def _links(robot: RobotModel) -> Iterator[tuple[str, float, dict[int, np.ndarray]]]:
-    """Masses of the links of a URDF, by the description with another mass."""
-    if robot.source.model is not None:
-        return
-    own = _inertias(robot, {})
-    for name, mass in link_masses(robot.description).items():
-        if mass > 0.0:
-            changes = _inertias(robot, {name: 2 * mass}) - own
-            yield name, mass, {joint: change / mass for joint, change in enumerate(changes, 1) if change.any()}
 
 
 def _inertias(robot: RobotModel, masses: dict[str, float]) -> np.ndarray:
     description = deepcopy(robot.description)
     replace_masses(description, masses, {})
-    model = built_model(skeleton(description), robot.base != "fixed", robot.locked, robot.model.gravity.linear)
-    return np.array([np.array(one.toDynamicParameters()) for one in list(model.inertias)[1:]]).reshape(-1, 10)
-
-
-def _payloads(robot: RobotModel) -> Iterator[tuple[str, float, dict[int, np.ndarray]]]:
-    import pinocchio
-
-    for payload in robot.payloads:
-        anchor = robot.link_frames.anchor(payload.body, payload.centre, (0.0, 0.0, 0.0), "payloads")
-        slope = np.array(pinocchio.Inertia(1.0, anchor.point, np.zeros((3, 3))).toDynamicParameters())
-        if payload.mass and anchor.joint:
-            yield f"payload on {payload.body}", payload.mass, {anchor.joint: slope}
+    inertias = list(robot.model_of(description).inertias)[1:]
+    return np.array([np.array(one.toDynamicParameters()) for one in inertias]).reshape(-1, 10)
 
 
 def _with_joint_stiffness(posture: Posture, linearize: Linearize, only: np.ndarray, old: float, value: float) -> MechanicalSystem:
@@ -364,8 +350,7 @@ class LinearizedRobot(MechanicalSystem):
         link_stiffness, notices = symmetric_stiffness(posture, np.where(np.abs(K) > noise, K, 0.0))
         self._notices = (*notices, *lost_springs(self._stiffness_parts[:-1], noise))
         sizes = balance.entry_sizes
-        dampers = [*(item.damping for item in balance.elastic), *(item.damping for item in balance.tendons)]
-        damping = np.diag(robot.joint_damping) + sum(cleaned(part, sizes) for part in dampers)
+        damping = np.diag(robot.joint_damping) + sum(cleaned(part, sizes) for part in balance.dampings)
         motors = [joint for _, joint in self._flexible]
         names = (*robot.coordinates, *(f"{robot.coordinates[i]} motor" for i, _ in self._flexible))
         super().__init__(
@@ -382,7 +367,7 @@ class LinearizedRobot(MechanicalSystem):
             energy_parts=self._energy_parts(),
             uncertainty={
                 "mass": self._with_motors(rounding_errors(balance.mass, sizes)),
-                "damping": self._with_motors(sum((rounding_errors(part, sizes) for part in dampers), 0.0 * sizes)),
+                "damping": self._with_motors(sum((rounding_errors(part, sizes) for part in balance.dampings), 0.0 * sizes)),
                 "stiffness": self._with_motors(rounding),
             },
         )

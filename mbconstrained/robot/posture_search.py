@@ -23,7 +23,7 @@ from xml.etree import ElementTree
 import numpy as np
 import scipy.linalg
 
-from ..ground.checks import counted, real_number
+from ..ground.checks import counted, listed, real_number
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import (
@@ -39,8 +39,7 @@ from ..ground.tolerances import (
     SINGULAR_POSTURE,
 )
 from .connections import TURNING, Attached, BodySpring, LinkFrames, PointMotion, Support, untwisted, with_rest_length
-from .description.urdf import skeleton
-from .kinematics import Kinematics, Tree, built_model
+from .kinematics import Kinematics, Tree
 from .robot_model import RobotModel
 from .statics import LARGEST_STEP, Balance, Equilibrium, Load, Posture, Rows, Search, closed, equilibrium, instability, rows_of
 
@@ -155,9 +154,7 @@ def moving_contact_notices(
 
 
 def _contacts(balance: Balance) -> Iterator[Contact]:
-    start = 0
-    for item, G in zip(balance.load.loops, balance.gradients):
-        places, start = slice(start, start + len(G)), start + len(G)
+    for item, _, G, places in balance.loops:
         if item.connection.friction is not None:
             yield _contact(balance, item, places, G.T)
     for item, spring in zip(balance.load.springs, balance.elastic):
@@ -320,21 +317,10 @@ def _of_every_share(
     ]
 
 
-@dataclass(frozen=True)
-class LoopRows:
-    """Independent rows of the loops.
-
-    Attributes:
-        kept: indices of the independent rows, ascending.
-        notices: notices on dependent rows, and on rows that are independent by a narrow margin.
-    """
-
-    kept: tuple[int, ...]
-    notices: tuple[Notice, ...]
-
-
-def loop_rows(balance: Balance, nearest: Balance, rounded: str, with_all_digits: Callable[[], Balance]) -> LoopRows:
-    """The rank of J in a closed configuration, in comparable units."""
+def loop_rows(
+    balance: Balance, nearest: Balance, rounded: str, with_all_digits: Callable[[], Balance]
+) -> tuple[tuple[int, ...], tuple[Notice, ...]]:
+    """Ascending indices of the independent rows of J in a closed configuration, and notices on others and on a narrow margin."""
     load = balance.load
     J = balance.scaled_jacobian
     rows = rows_of(J)
@@ -345,7 +331,7 @@ def loop_rows(balance: Balance, nearest: Balance, rounded: str, with_all_digits:
     notices = _redundant({load.row_names[row]: bool(empty[row]) for row in range(len(J)) if row not in kept})
     here = np.abs(rows.combinations.T @ balance.scaled_gaps).max(initial=0.0)
     open_by = float(min(here, np.abs(nearest.scaled_gaps).max(initial=0.0)))
-    return LoopRows(kept, (*notices, *_narrow(rows, open_by, rounded, with_all_digits)))
+    return kept, (*notices, *_narrow(rows, open_by, rounded, with_all_digits))
 
 
 def implied_rows(balance: Balance, kept: Sequence[int]) -> tuple[str, ...]:
@@ -439,9 +425,6 @@ def _redundant(rows: dict[str, bool]) -> list[Notice]:
 #: An angle with this number of digits after the point may stand for a multiple of pi/4 and still leave loops open.
 FEWEST, MOST = 2, 9
 
-#: Rounded angles that a message names; of the others it gives the number.
-MOST_NAMED_ANGLES = 3
-
 
 def rounded_to(text: str) -> int | None:
     """The n for which this number is n pi/4 rounded to its digits, or None.
@@ -463,9 +446,8 @@ def rounded_advice(robot: RobotModel) -> str:
     angles = [*_of_joints(robot.description), *_of_loops(robot)]
     if not angles:
         return ""
-    more = f" and {len(angles) - MOST_NAMED_ANGLES} more" if len(angles) > MOST_NAMED_ANGLES else ""
     one = len(angles) == 1
-    text = f"{', '.join(angles[:MOST_NAMED_ANGLES])}{more} {'is' if one else 'are'} rounded"
+    text = f"{listed(angles)} {'is' if one else 'are'} rounded"
     return f"{text}, which tilts axes that may be meant to be parallel: write {'it' if one else 'them'} with all digits (pi/2 is {math.pi / 2!r})"
 
 
@@ -474,17 +456,13 @@ def with_all_digits(robot: RobotModel) -> RobotModel:
     twin, description = copy(robot), deepcopy(robot.description)
     for origin in description.iterfind("joint/origin[@rpy]"):
         origin.set("rpy", " ".join(repr(_all_digits(text)) for text in origin.get("rpy", "").split()))
-    base, gravity = robot.base != "fixed", robot.model.gravity.linear
-    twin.tree = Tree(built_model(skeleton(description), base, robot.locked, gravity))
+    twin.tree = Tree(robot.model_of(description))
     twin.link_frames = LinkFrames(twin.model, {})
-    twin.loops = tuple(
-        replace(
-            loop,
-            rotation1=[_all_digits(repr(angle)) for angle in loop.rotation1],
-            rotation2=[_all_digits(repr(angle)) for angle in loop.rotation2],
-        )
-        for loop in robot.loops
-    )
+
+    def exact(angles: Sequence[float]) -> list[float]:
+        return [_all_digits(repr(angle)) for angle in angles]
+
+    twin.loops = tuple(replace(loop, rotation1=exact(loop.rotation1), rotation2=exact(loop.rotation2)) for loop in robot.loops)
     return twin
 
 
@@ -600,19 +578,6 @@ def _size(robot: RobotModel, connections) -> float:
     return float(max(lengths, default=0.0)) or 1.0
 
 
-def _assumed_lengths(balance: Balance, robot: RobotModel, guess: np.ndarray) -> Iterator[Notice]:
-    """A notice for each spring without a rest length, with the gap that the guess leaves in the loops there."""
-    for item in balance.load.springs:
-        spring = item.connection
-        if isinstance(spring, BodySpring) and spring.stiffness and spring.rest_length is None and spring.preload is None:
-            gap = float(np.abs(Balance(robot.tree, balance.load, guess).gaps).max(initial=0.0))
-            closed_first = (
-                f", after its loops, open by up to {gap:.2g} (m, rad), were closed" if gap > LOOPS_CLOSED_AS_ROUNDED else ""
-            )
-            text = f"it has no rest_length; its length at the guess, {item.rest_length:.6g} m, is taken{closed_first}"
-            yield Notice(NoticeKind.OMITTED, f"{spring.label}: {text}")
-
-
 def _balance_with_all_digits(robot: RobotModel, q: np.ndarray, guess: np.ndarray) -> Balance:
     """The balance of a robot with its rounded angles replaced by exact ones, in the configuration with closed loops next to q."""
     twin = with_all_digits(robot)
@@ -622,9 +587,8 @@ def _balance_with_all_digits(robot: RobotModel, q: np.ndarray, guess: np.ndarray
 
 def _posture(robot: RobotModel, state: Equilibrium, free: np.ndarray, guess: np.ndarray, nearest: Balance, rounded: str) -> Posture:
     balance = state.balance
-    rows = loop_rows(balance, nearest, rounded, lambda: _balance_with_all_digits(robot, balance.configuration, guess))
+    kept, notices = loop_rows(balance, nearest, rounded, lambda: _balance_with_all_digits(robot, balance.configuration, guess))
     left = balance.force - balance.jacobian.T @ state.multipliers
-    shared = state.rows.rank < len(rows.kept)
     posture = Posture(
         robot=robot,
         configuration=balance.configuration,
@@ -633,77 +597,68 @@ def _posture(robot: RobotModel, state: Equilibrium, free: np.ndarray, guess: np.
         residual=state.residual,
         loop_error=float(np.abs(balance.gaps).max(initial=0.0)),
         notices=(
-            *_far(robot, state, guess),
-            *_misfit(state),
-            *rows.notices,
-            *(_SHARED if shared else ()),
-            *_beyond_limits(robot, balance.configuration),
+            *_distance_notices(robot, state, guess),
+            *notices,
+            *_load_notices(robot, state, len(kept)),
             *contact_notices(state, free),
-            *_left_out(robot),
-            *_assumed_lengths(balance, robot, guess),
-            *_without_stiffness(robot, free),
+            *robot.description_notices,
+            *_assumption_notices(robot, state, free, guess),
         ),
         balance=balance,
-        independent_rows=rows.kept,
+        independent_rows=kept,
     )
     return replace(posture, notices=(*posture.notices, *instability(posture)))
 
 
-_SHARED = (
-    Notice(
-        NoticeKind.REDUNDANT,
-        "statics does not determine how fixed joints and loops share the load: the loop forces have the least norm and the "
-        "joints carry the rest; with other shares the stiffness would differ",
-    ),
-)
-
-
-def _far(robot: RobotModel, state: Equilibrium, guess: np.ndarray) -> tuple[Notice, ...]:
-    """A notice on a posture far from the guess."""
+def _distance_notices(robot: RobotModel, state: Equilibrium, guess: np.ndarray) -> Iterator[Notice]:
+    """Notices on a posture far from the guess, and on loops that the joints keep open within the rounding errors of a URDF."""
     load = state.balance.load
     step = robot.tree.difference(guess, state.balance.configuration)
     furthest = int(np.abs(step / load.lengths).argmax())
-    if abs(step[furthest]) <= LARGEST_STEP * load.lengths[furthest]:
-        return ()
-    text = (
-        f"the posture is far from the guess: {robot.coordinates[furthest]} is {abs(step[furthest]):.3g} {load.units[furthest]} "
-        "from it, perhaps in another assembly; check that it is the intended one"
-    )
-    return (Notice(NoticeKind.DISTANT_POSTURE, text),)
+    if abs(step[furthest]) > LARGEST_STEP * load.lengths[furthest]:
+        text = (
+            f"the posture is far from the guess: {robot.coordinates[furthest]} is {abs(step[furthest]):.3g} {load.units[furthest]} "
+            "from it, perhaps in another assembly; check that it is the intended one"
+        )
+        yield Notice(NoticeKind.DISTANT_POSTURE, text)
+    if state.misfit > LOOPS_CLOSED:
+        row, gap, unit = state.balance.widest_gap
+        text = f"the joints keep the loop row {row} open by {gap:.2g} {unit}, as where axes in the URDF are rounded"
+        yield Notice(NoticeKind.RANK, f"{text}; the motion keeps this gap")
 
 
-def _misfit(state: Equilibrium) -> tuple[Notice, ...]:
-    """A notice on loops that the joints keep open within the rounding errors of a URDF."""
-    if state.misfit <= LOOPS_CLOSED:
-        return ()
-    row, gap, unit = state.balance.widest_gap
-    text = f"the joints keep the loop row {row} open by {gap:.2g} {unit}, as where axes in the URDF are rounded; the motion keeps this gap"
-    return (Notice(NoticeKind.RANK, text),)
+def _load_notices(robot: RobotModel, state: Equilibrium, independent: int) -> Iterator[Notice]:
+    """Notices on a load that statics does not share among joints and loops, and on joints beyond their limits, which the equations ignore."""
+    if state.rows.rank < independent:
+        text = (
+            "statics does not determine how fixed joints and loops share the load: the loop forces have the least norm and the "
+            "joints carry the rest; with other shares the stiffness would differ"
+        )
+        yield Notice(NoticeKind.REDUNDANT, text)
+    if outside := robot.tangent.outside_limits(robot.tangent.values(state.balance.configuration), JOINT_LIMIT):
+        yield Notice(NoticeKind.OMITTED, f"{outside}; the equations have no limits")
 
 
-def _beyond_limits(robot: RobotModel, q: np.ndarray) -> tuple[Notice, ...]:
-    """A notice on joints beyond their limits, which the equations ignore."""
-    outside = robot.tangent.outside_limits(robot.tangent.values(q), JOINT_LIMIT)
-    return (Notice(NoticeKind.OMITTED, f"{outside}; the equations have no limits"),) if outside else ()
-
-
-def _without_stiffness(robot: RobotModel, free: np.ndarray) -> tuple[Notice, ...]:
-    """A notice on joints that a constant load without stiffness keeps in place."""
+def _assumption_notices(robot: RobotModel, state: Equilibrium, free: np.ndarray, guess: np.ndarray) -> Iterator[Notice]:
+    """Notices on dry friction, on springs without a rest length, with the gap that the guess leaves in the loops there, and on joints
+    that a constant load without stiffness keeps in place.
+    """
+    balance = state.balance
+    if dry := [name for name, friction in zip(robot.coordinates, robot.model.friction) if friction]:
+        yield Notice(NoticeKind.OMITTED, f"dry friction of {listed(dry, what=' joints')} is left out: it is not linear")
+    for item in balance.load.springs:
+        spring = item.connection
+        if isinstance(spring, BodySpring) and spring.stiffness and spring.rest_length is None and spring.preload is None:
+            gap = float(np.abs(Balance(robot.tree, balance.load, guess).gaps).max(initial=0.0))
+            opened = f", after its loops, open by up to {gap:.2g} (m, rad), were closed" if gap > LOOPS_CLOSED_AS_ROUNDED else ""
+            text = f"it has no rest_length; its length at the guess, {item.rest_length:.6g} m, is taken{opened}"
+            yield Notice(NoticeKind.OMITTED, f"{spring.label}: {text}")
     stiff = (robot.joint_stiffness > 0) | (robot.position_gains > 0)
     soft = [name for name in np.array(robot.coordinates)[~free & ~stiff].tolist() if name not in robot.flexible_joints]
-    if not soft:
-        return ()
-    named = ", ".join(soft[:MOST_NAMES]) + (f" and {len(soft) - MOST_NAMES} more" if len(soft) > MOST_NAMES else "")
-    text = (
-        f"a constant load keeps {named} in place and adds no stiffness: {'they move' if len(soft) > 1 else 'it moves'} under any other "
-        "force; locked joints do not move, and joint_stiffness or a position gain holds them elastically"
-    )
-    return (Notice(NoticeKind.STATIC_LOAD, text),)
-
-
-def _left_out(robot: RobotModel) -> tuple[Notice, ...]:
-    """Notices of the description, and one on its parts that a linear model cannot contain."""
-    dry = [name for name, friction in zip(robot.coordinates, robot.model.friction) if friction]
-    named = ", ".join(dry[:3]) + (f" and {len(dry) - 3} more joints" if len(dry) > 3 else "")
-    friction = (Notice(NoticeKind.OMITTED, f"dry friction of {named} is left out: it is not linear"),) if dry else ()
-    return (*robot.description_notices, *friction)
+    if soft:
+        text = (
+            f"a constant load keeps {listed(soft, MOST_NAMES)} in place and adds no stiffness: "
+            f"{'they move' if len(soft) > 1 else 'it moves'} under any other force; locked joints do not move, and joint_stiffness or a "
+            "position gain holds them elastically"
+        )
+        yield Notice(NoticeKind.STATIC_LOAD, text)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
@@ -13,16 +14,12 @@ from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed
 from ..ground.errors import InputError
 from .connections import BodySpring, Bushing, LinkFrames, Loop, PointMotion, checked_connections
-from .description.mjcf import is_mjcf, read_mjcf
 from .description.sdf import read_description
 from .description.urdf import (
-    ModelFile,
     Payload,
     SemanticDescription,
-    described,
     description_notices,
     has_free_base,
-    is_model,
     link_masses,
     mimics_of,
     read_srdf,
@@ -64,16 +61,8 @@ class RobotModel(Displayed):
         if isinstance(package_dirs, str) or not all(isinstance(folder, (str, Path)) for folder in package_dirs):
             raise InputError(f"package_dirs: found {package_dirs!r}; expected a list of folders")
         self.package_dirs = tuple(Path(folder) for folder in package_dirs)
-        source = urdf if isinstance(urdf, ModelFile) else None
-        if is_mjcf(urdf):
-            source = read_mjcf(urdf, base != "fixed", self.package_dirs)
-        if is_model(urdf):
-            model: Any = urdf
-            source = ModelFile(model, model.gravity.linear.tolist())
-        self.source = source = source or read_description(urdf, base, self.package_dirs)
-        given_model: Any = source.model
-        self.folder = source.folder
-        self.description = source.description if source.description is not None else described(given_model)
+        self.source = source = read_description(urdf, base, self.package_dirs)
+        given_model, self.folder, self.description = source.model, source.folder, source.description
         if given_model is not None and (masses or inertias):
             raise InputError("masses, inertias: found them with a pinocchio model; change model.inertias, or add an mb.Payload")
         self.name = str(name or self.description.get("name") or "robot")
@@ -83,13 +72,12 @@ class RobotModel(Displayed):
             base = "free" if has_free_base(given_model) else "fixed"
         self.base = base
         replace_masses(self.description, masses or {}, inertias or {})
-        single = {
-            j.get("name", ""): j.get("type") in ("revolute", "continuous", "prismatic") for j in self.description.findall("joint")
-        }
+        types = {joint.get("name", ""): joint.get("type") for joint in self.description.findall("joint")}
+        single = {name: kind in ("revolute", "continuous", "prismatic") for name, kind in types.items()}
         mimics = geared([*source.gears, *gears] if isinstance(gears, Sequence) else gears, mimics_of(self.description), single)
         self.locked = locked_values(locked, mimics)
         if given_model is None:
-            model = built_model(skeleton(self.description), base != "fixed", self.locked, _gravity(gravity, source.gravity))
+            model = self.model_of(self.description, _gravity(gravity, source.gravity))
         else:
             if base == "moving" and not has_free_base(given_model):
                 raise InputError('base: found "moving" with a pinocchio model; give it a JointModelFreeFlyer as its first joint')
@@ -101,26 +89,28 @@ class RobotModel(Displayed):
         self._add_payloads(payloads)
         self.mimic_rows = mimic_rows(mimics, self.tangent)
         given = checked_connections(loops, (Loop,), "loops", self.link_frames)
-        self.moving_base = self._moving_base() if base == "moving" else None
+        self.moving_base = None
+        if base == "moving":
+            self.moving_base = Loop(GROUND, _ORIGIN, root_link(self.description), _ORIGIN, kind="rigid", name=f"motion of {BASE}")
         given = (*source.loops, *given, *filter(None, [self.moving_base]))
         self.loops = checked_connections(given, (Loop,), "loops", self.link_frames)
         own_springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames)
-        self.springs = checked_connections(
-            (*source.springs, *own_springs), (BodySpring, Bushing), "springs", self.link_frames, self.loops
-        )
+        own_springs = (*source.springs, *own_springs)
+        self.springs = checked_connections(own_springs, (BodySpring, Bushing), "springs", self.link_frames, self.loops)
         self.lift, self._is_compared = self._lift(), False
         moving = {name for name in source.joint_stiffness if name in self.coordinates and name not in (joint_stiffness or {})}
         own, rest = ({name: values[name] for name in moving} for values in (source.joint_stiffness, source.joint_rest))
         self._set_joints({**own, **(joint_stiffness or {})}, {**rest, **(joint_rest or {})}, joint_damping)
         self.flexible_joints = self._by_joint(flexible_joints, FlexibleJoint, "flexible_joints")
         self.semantics = SemanticDescription() if srdf is None else read_srdf(srdf)
-        own_motors = {
-            name: motor for name, motor in source.motors.items() if name in self.coordinates and name not in self.flexible_joints
-        }
+        single_motors = set(self.coordinates) - set(self.flexible_joints)
+        own_motors = {name: motor for name, motor in source.motors.items() if name in single_motors}
         self._set_motors({**self._rotors(), **own_motors, **self._by_joint(motors, Motor, "motors")})
 
-    def _moving_base(self) -> Loop:
-        return Loop(GROUND, _ORIGIN, root_link(self.description), _ORIGIN, kind="rigid", name=f"motion of {BASE}")
+    def model_of(self, description: Element, gravity: np.ndarray | None = None):
+        """The pinocchio model of another description, with the base, the locked joints and the gravity of this robot."""
+        gravity = self.model.gravity.linear if gravity is None else gravity
+        return built_model(skeleton(description), self.base != "fixed", self.locked, gravity)
 
     def _lift(self) -> dict[PointMotion, float]:
         """Forces that compensate the weight of bodies, from the file of the robot (N)."""
@@ -161,15 +151,13 @@ class RobotModel(Displayed):
     def _set_motors(self, motors: dict[str, Motor]) -> None:
         """Set inertias in the model, and gains as vectors by coordinate, shape (nv,)."""
         self.motors, self.position_gains = motors, np.zeros(self.model.nv)
-        armature = np.array(self.model.armature)
         for name, motor in motors.items():
             if name in self.flexible_joints:
                 raise InputError(f'motors: "{name}" is a flexible joint, which has a motor; give its inertia and gains there')
             place = self.tangent.place(name, "motors")
-            armature[place] += motor.reflected_inertia
+            self.model.armature[place] += motor.reflected_inertia
             self.position_gains[place] = motor.position_gain
             self.joint_damping[place] += motor.velocity_gain
-        self.model.armature = armature
 
     def _set_joints(self, stiffness, rest, damping) -> None:
         self.joint_stiffness = self.tangent.vector(stiffness, "joint_stiffness", minimum=0.0)

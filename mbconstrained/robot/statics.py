@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..ground.checks import nearest
+from ..ground.checks import listed, nearest
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
@@ -136,6 +136,11 @@ class Balance:
         """Contributions of the tendons."""
         return [StretchedTendon(item, self.kinematics) for item in self.load.tendons]
 
+    @property
+    def dampings(self) -> list[np.ndarray]:
+        """D of each spring, bushing and tendon, shape (nv, nv)."""
+        return [*(item.damping for item in self.elastic), *(item.damping for item in self.tendons)]
+
     @cached_property
     def _poses(self):
         return [(item, item.pose(self.kinematics)) for item in self.load.loops]
@@ -147,20 +152,20 @@ class Balance:
         return np.concatenate([*(item.connection.gaps(pose.value, item.rest_length) for item, pose in self._poses), mimicked])
 
     @cached_property
-    def gradients(self) -> list[np.ndarray]:
-        """The derivatives of the rows of each loop by its phi, each of shape (k, 6)."""
-        return [item.connection.gradient(pose.value) for item, pose in self._poses]
+    def loops(self) -> list[tuple[Attached, RelativePose, np.ndarray, slice]]:
+        """Each loop with its pose, the derivative of its rows by phi, shape (k, 6), and the places of these rows among all."""
+        loops, stop = [], 0
+        for item, pose in self._poses:
+            gradient = item.connection.gradient(pose.value)
+            loops.append((item, pose, gradient, slice(stop, stop := stop + len(gradient))))
+        return loops
 
     @cached_property
     def jacobian(self) -> np.ndarray:
         """J = d phi / dq, shape (m, nv)."""
-        mimicked = [item.row(self.tree.model) for item in self.load.mimic_rows]
+        closing = [gradient @ pose.jacobian for _, pose, gradient, _ in self.loops]
         return np.vstack(
-            [
-                np.zeros((0, self.tree.model.nv)),
-                *(G @ pose.jacobian for G, (_, pose) in zip(self.gradients, self._poses)),
-                *mimicked,
-            ]
+            [np.zeros((0, self.tree.model.nv)), *closing, *(item.row(self.tree.model) for item in self.load.mimic_rows)]
         )
 
     @cached_property
@@ -181,12 +186,11 @@ class Balance:
 
     def geometric(self, multipliers: np.ndarray) -> tuple[np.ndarray, ...]:
         """d(J^T lambda)/dq at constant lambda, a matrix (nv, nv) for each loop."""
-        parts, start = [], 0
-        for G, (item, pose) in zip(self.gradients, self._poses):
-            own = multipliers[start : start + len(G)]
+        parts = []
+        for item, pose, gradient, places in self.loops:
+            own = multipliers[places]
             curvature = item.connection.curvature(pose.value, own)
-            parts.append(pose.hessian(G.T @ own) + (pose.jacobian.T @ curvature @ pose.jacobian if curvature.any() else 0.0))
-            start += len(G)
+            parts.append(pose.hessian(gradient.T @ own) + (pose.jacobian.T @ curvature @ pose.jacobian if curvature.any() else 0.0))
         return tuple(parts)
 
     def stiffness(self, multipliers: np.ndarray) -> np.ndarray:
@@ -211,15 +215,7 @@ class Balance:
         return np.outer(self.sizes, self.sizes)
 
     def row(self, motion: PointMotion, anchor: Anchor) -> np.ndarray:
-        """The rate of a point's motion by that of each coordinate, shape (nv,).
-
-        Args:
-            motion: of a point.
-            anchor: the point in its joint.
-
-        Returns:
-            Shape (nv,).
-        """
+        """The rate of the motion of a point, which is at an anchor, by that of each coordinate, shape (nv,)."""
         if motion.turn:
             return np.array(motion.along) @ self.kinematics.velocity(anchor.joint)[3:]
         return np.array(motion.along) @ self.kinematics.of_point(anchor.joint, self.kinematics.frame(anchor)[1])
@@ -543,19 +539,14 @@ def _check(state: Equilibrium, search: Search) -> None:
         advice = f"; {search.rounded}" if search.rounded and state.misfit < LOOPS_TILTED else singular or nearer
         raise InputError(f"equilibrium: the loops do not close near the guess: {row} stays open by {gap:.3g} {unit}{advice}")
     if not state.residual <= BALANCED:
+        left = np.where(search.free, state.balance.force - state.balance.jacobian.T @ state.multipliers, 0.0)
+        worst = int(np.abs(left * search.load.lengths).argmax())  # in comparable units
+        force = f"{abs(left[worst]):.4g} {'N m' if search.load.units[worst] == 'rad' else 'N'} on {search.names[worst]}"
         advice = singular or "; give another guess, springs, loops, forces, or joints to hold"
         raise InputError(
-            f"equilibrium: there is none near the guess: {_unbalanced(state, search)} stay without balance, {state.residual:.2g} of the "
-            f"largest force, and steps of Newton's method lead no nearer{advice}"
+            f"equilibrium: there is none near the guess: {force} stay without balance, {state.residual:.2g} of the largest force, and "
+            f"steps of Newton's method lead no nearer{advice}"
         )
-
-
-def _unbalanced(state: Equilibrium, search: Search) -> str:
-    """The coordinate with the largest unbalanced force in comparable units, and that force."""
-    left = np.where(search.free, state.balance.force - state.balance.jacobian.T @ state.multipliers, 0.0)
-    worst = int(np.abs(left * search.load.lengths).argmax())
-    unit = "N m" if search.load.units[worst] == "rad" else "N"
-    return f"{abs(left[worst]):.4g} {unit} on {search.names[worst]}"
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -598,12 +589,9 @@ class Posture(Displayed):
     @property
     def reactions(self) -> dict[str, np.ndarray]:
         """Force and torque of each loop, spring and bushing."""
-        reactions, start = {}, 0
-        for item, G in zip(self.loops, self.balance.gradients):
-            reactions[item.connection.name] = G.T @ self.multipliers[start : start + len(G)]
-            start += len(G)
+        loops = {item.connection.name: G.T @ self.multipliers[places] for item, _, G, places in self.balance.loops}
         springs = zip(self.balance.load.springs, self.balance.elastic)
-        return reactions | {item.connection.name: own.wrench for item, own in springs}
+        return loops | {item.connection.name: own.wrench for item, own in springs}
 
     @property
     def ground_reactions(self) -> dict[str, np.ndarray]:
@@ -720,9 +708,8 @@ def lost_springs(parts: Sequence[tuple[str, np.ndarray]], noise: np.ndarray) -> 
     lost = [name for name, part in parts if part.any() and (np.abs(part) <= noise).all()]
     if not lost:
         return ()
-    named = f"{', '.join(lost[:3])}{f' and {len(lost) - 3} more' if len(lost) > 3 else ''}"
-    text = f"smaller than the rounding errors of the stiffest springs, so that they are lost: {named}; give less stiff springs, or loops instead"
-    return (Notice(NoticeKind.ACCURACY, text, doubtful=True),)
+    text = f"smaller than the rounding errors of the stiffest springs, so that they are lost: {listed(lost)}"
+    return (Notice(NoticeKind.ACCURACY, f"{text}; give less stiff springs, or loops instead", doubtful=True),)
 
 
 def cleaned(part: np.ndarray, sizes: np.ndarray) -> np.ndarray:

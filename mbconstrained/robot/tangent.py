@@ -24,13 +24,16 @@ BASE = "base"
 #: Number of joints beyond their limits that are named; the others are counted.
 MOST_OUTSIDE = 3
 
-_SUFFIXES = {
-    "JointModelPlanar": (" x", " y", " rz"),
-    "JointModelTranslation": (" x", " y", " z"),
-    "JointModelSpherical": (" rx", " ry", " rz"),
-    "JointModelFreeFlyer": (" x", " y", " z", " rx", " ry", " rz"),
+#: Suffixes of the names of the coordinates of joints with several degrees of freedom, and the numbers that give a configuration.
+_SEVERAL = {
+    "JointModelPlanar": ((" x", " y", " rz"), "x, y and an angle"),
+    "JointModelTranslation": ((" x", " y", " z"), "x, y, z"),
+    "JointModelSpherical": ((" rx", " ry", " rz"), "roll, pitch, yaw, or a quaternion x, y, z, w"),
+    "JointModelFreeFlyer": (
+        (" x", " y", " z", " rx", " ry", " rz"),
+        "x, y, z, roll, pitch, yaw, or x, y, z and a quaternion x, y, z, w",
+    ),
 }
-_SPHERICAL = "JointModelSpherical"
 
 
 class Tangent:
@@ -154,12 +157,8 @@ class Tangent:
     def _whole(self, values, what: str) -> np.ndarray:
         q = real_array(values, what, shape=(self.model.nq,))
         for name, joint in self._each():
-            turn = (
-                q[joint.idx_q : joint.idx_q + joint.nq][0 if joint.shortname() == _SPHERICAL else {4: 2, 7: 3}.get(joint.nq, 0) :]
-                if joint.nq != joint.nv
-                else ()
-            )
-            if len(turn) and not np.any(turn):
+            turn = q[joint.idx_q + _units(joint).count("m") : joint.idx_q + joint.nq]
+            if joint.nq != joint.nv and not np.any(turn):
                 raise InputError(f"{what}: the numbers of {name} that stand for its rotation are all 0")
         return q
 
@@ -180,7 +179,7 @@ def _units(joint) -> tuple[str, ...]:
 
 def _suffixes(joint) -> tuple[str, ...]:
     """Suffixes of the names of a joint's coordinates."""
-    return ("",) if joint.nv == 1 else _SUFFIXES[joint.shortname()]
+    return ("",) if joint.nv == 1 else _SEVERAL[joint.shortname()][0]
 
 
 def _joint_configuration(joint, value, what: str) -> np.ndarray:
@@ -190,25 +189,17 @@ def _joint_configuration(joint, value, what: str) -> np.ndarray:
         value = real_number(value, what)
         return np.array([value] if joint.nq == 1 else [np.cos(value), np.sin(value)])
     numbers = real_array(value, what, shape=(None,))
-    if joint.shortname() == "JointModelTranslation" and len(numbers) == 3:
-        return numbers
-    if joint.shortname() == _SPHERICAL and len(numbers) == 3:
-        return pinocchio.Quaternion(pinocchio.rpy.rpyToMatrix(*numbers)).coeffs()
-    if joint.shortname() == _SPHERICAL and len(numbers) == 4 and numbers.any():
-        return numbers / np.linalg.norm(numbers)
-    if joint.shortname() == "JointModelPlanar" and len(numbers) == 3:
-        return np.array([*numbers[:2], np.cos(numbers[2]), np.sin(numbers[2])])
-    if joint.nv == 6 and len(numbers) == 6:
-        rotation = pinocchio.rpy.rpyToMatrix(*numbers[3:])
-        return np.concatenate([numbers[:3], pinocchio.Quaternion(rotation).coeffs()])
-    if joint.nv == 6 and len(numbers) == 7 and numbers[3:].any():
-        return np.concatenate([numbers[:3], numbers[3:] / np.linalg.norm(numbers[3:])])
-    wanted = {
-        "JointModelPlanar": "x, y and an angle",
-        "JointModelTranslation": "x, y, z",
-        _SPHERICAL: "roll, pitch, yaw, or a quaternion x, y, z, w",
-    }.get(joint.shortname(), "x, y, z, roll, pitch, yaw, or x, y, z and a quaternion x, y, z, w")
-    raise InputError(f"{what}: found {len(numbers)} numbers; expected {wanted}")
+    shifts = _units(joint).count("m")
+    turn, turns = numbers[shifts:], joint.nv - shifts
+    if turns == 3 and len(turn) == 4 and turn.any():
+        turn = turn / np.linalg.norm(turn)
+    elif len(numbers) != joint.nv:
+        raise InputError(f"{what}: found {len(numbers)} numbers; expected {_SEVERAL[joint.shortname()][1]}")
+    elif turns == 3:
+        turn = pinocchio.Quaternion(pinocchio.rpy.rpyToMatrix(*turn)).coeffs()
+    elif turns == 1:
+        turn = np.array([np.cos(turn[0]), np.sin(turn[0])])
+    return np.concatenate([numbers[:shifts], turn])
 
 
 def _joint_value(joint, q: np.ndarray):
@@ -239,15 +230,7 @@ class MimicRow:
     offset: float
 
     def gap(self, model, configuration: np.ndarray) -> float:
-        """The left side; for continuous joints the smallest angle modulo a full turn.
-
-        Args:
-            model: of pinocchio.
-            configuration: q, shape (nq,).
-
-        Returns:
-            In rad or m.
-        """
+        """The left side (rad, m); for continuous joints the smallest angle modulo a full turn."""
         leader = joint_displacement(model.joints[self.leader], configuration, 0.0)
         return joint_displacement(model.joints[self.follower], configuration, self.multiplier * leader + self.offset)
 

@@ -21,7 +21,7 @@ from ..ground.notices import Notice, NoticeKind
 from .connections import Attached, BodySpring, Connection, Loop
 from .description.meshes import MeshFiles, MissingMesh, Texture
 from .description.mjcf import geom_kind, pose
-from .description.urdf import ModelFile, numbers
+from .description.urdf import ModelFile, numbers, place_of
 from .kinematics import Anchor
 from .statics import Posture, Search, closed, rows_of
 from .tangent import MimicRow
@@ -76,7 +76,7 @@ def visuals_of(description: ElementTree.Element, files: MeshFiles, *, collision:
         color = None if material is None else _color(material) or colors.get(material.get("name"))
         try:
             shape = _geometry(visual, where)
-            placement = _placement(visual.find("origin"), where)
+            placement = place_of(visual.find("origin"), where).homogeneous
             if shape.tag != "mesh":
                 visuals.append(Visual(link, *_kind_and_size(shape, where), placement, color))
                 continue
@@ -134,15 +134,11 @@ def _compiled_shape(mj, geom: int) -> tuple[str, tuple[float, ...], np.ndarray |
     if kind == "ELLIPSOID":
         return "mesh", (), *_ellipsoid(np.array(size))
     if kind in ("MESH", "SDF") and (mesh := int(mj.geom_dataid[geom])) >= 0:
-        corners, triangles = (slice(start, start + count) for start, count in _mesh_places(mj, mesh))
-        return "mesh", (), np.array(mj.mesh_vert[corners], dtype=float), np.array(mj.mesh_face[triangles], dtype=int)
+        corner, triangle = int(mj.mesh_vertadr[mesh]), int(mj.mesh_faceadr[mesh])
+        vertices = mj.mesh_vert[corner : corner + int(mj.mesh_vertnum[mesh])]
+        faces = mj.mesh_face[triangle : triangle + int(mj.mesh_facenum[mesh])]
+        return "mesh", (), np.array(vertices, dtype=float), np.array(faces, dtype=int)
     return "", (), None, None
-
-
-def _mesh_places(mj, mesh: int) -> tuple[tuple[int, int], tuple[int, int]]:
-    """First place and number of the corners and triangles of a mesh."""
-    vertices, faces = (mj.mesh_vertadr[mesh], mj.mesh_vertnum[mesh]), (mj.mesh_faceadr[mesh], mj.mesh_facenum[mesh])
-    return vertices, faces
 
 
 #: Rows and columns of the mesh of an ellipsoid.
@@ -203,16 +199,6 @@ def _kind_and_size(shape, where: str) -> tuple[str, tuple[float, ...]]:
         expected = ", ".join(_SIZES[shape.tag])
         raise InputError(f"{where}: found <{shape.tag}> with a size of 0; expected {expected} greater than zero")
     return ("cylinder" if shape.tag == "capsule" else shape.tag), tuple(size)
-
-
-def _placement(origin, where: str) -> np.ndarray:
-    import pinocchio
-
-    placement = np.eye(4)
-    if origin is not None:
-        xyz, rpy = (numbers(origin.get(key, "0 0 0"), 3, f"{where}, {key}") for key in ("xyz", "rpy"))
-        placement[:3, :3], placement[:3, 3] = pinocchio.rpy.rpyToMatrix(*rpy), xyz
-    return placement
 
 
 def _color(material) -> tuple[float, float, float, float] | None:
@@ -398,12 +384,9 @@ def row_wrenches(posture: Posture) -> tuple[Wrench, ...]:
     of the joint that follows, and on that of the joint which it follows, each along or about the axis of the joint.
     """
     load = posture.balance.load
-    wrenches, start = [], 0
-    for item, G in zip(load.loops, posture.balance.gradients):
-        stop = start + len(G)
-        wrenches.append(_of_loop(posture, item, G, np.eye(len(load.row_names))[start:stop]))
-        start = stop
-    for item, row in zip(load.mimic_rows, np.eye(len(load.row_names))[start:]):
+    every = np.eye(len(load.row_names))
+    wrenches = [_of_loop(posture, item, G, every[places]) for item, _, G, places in posture.balance.loops]
+    for item, row in zip(load.mimic_rows, every[len(every) - len(load.mimic_rows) :]):
         wrenches += _of_mimic_row(posture, item, row)
     return tuple(wrenches)
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 from xml.etree.ElementTree import Element, SubElement
@@ -22,13 +22,25 @@ from ...ground.tolerances import RIGHT_ANGLE
 from ..connections import Bushing, Loop, LoopKind
 from ..flexible_joint import Motor
 from ..tangent import JointGear
-from .urdf import DOWNWARDS, HIDDEN, RENAMED_GROUND, ModelFile, axis_of, checked_tree, number, numbers, parsed_xml, read_urdf, short
+from .urdf import (
+    HIDDEN,
+    RENAMED_GROUND,
+    ModelFile,
+    angles_of,
+    axis_of,
+    checked_tree,
+    joint_element,
+    number,
+    numbers,
+    parsed_xml,
+    place_of,
+    placement,
+    read_urdf,
+    short,
+)
 
 #: The body of an SDF that does not move.
 WORLD = "world"
-
-#: Number of unread parts named in a notice; the others are counted.
-MOST_NAMED_PARTS = 12
 
 #: The loop that closes with a joint of a kind.
 LOOPS: dict[str, LoopKind] = {
@@ -45,96 +57,6 @@ _AXES = {"revolute": 1, "prismatic": 1, "screw": 1, "universal": 2, "fixed": 0, 
 
 #: Limits of this size (rad, m) and more are none.
 UNLIMITED = 1e16
-
-
-@dataclass
-class Content:
-    """Loops, springs, gears and motors of a description during reading, and the parts that are omitted.
-
-    Attributes:
-        word: the format, for messages.
-        doubted: parts that are not read and may act on the motion.
-        noted: parts that are not read and do not act on it.
-        usual: links that give no mass or no inertia.
-        stopped: joints both limits of which are the same.
-        notices: others.
-    """
-
-    word: str
-    loops: list[Loop] = field(default_factory=list)
-    springs: list[Bushing] = field(default_factory=list)
-    gears: list[JointGear] = field(default_factory=list)
-    joint_stiffness: dict[str, float] = field(default_factory=dict)
-    joint_rest: dict[str, float] = field(default_factory=dict)
-    motors: dict[str, Motor] = field(default_factory=dict)
-    doubted: list[str] = field(default_factory=list)
-    noted: list[str] = field(default_factory=list)
-    usual: list[str] = field(default_factory=list)
-    stopped: list[str] = field(default_factory=list)
-    notices: list[Notice] = field(default_factory=list)
-
-    def leave_out(self, part: str, acts: bool) -> None:
-        """Note an omitted part, and whether it may affect the motion."""
-        (self.doubted if acts else self.noted).append(part)
-
-    def add_spring(self, joint: str, stiffness: float, rest: float) -> None:
-        """Add a spring of a joint, unless its stiffness is zero."""
-        if stiffness:
-            self.joint_stiffness[joint], self.joint_rest[joint] = stiffness, rest
-
-    def model_file(self, **values) -> ModelFile:
-        """The description with all parts that were read."""
-        notices = list(self.notices)
-        if self.usual:
-            text = "links that give no mass or no inertia have those of the format, 1 kg and 1 kg m^2"
-            notices.append(Notice(NoticeKind.ACCURACY, f"{self.word}: {text}: {_listed(self.usual)}"))
-        if self.stopped:
-            notices.append(
-                Notice(NoticeKind.OVERRIDE, f"{self.word}: joints whose limits are equal are fixed: {_listed(self.stopped)}")
-            )
-        if self.doubted:
-            text = "not read, though it may act on the motion; give loops, springs, gears, motors or payloads instead"
-            notices.append(Notice(NoticeKind.OMITTED, f"{self.word}: {text}: {_listed(self.doubted)}", doubtful=True))
-        if self.noted:
-            notices.append(
-                Notice(NoticeKind.OMITTED, f"{self.word}: not read, without effect on the motion: {_listed(self.noted)}")
-            )
-        lists: dict[str, Any] = {key: tuple(getattr(self, key)) for key in ("loops", "springs", "gears")}
-        by_joint: dict[str, Any] = {key: getattr(self, key) for key in ("joint_stiffness", "joint_rest", "motors")}
-        return ModelFile(None, notices=tuple(notices), **lists, **by_joint, **values)
-
-
-def _listed(parts: list[str]) -> str:
-    parts = list(dict.fromkeys(parts))
-    more = f" and {len(parts) - MOST_NAMED_PARTS} more" if len(parts) > MOST_NAMED_PARTS else ""
-    return ", ".join(parts[:MOST_NAMED_PARTS]) + more
-
-
-def placement(xyz: Sequence[float], rpy: Sequence[float] = (0.0, 0.0, 0.0)):
-    """The SE3 of a translation (m) and roll, pitch, yaw (rad)."""
-    import pinocchio
-
-    return pinocchio.SE3(pinocchio.rpy.rpyToMatrix(*rpy), np.array(xyz, dtype=float))
-
-
-def origin_of(parent: Element, where: str):
-    """The SE3 of the element <origin> of a URDF, if there is one."""
-    origin = parent.find("origin")
-    keys = ("xyz", "rpy")
-    return placement(*(numbers("0 0 0" if origin is None else origin.get(key, "0 0 0"), 3, f"{where}, {key}") for key in keys))
-
-
-def add_origin(parent: Element, place) -> None:
-    """Add an SE3 as the element <origin> of a URDF."""
-    xyz, rpy = place.translation.tolist(), angles_of(place)
-    SubElement(parent, "origin", xyz=" ".join(map(repr, xyz)), rpy=" ".join(map(repr, rpy)))
-
-
-def angles_of(place) -> list[float]:
-    """Roll, pitch, yaw of an SE3."""
-    import pinocchio
-
-    return pinocchio.rpy.matrixToRpy(place.rotation).tolist()
 
 
 @dataclass
@@ -260,7 +182,7 @@ def _limit(text: str, usual: float, where: str) -> float:
     return float(np.clip(value, -UNLIMITED, UNLIMITED)) if abs(value) >= UNLIMITED or not text else number(text, where)
 
 
-def read_joint(element: Element, frames: Frames, content: Content, version: tuple[int, int] = (1, 7), prefix: str = "") -> Joint:
+def read_joint(element: Element, frames: Frames, content: ModelFile, version: tuple[int, int] = (1, 7), prefix: str = "") -> Joint:
     """The element <joint> of an SDF."""
     own = element.get("name", "")
     name, where = f"{prefix}{own}", f'{content.word.lower()}, joint "{short(prefix + own)}"'
@@ -293,10 +215,14 @@ def read_joint(element: Element, frames: Frames, content: Content, version: tupl
     return joint
 
 
-#: Children of <joint> and of <axis> in an SDF that are read or have no effect on the motion.
-_KNOWN = set(
+#: Children of <joint>, <axis> and <dynamics> in an SDF that are read or have no effect on the motion.
+_JOINT = (
     "parent child pose axis axis2 sensor thread_pitch screw_thread_pitch gearbox_ratio gearbox_reference_body rotor_inertia "
-    "gear_ratio effort_limit acceleration provideFeedback must_be_loop_joint mimic".split()
+    "gear_ratio effort_limit acceleration provideFeedback must_be_loop_joint mimic physics controller_gains"
+)
+_OF_AXIS, _OF_DYNAMICS = (
+    "xyz dynamics limit use_parent_model_frame mimic initial_position",
+    "damping friction spring_stiffness spring_reference",
 )
 
 
@@ -304,7 +230,7 @@ _KNOWN = set(
 _SINGLE = "pose inertial mass inertia ixx ixy ixz iyy iyz izz parent child axis axis2 xyz limit dynamics damping mimic".split()
 
 
-def leave_out_repeated(element: Element, place: str, content: Content) -> None:
+def leave_out_repeated(element: Element, place: str, content: ModelFile) -> None:
     """Note repeated elements, of which the first is read, and units, which an SDF does not have."""
     for part in (element, *(below for child in element if child.tag in _SINGLE for below in child.iter())):
         tags = Counter(child.tag for child in part)
@@ -315,30 +241,32 @@ def leave_out_repeated(element: Element, place: str, content: Content) -> None:
             content.leave_out(f'{key} = "{short(part.get(key))}" of <{short(part.tag)}> of {place}', True)
 
 
-def _leave_out_of_joint(element: Element, name: str, kind: str, content: Content) -> None:
+def _leave_out_of_joint(element: Element, name: str, kind: str, content: ModelFile) -> None:
     leave_out_repeated(element, f'the joint "{short(name)}"', content)
-    for child in element:
-        tag = child.tag.rpartition("}")[2]
-        if tag not in ("physics", "controller_gains", *_KNOWN):
-            content.leave_out(f'<{short(tag)}> of the joint "{short(name)}"', True)
+    of = f' of the joint "{short(name)}"'
+    leave_out_unknown(element, _JOINT, of, content)
     for suspension in element.iterfind("physics/ode/suspension"):
         if kind == "universal" and element.get("type") == "revolute2" and amount(text_of(suspension, "cfm")):
-            content.leave_out(f'<suspension> of the joint "{short(name)}"', True)
+            content.leave_out(f"<suspension>{of}", True)
     if amount(text_of(element.find("physics/ode"), "cfm")):
-        content.leave_out(f'<physics> cfm of the joint "{short(name)}"', True)
+        content.leave_out(f"<physics> cfm{of}", True)
     beyond = [part for tag in ("axis", "axis2")[_AXES[kind] :] for part in element.findall(tag)]
     if kind != "fixed" and any(amount(value.text or "") for axis in beyond for value in axis.iterfind("dynamics/*")):
         content.leave_out(f'spring and damper of the {kind} joint "{short(name)}" about <{beyond[0].tag}>, which it has not', True)
     for axis in (*element.findall("axis"), *element.findall("axis2")):
         if amount(text_of(axis, "initial_position")):
             content.leave_out(f'<initial_position> of "{short(name)}"', False)
-        known = ("damping", "friction", "spring_stiffness", "spring_reference")
-        for part in axis.iterfind("dynamics/*"):
-            if part.tag not in known and amount(part.text or ""):
-                content.leave_out(f'<{short(part.tag)}> of the joint "{short(name)}"', True)
-        for part in axis:
-            if part.tag not in ("xyz", "dynamics", "limit", "use_parent_model_frame", "mimic", "initial_position"):
-                content.leave_out(f'<{short(part.tag)}> of the joint "{short(name)}"', True)
+        leave_out_unknown((part for part in axis.iterfind("dynamics/*") if amount(part.text or "")), _OF_DYNAMICS, of, content)
+        leave_out_unknown(axis, _OF_AXIS, of, content)
+
+
+def leave_out_unknown(
+    children: Iterable[Element], known: str, of: str, content: ModelFile, acts: Callable[[Element], Any] = lambda child: True
+) -> None:
+    """Note the children whose tags are not known, and whether they may act on the motion."""
+    for child in children:
+        if (tag := local_name(child)) not in known.split():
+            content.leave_out(f"<{short(tag)}>{of}", bool(acts(child)))
 
 
 def amount(text: str) -> float:
@@ -388,7 +316,7 @@ def _axis(element: Element | None, place, frames: Frames, version: tuple[int, in
     return axis
 
 
-def add_loop(joint: Joint, places: Mapping[str, Any], content: Content) -> None:
+def add_loop(joint: Joint, places: Mapping[str, Any], content: ModelFile) -> None:
     """Add the loop that a joint closes, and its spring and damper."""
     where = f'{content.word.lower()}, joint "{short(joint.name)}"'
     if not joint.closes:
@@ -432,10 +360,11 @@ def _turned_to(direction: np.ndarray) -> np.ndarray:
 def connection(make: type, bodies: Sequence[str], first, second, **values) -> Any:
     """A loop or bushing of frames on two bodies."""
     (body1, body2), points = bodies, (first.translation.tolist(), second.translation.tolist())
-    return make(body1, points[0], body2, points[1], rotation1=angles_of(first), rotation2=angles_of(second), **values)
+    turns = {"rotation1": angles_of(first.rotation), "rotation2": angles_of(second.rotation)}
+    return make(body1, points[0], body2, points[1], **turns, **values)
 
 
-def add_joint(robot: Element, joint: Joint, places: Mapping[str, Any], content: Content) -> None:
+def add_joint(robot: Element, joint: Joint, places: Mapping[str, Any], content: ModelFile) -> None:
     """Add a joint of the tree to the element <robot> of a URDF, with its springs and couplings.
 
     The frame of a link of a URDF is at its joint; one that is elsewhere is fixed to a link without mass at the joint. A universal
@@ -459,18 +388,12 @@ def add_joint(robot: Element, joint: Joint, places: Mapping[str, Any], content: 
             origin = origin * _displaced(kind, axis)
             content.stopped.append(f'"{short(name)}" at {axis.limits[0]:g}')
             axis, kind = None, "fixed"
-        element = SubElement(robot, "joint", name=name, type=kind)
-        SubElement(element, "parent", link=parent)
-        SubElement(element, "child", link=child)
-        add_origin(element, origin)
+        element = joint_element(robot, name, kind, parent, child, origin)
         origin, parent = placement((0, 0, 0)), child
         if axis is not None:
             _add_axis(element, axis, content, own=kind == "revolute" or joint.kind == "prismatic")
     if parent != joint.child:
-        element = SubElement(robot, "joint", name=parent, type="fixed")
-        SubElement(element, "parent", link=parent)
-        SubElement(element, "child", link=joint.child)
-        add_origin(element, tail)
+        joint_element(robot, parent, "fixed", parent, joint.child, tail)
 
 
 def _displaced(kind: str, axis: JointAxis):
@@ -481,7 +404,7 @@ def _displaced(kind: str, axis: JointAxis):
     return placement(shift.tolist()) if kind == "prismatic" else pinocchio.SE3(pinocchio.exp3(shift), np.zeros(3))
 
 
-def _add_axis(element: Element, axis: JointAxis, content: Content, own: bool) -> None:
+def _add_axis(element: Element, axis: JointAxis, content: ModelFile, own: bool) -> None:
     """Axis, limits, damping and spring of a joint; of a sliding part of a screw, which has none of its ``own``, the axis."""
     SubElement(element, "axis", xyz=" ".join(map(repr, axis.direction.tolist())))
     if not own:
@@ -532,7 +455,7 @@ def _value(element: Element | None, usual: str = "") -> str:
     return element.get("value") or element.get("name") or (element.text or "").strip() or usual
 
 
-def read_drake(element: Element, anchor: Anchor, content: Content) -> None:
+def read_drake(element: Element, anchor: Anchor, content: ModelFile) -> None:
     """Bushings and ball constraints of Drake among the children of an element; other tags of Drake are named."""
     for child in filter(_is_drake, element):
         tag, parts = local_name(child), {local_name(part): part for part in child}
@@ -548,7 +471,7 @@ def read_drake(element: Element, anchor: Anchor, content: Content) -> None:
             (bodies, places), name = zip(*ends), f"bushing {len(content.springs) + 1}"
             content.springs.append(connection(Bushing, bodies, *places, name=name, **values))
             text = "has torques about its rotation vector instead of roll, pitch and yaw, equal to first order where its frames coincide"
-            content.notices.append(Notice(NoticeKind.ACCURACY, f"{content.word}: {name} {text}"))
+            content.remarks.append(Notice(NoticeKind.ACCURACY, f"{content.word}: {name} {text}"))
         elif tag == "ball_constraint":
             ends = []
             for end, key in ("A", "AP"), ("B", "BQ"):
@@ -561,7 +484,7 @@ def read_drake(element: Element, anchor: Anchor, content: Content) -> None:
             content.leave_out(f"<drake:{short(tag)}>", True)
 
 
-def read_motor(joint: str, elements: list[Element], content: Content) -> None:
+def read_motor(joint: str, elements: list[Element], content: ModelFile) -> None:
     """The motor of a joint from tags of Drake (rotor_inertia, gear_ratio) or ROS (motorInertia, mechanicalReduction)."""
     armature = 0.0
     for element in elements:
@@ -583,7 +506,8 @@ def read_motor(joint: str, elements: list[Element], content: Content) -> None:
 def read_urdf_file(source) -> ModelFile:
     """A URDF with its extensions."""
     text, folder = read_urdf(source)
-    root, content = parsed_xml(text, "urdf"), Content("URDF")
+    root = parsed_xml(text, "urdf")
+    content = ModelFile("URDF", root, folder)
     checked_tree(root, _add_drake_joints(root, content))
     urdf = _UrdfFrames(root)
     read_drake(root, urdf.anchor, content)
@@ -593,9 +517,8 @@ def read_urdf_file(source) -> ModelFile:
         _read_transmission(transmission, urdf, content)
     for gazebo in root.findall("gazebo"):
         _read_gazebo(gazebo, urdf, content)
-    for part, may_act in _others(root):
-        content.leave_out(part, may_act)
-    return content.model_file(gravity=DOWNWARDS, description=root, folder=folder)
+    _leave_out_others(root, content)
+    return content
 
 
 class _UrdfFrames:
@@ -620,7 +543,9 @@ class _UrdfFrames:
             place = self.places.get(path[-1], placement((0, 0, 0)))
             self.places.setdefault(path[-1], place)
             for name in reversed(path[:-1]):
-                place = self.places[name] = place * origin_of(parents[name], f'urdf, joint "{short(parents[name].get("name"))}"')
+                place = self.places[name] = place * place_of(
+                    parents[name].find("origin"), f'urdf, joint "{short(parents[name].get("name"))}"'
+                )
 
     def anchor(self, name: str, where: str) -> tuple[str, Any]:
         """The body of a frame, and the SE3 in it."""
@@ -628,9 +553,7 @@ class _UrdfFrames:
         if name in self.links:
             return name, placement((0, 0, 0))
         if (frame := self._frames.get(name)) is not None and frame.get("link") in self.links:
-            keys = ("xyz", "rpy")
-            values = (numbers(frame.get(key, "0 0 0"), 3, f'urdf, frame "{short(name)}", {key}') for key in keys)
-            return str(frame.get("link")), placement(*values)
+            return str(frame.get("link")), place_of(frame, f'urdf, frame "{short(name)}"')
         if name in (WORLD, GROUND):
             return GROUND, placement((0, 0, 0))
         raise InputError(f'{where}: there is no link or frame "{short(name)}"')
@@ -644,7 +567,7 @@ class _UrdfFrames:
         return self.places[self.body(name, where)] * self.anchor(name, where)[1] if name != "__model__" else placement((0, 0, 0))
 
 
-def _add_drake_joints(root: Element, content: Content) -> set[str]:
+def _add_drake_joints(root: Element, content: ModelFile) -> set[str]:
     """Replace the joints of kinds that only Drake has, universal, ball and screw ones, by those of a description; names of balls."""
     balls = set()
     for element in [child for child in root if _is_drake(child) and local_name(child) == "joint"]:
@@ -674,12 +597,14 @@ def _add_drake_joints(root: Element, content: Content) -> set[str]:
         directions = {"universal": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "screw": [axis_of(element, where)], "ball": []}[kind]
         axes = [JointAxis(np.array(direction) / np.linalg.norm(direction), damping=damping) for direction in directions]
         pitch = next((_value(part) for part in element if local_name(part) == "screw_thread_pitch"), "0")
-        joint = Joint(name, kind, parent, child, origin_of(element, where), axes, number(pitch, f"{where}, pitch") / (2 * np.pi))
+        joint = Joint(
+            name, kind, parent, child, place_of(element.find("origin"), where), axes, number(pitch, f"{where}, pitch") / (2 * np.pi)
+        )
         add_joint(root, joint, {parent: placement((0, 0, 0)), child: joint.place}, content)
     return balls
 
 
-def _read_loop_joint(element: Element, urdf: _UrdfFrames, content: Content) -> None:
+def _read_loop_joint(element: Element, urdf: _UrdfFrames, content: ModelFile) -> None:
     """A loop of Isaac, RBDL or older Drake: two frames, each on a link."""
     name = element.get("name", "")
     where = f'urdf, loop_joint "{short(name)}"'
@@ -687,8 +612,7 @@ def _read_loop_joint(element: Element, urdf: _UrdfFrames, content: Content) -> N
     for tag in ("link1", "link2"):
         end = element.find(tag)
         body, _ = urdf.anchor("" if end is None else end.get("link", ""), where)
-        values = ("0 0 0" if end is None else end.get(key, "0 0 0") for key in ("xyz", "rpy"))
-        ends.append((body, placement(*(numbers(value, 3, f"{where}, {tag}") for value in values))))
+        ends.append((body, place_of(end, f"{where}, {tag}")))
     kind = element.get("type", "fixed")
     kinds = {"continuous": "hinge", "revolute": "hinge", "prismatic": "prismatic", "fixed": "rigid", "ball": "point"}
     kinds |= {"spherical": "point"}
@@ -699,7 +623,7 @@ def _read_loop_joint(element: Element, urdf: _UrdfFrames, content: Content) -> N
     content.loops.append(connection(Loop, bodies, *places, name=name or None, kind=kinds[kind], **axis))
 
 
-def _read_transmission(element: Element, urdf: _UrdfFrames, content: Content) -> None:
+def _read_transmission(element: Element, urdf: _UrdfFrames, content: ModelFile) -> None:
     """The motors of a transmission; couplings of several joints are named."""
     names = [joint.get("name", "") for tag in ("joint", "rollJoint", "flexJoint") for joint in element.findall(tag)]
     moving = [name for name in dict.fromkeys(names) if name in urdf.joints]
@@ -719,14 +643,15 @@ def _read_transmission(element: Element, urdf: _UrdfFrames, content: Content) ->
 
 
 #: Children of <gazebo> that have no effect on the motion of the bodies, or only where they touch others.
-_CONTACTS = set(
+_CONTACTS = (
     "material mu1 mu2 mu kp kd maxVel minDepth fdir1 selfCollide self_collide sensor laserRetro maxContacts visual implicitSpringDamper "
     "provideFeedback stopCfm stopErp stopKp stopKd fudgeFactor disableFixedJointLumping preserveFixedJoint cfmDamping erp cfm "
-    "initial_joint_position collision canonicalBody allow_auto_disable pose static enable_wind physics ode limit light".split()
+    "initial_joint_position collision canonicalBody allow_auto_disable pose static enable_wind physics ode limit light "
+    "joint plugin springStiffness springReference gravity turnGravityOff kinematic dampingFactor velocity_decay"
 )
 
 
-def _read_gazebo(element: Element, urdf: _UrdfFrames, content: Content) -> None:
+def _read_gazebo(element: Element, urdf: _UrdfFrames, content: ModelFile) -> None:
     """Joints and springs of an element <gazebo>; the other parts that may act on the motion are named."""
     reference = element.get("reference")
     place = "<gazebo>" if reference is None else f'<gazebo> of "{short(reference)}"'
@@ -750,11 +675,11 @@ def _read_gazebo(element: Element, urdf: _UrdfFrames, content: Content) -> None:
         elif child.tag in ("dampingFactor", "velocity_decay"):
             if amount(text) or any(amount(part.text or "") for part in child):
                 content.leave_out(f"<{tag}> in {place}", True)
-        elif child.tag not in _CONTACTS and "#controller" not in child.tag and "#sensor" not in child.tag and not _is_drake(child):
-            content.leave_out(f"<{short(tag)}> in {place}", acts(child) is not None)
+        elif not ("#controller" in child.tag or "#sensor" in child.tag or _is_drake(child)):
+            leave_out_unknown([child], _CONTACTS, f" in {place}", content, acts)
 
 
-def _read_plugin(element: Element, urdf: _UrdfFrames, content: Content) -> None:
+def _read_plugin(element: Element, urdf: _UrdfFrames, content: ModelFile) -> None:
     """Note a plugin; one that couples joints which a <mimic> couples has no further effect."""
     word = acts(element)
     followers = [part.text.strip() for part in element.iter("mimicJoint") if part.text]
@@ -773,40 +698,32 @@ _READ_BY_URDF = {
 }
 
 
-def _others(root: Element) -> Iterator[tuple[str, bool]]:
-    """Unread parts of the other elements, and whether they may affect the motion."""
-    for child in root:
-        if child.tag not in _READ_BY_URDF["robot"].split() and not _is_drake(child):
-            yield f"<{short(local_name(child))}>", acts(child) is not None
+def _leave_out_others(root: Element, content: ModelFile) -> None:
+    """Note the unread parts of the other elements, and whether they may affect the motion."""
+    leave_out_unknown((child for child in root if not _is_drake(child)), _READ_BY_URDF["robot"], "", content, acts)
     for mujoco in root.findall("mujoco"):
-        yield from _of_mujoco(mujoco)
+        for part, may_act in _of_mujoco(mujoco):
+            content.leave_out(part, may_act)
     for link in root.findall("link"):
         name = short(link.get("name"))
         for child in link:
             text = (child.text or child.get("value") or "").strip()
             if child.tag in ("gravity", "kinematic"):
                 if is_true(text) != (child.tag == "gravity"):
-                    yield f'<{child.tag}> {text} of "{name}"', True
-            elif child.tag not in _READ_BY_URDF["link"].split():
-                yield f'<{short(local_name(child))}> of "{name}"', acts(child) is not None
-        for child in link.iterfind("inertial/*"):
-            if child.tag not in _READ_BY_URDF["inertial"].split():
-                yield f'<{short(local_name(child))}> in the <inertial> of "{name}"', True
-        for child in link.iterfind("contact/inertia_scaling"):
-            if amount(_value(child)) != 1:
-                yield f'<inertia_scaling> of "{name}"', True
+                    content.leave_out(f'<{child.tag}> {text} of "{name}"', True)
+            else:
+                leave_out_unknown([child], _READ_BY_URDF["link"], f' of "{name}"', content, acts)
+        leave_out_unknown(link.iterfind("inertial/*"), _READ_BY_URDF["inertial"], f' in the <inertial> of "{name}"', content)
+        if any(amount(_value(child)) != 1 for child in link.iterfind("contact/inertia_scaling")):
+            content.leave_out(f'<inertia_scaling> of "{name}"', True)
     for joint in root.findall("joint"):
         name = short(joint.get("name"))
-        for child in joint:
-            if child.tag not in _READ_BY_URDF["joint"].split():
-                yield (
-                    f'<{short(local_name(child))}> of the joint "{name}"',
-                    acts(child) is not None or any(map(amount, child.attrib.values())),
-                )
+        of, known = f' of the joint "{name}"', _READ_BY_URDF["joint"]
+        leave_out_unknown(joint, known, of, content, lambda child: acts(child) or any(map(amount, child.attrib.values())))
         dynamics = joint.find("dynamics")
         for key, value in {} if dynamics is None else dynamics.attrib.items():
             if key not in ("damping", "friction") and amount(value):
-                yield f'{short(key)} = {short(value)} in the <dynamics> of "{name}"', _ACTS.search(key) is not None
+                content.leave_out(f'{short(key)} = {short(value)} in the <dynamics> of "{name}"', _ACTS.search(key) is not None)
 
 
 #: Settings of MuJoCo for a URDF that change masses, by their neutral values.

@@ -338,22 +338,14 @@ class MeshFiles:
     def __init__(self, folder: Path | None, package_dirs: tuple[Path, ...]):
         self.folder, self.package_dirs = folder, package_dirs
         self._meshes: dict[tuple, Mesh] = {}
-        self._with_images: dict[tuple, Mesh] = {}
 
     def mesh(self, name: str, scale, where: str, *, images: bool = False) -> Mesh:
+        """The mesh of a file times a scale, with the images that its textures name, or with their names."""
         path, roots = self._file(name, where)
-        mesh = self.read(path, scale, roots, where)
-        if not images:
-            return mesh
-        key = (path, tuple(scale))
-        if key not in self._with_images:
-            self._with_images[key] = _with_images(mesh, path, roots)
-        return self._with_images[key]
-
-    def read(self, path: Path, scale, roots: tuple[Path, ...], where: str) -> Mesh:
-        key = (path, tuple(scale))
+        key = (path, tuple(scale), images)
         if key not in self._meshes:
-            self._meshes[key] = read_mesh(path, scale, roots, where)
+            whole = self.mesh(name, scale, where) if images else read_mesh(path, scale, roots, where)
+            self._meshes[key] = _with_images(whole, path, roots) if images else whole
         return self._meshes[key]
 
     def path(self, name: str, where: str) -> Path:
@@ -418,7 +410,12 @@ def read_mesh(path: Path, scale, roots: tuple[Path, ...], where: str) -> Mesh:
         if path.suffix.lower() == ".dae":
             return collada_mesh(_text(path), scale)
         if path.suffix.lower() == ".obj":
-            return wavefront_mesh(_text(path), lambda name: _material_file(path, name, roots), scale)
+
+            def materials(name: str) -> str:
+                file = _named_file(path, name, roots, (".mtl",))
+                return "" if file is None else _text(file)
+
+            return wavefront_mesh(_text(path), materials, scale)
         if path.suffix.lower() == ".stl":
             return stl_mesh(path.read_bytes(), scale)
     try:
@@ -444,11 +441,6 @@ def _named_file(mesh: Path, name: str, roots: tuple[Path, ...], endings: tuple[s
         if path.suffix.lower() in endings and _lies_in(path, roots) and path.is_file() and path.stat().st_size <= LARGEST_MESH:
             return path
     return None
-
-
-def _material_file(mesh: Path, name: str, roots: tuple[Path, ...]) -> str:
-    path = _named_file(mesh, name, roots, (".mtl",))
-    return "" if path is None else _text(path)
 
 
 def _with_images(mesh: Mesh, path: Path, roots: tuple[Path, ...]) -> Mesh:

@@ -12,7 +12,6 @@ import json
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from ...ground.checks import counted
+from ...ground.checks import counted, listed
 from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
 from ...ground.files import isolated
@@ -30,7 +29,7 @@ from ..connections import Bushing, Loop, Segment, Tendon
 from ..flexible_joint import Motor
 from ..kinematics import MOST_COORDINATES
 from ..tangent import JointGear
-from .urdf import LARGEST, RENAMED_GROUND, ModelFile, read_urdf, short, xml_element
+from .urdf import LARGEST, RENAMED_GROUND, ModelFile, angles_of, read_urdf, short, xml_element
 
 #: Files that include others, elements in elements, and models in models, at most so deep.
 DEEPEST_INCLUDE, DEEPEST_ELEMENT, DEEPEST_MODEL = 5, 300, 5
@@ -280,7 +279,6 @@ def _polynomials(model, name: str, count: int) -> np.ndarray:
     return np.hstack([_rows(model, name, count), _rows(model, f"{name}poly", count)])
 
 
-@dataclass
 class _Reader:
     """The arrays of a compiled model, read in their order.
 
@@ -289,15 +287,17 @@ class _Reader:
         free_base: whether a base without a free joint gets one.
         places: by body the number of its joint, and its placement there.
         left_out: constructs that act on the motion and are not read.
+        notes: other notices.
+        control: tendons that stand for springs of joints and for gains.
+        comparable: whether MuJoCo has the same forces.
     """
 
-    mj: Any
-    free_base: bool
-    places: list = field(default_factory=list)
-    left_out: list[str] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-    doubts: list[str] = field(default_factory=list)
-    comparable: bool = True
+    def __init__(self, mj, free_base: bool):
+        self.mj, self.free_base, self.comparable = mj, free_base, True
+        self.places: list[tuple[int, Any]] = []
+        self.left_out: list[str] = []
+        self.notes: list[str] = []
+        self.control: list[Tendon] = []
 
     def model_file(self, path: Path, missing: list[str], undrawn: frozenset[int]) -> ModelFile:
         """The description with all parts that were read."""
@@ -307,44 +307,28 @@ class _Reader:
             raise InputError(f"mjcf: found no {what} in {path.name}; expected a model of bodies with joints")
         self._name_all()
         self._check_numbers()
-        model = self._tree()
-        stiffness, rest, bushings = self._joint_springs()
-        self.gears: list[JointGear] = []
-        loops = list(self._equalities())
-        motors = self._actuators()
-        tendons = [*self._tendons(), *self.control]
+        links = self.bodies
+        self.file = file = ModelFile("MJCF", model=self._tree(), path=path, drawn=mj, links=links, undrawn=undrawn)
+        self._joint_springs()
+        self._equalities()
+        self._actuators()
+        file.tendons = [*self._tendons(), *self.control]
         self._others()
-        gravity = np.zeros(3) if _flag(mj, "GRAVITY") else np.array(mj.opt.gravity)
-        lift = {self.bodies[i]: (mj.body_ipos[i].tolist(), float(mj.body_gravcomp[i] * mj.body_mass[i])) for i in self._lifted()}
-        for tendon in tendons:
-            if tendon.inertia and not _on_one_branch(model, tendon):
-                text = f'the inertia of the tendon "{short(tendon.name)}" couples branches of the tree; MuJoCo leaves this out of its mass matrix'
-                self.doubts.append(text)
-        notices = [Notice(NoticeKind.OMITTED, f"mjcf: {text}", doubtful=True) for text in self.doubts]
-        notices += [Notice(NoticeKind.OMITTED, f"mjcf: not read: {text}", doubtful=True) for text in self.left_out]
+        file.gravity = [0.0, 0.0, 0.0] if _flag(mj, "GRAVITY") else mj.opt.gravity.tolist()
+        file.lift = {links[i]: (mj.body_ipos[i].tolist(), float(mj.body_gravcomp[i] * mj.body_mass[i])) for i in self._lifted()}
+        file.states = dict(self._states())
+        file.compiled = mj if self.comparable else None
         if missing:
-            meshes = counted(len(missing), "mesh", "meshes")
-            self.notes.append(f"{meshes} not drawn: there is no file {short(missing[0])!a}")
-        notices += [Notice(NoticeKind.OMITTED, f"mjcf: {text}") for text in self.notes]
-        return ModelFile(
-            model=model,
-            path=path,
-            gravity=gravity.tolist(),
-            loops=tuple(loops),
-            gears=tuple(self.gears),
-            joint_stiffness=stiffness,
-            joint_rest=rest,
-            states=dict(self._states()),
-            notices=tuple(notices),
-            springs=tuple(bushings),
-            tendons=tuple(tendons),
-            motors=motors,
-            lift=lift,
-            compiled=mj if self.comparable else None,
-            drawn=mj,
-            links=tuple(self.bodies),
-            undrawn=undrawn,
-        )
+            self.notes.append(f"{counted(len(missing), 'mesh', 'meshes')} not drawn: there is no file {short(missing[0])!a}")
+        doubts = [
+            f'the inertia of the tendon "{short(tendon.name)}" couples branches of the tree; MuJoCo leaves this out of its mass matrix'
+            for tendon in file.tendons
+            if tendon.inertia and not _on_one_branch(file.model, tendon)
+        ]
+        doubts += [f"not read: {text}" for text in self.left_out]
+        file.remarks = [Notice(NoticeKind.OMITTED, f"mjcf: {text}", doubtful=True) for text in doubts]
+        file.remarks += [Notice(NoticeKind.OMITTED, f"mjcf: {text}") for text in self.notes]
+        return file
 
     def _name_all(self) -> None:
         """Distinct names of bodies and joints, also where the file has none."""
@@ -361,18 +345,13 @@ class _Reader:
 
     def _check_numbers(self) -> None:
         """Raise an InputError where mechanical constants are not finite, or their squares may not be."""
-        mj, counts = (
-            self.mj,
-            {"body": self.bodies, "jnt": self.joints, "tendon": [], "actuator": [], "site": [], "eq": [], "dof": []},
-        )
-        arrays = [name for name in dir(mj) if name.split("_")[0] in counts and not name.endswith(("_user", "invweight0", "acc0"))]
+        mj, names = self.mj, {"body": self.bodies, "jnt": self.joints}
+        kinds = (*names, "tendon", "actuator", "site", "eq", "dof")
+        arrays = [name for name in dir(mj) if name.split("_")[0] in kinds and not name.endswith(("_user", "invweight0", "acc0"))]
         for name in (*arrays, "qpos0", "qpos_spring", "key_qpos"):
             values = getattr(mj, name)
-            if not isinstance(values, np.ndarray) or values.dtype != float:
-                continue
-            if (wrong := ~(np.abs(values) <= LARGEST)).any():
-                place = np.argwhere(wrong)[0]
-                known = counts.get(name.split("_")[0], [])
+            if isinstance(values, np.ndarray) and values.dtype == float and (wrong := ~(np.abs(values) <= LARGEST)).any():
+                place, known = np.argwhere(wrong)[0], names.get(name.split("_")[0], [])
                 of = f' of "{short(known[place[0]])}"' if place[0] < len(known) else ""
                 raise InputError(f"mjcf: {name}{of}: found {values[tuple(place)]:g}; expected a number of a size below {LARGEST:g}")
 
@@ -380,7 +359,7 @@ class _Reader:
         """The pinocchio model; joints are at the values of MuJoCo, so that one with a ref is turned back by it."""
         import pinocchio
 
-        mj, kinds = self.mj, _kinds("mjtJoint", "mjJNT_")
+        mj, kinds = self.mj, _kinds("mjtJoint")
         model = pinocchio.Model()
         model.name = mj.names[: mj.names.index(b"\0")].decode("utf-8", "replace") or "robot"
         root = 0
@@ -421,17 +400,11 @@ class _Reader:
                 model.addJointFrame(joint, 0)
                 place = anchor.inverse()
                 added, at = model.joints[joint], int(mj.jnt_dofadr[number])
-                dofs = slice(added.idx_v, added.idx_v + added.nv), slice(at, at + added.nv)
-                for own, theirs in (("armature", armature), ("friction", friction), ("damping", damping)):
-                    values = np.array(getattr(model, own))
-                    values[dofs[0]] = theirs[dofs[1]]
-                    setattr(model, own, values)
+                for own, theirs in ((model.armature, armature), (model.friction, friction), (model.damping, damping)):
+                    own[added.idx_v : added.idx_v + added.nv] = theirs[at : at + added.nv]
                 if added.nv == 1:
                     limits = mj.jnt_range[number] * bool(limited[number])
-                    for own, value in (("lowerPositionLimit", limits[0]), ("upperPositionLimit", limits[1])):
-                        values = np.array(getattr(model, own))
-                        values[added.idx_q] = value
-                        setattr(model, own, values)
+                    model.lowerPositionLimit[added.idx_q], model.upperPositionLimit[added.idx_q] = limits
                 last = number == first + mj.body_jntnum[body] - 1
                 name = self.bodies[body] if last else f"{self.bodies[body]} ({self.joints[number]})"
                 self.behind.append(name)
@@ -449,24 +422,21 @@ class _Reader:
         mj, values = self.mj, np.zeros((2, count))
         for place, actuator in enumerate(getattr(mj, f"{kind}_actuatorid", ())):
             if actuator >= 0:
+                damping = _rows(mj, "actuator_damping", len(mj.actuator_trntype))[actuator, 0]
                 square = mj.actuator_gear[mj.actuator_outadr[actuator]][0] ** 2
-                values[:, place] = (
-                    square * mj.actuator_armature[actuator],
-                    square * _rows(mj, "actuator_damping", len(mj.actuator_trntype))[actuator, 0],
-                )
+                values[:, place] = square * mj.actuator_armature[actuator], square * damping
         return values[0], values[1]
 
     def _each_joint(self) -> Iterator[tuple[int, str, str]]:
-        kinds = _kinds("mjtJoint", "mjJNT_")
+        kinds = _kinds("mjtJoint")
         return ((number, kinds[self.mj.jnt_type[number]], name) for number, name in enumerate(self.joints))
 
-    def _joint_springs(self) -> tuple[dict[str, float], dict[str, float], list[Bushing]]:
-        """Stiffness and rest by joint with one degree of freedom, and bushings of ball and free joints; polynomials are tendons."""
-        mj, stiffness, rest, bushings = self.mj, {}, {}, []
-        self.control: list[Tendon] = []
+    def _joint_springs(self) -> None:
+        """Springs of joints with one degree of freedom, and bushings of ball and free joints; polynomials are tendons."""
+        mj = self.mj
         constants = _polynomials(mj, "jnt_stiffness", mj.njnt)
         if _flag(mj, "SPRING"):
-            return {}, {}, []
+            return
         for number, kind, name in self._each_joint():
             k, at = float(constants[number, 0]), int(mj.jnt_qposadr[number])
             reference = np.array(mj.qpos_spring[at : at + 7])
@@ -474,15 +444,14 @@ class _Reader:
                 if constants[number, 1:].any():
                     powers = tuple(constants[number].tolist())
                     self.control.append(Tendon(f"spring of {name}", {name: 1.0}, stiffness=powers, rest=(reference[0],) * 2))
-                elif k:
-                    stiffness[name], rest[name] = k, float(reference[0])
+                else:
+                    self.file.add_spring(name, k, float(reference[0]))
                 continue
             if constants[number, 1:].any():
                 self.left_out.append(f'the stiffness polynomial of the joint "{name}"')
                 self.comparable = False
             if k:
-                bushings.append(self._bushing(number, kind, name, k, reference))
-        return stiffness, rest, bushings
+                self.file.springs.append(self._bushing(number, kind, name, k, reference))
 
     def _bushing(self, number: int, kind: str, name: str, k: float, reference: np.ndarray) -> Bushing:
         """The spring of a ball joint, U = k |log R|^2 / 2, and of a free one, between the links before and behind it."""
@@ -501,16 +470,15 @@ class _Reader:
         turning = (k,) * 3
         along = turning if kind == "FREE" else (0.0,) * 3
         ends = (first, placement.translation.tolist(), self.behind[number], anchor.tolist())
-        return Bushing(
-            *ends, rotation1=_angles(placement.rotation), turning_stiffness=turning, stiffness=along, name=f"spring of {name}"
-        )
+        turn = angles_of(placement.rotation)
+        return Bushing(*ends, rotation1=turn, turning_stiffness=turning, stiffness=along, name=f"spring of {name}")
 
     def _body(self, number: int) -> str:
         return self.bodies[number] if number or self.added_base else GROUND
 
-    def _equalities(self) -> Iterator[Loop]:
+    def _equalities(self) -> None:
         """Loops of connect and weld; couplings of joints and tendons are gears."""
-        mj, kinds = self.mj, _kinds("mjtEq", "mjEQ_")
+        mj, kinds = self.mj, _kinds("mjtEq")
         if _flag(mj, "EQUALITY") or _flag(mj, "CONSTRAINT"):
             return
         for number, name in enumerate(_names(mj, "eq", mj.neq)):
@@ -520,7 +488,7 @@ class _Reader:
                 continue
             count = len(self.left_out)
             if kind in ("CONNECT", "WELD"):
-                yield from self._loop(number, kind, data, first, second, name)
+                self._loop(number, kind, data, first, second, name)
             elif kind == "JOINT":
                 row = {self.joints[first]: 1.0}
                 if second >= 0:
@@ -537,7 +505,7 @@ class _Reader:
     def _value0(self, joint: int) -> float:
         return float(self.mj.qpos0[self.mj.jnt_qposadr[joint]])
 
-    def _loop(self, number: int, kind: str, data: np.ndarray, first: int, second: int, name: str) -> Iterator[Loop]:
+    def _loop(self, number: int, kind: str, data: np.ndarray, first: int, second: int, name: str) -> None:
         """Loop with the anchors that MuJoCo has computed, in body1 and body2."""
         import mujoco
 
@@ -551,18 +519,16 @@ class _Reader:
             points, frames = [data[3:6], data[:3]], [_rotation(data[6:10]), np.eye(3)]
         if self.places[first][0] == self.places[second][0]:
             return
-        rigid = kind == "WELD" and data[10]
         ends = (self._body(first), points[0].tolist(), self._body(second), points[1].tolist())
-        if not rigid:
-            yield Loop(*ends, kind="point", name=name or None)
-        else:
-            angles = (_angles(frame) for frame in frames)
-            yield Loop(*ends, kind="rigid", rotation1=next(angles), rotation2=next(angles), name=name or None)
+        turns: dict[str, Any] = {}
+        if kind == "WELD" and data[10]:
+            turns = {"kind": "rigid", "rotation1": angles_of(frames[0]), "rotation2": angles_of(frames[1])}
+        self.file.loops.append(Loop(*ends, **turns, name=name or None))
 
     def _gear(self, row: Mapping[str, float], value: float, higher, what: str) -> None:
         """The row sum(c q) = value as a gear between two joints; a joint that keeps its value is one with a ratio of 0."""
         joints = [joint for joint, factor in row.items() if factor]
-        followers = {gear.joint for gear in self.gears}
+        followers = {gear.joint for gear in self.file.gears}
         if np.any(higher):
             self.left_out.append(f"{what}, which is not linear")
             return
@@ -570,12 +536,12 @@ class _Reader:
             single = {name for _, kind, name in self._each_joint() if kind in ("HINGE", "SLIDE")}
             others = [name for name in self.joints if name in single - {joints[0]} - followers]
             if others and joints[0] not in followers:
-                self.gears.append(JointGear(joints[0], others[0], 0.0, value / row[joints[0]]))
+                self.file.gears.append(JointGear(joints[0], others[0], 0.0, value / row[joints[0]]))
                 return
         if len(joints) == 2:
             for a, b in (joints, joints[::-1]):
                 if a not in followers:
-                    self.gears.append(JointGear(a, b, -row[b] / row[a], value / row[a]))
+                    self.file.gears.append(JointGear(a, b, -row[b] / row[a], value / row[a]))
                     return
         self.left_out.append(what)
 
@@ -595,7 +561,7 @@ class _Reader:
 
     def _path(self, tendon: int) -> tuple[dict[str, float], tuple[Segment, ...]] | None:
         """Coefficients of joints, or segments between sites with one over the divisor of their pulley; None around a geom."""
-        mj, kinds = self.mj, _kinds("mjtWrap", "mjWRAP_")
+        mj, kinds = self.mj, _kinds("mjtWrap")
         joints, segments, before, factor = {}, [], None, 1.0
         for at in range(int(mj.tendon_adr[tendon]), int(mj.tendon_adr[tendon] + mj.tendon_num[tendon])):
             kind, number = kinds[mj.wrap_type[at]], int(mj.wrap_objid[at])
@@ -630,24 +596,20 @@ class _Reader:
                     f'mjcf: the tendon "{short(name)}" with stiffness, damping or inertia is wrapped around a geom, which is not read; '
                     "let it pass through sites alone"
                 )
-            low, high = mj.tendon_lengthspring[number].tolist()
-            yield Tendon(
-                name,
-                *path,
-                stiffness=tuple(constants[number].tolist()),
-                rest=(low, high),
-                damping=c,
-                inertia=float(armature[number]),
-            )
+            springs: dict[str, Any] = {
+                "stiffness": tuple(constants[number].tolist()),
+                "rest": tuple(mj.tendon_lengthspring[number].tolist()),
+            }
+            yield Tendon(name, *path, **springs, damping=c, inertia=float(armature[number]))
 
     def _tendon_names(self) -> list[str]:
         return [name or f"tendon {number}" for number, name in enumerate(_names(self.mj, "tendon", self.mj.ntendon))]
 
-    def _actuators(self) -> dict[str, Motor]:
+    def _actuators(self) -> None:
         """Gains of position and velocity by joint; those along tendons, and those below zero, are tendons that rest at the guess."""
         mj, gains, idle = self.mj, {}, []
         if _flag(mj, "ACTUATION"):
-            return {}
+            return
         for number, name in enumerate(_names(mj, "actuator", len(mj.actuator_trntype))):
             name, group = name or f"actuator {number}", int(mj.actuator_group[number])
             if 0 <= group < _GROUPS and mj.opt.disableactuator >> group & 1:
@@ -673,21 +635,22 @@ class _Reader:
         for joint, (p, d) in gains.items():
             if min(p, d) < 0:
                 self.control.append(Tendon(f"control of {joint}", {joint: 1.0}, stiffness=(p,), rest=None, damping=d))
-        return {joint: Motor(position_gain=p, velocity_gain=d) for joint, (p, d) in gains.items() if min(p, d) >= 0}
+            else:
+                self.file.motors[joint] = Motor(position_gain=p, velocity_gain=d)
 
     def _target(self, number: int) -> str:
-        return _kinds("mjtTrn", "mjTRN_")[self.mj.actuator_trntype[number]]
+        return _kinds("mjtTrn")[self.mj.actuator_trntype[number]]
 
     def _feedback(self, number: int) -> np.ndarray:
         """Gains of position and velocity at the actuator."""
-        is_affine = _kinds("mjtBias", "mjBIAS_")[self.mj.actuator_biastype[number]] == "AFFINE"
+        is_affine = _kinds("mjtBias")[self.mj.actuator_biastype[number]] == "AFFINE"
         return -self.mj.actuator_biasprm[number][1:3] * is_affine
 
     def _strange_actuator(self, number: int) -> str:
         """Unread settings of an actuator with stiffness or damping; empty without any."""
         mj = self.mj
-        bias = _kinds("mjtBias", "mjBIAS_")[mj.actuator_biastype[number]]
-        gain = _kinds("mjtGain", "mjGAIN_")[mj.actuator_gaintype[number]]
+        bias = _kinds("mjtBias")[mj.actuator_biastype[number]]
+        gain = _kinds("mjtGain")[mj.actuator_gaintype[number]]
         if mj.actuator_plugin[number] >= 0:
             return "the plugin"
         if bias not in ("NONE", "AFFINE") or gain not in ("FIXED", "AFFINE"):
@@ -696,7 +659,7 @@ class _Reader:
             return ""
         target, to = self._target(number), int(mj.actuator_trnid[number][0])
         if target in ("JOINT", "JOINTINPARENT"):
-            kind = _kinds("mjtJoint", "mjJNT_")[mj.jnt_type[to]]
+            kind = _kinds("mjtJoint")[mj.jnt_type[to]]
             return "" if kind in ("HINGE", "SLIDE") else f"the gains at a {kind.lower()} joint"
         if target == "TENDON":
             return "" if self._path(to) is not None else "the gains along a tendon around a geom"
@@ -772,12 +735,12 @@ def _on_one_branch(model, tendon: Tendon) -> bool:
 
 def geom_kind(mj, geom: int) -> str:
     """BOX, SPHERE, ..., PLANE."""
-    return _kinds("mjtGeom", "mjGEOM_")[mj.geom_type[geom]]
+    return _kinds("mjtGeom")[mj.geom_type[geom]]
 
 
 def quaternion_places(mj) -> np.ndarray:
     """The places in qpos, which has quaternions w, x, y, z, of the numbers of pinocchio's q."""
-    places, kinds = np.arange(mj.nq), _kinds("mjtJoint", "mjJNT_")
+    places, kinds = np.arange(mj.nq), _kinds("mjtJoint")
     for number, at in enumerate(mj.jnt_qposadr):
         if kinds[mj.jnt_type[number]] in ("FREE", "BALL"):
             start = at + 3 * (kinds[mj.jnt_type[number]] == "FREE")
@@ -786,11 +749,11 @@ def quaternion_places(mj) -> np.ndarray:
 
 
 @lru_cache
-def _kinds(enum: str, prefix: str) -> dict[int, str]:
-    """Names of the members of an enumeration of MuJoCo by number."""
+def _kinds(enum: str) -> dict[int, str]:
+    """Names of the members of an enumeration of MuJoCo by number, without their common prefix, such as mjJNT_."""
     import mujoco
 
-    return {int(member): name.removeprefix(prefix) for name, member in getattr(mujoco, enum).__members__.items()}
+    return {int(member): name.partition("_")[2] for name, member in getattr(mujoco, enum).__members__.items()}
 
 
 def _distinct(name: str, used: set[str]) -> str:
@@ -802,8 +765,7 @@ def _distinct(name: str, used: set[str]) -> str:
 
 
 def _some(names) -> str:
-    names = [short(name) for name in names]
-    return ", ".join(names[:MOST_NAMED]) + (f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else "")
+    return listed([short(name) for name in names], MOST_NAMED)
 
 
 def _add_link(model, name: str, joint: int, place) -> None:
@@ -824,9 +786,3 @@ def pose(position, quaternion):
     import pinocchio
 
     return pinocchio.SE3(_rotation(quaternion), np.array(position, dtype=float))
-
-
-def _angles(rotation: np.ndarray) -> list[float]:
-    import pinocchio
-
-    return pinocchio.rpy.matrixToRpy(rotation).tolist()

@@ -21,17 +21,15 @@ from ...ground.notices import Notice, NoticeKind
 from ..tangent import BASE, JointGear
 from .extensions import (
     WORLD,
-    Content,
     Joint,
     acts,
     add_joint,
     add_loop,
-    add_origin,
     amount,
     is_true,
     leave_out_repeated,
+    leave_out_unknown,
     local_name,
-    placement,
     pose_of,
     read_drake,
     read_joint,
@@ -39,7 +37,22 @@ from .extensions import (
     read_urdf_file,
     text_of,
 )
-from .urdf import DOWNWARDS, MOMENTS, MOST_LINKS, RENAMED_GROUND, ModelFile, number, numbers, read_urdf, short, xml_element
+from .mjcf import is_mjcf, read_mjcf
+from .urdf import (
+    DOWNWARDS,
+    MOMENTS,
+    MOST_LINKS,
+    RENAMED_GROUND,
+    ModelFile,
+    add_origin,
+    is_model,
+    number,
+    numbers,
+    placement,
+    read_urdf,
+    short,
+    xml_element,
+)
 
 #: Endings of SDF files; one that ends in .xml is looked into.
 ENDINGS = (".sdf", ".world", ".model")
@@ -68,19 +81,23 @@ _OWN = ("", "__model__")
 
 def is_sdf(source) -> bool:
     """Whether this is the path or the text of an SDF."""
-    if isinstance(source, str) and "<" in source:
-        return re.search(r"<sdf\b", source) is not None and re.search(r"<(mujoco|robot)\b", source) is None
     if not isinstance(source, (str, Path)):
         return False
     ending = Path(str(source)[:4096]).suffix.lower()
-    if ending != ".xml":
+    if not (isinstance(source, str) and "<" in source) and ending != ".xml":
         return ending in ENDINGS
     text = read_urdf(source, "SDF")[0]
     return re.search(r"<sdf\b", text) is not None and re.search(r"<(mujoco|robot)\b", text) is None
 
 
 def read_description(source, base: str = "fixed", package_dirs: tuple[Path, ...] = ()) -> ModelFile:
-    """The content of a URDF or an SDF; the arguments are those of ``read_sdf``."""
+    """The content of a URDF, SDF or MJCF file, or of a pinocchio model; ``base`` is that of ``Robot``."""
+    if isinstance(source, ModelFile):
+        return source
+    if is_mjcf(source):
+        return read_mjcf(source, base != "fixed", package_dirs)
+    if is_model(source):
+        return ModelFile(model=source, gravity=source.gravity.linear.tolist())
     return read_sdf(source, base, package_dirs) if is_sdf(source) else read_urdf_file(source)
 
 
@@ -88,7 +105,7 @@ def read_sdf(source: str | Path, base: str = "fixed", package_dirs: tuple[Path, 
     """The content of an SDF file: one model, or a world of models."""
     text, folder = read_urdf(source, "SDF")
     root = _root(text)
-    content = Content("SDF")
+    content = ModelFile("SDF", folder=folder)
     reader = _SdfReader(content, folder, package_dirs)
     worlds = root.findall("world")
     if len(worlds) > 1:
@@ -97,16 +114,17 @@ def read_sdf(source: str | Path, base: str = "fixed", package_dirs: tuple[Path, 
         raise InputError("sdf: found a world and models outside of it; expected all of them in the world")
     if _version(root) > _LAST:
         text = f"its version is later than {'.'.join(map(str, _LAST))}, the last that is known; what it changes is not read"
-        content.notices.append(Notice(NoticeKind.OMITTED, f"SDF: {text}", doubtful=True))
+        content.remarks.append(Notice(NoticeKind.OMITTED, f"SDF: {text}", doubtful=True))
     models = worlds[0] if worlds else root
     if not worlds and len(models.findall("model")) == 1:
         scope = _Scope(reader, models.findall("model")[0], None, "", _version(root), folder)
     else:
         scope = _Scope(reader, models, None, "", _version(root), folder, is_world=True)
     gravity = text_of(worlds[0], "gravity", USUAL_GRAVITY) if worlds else " ".join(map(repr, DOWNWARDS))
-    robot = Element("robot", name=(scope.element.get("name") or "robot"))
-    _Assembly(robot, scope, content).build(base)
-    return content.model_file(gravity=numbers(gravity, 3, "sdf, gravity"), description=robot, folder=folder)
+    content.description = Element("robot", name=(scope.element.get("name") or "robot"))
+    _Assembly(content.description, scope, content).build(base)
+    content.gravity = numbers(gravity, 3, "sdf, gravity")
+    return content
 
 
 def _root(text: str, where: str = "sdf") -> Element:
@@ -130,7 +148,7 @@ def _version(root: Element) -> tuple[int, int]:
 class _SdfReader:
     """Finds included models."""
 
-    def __init__(self, content: Content, folder: Path | None, package_dirs: tuple[Path, ...]):
+    def __init__(self, content: ModelFile, folder: Path | None, package_dirs: tuple[Path, ...]):
         self.content, self.folder, self.package_dirs = content, folder, package_dirs
         self.links = self.models = 0
 
@@ -257,9 +275,8 @@ class _Scope:
         self.children[name] = child
         if merges:
             self.merged.append(child)
-        for part in element:
-            if part.tag not in ("uri", "name", "pose", "placement_frame", "static"):
-                self.reader.content.leave_out(f'<{short(part.tag)}> of the included "{short(name)}"', part.tag != "plugin")
+        of, known = f' of the included "{short(name)}"', "uri name pose placement_frame static"
+        leave_out_unknown(element, known, of, self.reader.content, lambda part: part.tag != "plugin")
 
     def _scope_of(self, name: str) -> tuple[_Scope, str] | None:
         """The nested model of a name with ::, or of one of a merged model, and the name in it."""
@@ -415,7 +432,7 @@ def body_name(name: str) -> str:
 class _Assembly:
     """The tree of all bodies of an SDF."""
 
-    def __init__(self, robot: Element, scope: _Scope, content: Content):
+    def __init__(self, robot: Element, scope: _Scope, content: ModelFile):
         self.robot, self.scope, self.content = robot, scope, content
         self.places: dict[str, Any] = {WORLD: placement((0, 0, 0))}
         self.joints: list[Joint] = []
@@ -528,7 +545,7 @@ class _Assembly:
             names = ", ".join(f'"{short(name)}"' for name in free[:3]) + (f" and {len(free) - 3} more" if len(free) > 3 else "")
             text = f"nothing joins {names} to the world, so that the base is free"
             advice = "" if len(free) > 1 or attached else '; base = "moving" keeps it at rest'
-            self.content.notices.append(Notice(NoticeKind.OVERRIDE, f"SDF: {text}{advice}"))
+            self.content.remarks.append(Notice(NoticeKind.OVERRIDE, f"SDF: {text}{advice}"))
         if base == "free" and not free:
             raise InputError('base: found "free", but the SDF joins the robot to the world; leave it out')
         if base == "moving" and free and (len(free) > 1 or attached):
@@ -573,7 +590,7 @@ class _Assembly:
             self.content.gears.append(JointGear(second[0].name, first[0].name, ratio))
 
 
-def _add_link(robot: Element, name: str, scope: _Scope, link: Element, content: Content) -> None:
+def _add_link(robot: Element, name: str, scope: _Scope, link: Element, content: ModelFile) -> None:
     """A link with its mass and shapes."""
     where, element = f'sdf, link "{short(name)}"', SubElement(robot, "link", name=name)
     if not scope.is_static:
@@ -584,7 +601,7 @@ def _add_link(robot: Element, name: str, scope: _Scope, link: Element, content: 
             _add_shape(element, shape, tag, scope, own, where, content)
 
 
-def _add_inertial(element: Element, link: Element, where: str, name: str, content: Content) -> None:
+def _add_inertial(element: Element, link: Element, where: str, name: str, content: ModelFile) -> None:
     inertial = link.find("inertial")
     if inertial is not None and is_true(inertial.get("auto", "")):
         raise InputError(f"{where}: its inertia is to be computed from its shapes (auto); give mass and inertia")
@@ -599,16 +616,16 @@ def _add_inertial(element: Element, link: Element, where: str, name: str, conten
     usual = {key: "1" if key in ("ixx", "iyy", "izz") else "0" for key in MOMENTS}
     moments = {key: repr(number(text_of(inertia, key, usual[key]), f"{where}, inertia, {key}")) for key in MOMENTS}
     SubElement(result, "inertia", moments)
-    for part in inertial if inertial is not None else ():
-        if part.tag not in ("pose", "mass", "inertia", "frame", "density"):
-            content.leave_out(f'<{short(part.tag)}> of the mass of "{short(name)}"', True)
+    leave_out_unknown(
+        () if inertial is None else inertial, "pose mass inertia frame density", f' of the mass of "{short(name)}"', content
+    )
 
 
 #: Shapes of an SDF that are those of a URDF, with their sizes.
 _SHAPES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "capsule": ("radius", "length")}
 
 
-def _add_shape(link: Element, shape: Element, tag: str, scope: _Scope, own, where: str, content: Content) -> None:
+def _add_shape(link: Element, shape: Element, tag: str, scope: _Scope, own, where: str, content: ModelFile) -> None:
     """A visual or collision shape."""
     geometry = shape.find("geometry")
     kind = next((part for part in ([] if geometry is None else geometry) if part.tag in (*_SHAPES, "mesh")), None)
@@ -623,20 +640,17 @@ def _add_shape(link: Element, shape: Element, tag: str, scope: _Scope, own, wher
     add_origin(result, place)
     target = SubElement(result, "geometry")
     if kind.tag == "mesh":
-        file = {"filename": _mesh_name(text_of(kind, "uri") or text_of(kind, "filename"), scope)}
-        SubElement(target, "mesh", file | ({"scale": text_of(kind, "scale")} if kind.find("scale") is not None else {}))
+        uri = text_of(kind, "uri") or text_of(kind, "filename")
+        if "://" not in uri and scope.folder is not None and scope.folder != scope.reader.folder:  # of an included model
+            uri = str(scope.folder / uri)
+        SubElement(
+            target, "mesh", {"filename": uri} | ({"scale": text_of(kind, "scale")} if kind.find("scale") is not None else {})
+        )
     else:
         SubElement(target, kind.tag, {key: text_of(kind, key) for key in _SHAPES[kind.tag]})
     color = text_of(shape.find("material"), "diffuse") or text_of(shape.find("material"), "ambient")
     if len(color.split()) in (3, 4):
         SubElement(SubElement(result, "material"), "color", rgba=f"{color} 1" if len(color.split()) == 3 else color)
-
-
-def _mesh_name(uri: str, scope: _Scope) -> str:
-    """A mesh of an included model by its path, others as they are."""
-    if "://" in uri or scope.folder is None or scope.folder == scope.reader.folder:
-        return uri
-    return str(scope.folder / uri)
 
 
 #: Children of <model>, <world> and <link> that are read or have no effect on the motion.
@@ -649,9 +663,13 @@ _KNOWN = {
 }
 
 
-def _leave_out(element: Element, scope: _Scope, content: Content) -> None:
+def _leave_out(element: Element, scope: _Scope, content: ModelFile) -> None:
     """Note the omitted parts of a model or world and of its links."""
     static = scope.is_static
+
+    def may_act(child: Element) -> bool:
+        return bool(acts(child) or amount(child.text or ""))
+
     for child in element:
         if "}" in child.tag or ":" in child.tag:
             continue
@@ -660,10 +678,10 @@ def _leave_out(element: Element, scope: _Scope, content: Content) -> None:
         elif child.tag in ("enable_wind", "wind"):
             if amount(child.text or "") or amount(text_of(child, "linear_velocity")):
                 content.leave_out(f"<{child.tag}>", False)
-        elif child.tag not in _KNOWN["world" if scope.is_world else "model"].split():
-            place = "the world" if scope.is_world else scope.where.removeprefix("sdf, ")
-            content.leave_out(f"<{short(child.tag)}> of {place}", bool(acts(child) or amount(child.text or "")))
-        elif child.tag == "state" and any(amount(part.text or "") for part in child.iterfind("model//*")):
+        else:
+            kind, place = ("world", "the world") if scope.is_world else ("model", scope.where.removeprefix("sdf, "))
+            leave_out_unknown([child], _KNOWN[kind], f" of {place}", content, may_act)
+        if child.tag == "state" and any(amount(part.text or "") for part in child.iterfind("model//*")):
             content.leave_out("<state> of the world", True)
     for link in () if static else element.findall("link"):
         name = short(f"{scope.prefix}{link.get('name')}")
@@ -681,6 +699,6 @@ def _leave_out(element: Element, scope: _Scope, content: Content) -> None:
             elif child.tag == "enable_wind":
                 if is_true(text):
                     content.leave_out(f'<enable_wind> of "{name}"', False)
-            elif child.tag not in _KNOWN["link"].split():
-                content.leave_out(f'<{short(child.tag)}> of "{name}"', bool(acts(child) or amount(child.text or "")))
+            else:
+                leave_out_unknown([child], _KNOWN["link"], f' of "{name}"', content, may_act)
         leave_out_repeated(link, f'the link "{name}"', content)

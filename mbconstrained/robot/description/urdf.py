@@ -16,7 +16,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from ...ground.checks import nearest, real_array, real_number
+from ...ground.checks import listed, nearest, real_array, real_number
 from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
@@ -26,50 +26,94 @@ from ...ground.tolerances import noise_of
 SEVERAL = ("JointModelPlanar", "JointModelFreeFlyer", "JointModelSpherical", "JointModelTranslation")
 
 
+#: Number of unread parts, and of links, named in a notice; the others are counted.
+MOST_PARTS = 12
+
 #: The acceleration of free fall where a file gives none (m/s^2).
 DOWNWARDS = (0.0, 0.0, -9.81)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class ModelFile:
-    """A pinocchio model with the further data of its file.
+    """The content of a file of a robot, which its reader fills in: the tree, and what joins its links besides joints.
 
     Attributes:
-        model: of pinocchio.
+        word: the format, for messages; empty for a pinocchio model alone.
+        description, folder: the element <robot> of a URDF, for other formats made of their tree, and the folder of the file.
+        model: of pinocchio, of an MJCF file or a given one; of others it is built from the description.
         gravity: shape (3,) (m/s^2).
-        path: the file; None for a model alone.
-        loops, gears: ``Loop`` and ``JointGear``.
-        joint_stiffness, joint_rest: by joint.
+        loops, springs, tendons, gears: ``Loop``, ``Bushing``, ``Tendon`` and ``JointGear``.
+        joint_stiffness, joint_rest, motors: by joint.
         states: configurations q by name.
-        notices: notices on what was left out.
-        springs, tendons, motors: ``Bushing``, ``Tendon``, and ``Motor`` by joint.
         lift: by body a point (m) at which a force compensates the weight of a mass (kg).
+        doubted, noted: parts that are not read and may act on the motion, and those that do not.
+        usual: links that give no mass or no inertia.
+        stopped: joints both limits of which are the same.
+        remarks: other notices.
+        path: of an MJCF file.
         compiled: the ``MjModel`` of an MJCF file, to compare with; None where it has elastic parts that are not read.
         drawn: the model with shapes.
         links: links of its bodies, by number.
         undrawn: geoms whose mesh is missing.
-        description, folder: the element <robot> of a URDF or an SDF, and the folder of the file.
     """
 
-    model: Any
-    gravity: Sequence[float]
+    word: str = ""
+    description: Element = None
+    folder: Path | None = None
+    model: Any = None
+    gravity: Sequence[float] = DOWNWARDS
+    loops: list[Any] = field(default_factory=list)
+    springs: list[Any] = field(default_factory=list)
+    tendons: list[Any] = field(default_factory=list)
+    gears: list[Any] = field(default_factory=list)
+    joint_stiffness: dict[str, float] = field(default_factory=dict)
+    joint_rest: dict[str, float] = field(default_factory=dict)
+    motors: dict[str, Any] = field(default_factory=dict)
+    states: dict[str, np.ndarray] = field(default_factory=dict)
+    lift: dict[str, tuple[Sequence[float], float]] = field(default_factory=dict)
+    doubted: list[str] = field(default_factory=list)
+    noted: list[str] = field(default_factory=list)
+    usual: list[str] = field(default_factory=list)
+    stopped: list[str] = field(default_factory=list)
+    remarks: list[Notice] = field(default_factory=list)
     path: Path | None = None
-    loops: tuple[Any, ...] = ()
-    gears: tuple[Any, ...] = ()
-    joint_stiffness: Mapping[str, float] = field(default_factory=dict)
-    joint_rest: Mapping[str, float] = field(default_factory=dict)
-    states: Mapping[str, np.ndarray] = field(default_factory=dict)
-    notices: tuple[Notice, ...] = ()
-    springs: tuple[Any, ...] = ()
-    tendons: tuple[Any, ...] = ()
-    motors: Mapping[str, Any] = field(default_factory=dict)
-    lift: Mapping[str, tuple[Sequence[float], float]] = field(default_factory=dict)
     compiled: Any = None
     drawn: Any = None
-    links: tuple[str, ...] = ()
+    links: Sequence[str] = ()
     undrawn: frozenset[int] = frozenset()
-    description: Element | None = None
-    folder: Path | None = None
+
+    def __post_init__(self):
+        if self.model is not None:
+            self.description = described(self.model)
+
+    def leave_out(self, part: str, acts: bool) -> None:
+        """Note an omitted part, and whether it may affect the motion."""
+        (self.doubted if acts else self.noted).append(part)
+
+    def add_spring(self, joint: str, stiffness: float, rest: float) -> None:
+        """Add a spring of a joint, unless its stiffness is zero."""
+        if stiffness:
+            self.joint_stiffness[joint], self.joint_rest[joint] = stiffness, rest
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """Notices on what was left out or changed, one for all parts of a kind."""
+        rows = (
+            (NoticeKind.ACCURACY, "links that give no mass or no inertia have those of the format, 1 kg and 1 kg m^2", self.usual),
+            (NoticeKind.OVERRIDE, "joints whose limits are equal are fixed", self.stopped),
+            (
+                NoticeKind.OMITTED,
+                "not read, though it may act on the motion; give loops, springs, gears, motors or payloads instead",
+                self.doubted,
+            ),
+            (NoticeKind.OMITTED, "not read, without effect on the motion", self.noted),
+        )
+        notices = (
+            Notice(kind, f"{self.word}: {text}: {listed(list(dict.fromkeys(parts)), MOST_PARTS)}", doubtful=parts is self.doubted)
+            for kind, text, parts in rows
+            if parts
+        )
+        return (*self.remarks, *notices)
 
     def named_states(self, tangent) -> dict[str, dict]:
         """The states as guesses: values (rad, m) by joint, of the joints of a ``Tangent``; none where joints of the file are locked."""
@@ -110,21 +154,50 @@ def described(model) -> Element:
                 "degree of freedom each"
             )
         if number in first:
-            _add_inertial(first[number], model.inertias[number])
+            inertial, own = SubElement(first[number], "inertial"), model.inertias[number]
+            SubElement(inertial, "mass", value=repr(float(own.mass)))
+            values = np.array(own.inertia)[np.triu_indices(3)].tolist()
+            SubElement(inertial, "inertia", {key: repr(value) for key, value in zip(MOMENTS, values)})
             word = "floating" if joint.nv > 1 else "prismatic" if kind.startswith("JointModelP") else "revolute"
             if number > 1 or not has_free_base(model):
-                element = SubElement(robot, "joint", name=name, type=word)
                 parent = first.get(int(model.parents[number]), first[min(first)])
-                SubElement(element, "parent", link=parent.get("name", ""))
-                SubElement(element, "child", link=first[number].get("name", ""))
+                joint_element(robot, name, word, parent.get("name", ""), first[number].get("name", ""))
     return robot
 
 
-def _add_inertial(link: Element, inertia) -> None:
-    inertial, tensor = SubElement(link, "inertial"), np.array(inertia.inertia)
-    SubElement(inertial, "mass", value=repr(float(inertia.mass)))
-    moments = zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), tensor[np.triu_indices(3)].tolist())
-    SubElement(inertial, "inertia", {key: repr(value) for key, value in moments})
+def joint_element(robot: Element, name: str, kind: str, parent: str, child: str, place=None) -> Element:
+    """A new joint of a URDF, at an SE3."""
+    joint = SubElement(robot, "joint", name=name, type=kind)
+    for tag, link in (("parent", parent), ("child", child)):
+        SubElement(joint, tag, link=link)
+    if place is not None:
+        add_origin(joint, place)
+    return joint
+
+
+def placement(xyz: Sequence[float], rpy: Sequence[float] = (0.0, 0.0, 0.0)):
+    """The SE3 of a translation (m) and roll, pitch, yaw (rad)."""
+    import pinocchio
+
+    return pinocchio.SE3(pinocchio.rpy.rpyToMatrix(*rpy), np.array(xyz, dtype=float))
+
+
+def place_of(element: Element | None, where: str):
+    """The SE3 of the attributes xyz and rpy of an element; none are zeros."""
+    texts = ((key, "0 0 0" if element is None else element.get(key, "0 0 0")) for key in ("xyz", "rpy"))
+    return placement(*(numbers(text, 3, f"{where}, {key}") for key, text in texts))
+
+
+def add_origin(parent: Element, place) -> None:
+    """Add an SE3 as the element <origin> of a URDF."""
+    SubElement(parent, "origin", xyz=_text(place.translation.tolist()), rpy=_text(angles_of(place.rotation)))
+
+
+def angles_of(rotation: np.ndarray) -> list[float]:
+    """Roll, pitch, yaw of a rotation (3, 3)."""
+    import pinocchio
+
+    return pinocchio.rpy.matrixToRpy(rotation).tolist()
 
 
 LARGEST_URDF = 5_000_000  # bytes; the URDF of a humanoid has a few hundred thousand
@@ -373,6 +446,13 @@ def skeleton(robot: Element) -> str:
     return ElementTree.tostring(tree, encoding="unicode")
 
 
+def _copy(parent: Element, element: Element, tag: str, keys: Sequence[str], where: str, count=1, usual=None, **limits) -> None:
+    """Copy the numbers of a child, if there is one."""
+    if (child := element.find(tag)) is not None:
+        texts = {key: _text(numbers(child.get(key, usual), count, f"{where}, {key}", **limits)) for key in keys}
+        SubElement(parent, tag, texts)
+
+
 def link_masses(robot: Element) -> dict[str, float]:
     """Masses by link (kg), of those that have one."""
     elements = {link.get("name"): link.find("inertial/mass") for link in robot.findall("link")}
@@ -380,42 +460,24 @@ def link_masses(robot: Element) -> dict[str, float]:
 
 
 def _copy_inertial(link: Element, inertial: Element, where: str) -> None:
-    mass, inertia = inertial.find("mass"), inertial.find("inertia")
-    if mass is None or inertia is None:
-        missing = "mass" if mass is None else "inertia"
-        raise InputError(f"{where}, inertial: found no <{missing}>; give it, with zeros where there is none")
+    for tag in ("mass", "inertia"):
+        if inertial.find(tag) is None:
+            raise InputError(f"{where}, inertial: found no <{tag}>; give it, with zeros where there is none")
     copy = SubElement(link, "inertial")
-    _copy_origin(copy, inertial, where)
-    SubElement(copy, "mass", value=_text([number(mass.get("value"), f"{where}, mass", minimum=0.0)]))
-    values = moments(inertia, where)
-    SubElement(copy, "inertia", {key: _text([value]) for key, value in values.items()})
-
-
-def moments(inertia: Element, where: str) -> dict[str, float]:
-    """The six moments of an element <inertia> by name."""
-    return {key: number(inertia.get(key), f"{where}, inertia, {key}") for key in MOMENTS}
+    _copy(copy, inertial, "origin", ("xyz", "rpy"), where, 3, "0 0 0")
+    SubElement(copy, "mass", value=repr(number(inertial.find("mass").get("value"), f"{where}, mass", minimum=0.0)))
+    _copy(copy, inertial, "inertia", MOMENTS, f"{where}, inertia")
 
 
 def _copy_joint(robot: Element, joint: Element, where: str) -> None:
-    kind = joint.get("type")
-    copy = SubElement(robot, "joint", name=joint.get("name"), type=kind)
-    for tag in ("parent", "child"):
-        SubElement(copy, tag, link=joint.find(tag).get("link"))
-    _copy_origin(copy, joint, where)
+    kind, ends = joint.get("type"), (joint.find(tag).get("link") for tag in ("parent", "child"))
+    copy = joint_element(robot, joint.get("name"), kind, *ends)
+    _copy(copy, joint, "origin", ("xyz", "rpy"), where, 3, "0 0 0")
     if kind not in ("fixed", "floating", "ball"):
         SubElement(copy, "axis", xyz=_text(axis_of(joint, where)))
     if kind not in _UNLIMITED:
         SubElement(copy, "limit", {key: _text([value]) for key, value in _limits(joint, where).items()})
-    if (dynamics := joint.find("dynamics")) is not None:
-        values = {key: number(dynamics.get(key, "0"), f"{where}, {key}", minimum=0.0) for key in ("damping", "friction")}
-        SubElement(copy, "dynamics", {key: _text([value]) for key, value in values.items()})
-
-
-def _copy_origin(parent: Element, element: Element, where: str) -> None:
-    if (origin := element.find("origin")) is not None:
-        SubElement(
-            parent, "origin", {key: _text(numbers(origin.get(key, "0 0 0"), 3, f"{where}, {key}")) for key in ("xyz", "rpy")}
-        )
+    _copy(copy, joint, "dynamics", ("damping", "friction"), where, usual="0", minimum=0.0)
 
 
 def axis_of(joint: Element, where: str) -> list[float]:
@@ -461,19 +523,7 @@ class SemanticDescription:
     rotors: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def state(self, name: str, joints: Collection[str], base: str | None) -> dict[str, float | tuple[float, ...]]:
-        """The values of the moving joints, as a guess.
-
-        Args:
-            name: name of the state.
-            joints: the moving joints.
-            base: the name of a free base, which takes the pose of a joint that is not among them; None of a fixed one.
-
-        Returns:
-            Values by joint.
-
-        Raises:
-            InputError: no such state.
-        """
+        """The values of the moving joints in a state; a free base, if one is named, takes the pose of a joint that is not among them."""
         if name not in self.states:
             there = f"; there are {', '.join(self.states)}" if self.states else ": no SRDF file with one is given (srdf)"
             raise InputError(f'state: there is no "{short(name)}"{nearest(name, self.states)}{there}')
@@ -543,13 +593,17 @@ def _tensor(moments, where: str) -> np.ndarray:
     values = real_array(moments, where, shape=(None,))
     if len(values) not in (3, 6):
         raise InputError(f"{where}: found {len(values)} numbers; expected 3 principal moments, or ixx, ixy, ixz, iyy, iyz, izz")
-    tensor = np.diag(values) if len(values) == 3 else np.zeros((3, 3))
-    if len(values) == 6:
-        tensor[np.triu_indices(3)] = values
-        tensor = tensor + np.triu(tensor, 1).T
+    tensor = np.diag(values) if len(values) == 3 else _symmetric(values)
     if (least := np.linalg.eigvalsh(tensor)[0]) < -noise_of(np.abs(tensor).max(), 3):
         raise InputError(f"{where}: the moment of inertia about some axis is {least:.3g} kg m^2; expected 0 or more")
     return tensor
+
+
+def _symmetric(moments: Sequence[float]) -> np.ndarray:
+    """The matrix of ixx, ixy, ixz, iyy, iyz, izz."""
+    tensor = np.zeros((3, 3))
+    tensor[np.triu_indices(3)] = moments
+    return tensor + np.triu(tensor, 1).T
 
 
 def replace_masses(robot: Element, masses: Mapping[str, float], inertias: Mapping[str, Sequence[float]]) -> None:
@@ -583,9 +637,6 @@ def replace_masses(robot: Element, masses: Mapping[str, float], inertias: Mappin
 #: The triangle inequality of principal moments holds to this share, the digits that descriptions are rounded to.
 ROUNDED_TRIANGLE = 1e-2
 
-#: Number of links named in a notice; the others are counted.
-MOST_NAMED_LINKS = 3
-
 
 def description_notices(robot: Element) -> tuple[Notice, ...]:
     """Notices on physically impossible or unused contents of a description; one for all links or joints of a kind."""
@@ -604,7 +655,7 @@ def description_notices(robot: Element) -> tuple[Notice, ...]:
     ]
     if lost:
         notices.append(
-            Notice(NoticeKind.OMITTED, f"mimic joints of which the leader does not exist move by themselves: {_first(lost)}")
+            Notice(NoticeKind.OMITTED, f"mimic joints of which the leader does not exist move by themselves: {listed(lost)}")
         )
     return (*notices, *_inertia_notices(robot))
 
@@ -614,9 +665,7 @@ def _inertia_notices(robot: Element) -> list[Notice]:
     principal = {}
     for link in robot.findall("link"):
         if (inertia := link.find("inertial/inertia")) is not None:
-            tensor = np.zeros((3, 3))
-            tensor[np.triu_indices(3)] = list(moments(inertia, "").values())
-            principal[link.get("name")] = np.linalg.eigvalsh(tensor + np.triu(tensor, 1).T)
+            principal[link.get("name")] = np.linalg.eigvalsh(_symmetric([number(inertia.get(key), key) for key in MOMENTS]))
     largest = max((values[-1] for values in principal.values()), default=0.0)
     smallest = 1e-3 * ROUNDED * largest
     rounded, slight, negative, broken = [], [], [], []
@@ -633,9 +682,4 @@ def _inertia_notices(robot: Element) -> list[Notice]:
         ("principal moments of inertia of which one is negative, which no body has", negative, True),
         ("principal moments of inertia of which one exceeds the sum of the others, which no body has", broken, False),
     ]
-    return [Notice(NoticeKind.ACCURACY, f"{text}: {_first(links)}", doubtful) for text, links, doubtful in texts if links]
-
-
-def _first(names: list[str]) -> str:
-    more = f" and {len(names) - MOST_NAMED_LINKS} more" if len(names) > MOST_NAMED_LINKS else ""
-    return ", ".join(names[:MOST_NAMED_LINKS]) + more
+    return [Notice(NoticeKind.ACCURACY, f"{text}: {listed(links)}", doubtful) for text, links, doubtful in texts if links]

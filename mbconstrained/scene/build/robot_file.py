@@ -87,19 +87,19 @@ class UrdfNames:
 
 def names_of_urdf(path: Path, base: str = "fixed", package_dirs: Sequence[Path] = ()) -> UrdfNames:
     """Names in a URDF, an SDF, or an MJCF file, which MuJoCo compiles; collision geometry is ignored."""
-    from ...robot.description.mjcf import is_mjcf, read_mjcf
     from ...robot.description.sdf import read_description
-    from ...robot.description.urdf import HIDDEN, described, has_free_base, mimics_of
+    from ...robot.description.urdf import HIDDEN, has_free_base, mimics_of
     from ...robot.tangent import Tangent
 
     if not path.is_file():
         others = [other.name for other in path.parent.glob("*.urdf")] if path.parent.is_dir() else []
         raise InputError(f"there is no file {shown(path.name)}{nearest(path.name, others)}")
     free_base = base != "fixed"
-    mjcf = read_mjcf(path, free_base, tuple(package_dirs)) if is_mjcf(path) else None
-    source = mjcf or read_description(path, base, tuple(package_dirs))
-    root = described(mjcf.model) if mjcf else source.description
-    has_free_joint = has_free_base(mjcf.model) if mjcf else root.find(f"joint[@name='{BASE}'][@type='floating']") is not None
+    source = read_description(path, base, tuple(package_dirs))
+    model, root = source.model, source.description
+    has_free_joint = (
+        has_free_base(model) if model is not None else root.find(f"joint[@name='{BASE}'][@type='floating']") is not None
+    )
     units = {joint.get("name").strip(): JOINT_UNITS.get(joint.get("type")) for joint in root.findall("joint")}
     own_units = [(joint.get("name").strip(), COORDINATE_UNITS.get(joint.get("type"), {})) for joint in root.findall("joint")]
     coordinates = {}
@@ -110,7 +110,7 @@ def names_of_urdf(path: Path, base: str = "fixed", package_dirs: Sequence[Path] 
     meshes = ((name, mesh.get("filename", "")) for name, link in links.items() for mesh in link.findall("visual/geometry/mesh"))
     known = {name: unit for name, unit in units.items() if unit}
     several = {name: own for name, own in coordinates.items() if own}
-    states = mjcf.named_states(Tangent(mjcf.model, free_base or has_free_joint)) if mjcf else {}
+    states = {} if model is None else source.named_states(Tangent(model, free_base or has_free_joint))
     return UrdfNames(path, tuple(links), known, mimics_of(root), tuple(meshes), several, states, has_free_joint)
 
 

@@ -56,7 +56,7 @@ def test_torques_are_turned_too():
     hinge = mb.Loop("ground", (0.3, -0.02, -0.5), "lower", (0, 0, -0.3), "hinge", axis=(0, 1, 0), rotation1=(0, 0.4, 0), name="pin")
     robot = mb.Robot("robots/double_pendulum/double_pendulum.urdf", loops=[hinge])
     posture = robot.equilibrium({"shoulder": -0.2, "elbow": 1.0}, {"elbow": 1.0})
-    load, (gradient,) = posture.balance.load, posture.balance.gradients
+    load, (gradient,) = posture.balance.load, [gradient for _, _, gradient, _ in posture.balance.loops]
     forces = connection_forces(posture, 2, load.row_names)
     multipliers = np.arange(1.0, 1.0 + len(load.row_names))
     turn, wrench = rotation(posture, hinge), gradient.T @ multipliers
