@@ -70,9 +70,7 @@ class PolynomialCoefficients:
 
 def _factors_of(matrix):
     """The element matrix B^T diag(k) B of a coefficient given by its elements, directions B and constants k; else the array."""
-    if hasattr(matrix, "directions") and hasattr(matrix, "constants"):
-        return Factors(matrix.directions.T, matrix.constants, matrix.directions)
-    return matrix
+    return matrix.factors if hasattr(matrix, "directions") else matrix
 
 
 def _assembled(matrix, what: str) -> np.ndarray:

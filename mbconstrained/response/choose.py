@@ -16,7 +16,7 @@ and of 100 for 200, a symmetric eigenproblem of half the size that of 2 and of 7
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -28,10 +28,12 @@ from ..ground.tolerances import EPS, PROVED_RESTARTS, PROVED_STATES, noise_of
 from ..linalg.exponential import even_step
 from ..linalg.precise import is_worthwhile
 from ..linalg.recursion import cost_of_exponential, cost_of_powers, cost_of_steps, shared_gaps
+from ..polynomial.direct_reduction import reduction_of
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..polynomial.reduced_equations import NotReducible, Reduction
 from ..signals.impulsive import ImpulsiveSmooth
 from .flow import FEWEST_KNOTS, Flow
+from .methods.refined import elements_of, refined_modes
 from .problem import Problem
 
 Evaluations = Literal["once", "many"]
@@ -127,7 +129,9 @@ def reduced_flow(problem: Problem) -> Flow:
     """The reduced equations with start and force."""
     initial, force = problem.initial, problem.force
     proved = not unproved(problem)  # no values are used then that are not right
-    reduction = serving_reduction(problem.polynomial_matrix, force, problem.rank_tolerance, proved=proved)
+    A = problem.polynomial_matrix
+    reduction = serving_reduction(A, force, problem.rank_tolerance, proved=proved, refining=True)
+    refining = proved and (reduction.by_elements is not None or _is_stiff(reduction))
     try:
         with np.errstate(over="raise", invalid="raise"):
             jumping = not satisfying(reduction, initial[..., None], force)[0]
@@ -135,6 +139,11 @@ def reduced_flow(problem: Problem) -> Flow:
                 raise NotReducible("the initial values or a jump of the force do not satisfy the algebraic equations")
             flow = Flow.of(reduction, initial, force, jumping=jumping)
             flow.jump, flow.events  # computed here, where overflow is still another method's to avoid
+        if refining:
+            flow = replace(flow, refining=True)
+            modes = refined_modes(flow, elements_of(A.factors))
+            if modes is None or not modes.is_accurate:
+                raise NotReducible(_spread(reduction))
     except FloatingPointError:
         raise NotReducible("the reduced equations leave the range of float64") from None
     return flow
@@ -151,12 +160,18 @@ def reducible(A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveSmooth, 
 
 
 def serving_reduction(
-    A: PolynomialMatrix, force: ImpulsiveSmooth, rank_tolerance: float | None = None, *, proved: bool = False
+    A: PolynomialMatrix,
+    force: ImpulsiveSmooth,
+    rank_tolerance: float | None = None,
+    *,
+    proved: bool = False,
+    refining: bool = False,
 ) -> Reduction:
-    """The reduction of A(s) where it serves for a force, whatever the initial values are."""
+    """The reduction of A(s) where it serves for a force, whatever the initial values are; stiff ones where modes may be refined."""
     if rank_tolerance is not None:
         raise NotReducible("a rank tolerance is given, and the reduced equations decide no rank")
-    reduction = A.reduction
+    refining = refining and proved
+    reduction = reduction_of(A, by_elements=True) if refining and any(A.factors) else A.reduction
     if isinstance(reduction, NotReducible):
         raise NotReducible(str(reduction))
     if not reduction.is_finite:
@@ -166,8 +181,8 @@ def serving_reduction(
     restarts = len(force.knots) - 1
     if reduction.is_small and restarts and not proved:  # sums of modes may cancel at any of them
         raise NotReducible(f"the force restarts at {counted(restarts, 'time')}")
-    if _is_stiff(reduction):
-        raise NotReducible(f"the stiffness spread is {reduction.spread:.0e}, the ratio of the fastest rate to the slowest")
+    if not refining and _is_stiff(reduction):
+        raise NotReducible(_spread(reduction))
     if reduction.is_small:
         if not proved and not reduction.is_well_separated:
             raise NotReducible("the modes are not well separated")
@@ -194,6 +209,10 @@ def _is_stiff(reduction: Reduction) -> bool:
     if reduction.wide_modes is not None or not is_worthwhile(1 / EPS, states):  # float64 computes no larger spread
         return False
     return is_worthwhile(reduction.spread_bound, states) and is_worthwhile(reduction.spread, states)
+
+
+def _spread(reduction: Reduction) -> str:
+    return f"the stiffness spread is {reduction.spread:.0e}, the ratio of the fastest rate to the slowest"
 
 
 def satisfying(reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth) -> np.ndarray:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.sparse
@@ -98,6 +99,7 @@ class Flow:
         impulsive: the jumps of w by Dirac impulses at the knots of the force, shape (n, K); None where there are no impulses.
         first_moments: whether those of a delayed force are pieces of their own, in which nothing cancels.
         jumping: whether the values at 0- do not satisfy the algebraic equations.
+        refining: whether float64 does not resolve its slow modes next to fast ones, and refined ones do.
     """
 
     reduction: Reduction
@@ -109,6 +111,7 @@ class Flow:
     impulsive: np.ndarray | None = None
     first_moments: bool = True
     jumping: bool = False
+    refining: bool = False
 
     @classmethod
     def of(cls, reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth, *, jumping: bool = False) -> Flow:
@@ -207,9 +210,9 @@ class Flow:
         return driven_motion(part, self.force, first=self.first_moments)
 
     @cached_property
-    def records(self) -> list:
-        """The ``RecordFlow`` of the flow, or None, once it is known."""
-        return []
+    def computed(self) -> dict[Any, Any]:
+        """What methods compute once from the flow."""
+        return {}
 
     def propagator(self, step: float) -> Propagator:
         """The propagator e^{G h} for a step h; the last one is cached."""

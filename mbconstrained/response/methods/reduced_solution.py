@@ -299,9 +299,9 @@ class RecordFlow:
 
 def record_of(flow: Flow) -> RecordFlow | None:
     """The motion gap by gap, where the force restarts often; computed once."""
-    if not flow.records:
-        flow.records.append(RecordFlow.of(flow))
-    return flow.records[0]
+    if "record" not in flow.computed:
+        flow.computed["record"] = RecordFlow.of(flow)
+    return flow.computed["record"]
 
 
 class EvenRecord(RecordFlow):

@@ -101,7 +101,10 @@ def test_one_body_goes_along_what_it_says_itself_in_space(tmp_path):
         (f"{CART}along = [0, 0, 1]\nmoves = {{ cart = [1, 0, 0] }}", "along, and moves or turns, say the same thing"),
         (f'{CART}shape = "box"\nalong = [0, 0, 1]', "along and about turn the automatic drawing"),
         ('[[drawing.body]]\nname = "ground left of cart"\nalong = [0, 0, 1]', r"body\[1\].*has along, but it stays"),
-        ('automatic = true\n[[drawing.body]]\nname = "new"\nshape = "box"\nalong = [0, 0, 1]', r"body\[1\].*moves and turns state the motion"),
+        (
+            'automatic = true\n[[drawing.body]]\nname = "new"\nshape = "box"\nalong = [0, 0, 1]',
+            r"body\[1\].*moves and turns state the motion",
+        ),
         ('automatic = false\n[[drawing.body]]\nname = "cart"', r"body\[1\].*it has no shape"),
         ('[[drawing.body]]\nname = "crat"', r'body\[1\] \(of "crat"\): there is no such body.*cart.*give it a shape'),
         (f"automatic = true\n{CART}{LINK}", r'link\[1\]: there is no body "hok" in the drawing'),
