@@ -33,7 +33,8 @@ from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..polynomial.reduced_equations import NotReducible, Reduction
 from ..signals.impulsive import ImpulsiveSmooth
 from .flow import FEWEST_KNOTS, Flow
-from .methods.refined import elements_of, refined_modes
+from .methods.defect import Rounding
+from .methods.refined import RefinedDefect
 from .problem import Problem
 
 Evaluations = Literal["once", "many"]
@@ -140,10 +141,11 @@ def reduced_flow(problem: Problem) -> Flow:
             flow = Flow.of(reduction, initial, force, jumping=jumping)
             flow.jump, flow.events  # computed here, where overflow is still another method's to avoid
         if refining:
-            flow = replace(flow, refining=True)
-            modes = refined_modes(flow, elements_of(A.factors))
-            if modes is None or not modes.is_accurate:
+            modes = RefinedDefect(flow, Rounding.of_elements(A.coefficients, A.factors))
+            if modes.refined is None or not modes.refined.residual <= EPS:
                 raise NotReducible(_spread(reduction))
+            flow.computed["residual"] = modes.refined.residual
+            flow = replace(flow, refined=modes.states)
     except FloatingPointError:
         raise NotReducible("the reduced equations leave the range of float64") from None
     return flow
@@ -250,7 +252,8 @@ def evaluation_method(flow: Flow, shape: tuple[int, int], request: Request) -> t
     """The name of the method that evaluates an output of this shape (r, n), and the reason."""
     reduction, times = flow.reduction, request.times
     if reduction.is_small:
-        return MODES, f"by eigenvectors: {reduction.state_count} states are few"
+        refined = "" if flow.refined is None else ", refined with twice the digits, as their rates span many orders of magnitude"
+        return MODES, f"by eigenvectors{refined}: {reduction.state_count} states are few"
 
     def by_modes(then: str) -> tuple[str, Callable[[], str]]:
         return MODES, lambda: f"by {_modes_of(reduction)}{then}"

@@ -84,7 +84,7 @@ class ProvedFunction(BohlFunction):
     def _values(self, times: np.ndarray) -> np.ndarray:
         if self.defect is None or not self.size:
             return self.proved(times)[0] if len(times) <= MOST_TIMES and self.is_provable else self.rough(times)
-        refining = self.defect.flow.refining
+        refining = self.defect.flow.refined is not None
         covered = (self.refined if refining else self.defect).covers(times)
         if 0 < np.count_nonzero(~covered) <= MOST_TIMES and self.is_provable:
             values = np.empty((self.size, len(times)))

@@ -22,7 +22,7 @@ from ...linalg.arrays import full
 from ...linalg.division import accurate_product
 from ...linalg.double_double import DOUBLED_EPS, EXPONENTIAL_EPS, DoubleDouble, exponential, outer, stacked, turns
 from ...polynomial.coefficients import Factors
-from ...signals.bohl import BohlFunction, Restarts
+from ...signals.bohl import BohlFunction, FreeRestarts, Restarts
 from ..flow import Flow
 from .defect import FORCE_ROUNDING, BoundedModes, Defect, divided_by_masses
 
@@ -54,11 +54,6 @@ STEPS = 3
 Elements = tuple[Factors | None, ...]
 
 ENTIRE: Elements = (None, None, None)
-
-
-def elements_of(factors: Sequence[Factors | None]) -> Elements:
-    """The elements of the coefficients of A(s), A_2 included where its degree is less."""
-    return (*factors, *ENTIRE[len(factors) :])
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,12 +163,12 @@ class RefinedModes:
         return _whole(values, self.leading, self.above, self.rows.shape[1])
 
     @property
-    def is_accurate(self) -> bool:
-        """Whether residuals change no mode by a rounding error, slow ones next to fast ones included."""
+    def residual(self) -> float:
+        """The largest change of a mode by residuals, relative to its pole or its distance from others."""
         n = len(self.left)
         poles = self.whole(self.poles.high)[:n]
         distance = np.maximum(np.abs(np.subtract.outer(poles, poles)), np.abs(poles)[:, None])
-        return bool((self.driven[:, :n] <= EPS * distance).all())
+        return float(np.max(self.driven[:, :n] / distance, initial=0.0))
 
     @cached_property
     def turns(self) -> tuple[DoubleDouble, DoubleDouble]:
@@ -358,6 +353,28 @@ class RefinedDefect(Defect):
         """The modes; None where they cannot be refined."""
         elements = ENTIRE if self.rounding is None else self.rounding.elements
         return None if elements is None else refined_modes(self.flow, elements)
+
+    @property
+    def states(self) -> BohlFunction:
+        """z as a sum of the refined modes, rounded."""
+        refined, n, m = self.refined, len(self.flow.start), self.flow.force.smooth.state_count
+        forced = refined.leading[refined.free :] - n
+        of_force = np.zeros((m, len(refined.leading)), dtype=complex)
+        of_force[forced, np.arange(refined.free, len(refined.leading))] = 1.0
+        pairs, paired = forced[refined.weights[refined.free :] > 1], np.flatnonzero(refined.weights > 1)
+        of_force[pairs + 1, paired[paired >= refined.free]] = _second_state(self.flow.force.smooth, pairs)
+        columns, poles = np.concatenate([refined.states.high, of_force]), refined.poles.high
+        amplitudes, begin = np.array([own._amplitude.high for own in self._pieces]).T, np.cumsum(refined.weights).astype(int) - 1
+        C, v = np.zeros((n + m, n + m)), np.zeros((n + m, len(self._pieces)))
+        C[:, begin], v[begin] = columns.imag * refined.weights, -amplitudes.imag  # of single poles replaced by the next line
+        begin = begin - refined.weights.astype(int) + 1
+        C[:, begin], v[begin] = columns.real * refined.weights, amplitudes.real
+        blocks = [
+            np.array([[a, b], [-b, a]]) if pair else np.array([[a]])
+            for a, b, pair in zip(poles.real.tolist(), poles.imag.tolist(), refined.weights > 1)
+        ]
+        start = v[:, 0] if len(self._pieces) == 1 else FreeRestarts(self._knots, v, self._force.remainders, tuple(blocks))
+        return BohlFunction(C, tuple(blocks), start)
 
     def proved(self, place: np.ndarray, order: int, times: np.ndarray, accuracy: float) -> tuple[np.ndarray, np.ndarray]:
         """The derivative of this order of place @ z, and at which times it is guaranteed to this accuracy of the largest value.
