@@ -181,7 +181,7 @@ def modes_of_wide_spread(M: Matrix, C: Matrix, K: Matrix, order: np.ndarray | No
 def modes_of_elements(
     M: np.ndarray, C: np.ndarray, directions: np.ndarray, constants: np.ndarray
 ) -> SymmetricModes | BlockDiagonal | None:
-    """The same where the stiffness is B^T diag(k) B with constants of any spread; None for other masses, or free bodies.
+    """The states (x, x') decoupled where the stiffness is B^T diag(k) B with constants of any spread; None for other masses, or free bodies.
 
     Singular values of k^(1/2) B M^(-1/2) by Jacobi rotations after QR with pivots are right to rounding errors of each, if B without k
     is well conditioned (Drmač and Veselić 2008).

@@ -247,7 +247,7 @@ class _Separated:
 
     @classmethod
     def _by_eigenvectors(cls, blocks: Sequence[np.ndarray]) -> _Separated | None:
-        """The same with blocks of several poles, each with its pairs first; None where these are not separate."""
+        """Eigenvectors of blocks of several poles, each with its pairs first; None where these are not separate."""
         poles, pairs, turns, begin = [], [], [], 0
         for block in blocks:
             values, vectors = np.linalg.eig(block.astype(complex))
@@ -552,7 +552,7 @@ def _rounded_sums(weights: np.ndarray, growth: DoubleDouble, turned: DoubleDoubl
 
 
 def _sums(weights: DoubleDouble, growth: DoubleDouble, turned: DoubleDouble) -> np.ndarray:
-    """The same with the accuracy of exponentials, relative to the size of each term in any row."""
+    """The real part of weights @ 2^growth e^(2 pi i turned) with the accuracy of exponentials, relative to the size of each term in any row."""
     parts, sizes = exponential(growth, turned), np.abs(weights.high).max(axis=0, initial=0.0)
     unit = np.ldexp(1.0, np.frexp(sizes)[1])
     left, small = (np.concatenate([part.real, -part.imag], axis=1) for part in (weights.high / unit, weights.low / unit))
