@@ -47,8 +47,8 @@ MIXING_CHANGE = 2.0**-66
 #: Condition of eigenvectors of a block of several poles up to which these are separate.
 SEPARATE = 2.0**20
 
-#: Solutions by an approximate inverse have as many digits after so many steps.
-STEPS = 3
+#: Solutions by an approximate inverse end with a residual of this part of the right side, after so many steps at most.
+LAST_REST, STEPS = 2.0**-72, 4
 
 #: The elements that A_0, A_1, A_2 consist of; None for a matrix whose entries are data.
 Elements = tuple[Factors | None, ...]
@@ -189,6 +189,8 @@ class RefinedModes:
         for _ in range(STEPS):
             result = result + back @ rest.high
             rest = right - self.summed(X, result, self.weights[:count])
+            if (np.abs(rest.high) <= LAST_REST * np.abs(right.high).max(initial=0.0)).all():
+                break
         sizes = np.abs(X.high) @ (self.weights[:count] * np.abs(result.high)) + np.abs(right.high) + LEAST_NUMBER
         return result, np.abs(self.left) @ (np.abs(rest.high) + (n + 4) * DOUBLED_EPS * sizes)
 
@@ -437,6 +439,14 @@ class RefinedDefect(Defect):
         return result
 
     @cached_property
+    def _across(self) -> DoubleDouble:
+        """e^(p h) of the leading poles for the lengths h of all pieces."""
+        if self.before is not None:
+            return self.before._across
+        gaps = DoubleDouble.of(self._gaps)
+        return exponential(*(outer(part, gaps) for part in self.refined.turns))
+
+    @cached_property
     def _free(self) -> tuple[DoubleDouble, np.ndarray]:
         """Amplitudes of the leading free modes at the start of the piece, and bounds of errors of all, without those of the poles."""
         refined = self.refined
@@ -446,7 +456,7 @@ class RefinedDefect(Defect):
             result, errors = refined.solved(DoubleDouble.of(self._initial) - refined.summed(responses, start, weights))
             return result, errors + back @ self._impulsive[1][:, 0]
         before, h = self.before, float(self._force.gaps[self.piece - 1])
-        moved = exponential(*(part * h for part in refined.turns))
+        moved = self._across[:, self.piece - 1]
         jump = DoubleDouble.of(self._impulsive[0][:, self.piece])
         sizes = np.abs(before._amplitude.high)
         if len(start.high):
