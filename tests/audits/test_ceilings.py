@@ -34,7 +34,7 @@ LINES = {
     "models": 1377,
     "page": 4907,
     "polynomial": 2974,
-    "response": 5755,
+    "response": 5765,
     "robot": 9019,
     "scene": 9208,
     "signals": 1734,
