@@ -48,6 +48,11 @@ def rounding_radius(multiplicity: int) -> float:
     return (CLUSTER_SAFETY * EPS) ** (1 / multiplicity)
 
 
+# Twice the digits (``linalg.double_double``).
+
+#: Below this number products lose digits by underflow.
+LEAST_NUMBER = 1e-270
+
 # Precise arithmetic (``linalg.precise``).
 
 #: Digits of precise arithmetic. A stiffness ratio of 1e16 takes 16 digits of the slowest motion away, its elimination and the

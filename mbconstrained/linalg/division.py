@@ -202,7 +202,7 @@ def sum_with_error(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray
 def product_with_error(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """a * b rounded, entry by entry, and the rounding error (Dekker 1971)."""
     total = a * b
-    (large, small), (other, rest) = _halves(a), _halves(b)
+    (large, small), (other, rest) = split(a), split(b)
     return total, ((large * other - total) + large * rest + small * other) + small * rest
 
 
@@ -241,7 +241,8 @@ def _scaled(values: np.ndarray) -> tuple[np.ndarray, int]:
     return np.ldexp(values, -power), power
 
 
-def _halves(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def split(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Two halves of 26 bits that add up to the values (Veltkamp)."""
     high = HALVES * values
     high -= high - values
     return high, values - high

@@ -11,7 +11,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 
 from ..ground.tolerances import EPS, LARGEST_CORRECTION, LAST_CORRECTION, REFINED_SPREAD, noise_of
-from .arrays import Matrix, entries, entry_count, full, of_like_kind
+from .arrays import Matrix, entries, entry_count, full, is_diagonal, of_like_kind
 from .blocks import BlockDiagonal, decoupled
 from .division import condition, congruence, exact_row_sums
 
@@ -175,7 +175,32 @@ def modes_of_wide_spread(M: Matrix, C: Matrix, K: Matrix, order: np.ndarray | No
     if not quotients.max() > REFINED_SPREAD * quotients.min() or (modes := refined_modes(mass, damper, stiff, shapes)) is None:
         return None
     shapes, stiffness, modal = modes
-    shapes = shapes[np.argsort(order)]
+    return _damped(M, shapes[np.argsort(order)], stiffness, modal)
+
+
+def modes_of_elements(
+    M: np.ndarray, C: np.ndarray, directions: np.ndarray, constants: np.ndarray
+) -> SymmetricModes | BlockDiagonal | None:
+    """The states (x, x') decoupled where the stiffness is B^T diag(k) B with constants of any spread; None for other masses, or free bodies.
+
+    Singular values of k^(1/2) B M^(-1/2) by Jacobi rotations after QR with pivots are right to rounding errors of each, if B without k
+    is well conditioned (Drmač and Veselić 2008).
+    """
+    mass = M.diagonal()
+    if not is_diagonal(M) or not (mass > 0).all() or not (constants >= 0).all() or len(constants) < len(mass):
+        return None
+    root = np.sqrt(mass)
+    factor = np.sqrt(constants)[:, None] * directions / root
+    rates, _, vectors, scale, _, failed = lapack.dgejsv(factor, joba=2, jobu=3, jobv=0, jobt=0, jobp=0)
+    rates = rates * (scale[0] / scale[1])
+    if failed or not rates.min() > 0:
+        return None
+    shapes = vectors / root[:, None]
+    return _damped(M, shapes, rates**2, congruence(shapes, C))
+
+
+def _damped(M: Matrix, shapes: np.ndarray, stiffness: np.ndarray, modal: np.ndarray) -> SymmetricModes | BlockDiagonal:
+    """The states decoupled in the coordinates of undamped modes, with the damping Phi^T C Phi."""
     size = np.sqrt(np.abs(np.diag(modal)))
     if (np.abs(modal - np.diag(np.diag(modal))) <= EPS / 2 * np.multiply.outer(size, size)).all():
         return _of_modes(M, shapes, stiffness, np.diag(modal).copy())

@@ -45,6 +45,11 @@ class ElementMatrix:
         return self.directions.shape[1]
 
     @cached_property
+    def factors(self) -> Factors:
+        """B^T, k and B."""
+        return Factors(self.directions.T, self.constants, self.directions)
+
+    @cached_property
     def matrix(self) -> np.ndarray:
         """The nearest float64 matrix, exactly symmetric, shape (n, n).
 
@@ -52,7 +57,7 @@ class ElementMatrix:
             InputError: an entry is beyond the range of float64.
         """
         try:
-            return Factors(self.directions.T, self.constants, self.directions).matrix
+            return self.factors.matrix
         except OverflowError:
             raise InputError(
                 "elements: B^T diag(k) B has an entry beyond the range of float64; expected directions near 1 and constants "

@@ -45,7 +45,8 @@ def rounding_of_form(system: EquationsOfMotion, applied: ImpulsiveSmooth) -> Rou
     """
     form = system.constrained_form()
     given, V, A = system.given, form.null_space.astype(Extended), form.rows
-    if not len(A) and not any(isinstance(matrix, ElementMatrix) for matrix in given):
+    elements = tuple(matrix.factors if isinstance(matrix, ElementMatrix) else None for matrix in given)
+    if not len(A) and not any(elements):
         return None
     unit = UNIT * (len(V) + 4)
     forces = np.abs(V.T @ A.T) + unit * (np.abs(V.T) @ np.abs(A.T))
@@ -60,7 +61,7 @@ def rounding_of_form(system: EquationsOfMotion, applied: ImpulsiveSmooth) -> Rou
     mixed = ~(((V != 0).sum(axis=0) == 1) & (V.max(axis=0, initial=0.0) == 1.0))
     force = np.zeros(len(V))
     force[:own] = through @ load + mixed * EPS * len(V) * (np.abs(V.T).astype(float) @ load)
-    return Rounding(tuple(coefficients), force)
+    return Rounding(tuple(coefficients), force, None if len(A) else elements)
 
 
 def _extended(matrix: np.ndarray | ElementMatrix) -> tuple[np.ndarray, np.ndarray]:

@@ -33,7 +33,7 @@ from ..linalg.arrays import (
 from ..linalg.division import condition, definite_condition, is_symmetric, solution, without_noise
 from ..linalg.rank import Noisy, reduce_in_order
 from ..linalg.scaling import column_units, equilibration
-from ..linalg.symmetric import may_be_wide
+from ..linalg.symmetric import may_be_wide, modes_of_elements
 from .coefficients import PolynomialCoefficients
 from .reduced_equations import FEW_STATES, Conserved, Freed, NotReducible, Reduction, conserved, freed, lowest
 
@@ -41,19 +41,21 @@ _SINGULAR_MASS = "the mass matrix of the reduced equations is singular"
 _SINGULAR_STIFFNESS = "the stiffness matrix is near-singular: rank decisions have to settle whether a body is free"
 
 
-def reduction_of(A: PolynomialCoefficients, like: Reduction | None = None) -> Reduction | NotReducible:
-    """The reduction of A(s), or the violated condition."""
+def reduction_of(
+    A: PolynomialCoefficients, like: Reduction | None = None, *, by_elements: bool = False
+) -> Reduction | NotReducible:
+    """The reduction of A(s), or the violated condition; matrices given by their elements are refused unless their modes are."""
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is not regular
-            return _reduction_of(A, like)
+            return _reduction_of(A, like, by_elements)
     except NotReducible as condition:
         return NotReducible(str(condition))  # without its traceback, as it is kept
 
 
-def _reduction_of(A: PolynomialCoefficients, like: Reduction | None) -> Reduction:
+def _reduction_of(A: PolynomialCoefficients, like: Reduction | None, by_elements: bool) -> Reduction:
     if not 1 <= A.degree <= 2:
         raise NotReducible(f"A(s) has degree {A.degree}")
-    if any(factors is not None for factors in A.factors):
+    if any(A.factors) and not by_elements:
         raise NotReducible("stiffness is assembled from factors, whose differences float64 would round")
     if A.uncertainty.any():
         raise NotReducible("entries of A(s) are uncertain")
@@ -85,6 +87,11 @@ def _reduction_of(A: PolynomialCoefficients, like: Reduction | None) -> Reductio
     if len(algebraic) and (filled_rows(A0[rest] @ V)[powers > 0].any() or filled_rows(A1[rest] @ V)[powers > 1].any()):
         raise NotReducible("the stiffness or damping of a row is zero to rounding only")
     equations, unconstrained = (M, C, K), None
+    if by_elements:
+        modes = None if len(algebraic) or len(first) or powers.any() else _modes_of_elements(A, M, C, free)
+        if modes is None:
+            raise NotReducible("stiffness is assembled from factors, and they are not springs between masses")
+        return Reduction(given, algebraic, second, first, free, V, Y, M, C, K, moving, None, None, largest, by_elements=modes)
     if like.freed is not None if like is not None else not (_is_regular(floor) or _has_refined_modes(M, K)):
         alike = None if like is None else (like.freed, like.C, like.K)
         unconstrained = freed(M, C, K, alike) if 2 * m + len(first) > FEW_STATES else None
@@ -96,6 +103,13 @@ def _reduction_of(A: PolynomialCoefficients, like: Reduction | None) -> Reductio
             raise NotReducible(_SINGULAR_STIFFNESS)
     momenta = _conserved(equations, full(floor), powers, unconstrained) if powers.any() else None
     return Reduction(given, algebraic, second, first, free, V, Y, M, C, K, moving, momenta, unconstrained, largest)
+
+
+def _modes_of_elements(A: PolynomialCoefficients, M: Matrix, C: Matrix, chosen: np.ndarray):
+    stiffness = A.factors[0]
+    if stiffness is None or not np.array_equal(stiffness.left, stiffness.right.T):
+        return None
+    return modes_of_elements(full(M), full(C), stiffness.right[:, chosen], stiffness.values)
 
 
 def _is_regular(floor: Matrix) -> bool:

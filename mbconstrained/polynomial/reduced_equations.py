@@ -385,6 +385,7 @@ class Reduction:
         freed: the sums of rows without stiffness among them, where they were looked for.
         largest_condition: of the parts that were divided by.
         order: order of coordinates for modes of a wide spread; None for the given one.
+        by_elements: modes by the elements of a stiffness of a wide spread, which K does not resolve; None for other equations.
 
     All matrices are sparse where A(s) is large, for what is built of elements mostly is; those of a small one are full.
     """
@@ -404,6 +405,7 @@ class Reduction:
     freed: Freed | None
     largest_condition: float
     order: np.ndarray | None = None
+    by_elements: SymmetricModes | BlockDiagonal | None = None
 
     @property
     def through(self) -> list[Matrix]:
@@ -608,6 +610,8 @@ class Reduction:
     @cached_property
     def wide_modes(self) -> SymmetricModes | BlockDiagonal | None:
         """Modes of symmetric M and K with rates over many orders of magnitude; None for other models, or where inefficient."""
+        if self.by_elements is not None:
+            return self.by_elements
         if self.is_small or len(self.first) or self.conserved is not None:
             return None
         if not (is_symmetric(self.M) and is_symmetric(self.K) and may_be_wide(self.M, self.K)):

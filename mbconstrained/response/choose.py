@@ -16,7 +16,7 @@ and of 100 for 200, a symmetric eigenproblem of half the size that of 2 and of 7
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -28,10 +28,13 @@ from ..ground.tolerances import EPS, PROVED_RESTARTS, PROVED_STATES, noise_of
 from ..linalg.exponential import even_step
 from ..linalg.precise import is_worthwhile
 from ..linalg.recursion import cost_of_exponential, cost_of_powers, cost_of_steps, shared_gaps
+from ..polynomial.direct_reduction import reduction_of
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..polynomial.reduced_equations import NotReducible, Reduction
 from ..signals.impulsive import ImpulsiveSmooth
 from .flow import FEWEST_KNOTS, Flow
+from .methods.defect import Rounding
+from .methods.refined import RefinedDefect
 from .problem import Problem
 
 Evaluations = Literal["once", "many"]
@@ -127,7 +130,9 @@ def reduced_flow(problem: Problem) -> Flow:
     """The reduced equations with start and force."""
     initial, force = problem.initial, problem.force
     proved = not unproved(problem)  # no values are used then that are not right
-    reduction = serving_reduction(problem.polynomial_matrix, force, problem.rank_tolerance, proved=proved)
+    A = problem.polynomial_matrix
+    reduction = serving_reduction(A, force, problem.rank_tolerance, proved=proved, refining=True)
+    refining = proved and (reduction.by_elements is not None or _is_stiff(reduction))
     try:
         with np.errstate(over="raise", invalid="raise"):
             jumping = not satisfying(reduction, initial[..., None], force)[0]
@@ -135,6 +140,12 @@ def reduced_flow(problem: Problem) -> Flow:
                 raise NotReducible("the initial values or a jump of the force do not satisfy the algebraic equations")
             flow = Flow.of(reduction, initial, force, jumping=jumping)
             flow.jump, flow.events  # computed here, where overflow is still another method's to avoid
+        if refining:
+            modes = RefinedDefect(flow, Rounding.of_elements(A.coefficients, A.factors))
+            if modes.refined is None or not modes.refined.residual <= EPS:
+                raise NotReducible(_spread(reduction))
+            flow.computed["residual"] = modes.refined.residual
+            flow = replace(flow, refined=modes.states)
     except FloatingPointError:
         raise NotReducible("the reduced equations leave the range of float64") from None
     return flow
@@ -151,12 +162,18 @@ def reducible(A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveSmooth, 
 
 
 def serving_reduction(
-    A: PolynomialMatrix, force: ImpulsiveSmooth, rank_tolerance: float | None = None, *, proved: bool = False
+    A: PolynomialMatrix,
+    force: ImpulsiveSmooth,
+    rank_tolerance: float | None = None,
+    *,
+    proved: bool = False,
+    refining: bool = False,
 ) -> Reduction:
-    """The reduction of A(s) where it serves for a force, whatever the initial values are."""
+    """The reduction of A(s) where it serves for a force, whatever the initial values are; stiff ones where modes may be refined."""
     if rank_tolerance is not None:
         raise NotReducible("a rank tolerance is given, and the reduced equations decide no rank")
-    reduction = A.reduction
+    refining = refining and proved
+    reduction = reduction_of(A, by_elements=True) if refining and any(A.factors) else A.reduction
     if isinstance(reduction, NotReducible):
         raise NotReducible(str(reduction))
     if not reduction.is_finite:
@@ -166,8 +183,8 @@ def serving_reduction(
     restarts = len(force.knots) - 1
     if reduction.is_small and restarts and not proved:  # sums of modes may cancel at any of them
         raise NotReducible(f"the force restarts at {counted(restarts, 'time')}")
-    if _is_stiff(reduction):
-        raise NotReducible(f"the stiffness spread is {reduction.spread:.0e}, the ratio of the fastest rate to the slowest")
+    if not refining and _is_stiff(reduction):
+        raise NotReducible(_spread(reduction))
     if reduction.is_small:
         if not proved and not reduction.is_well_separated:
             raise NotReducible("the modes are not well separated")
@@ -194,6 +211,10 @@ def _is_stiff(reduction: Reduction) -> bool:
     if reduction.wide_modes is not None or not is_worthwhile(1 / EPS, states):  # float64 computes no larger spread
         return False
     return is_worthwhile(reduction.spread_bound, states) and is_worthwhile(reduction.spread, states)
+
+
+def _spread(reduction: Reduction) -> str:
+    return f"the stiffness spread is {reduction.spread:.0e}, the ratio of the fastest rate to the slowest"
 
 
 def satisfying(reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth) -> np.ndarray:
@@ -231,7 +252,8 @@ def evaluation_method(flow: Flow, shape: tuple[int, int], request: Request) -> t
     """The name of the method that evaluates an output of this shape (r, n), and the reason."""
     reduction, times = flow.reduction, request.times
     if reduction.is_small:
-        return MODES, f"by eigenvectors: {reduction.state_count} states are few"
+        refined = "" if flow.refined is None else ", refined with twice the digits, as their rates span many orders of magnitude"
+        return MODES, f"by eigenvectors{refined}: {reduction.state_count} states are few"
 
     def by_modes(then: str) -> tuple[str, Callable[[], str]]:
         return MODES, lambda: f"by {_modes_of(reduction)}{then}"

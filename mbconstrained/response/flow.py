@@ -8,8 +8,9 @@ given times ``response.choose`` decides.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.sparse
@@ -98,6 +99,8 @@ class Flow:
         impulsive: the jumps of w by Dirac impulses at the knots of the force, shape (n, K); None where there are no impulses.
         first_moments: whether those of a delayed force are pieces of their own, in which nothing cancels.
         jumping: whether the values at 0- do not satisfy the algebraic equations.
+        refined: z as a sum of refined modes, where float64 does not resolve slow ones next to fast ones; else None.
+        computed: what methods compute once from the flow.
     """
 
     reduction: Reduction
@@ -109,6 +112,8 @@ class Flow:
     impulsive: np.ndarray | None = None
     first_moments: bool = True
     jumping: bool = False
+    refined: BohlFunction | None = None
+    computed: dict[Any, Any] = field(default_factory=dict)
 
     @classmethod
     def of(cls, reduction: Reduction, initial: np.ndarray, force: ImpulsiveSmooth, *, jumping: bool = False) -> Flow:
@@ -185,13 +190,15 @@ class Flow:
 
     def modal_output(self, output: Matrix) -> np.ndarray:
         """C of output @ z = C e^{J t} v, with J and v of ``states``."""
-        if not self.force.smooth.state_count:
+        if not self.force.smooth.state_count and self.refined is None:
             return self.reduction.decoupled.modal_output(output)
         used = np.flatnonzero(abs(output).sum(axis=0))
         return output[:, used] @ self.states.coefficients[used]
 
     @cached_property
     def _modal(self) -> tuple[BohlFunction, float, list[tuple[slice, slice]]]:
+        if self.refined is not None:
+            return self.refined, self.reduction.decoupled.coupling, []
         smooth, n = self.force.smooth, len(self.start)
         m, free = smooth.coefficients.shape[1], self.reduction.decoupled
         if not m and len(self.knots) == 1:
@@ -205,11 +212,6 @@ class Flow:
         jumps = np.broadcast_to(np.zeros((n, 1)), (n, len(self.knots) - 1)) if self.impulsive is None else self.impulsive[:, 1:]
         part = FinitePart(free, scipy.sparse.eye_array(n + m, n), driven, self.start, jumps, 1.0, np.ones(n + m))
         return driven_motion(part, self.force, first=self.first_moments)
-
-    @cached_property
-    def records(self) -> list:
-        """The ``RecordFlow`` of the flow, or None, once it is known."""
-        return []
 
     def propagator(self, step: float) -> Propagator:
         """The propagator e^{G h} for a step h; the last one is cached."""

@@ -235,11 +235,7 @@ class Response(Exported, Presented):
 
     def _rounding(self) -> Rounding | None:
         """Rounding errors of the equations relative to the data; None where they equal the data, or their elements in full."""
-        A = self.polynomial_matrix
-        if not any(factors is not None for factors in A.factors):
-            return None
-        lost = [np.spacing(np.abs(A_k)) / 2 * (factors is not None) for A_k, factors in zip(A.coefficients, A.factors)]
-        return Rounding(tuple(lost), np.zeros(A.size))
+        return Rounding.of_elements(self.polynomial_matrix.coefficients, self.polynomial_matrix.factors)
 
     @property
     def _coupling(self) -> float:

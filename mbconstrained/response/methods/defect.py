@@ -13,6 +13,7 @@ from ...ground.tolerances import DIVISOR_CONDITION, EPS
 from ...linalg.arrays import full
 from ...linalg.blocks import block_matrix, block_slices
 from ...linalg.exponential import block_states
+from ...polynomial.coefficients import Factors
 from ...polynomial.reduced_equations import Reduction
 from ...signals.impulsive import ExactImpulse, ExactTerm, ImpulsiveLoad, ImpulsiveSmooth
 from ..flow import Flow
@@ -155,10 +156,22 @@ class Rounding:
     Attributes:
         coefficients: bounds of the errors of A_0, A_1, ..., shape (r, r) each.
         force: a bound of the errors of the coefficients of f, for each row, shape (r,).
+        elements: the data that A_0, A_1, A_2 are assembled from, None for those that are data; None where A(s) is not just assembled.
     """
 
     coefficients: tuple[np.ndarray, ...]
     force: np.ndarray
+    elements: tuple[Factors | None, ...] | None = None
+
+    @classmethod
+    def of_elements(cls, coefficients: np.ndarray, elements: Sequence[Factors | None]) -> Rounding | None:
+        """Rounding of entries that are assembled once each; None where no coefficient is."""
+        if not any(elements):
+            return None
+        lost, size = [np.zeros(coefficients.shape[1:])] * 3, len(coefficients[0])
+        for k, (A_k, own) in enumerate(zip(coefficients, elements)):
+            lost[k] = np.spacing(np.abs(A_k)) / 2 * (own is not None)
+        return cls(tuple(lost), np.zeros(size), (*elements, None, None)[:3])
 
 
 @dataclass(frozen=True, eq=False)
@@ -520,7 +533,11 @@ class Defect:
         sizes = np.abs(M) @ np.abs(result).astype(float) + np.abs(p).astype(float)
         lost = 0.0 if self._is_exact else FORCE_ROUNDING * EPS
         jumps[m : 2 * m] = result
-        errors[m : 2 * m] = 2 * np.abs(inverse) @ (rest + (m + 4) * UNIT * sizes + lost * np.abs(p).astype(float))
+        uncertain = rest + (m + 4) * UNIT * sizes + lost * np.abs(p).astype(float)
+        if self.rounding is not None:
+            masses = self.rounding.coefficients[2][np.ix_(flow.reduction.second, flow.reduction.chosen[:m])]
+            uncertain += masses @ np.abs(result).astype(float)
+        errors[m : 2 * m] = 2 * np.abs(inverse) @ uncertain
         return jumps, errors
 
     @cached_property

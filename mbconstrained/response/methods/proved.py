@@ -84,18 +84,22 @@ class ProvedFunction(BohlFunction):
     def _values(self, times: np.ndarray) -> np.ndarray:
         if self.defect is None or not self.size:
             return self.proved(times)[0] if len(times) <= MOST_TIMES and self.is_provable else self.rough(times)
-        covered = self.defect.covers(times)
+        refining = self.defect.flow.refined is not None
+        covered = (self.refined if refining else self.defect).covers(times)
         if 0 < np.count_nonzero(~covered) <= MOST_TIMES and self.is_provable:
             values = np.empty((self.size, len(times)))
             values[:, ~covered] = self.proved(times[~covered])[0]
             if covered.any():
                 values[:, covered] = self._values(times[covered])
             return values
-        values, doubtful = self._sums_of_modes(times)
-        if len(doubtful):
+        if refining:
+            values, sure = self._by_refined_modes(times)
+            doubtful = np.flatnonzero(~sure)
+        else:
+            values, doubtful = self._sums_of_modes(times)
             doubtful = self._refined(values, times, self._begun(values, times, doubtful))
-            if 0 < len(doubtful) <= MOST_TIMES and self.is_provable:
-                values[:, doubtful] = self.proved(times[doubtful])[0]
+        if 0 < len(doubtful) <= MOST_TIMES and self.is_provable:
+            values[:, doubtful] = self.proved(times[doubtful])[0]
         return values
 
     def _sums_of_modes(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -143,10 +147,14 @@ class ProvedFunction(BohlFunction):
         """Replace values at doubtful times by sums of refined modes, and return the indices that remain doubtful."""
         if not len(doubtful) or (modes := self.refined) is None or modes.refined is None:
             return doubtful
-        with np.errstate(all="ignore"):
-            better, sure = modes.proved(self.rough.place, self.rough.order, times[doubtful], REFINED_ACCURACY)
+        better, sure = self._by_refined_modes(times[doubtful])
         values[:, doubtful[sure]] = better[:, sure]
         return doubtful[~sure]
+
+    def _by_refined_modes(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Sums of refined modes, and at which times they are guaranteed."""
+        with np.errstate(all="ignore"):
+            return self.refined.proved(self.rough.place, self.rough.order, times, REFINED_ACCURACY)
 
     def proved(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values by the exact engine, shape (p, T), with bounds of their errors."""

@@ -299,9 +299,10 @@ class RecordFlow:
 
 def record_of(flow: Flow) -> RecordFlow | None:
     """The motion gap by gap, where the force restarts often; computed once."""
-    if not flow.records:
-        flow.records.append(RecordFlow.of(flow))
-    return flow.records[0]
+    key = "record", flow.first_moments
+    if key not in flow.computed:
+        flow.computed[key] = RecordFlow.of(flow)
+    return flow.computed[key]
 
 
 class EvenRecord(RecordFlow):
@@ -424,6 +425,9 @@ class ReducedSolution:
         condition = Evidence("condition", reduction.largest_condition, text)
         if not (reduction.is_small or self.method.evaluations == "many"):
             return (condition,)
+        if self.method.flow.refined is not None:
+            text = "largest change by their residual of modes refined with twice the digits, relative to their poles or distances"
+            return Evidence("residual", self.method.flow.computed["residual"], text), condition
         text = (
             "residual |S X - X J| of the modes X of the reduced equations w' = S w, relative to J, in the coordinates of the modes"
         )

@@ -1,8 +1,9 @@
-"""Separate modes of few states, corrected by their residual in extended precision, and a bound of the error of their sums.
+"""Separate modes of few states, corrected by their residual with twice the digits of float64, and a bound of the error of their sums.
 
 First-order perturbation of eigenpairs (Stewart and Sun, "Matrix Perturbation Theory", V.2): the residual of a mode in the equations as
 they were given, in the coordinates of all modes, is what its pole and its shape lack. The response to a state of the force is corrected
-like a free mode, from zero. Each correction squares the relative error: two leave that of extended precision.
+like a free mode, from zero. Each correction squares the relative error. Matrices that are given by their elements are multiplied element
+by element, so that soft springs next to stiff ones keep their digits.
 """
 
 from __future__ import annotations
@@ -12,17 +13,21 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy.linalg
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
-from ...ground.tolerances import EPS
+from ...ground.tolerances import EPS, LEAST_NUMBER
 from ...linalg.arrays import full
-from ...signals.bohl import BohlFunction, Restarts
+from ...linalg.division import accurate_product
+from ...linalg.double_double import DOUBLED_EPS, EXPONENTIAL_EPS, DoubleDouble, exponential, outer, stacked, turns
+from ...polynomial.coefficients import Factors
+from ...signals.bohl import BohlFunction, FreeRestarts, Restarts
 from ..flow import Flow
-from .defect import FORCE_ROUNDING, UNIT, BoundedModes, Defect, Extended, divided_by_masses
+from .defect import FORCE_ROUNDING, BoundedModes, Defect, divided_by_masses
 
 #: Rounding errors of a sum of modes in float64, whose phases are more precise, in units of EPS relative to the size of its terms.
-SUMMED_IN_FLOAT64 = 8.0
-
-ExtendedComplex = np.clongdouble
+SUMMED_IN_FLOAT64 = 12.0
 
 #: Residuals are corrected to first order up to this part of the distance of two poles.
 SMALL_RESIDUAL = 2.0**-10
@@ -30,8 +35,25 @@ SMALL_RESIDUAL = 2.0**-10
 #: A force within this part of a pole resonates with its mode.
 RESONANCE = 2.0**-30
 
-#: The first correction computes the response to a force in float64, and free modes with twice its digits; the second leaves rounding errors.
-CORRECTIONS = 2
+#: After a correction smaller than this what is left is below rounding errors of exponentials; at most so many.
+LAST_CORRECTION, CORRECTIONS = 2.0**-36, 8
+
+#: The inverse follows corrections of modes that are larger.
+LARGE_CORRECTION = 2.0**-26
+
+#: A change of poles below this part of them mixes no modes.
+MIXING_CHANGE = 2.0**-66
+
+#: Condition of eigenvectors of a block of several poles up to which these are separate.
+SEPARATE = 2.0**20
+
+#: Solutions by an approximate inverse end with a residual of this part of the right side, after so many steps at most.
+LAST_REST, STEPS = 2.0**-72, 4
+
+#: The elements that A_0, A_1, A_2 consist of; None for a matrix whose entries are data.
+Elements = tuple[Factors | None, ...]
+
+ENTIRE: Elements = (None, None, None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,18 +61,18 @@ class RefinedModes:
     """w = W e^(L t) b: n free modes, then the responses to the m states of the force; complex pairs side by side.
 
     Attributes:
-        poles: the diagonal of L, shape (n + m,).
-        states: W, shape (n, n + m).
+        poles: the leading ones on and above the real axis, of the diagonal of L.
+        states: the leading columns of W, n rows.
         left: approximate inverse of the first n columns of W, shape (n, n).
-        leading: the poles on and above the real axis, as indices.
-        above: those above it; their conjugates are the next ones.
+        leading: the leading poles, as indices.
+        above: those above the real axis; their conjugates are the next ones.
         rows: bounds of the residual of each mode in each row of A(s), shape (r, n + m).
         parts: the effect of residuals of these rows on each free mode, bounds with the rounding errors of the inverses, shape (n, r).
         driven: bounds of the effect of the residual of each mode on each free mode, shape (n, n + m).
     """
 
-    poles: np.ndarray
-    states: np.ndarray
+    poles: DoubleDouble
+    states: DoubleDouble
     left: np.ndarray
     leading: np.ndarray
     above: np.ndarray
@@ -59,60 +81,139 @@ class RefinedModes:
     driven: np.ndarray
 
     @classmethod
-    def of(cls, flow: Flow) -> RefinedModes | None:
+    def of(cls, flow: Flow, elements: Elements) -> RefinedModes | None:
         """Refined modes; None where modes are not separate, a force is a ramp, or equations are algebraic."""
-        reduction, free, blocks = flow.reduction, flow.reduction.decoupled, flow.force.smooth.blocks
+        reduction, blocks = flow.reduction, flow.force.smooth.blocks
         V = full(reduction.V)
-        if len(reduction.algebraic) or not UNIT < EPS or not _is_permutation(V):
+        if len(reduction.algebraic) or not _is_permutation(V) or not all(map(_turns_evenly, blocks)):
             return None
+        free = reduction.decoupled
         own, forced = _Separated.of(free.blocks), _Separated.of(blocks)
-        if own is None or forced is None or not all(map(_turns_evenly, blocks)):
+        if own is None or forced is None:
             return None
         n, m = len(flow.start), len(reduction.second)
-        poles, above = np.concatenate([own.poles, forced.poles]), np.concatenate([own.pairs, n + forced.pairs])
-        leading = np.setdiff1d(np.arange(len(poles)), above + 1)
-        left, shapes = own.back @ free.inverse, np.zeros((len(V), len(poles)), dtype=ExtendedComplex)
-        shapes[:, :n] = full(flow.output)[:, :n] @ (free.basis @ own.turn)
-        parts, sizes, rows, noise = divided_by_masses(left, reduction)
+        given, above = np.concatenate([own.poles, forced.poles]), np.concatenate([own.pairs, n + forced.pairs])
+        leading = np.setdiff1d(np.arange(len(given)), above + 1)
         at = np.arange(np.count_nonzero(leading < n))
-        of_modes = leading[at]
+        of_modes, conjugate = leading[at], np.arange(n)
+        conjugate[own.pairs], conjugate[own.pairs + 1] = own.pairs + 1, own.pairs
+        left, start = own.back @ free.inverse, np.zeros((len(V), len(leading)), dtype=complex)
+        start[:, at] = full(flow.output)[:, :n] @ (free.basis @ own.turn[:, of_modes])
+        poles, shapes = DoubleDouble.of(given[leading]), DoubleDouble.of(start)
+        parts, sizes, rows, noise = divided_by_masses(left, reduction)
+        largest, step, turned = np.ones(len(leading)), 0, False
         for _ in range(CORRECTIONS):
-            change = parts @ _residual(flow, shapes[:, leading], poles[leading], leading)[0][rows].astype(complex)
-            distance = (poles[leading] - poles[:n, None]).astype(complex)
-            small = np.abs(distance) > RESONANCE * np.abs(poles[leading]).astype(float)
+            change = parts @ _residual(flow, elements, shapes, poles, leading)[0][rows]
+            others, rest = _whole(poles.high[at], leading[at], own.pairs, n), _whole(poles.low[at], leading[at], own.pairs, n)
+            distance = (poles.high - others[:, None]) + (poles.low - rest[:, None])
+            turned = not turned and bool(groups := _mixed(change[of_modes][:, at], distance[of_modes][:, at], poles.high[at]))
+            if turned:  # the next step corrects the combined modes
+                high, low = poles.high.copy(), poles.low.copy()
+                for group, values, turn in groups:
+                    shape = shapes.high[:, group] @ turn
+                    shapes.high[:, group], shapes.low[:, group] = shape, 0.0
+                    places = of_modes[group]
+                    left[places] = np.linalg.solve(turn, left[places])
+                    left[places + 1] = left[places].conj()
+                    separate = poles[np.repeat(group[:1], len(group))] + values
+                    high[group], low[group] = separate.high, separate.low
+                poles = DoubleDouble(high, low)
+                parts, sizes, rows, noise = divided_by_masses(left, reduction)
+                continue
+            small = np.abs(distance) > RESONANCE * np.abs(poles.high)
             small[:, at] = np.abs(change[:, at]) < SMALL_RESIDUAL * np.abs(distance[:, at])
             corrections = np.divide(change, distance, out=np.zeros_like(change), where=small)
-            shapes[:, leading] -= shapes[:, :n].astype(complex) @ corrections
-            poles[of_modes] -= change[of_modes, at]
-            shapes[:, above + 1], poles[above + 1] = shapes[:, above].conj(), poles[above].conj()
-        signed, bound = _residual(flow, shapes[:, leading], poles[leading], leading)
-        signed, effects = signed[rows], np.abs(parts) + noise * sizes
-        known = np.abs(parts @ signed.astype(complex)) + np.abs(parts) @ (bound[rows] - np.abs(signed)).astype(float)
-        driven, of_rows, conjugate = np.zeros((n, len(poles))), np.zeros((len(V), len(poles))), np.arange(n)
-        conjugate[own.pairs], conjugate[own.pairs + 1] = own.pairs + 1, own.pairs
+            shapes = shapes - _whole(shapes.high[:, at], leading[at], own.pairs, n) @ corrections
+            moved = np.zeros(len(leading), dtype=complex)
+            moved[at] = change[of_modes, at]
+            poles = poles - moved
+            size = np.abs(corrections).max(axis=0, initial=0.0)
+            if not step:
+                largest[len(at) :] = size[len(at) :]
+            step += 1
+            if (size <= LAST_CORRECTION * largest).all():
+                break
+            if size[at].max() > LARGE_CORRECTION:
+                left = left + _paired(corrections[:, at], leading[at], own.pairs, conjugate) @ left
+                parts, sizes, rows, noise = divided_by_masses(left, reduction)
+        signed, bound = _residual(flow, elements, shapes, poles, leading)
+        signed = signed[rows]
+        effects = np.abs(parts) + noise * sizes
+        known = np.abs(parts @ signed) + np.abs(parts) @ (bound[rows] - np.abs(signed))
+        driven, of_rows = np.zeros((n, len(given))), np.zeros((len(V), len(given)))
         driven[:, leading], of_rows[:, leading] = known + noise * (sizes @ bound[rows]), bound
         driven[:, above + 1], of_rows[:, above + 1] = driven[conjugate][:, above], of_rows[:, above]
         effects = effects[:, np.argsort(rows)]
-        moving = V.T.astype(Extended) @ shapes
-        states = np.concatenate([moving[:m], moving[:m] * poles, moving[m:]])
-        return cls(poles, states, left, leading, above, of_rows, effects, driven)
+        moving = shapes[V.T.nonzero()[1]]
+        second = moving[:m] * poles
+        return cls(poles, stacked(moving[:m], second, moving[m:]), left, leading, above, of_rows, effects, driven)
+
+    @property
+    def free(self) -> int:
+        """The number of leading poles of free modes."""
+        return int(np.count_nonzero(self.leading < len(self.left)))
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """2 for leading poles of pairs, of which the sum with the conjugate is taken, 1 for others."""
+        return np.where(np.isin(self.leading, self.above), 2.0, 1.0)
+
+    def whole(self, values: np.ndarray) -> np.ndarray:
+        """Values of all poles from those of the leading ones, along the last axis."""
+        return _whole(values, self.leading, self.above, self.rows.shape[1])
+
+    @property
+    def residual(self) -> float:
+        """The largest change of a mode by residuals, relative to its pole or its distance from others."""
+        n = len(self.left)
+        poles = self.whole(self.poles.high)[:n]
+        distance = np.maximum(np.abs(np.subtract.outer(poles, poles)), np.abs(poles)[:, None])
+        return float(np.max(self.driven[:, :n] / distance, initial=0.0))
+
+    @cached_property
+    def turns(self) -> tuple[DoubleDouble, DoubleDouble]:
+        """The poles as growth in powers of two and in full turns, each per second."""
+        return turns(self.poles)
 
     @cached_property
     def inexact(self) -> np.ndarray:
         """|X^-1 X - I| of the approximate inverse, with the rounding errors of the product."""
-        n = len(self.states)
-        basis = self.states[:, :n].astype(complex)
+        n = len(self.left)
+        basis = self.whole(self.states.high)[:, :n]
         return np.abs(self.left @ basis - np.eye(n)) + EPS * (n + 2) * (np.abs(self.left) @ np.abs(basis))
 
-    def solved(self, right: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """X^-1 @ right of a vector of states, and a bound of its error to first order."""
-        n, result = len(self.states), np.zeros(len(self.states), dtype=ExtendedComplex)
-        X, rest = self.states[:, :n], right
-        for _ in range(CORRECTIONS + 1):
-            result = result + self.left @ rest.astype(complex)
-            rest = right - X @ result
-        rounded = (n + 4) * UNIT * (np.abs(X) @ np.abs(result) + np.abs(right))
-        return result, np.abs(self.left) @ (np.abs(rest) + rounded).astype(float)
+    def solved(self, right: DoubleDouble) -> tuple[DoubleDouble, np.ndarray]:
+        """X^-1 @ right of a vector of states for the leading modes, and bounds of its error for all, to first order."""
+        n, count, result = len(self.left), self.free, DoubleDouble.of(np.zeros(self.free, dtype=complex))
+        X, back, rest = self.states[:, :count], self.left[self.leading[:count]], right
+        for _ in range(STEPS):
+            result = result + back @ rest.high
+            rest = right - self.summed(X, result, self.weights[:count])
+            if (np.abs(rest.high) <= LAST_REST * np.abs(right.high).max(initial=0.0)).all():
+                break
+        sizes = np.abs(X.high) @ (self.weights[:count] * np.abs(result.high)) + np.abs(right.high) + LEAST_NUMBER
+        return result, np.abs(self.left) @ (np.abs(rest.high) + (n + 4) * DOUBLED_EPS * sizes)
+
+    @staticmethod
+    def summed(states: DoubleDouble, amplitudes: DoubleDouble, weights: np.ndarray) -> DoubleDouble:
+        """The real part of states @ amplitudes with the conjugate modes."""
+        columns, factors = DoubleDouble(states.high.T, states.low.T), (amplitudes * weights)[:, None]
+        return (stacked(columns.real, -columns.imag) * stacked(factors.real, factors.imag)).sum()
+
+
+def _paired(matrix: np.ndarray, leading: np.ndarray, above: np.ndarray, conjugate: np.ndarray) -> np.ndarray:
+    """A real matrix in the coordinates of all modes from the columns of the leading ones."""
+    result = np.zeros((len(matrix), len(matrix)), dtype=complex)
+    result[:, leading] = matrix
+    result[:, above + 1] = result[conjugate][:, above].conj()
+    return result
+
+
+def _whole(values: np.ndarray, leading: np.ndarray, above: np.ndarray, count: int) -> np.ndarray:
+    result = np.zeros((*values.shape[:-1], count), dtype=values.dtype)
+    result[..., leading] = values
+    result[..., above + 1] = result[..., above].conj()
+    return result
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,28 +227,71 @@ class _Separated:
 
     @classmethod
     def of(cls, blocks: Sequence[np.ndarray]) -> _Separated | None:
+        if any(len(block) > 2 or (len(block) == 2 and not _discriminant(block) > 0) for block in blocks):
+            return cls._by_eigenvectors(blocks)
         sizes = np.array([len(block) for block in blocks], dtype=int)
-        if (sizes > 2).any():
-            return None
         starts, count = np.cumsum(sizes) - sizes, int(sizes.sum())
-        poles, turn, back = np.zeros(count, dtype=ExtendedComplex), np.eye(count, dtype=complex), np.eye(count, dtype=complex)
+        poles, turn, back = (matrix.astype(complex) for matrix in (np.zeros(count), np.eye(count), np.eye(count)))
         poles[starts[sizes == 1]] = [block[0, 0] for block in blocks if len(block) == 1]
         pairs = starts[sizes == 2]
         if len(pairs):
-            entries = np.array([block for block in blocks if len(block) == 2]).astype(Extended)
-            (a, b), (c, d) = entries[:, 0].T, entries[:, 1].T
+            (a, b), (c, d) = np.array([block for block in blocks if len(block) == 2]).transpose(1, 2, 0)
             square = -b * c - ((a - d) / 2) ** 2
-            if not (square > 0).all():
-                return None
-            w = np.sqrt(square)
+            w = np.where((a == d) & (b == -c), np.abs(b), np.sqrt(square))
             poles[pairs] = (a + d) / 2 + 1j * w
             poles[pairs + 1] = poles[pairs].conj()
-            lower, width = (poles[pairs] - a).astype(complex), b.astype(float)
-            divisor = -2j * width * w.astype(float)
-            for k, at in enumerate(pairs.tolist()):
-                turn[at : at + 2, at : at + 2] = [[width[k], width[k]], [lower[k], lower[k].conj()]]
-                back[at : at + 2, at : at + 2] = np.array([[lower[k].conj(), -width[k]], [-lower[k], width[k]]]) / divisor[k]
+            lower, divisor = (poles[pairs] - a) / b, -2j * w / b
+            turn[pairs, pairs] = turn[pairs, pairs + 1] = 1
+            turn[pairs + 1, pairs], turn[pairs + 1, pairs + 1] = lower, lower.conj()
+            back[pairs, pairs], back[pairs, pairs + 1] = lower.conj() / divisor, -1 / divisor
+            back[pairs + 1, pairs], back[pairs + 1, pairs + 1] = -lower / divisor, 1 / divisor
         return cls(poles, pairs, turn, back)
+
+    @classmethod
+    def _by_eigenvectors(cls, blocks: Sequence[np.ndarray]) -> _Separated | None:
+        """Eigenvectors of blocks of several poles, each with its pairs first; None where these are not separate."""
+        poles, pairs, turns, begin = [], [], [], 0
+        for block in blocks:
+            values, vectors = np.linalg.eig(block.astype(complex))
+            above = np.flatnonzero(values.imag > 0)
+            alone = np.flatnonzero(values.imag == 0)
+            if 2 * len(above) + len(alone) != len(block) or not np.linalg.cond(vectors) < SEPARATE:
+                return None
+            order = np.zeros(2 * len(above), dtype=int)
+            order[::2] = order[1::2] = above
+            values, vectors = (np.concatenate([part[..., order], part[..., alone]], axis=-1) for part in (values, vectors))
+            odd = np.arange(1, len(order), 2)
+            values[odd], vectors[:, odd] = values[odd].conj(), vectors[:, odd].conj()
+            pairs.append(begin + odd - 1)
+            poles.append(values)
+            turns.append(vectors)
+            begin += len(block)
+        turn = scipy.linalg.block_diag(*turns)
+        return cls(np.concatenate(poles), np.concatenate(pairs), turn, scipy.linalg.block_diag(*map(np.linalg.inv, turns)))
+
+
+def _discriminant(block: np.ndarray) -> float:
+    (a, b), (c, d) = block.tolist()
+    return -b * c - ((a - d) / 2) ** 2
+
+
+def _mixed(change: np.ndarray, distance: np.ndarray, poles: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Groups of modes that are not yet separate, their poles relative to the first one's, and the combinations that separate them."""
+    size = np.sqrt(np.abs(change * change.T))
+    mixed = ~(size < SMALL_RESIDUAL * np.abs(distance)) & (size > MIXING_CHANGE * np.abs(poles))
+    np.fill_diagonal(mixed, False)
+    if not mixed.any():
+        return []
+    result, which = [], connected_components(csr_array(mixed), directed=False)[1]
+    for number in range(which.max() + 1):
+        group = np.flatnonzero(which == number)
+        real = poles[group].imag == 0
+        if len(group) < 2 or real.any():
+            continue
+        values, turn = np.linalg.eig(np.diag(distance[group[0], group]) - change[np.ix_(group, group)])
+        if np.linalg.cond(turn) < SEPARATE:
+            result.append((group, values, turn))
+    return result
 
 
 def _is_permutation(V: np.ndarray) -> bool:
@@ -158,7 +302,7 @@ def _is_permutation(V: np.ndarray) -> bool:
 
 def _turns_evenly(block: np.ndarray) -> bool:
     """Whether (1, i) or (1, -i) is an eigenvector of a pair."""
-    return len(block) == 1 or bool(block[0, 0] == block[1, 1] and block[0, 1] == -block[1, 0])
+    return len(block) == 1 or (len(block) == 2 and bool(block[0, 0] == block[1, 1] and block[0, 1] == -block[1, 0]))
 
 
 def _second_state(smooth: BohlFunction, pairs: np.ndarray) -> np.ndarray:
@@ -166,40 +310,39 @@ def _second_state(smooth: BohlFunction, pairs: np.ndarray) -> np.ndarray:
     return 1j * np.sign(smooth.generator[pairs, pairs + 1])
 
 
-def _residual(flow: Flow, shapes: np.ndarray, poles: np.ndarray, leading: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A(s) x - F at some poles s, and bounds of its absolute value with all rounding errors, shape (r, L) each."""
-    columns, smooth, n = [shapes], flow.force.smooth, len(flow.start)
-    for _ in flow.reduction.given[1:]:
+def _residual(
+    flow: Flow, elements: Elements, shapes: DoubleDouble, poles: DoubleDouble, leading: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """A(s) x - F at some poles s, rounded, and bounds of its absolute value with all rounding errors, shape (r, L) each."""
+    smooth, n, columns, size = flow.force.smooth, len(flow.start), [shapes], len(shapes.high)
+    for _ in range(2):
         columns.append(columns[-1] * poles)
-    A, x = np.concatenate([full(matrix) for matrix in flow.reduction.given], axis=1), np.concatenate(columns)
-    both = A.astype(Extended) @ np.concatenate([x.real, x.imag], axis=1)
-    total = both[:, : len(poles)] + 1j * both[:, len(poles) :]
-    sizes = np.abs(A) @ np.abs(x).astype(float)
+    parts = [own or Factors(full(A), np.ones(size), np.eye(size)) for A, own in zip(flow.reduction.given, elements)]
+    left, values = np.concatenate([part.left for part in parts], axis=1), np.concatenate([part.values for part in parts])[:, None]
+    right = scipy.linalg.block_diag(*(part.right for part in parts))
+    x = stacked(*columns)
+    strains = right @ x
+    total, terms_of_strains = left @ (strains * values), np.abs(right) @ (np.abs(x.high) + LEAST_NUMBER)
+    differences = np.isin(right, (-1.0, 0.0, 1.0)).all(axis=1) & (
+        np.count_nonzero(right, axis=1) <= 2
+    )  # rounded relative to themselves
+    strained = np.where(differences[:, None], np.abs(strains.high) + LEAST_NUMBER, terms_of_strains)
+    sizes = np.abs(left) @ (np.abs(values) * strained)
+    terms = np.count_nonzero(left, axis=1)[:, None] + np.count_nonzero(right, axis=1).max(initial=0) + 8
     forced = leading[leading >= n] - n
-    F = smooth.coefficients
-    load = F[:, forced].astype(complex)
-    paired = np.flatnonzero(poles[len(poles) - len(forced) :].imag > 0)
-    load[:, paired] += _second_state(smooth, forced[paired]) * F[:, forced[paired] + 1]
-    total[:, len(poles) - len(forced) :] -= load
-    sizes[:, len(poles) - len(forced) :] += np.abs(load)
-    terms = 0.75 * np.count_nonzero(A, axis=1)[:, None] + 6  # half a unit each, and two complex products; both parts
-    return total, np.abs(total).astype(float) + terms * UNIT * sizes
-
-
-def _sums(weights: np.ndarray, turned: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The real part of weights @ e^turned in float64, and bounds of its rounding errors in any row."""
-    exponents, angles = turned.real.astype(float), turned.imag.astype(float)
-    growth = np.exp(exponents)
-    growth += growth * (turned.real - exponents).astype(float)
-    cosines, sines, rest = np.cos(angles), np.sin(angles), (turned.imag - angles).astype(float)
-    real, imaginary = growth * (cosines - rest * sines), growth * (sines + rest * cosines)
-    left, right = np.concatenate([weights.real, -weights.imag], axis=1).astype(float), np.concatenate([real, imaginary])
-    return left @ right, SUMMED_IN_FLOAT64 * EPS * np.abs(weights).astype(float).max(axis=0, initial=0.0) @ growth
+    if len(forced):
+        F = smooth.coefficients
+        load, driven = np.zeros(total.shape, dtype=complex), slice(len(leading) - len(forced), None)
+        load[:, driven] = F[:, forced]
+        paired = np.flatnonzero(poles.high[driven].imag > 0)
+        load[:, driven][:, paired] += _second_state(smooth, forced[paired]) * F[:, forced[paired] + 1]
+        total, sizes = total - load, sizes + np.abs(load)
+    return total.high, np.abs(total.high) + terms * DOUBLED_EPS * sizes
 
 
 @dataclass(frozen=True, eq=False)
 class RefinedDefect(Defect):
-    """The error of sums of refined modes in extended precision.
+    """The error of sums of refined modes with twice the digits.
 
     Attributes:
         before: the piece before, None for the first one.
@@ -210,43 +353,60 @@ class RefinedDefect(Defect):
     @cached_property
     def refined(self) -> RefinedModes | None:
         """The modes; None where they cannot be refined."""
-        if self.rounding is not None:
-            return None
-        return RefinedModes.of(self.flow) if self.before is None else self.before.refined
+        elements = ENTIRE if self.rounding is None else self.rounding.elements
+        return None if elements is None else refined_modes(self.flow, elements)
+
+    @property
+    def states(self) -> BohlFunction:
+        """z as a sum of the refined modes, rounded."""
+        refined, n, m = self.refined, len(self.flow.start), self.flow.force.smooth.state_count
+        forced = refined.leading[refined.free :] - n
+        of_force = np.zeros((m, len(refined.leading)), dtype=complex)
+        of_force[forced, np.arange(refined.free, len(refined.leading))] = 1.0
+        pairs, paired = forced[refined.weights[refined.free :] > 1], np.flatnonzero(refined.weights > 1)
+        of_force[pairs + 1, paired[paired >= refined.free]] = _second_state(self.flow.force.smooth, pairs)
+        columns, poles = np.concatenate([refined.states.high, of_force]), refined.poles.high
+        amplitudes, begin = np.array([own._amplitude.high for own in self._pieces]).T, np.cumsum(refined.weights).astype(int) - 1
+        C, v = np.zeros((n + m, n + m)), np.zeros((n + m, len(self._pieces)))
+        C[:, begin], v[begin] = columns.imag * refined.weights, -amplitudes.imag  # of single poles replaced by the next line
+        begin = begin - refined.weights.astype(int) + 1
+        C[:, begin], v[begin] = columns.real * refined.weights, amplitudes.real
+        blocks = [
+            np.array([[a, b], [-b, a]]) if pair else np.array([[a]])
+            for a, b, pair in zip(poles.real.tolist(), poles.imag.tolist(), refined.weights > 1)
+        ]
+        start = v[:, 0] if len(self._pieces) == 1 else FreeRestarts(self._knots, v, self._force.remainders, tuple(blocks))
+        return BohlFunction(C, tuple(blocks), start)
 
     def proved(self, place: np.ndarray, order: int, times: np.ndarray, accuracy: float) -> tuple[np.ndarray, np.ndarray]:
         """The derivative of this order of place @ z, and at which times it is guaranteed to this accuracy of the largest value.
 
-        Phases are always those of extended precision; exponentials and sums are where those of float64 do not suffice.
+        Phases have always twice the digits; exponentials and sums where those of float64 do not suffice.
         """
-        lead, restarts = self.refined.leading, self._force
+        restarts, (growth, turned) = self._force, self.refined.turns
         values, sure = np.empty((len(place), len(times))), np.zeros(len(times), dtype=bool)
-        C = self._output(place, order)[:, lead] * np.where(np.isin(lead, self.refined.above), 2, 1)
+        C = self._output(place, order) * self.refined.weights
         pieces, since = restarts.located(times)
         for piece in np.unique(pieces).tolist():
             at, own = np.flatnonzero(pieces == piece), self._pieces[piece]
-            exact = (
-                times[at].astype(Extended)
-                - restarts.knots[piece]
-                - np.broadcast_to(restarts.remainders, restarts.knots.shape)[piece]
-            )
-            weights, turned = C * own._amplitude[lead], np.multiply.outer(self.refined.poles[lead], exact)
-            values[:, at], rounded = _sums(weights, turned)
+            exact = DoubleDouble.of(times[at]) - restarts.knots[piece]
+            exact = exact - np.broadcast_to(restarts.remainders, restarts.knots.shape)[piece]
+            weights, exponents = C * own._amplitude, (outer(growth, exact), outer(turned, exact))
+            values[:, at], rounded = _rounded_sums(weights.high, *exponents)
             allowed = accuracy * np.abs(values[:, at]).max(axis=0)
             sure[at] = own._late(place, order, since[at], allowed - rounded)
             late = np.flatnonzero(~sure[at])
             if len(late):
-                growth, turned = np.exp(turned.real[:, late]), turned.imag[:, late]
-                more = weights.real @ (growth * np.cos(turned)) - weights.imag @ (growth * np.sin(turned))
-                values[:, at[late]] = more
+                values[:, at[late]] = _sums(weights, *(part[:, late] for part in exponents))
                 allowed = accuracy * np.abs(values[:, at[late]]).max(axis=0)
                 sure[at[late]] = own._late(place, order, since[at[late]], allowed)
         return values, sure
 
-    def _output(self, place: np.ndarray, order: int) -> np.ndarray:
-        n = len(self.flow.start)
-        states = place[:, :n].astype(Extended) @ self.refined.states
-        return states * self.refined.poles**order if order else states
+    def _output(self, place: np.ndarray, order: int) -> DoubleDouble:
+        output = place[:, : len(self.flow.start)] @ self.refined.states
+        for _ in range(order):
+            output = output * self.refined.poles
+        return output
 
     @cached_property
     def _pieces(self) -> list[RefinedDefect]:
@@ -270,40 +430,55 @@ class RefinedDefect(Defect):
 
     @cached_property
     def _start(self) -> np.ndarray:
-        """The states of the force at the start of the piece in the coordinates of its poles, shape (m,)."""
+        """The states of the force at the start of the piece in the coordinates of its leading poles."""
         v, n = self._force.states[:, self.piece], len(self.flow.start)
-        result, pairs = v.astype(complex), self.refined.above[self.refined.above >= n] - n
-        result[pairs] = (v[pairs] - _second_state(self.flow.force.smooth, pairs) * v[pairs + 1]) / 2
-        result[pairs + 1] = result[pairs].conj()
+        at = self.refined.leading[self.refined.free :] - n
+        result, paired = v[at].astype(complex), self.refined.weights[self.refined.free :] > 1
+        pairs = at[paired]
+        result[paired] = (v[pairs] - _second_state(self.flow.force.smooth, pairs) * v[pairs + 1]) / 2
         return result
 
     @cached_property
-    def _free(self) -> tuple[np.ndarray, np.ndarray]:
-        """Amplitudes of the free modes at the start of the piece, and bounds of their errors, without those of the poles."""
-        refined, n = self.refined, len(self.flow.start)
-        responses = refined.states[:, n:]
-        if self.before is None:
-            result, errors = refined.solved(self._initial - responses @ self._start)
-            return result, errors + np.abs(refined.left) @ self._impulsive[1][:, 0]
-        before, h = self.before, Extended(self._force.gaps[self.piece - 1])
-        moved = np.exp(refined.poles * h)
-        change = responses @ (moved[n:] * before._start - self._start)
-        jump, errors = refined.solved(change + self._impulsive[0][:, self.piece])
-        errors = errors + np.abs(refined.left) @ self._impulsive[1][:, self.piece]
-        turned = np.abs(moved) * np.abs(before._amplitude) * (8 + 2 * np.abs(refined.poles) * h) * UNIT
-        through = np.abs(refined.left) @ (np.abs(responses) @ (turned[n:] + UNIT * np.abs(self._start))).astype(float)
-        return moved[:n] * before._free[0] + jump, errors + through + turned[:n].astype(float)
+    def _across(self) -> DoubleDouble:
+        """e^(p h) of the leading poles for the lengths h of all pieces."""
+        if self.before is not None:
+            return self.before._across
+        gaps = DoubleDouble.of(self._gaps)
+        return exponential(*(outer(part, gaps) for part in self.refined.turns))
 
-    @property
-    def _amplitude(self) -> np.ndarray:
-        return np.concatenate([self._free[0], self._start])
+    @cached_property
+    def _free(self) -> tuple[DoubleDouble, np.ndarray]:
+        """Amplitudes of the leading free modes at the start of the piece, and bounds of errors of all, without those of the poles."""
+        refined = self.refined
+        responses, weights, back = refined.states[:, refined.free :], refined.weights[refined.free :], np.abs(refined.left)
+        start = DoubleDouble.of(self._start)
+        if self.before is None:
+            result, errors = refined.solved(DoubleDouble.of(self._initial) - refined.summed(responses, start, weights))
+            return result, errors + back @ self._impulsive[1][:, 0]
+        before, h = self.before, float(self._force.gaps[self.piece - 1])
+        moved = self._across[:, self.piece - 1]
+        jump = DoubleDouble.of(self._impulsive[0][:, self.piece])
+        sizes = np.abs(before._amplitude.high)
+        if len(start.high):
+            jump = jump + refined.summed(responses, moved[refined.free :] * before._start - start, weights)
+        result, errors = refined.solved(jump)
+        errors = errors + back @ self._impulsive[1][:, self.piece]
+        turned = np.abs(moved.high) * sizes * (2 * EXPONENTIAL_EPS + (8 + 2 * np.abs(refined.poles.high) * h) * DOUBLED_EPS)
+        lost = weights * (turned[refined.free :] + DOUBLED_EPS * np.abs(start.high))
+        through = back @ (np.abs(responses.high) @ lost)
+        own = refined.whole(turned)[: len(errors)]
+        return moved[: refined.free] * before._free[0] + result, errors + through + own
+
+    @cached_property
+    def _amplitude(self) -> DoubleDouble:
+        return stacked(self._free[0], DoubleDouble.of(self._start))
 
     @cached_property
     def _modes(self) -> BoundedModes | None:
         if self.refined is None:
             return None
-        poles, nothing = self.refined.poles.astype(complex), np.zeros(len(self.refined.poles))
-        sizes = np.abs(self._amplitude).astype(float)
+        poles = self.refined.whole(self.refined.poles.high)
+        nothing, sizes = np.zeros(len(poles)), np.abs(self.refined.whole(self._amplitude.high))
         return BoundedModes(np.diag(np.abs(poles)), np.arange(len(poles)), sizes, poles, poles.real, nothing > 0, nothing + 1, None)
 
     @cached_property
@@ -357,9 +532,41 @@ class RefinedDefect(Defect):
         return self.refined.inexact
 
     def _derived(self, place: np.ndarray, order: int) -> np.ndarray:
-        return np.abs(self._output(place, order)).astype(float)
+        return np.abs(self.refined.whole(self._output(place, order).high))
 
     @property
     def _unit(self) -> tuple[float, float]:
-        terms = 2 * len(self._modes.sizes) + 16
-        return terms * UNIT, 4 * UNIT
+        return 2 * EXPONENTIAL_EPS, 4 * DOUBLED_EPS
+
+
+def refined_modes(flow: Flow, elements: Elements) -> RefinedModes | None:
+    """The refined modes of a flow, computed once; None where there are none."""
+    if elements not in flow.computed:
+        with np.errstate(all="ignore"):
+            flow.computed[elements] = RefinedModes.of(flow, elements)
+    return flow.computed[elements]
+
+
+def _rounded_sums(weights: np.ndarray, growth: DoubleDouble, turned: DoubleDouble) -> tuple[np.ndarray, np.ndarray]:
+    """The real part of weights @ 2^growth e^(2 pi i turned) in float64, and bounds of its rounding errors in any row."""
+    angles = 2 * np.pi * ((turned.high - np.rint(turned.high)) + turned.low)
+    parts, sizes = np.concatenate([np.cos(angles), np.sin(angles)]), np.abs(weights).max(axis=0, initial=0.0)
+    if growth.high.any():
+        factors = np.exp2(growth.high)
+        factors += factors * (np.log(2.0) * growth.low)
+        parts *= np.concatenate([factors, factors])
+        sizes = sizes @ factors
+    else:
+        sizes = sizes.sum()
+    return np.concatenate([weights.real, -weights.imag], axis=1) @ parts, SUMMED_IN_FLOAT64 * EPS * sizes
+
+
+def _sums(weights: DoubleDouble, growth: DoubleDouble, turned: DoubleDouble) -> np.ndarray:
+    """The real part of weights @ 2^growth e^(2 pi i turned) with the accuracy of exponentials, relative to the size of each term in any row."""
+    parts, sizes = exponential(growth, turned), np.abs(weights.high).max(axis=0, initial=0.0)
+    unit = np.ldexp(1.0, np.frexp(sizes)[1])
+    left, small = (np.concatenate([part.real, -part.imag], axis=1) for part in (weights.high / unit, weights.low / unit))
+    unit = unit[:, None]
+    right, rest = (np.concatenate([part.real, part.imag]) for part in (parts.high * unit, parts.low * unit))
+    high, low = accurate_product(left, right)
+    return high + (low + left @ rest + small @ right)
