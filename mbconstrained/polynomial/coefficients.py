@@ -26,8 +26,7 @@ class PolynomialCoefficients:
         if not isinstance(coefficients, Iterable):
             raise InputError(f"coefficients: found {coefficients!r}; expected a list of square matrices [A_0, A_1, ...]")
         given = [  # the element matrix B^T diag(k) B of a coefficient given by its elements, directions B and constants k
-            Factors(matrix.directions.T, matrix.constants, matrix.directions) if hasattr(matrix, "directions") else matrix
-            for matrix in coefficients
+            matrix.factors if hasattr(matrix, "directions") else matrix for matrix in coefficients
         ]
         self.factors = tuple(matrix if isinstance(matrix, Factors) else None for matrix in given)
         matrices = [_assembled(matrix, f"A_{power}") for power, matrix in enumerate(given)]
