@@ -168,10 +168,10 @@ class Rounding:
         """Rounding of entries that are assembled once each; None where no coefficient is."""
         if not any(elements):
             return None
-        lost, size = [np.zeros(coefficients.shape[1:])] * 3, len(coefficients[0])
-        for k, (A_k, own) in enumerate(zip(coefficients, elements)):
-            lost[k] = np.spacing(np.abs(A_k)) / 2 * (own is not None)
-        return cls(tuple(lost), np.zeros(size), (*elements, None, None)[:3])
+        lost = [np.spacing(np.abs(A_k)) / 2 * (own is not None) for A_k, own in zip(coefficients, elements)]
+        missing = max(3 - len(lost), 0)  # up to the mass matrix
+        lost += [np.zeros(coefficients.shape[1:])] * missing
+        return cls(tuple(lost), np.zeros(coefficients.shape[1]), (*elements, *[None] * missing))
 
 
 @dataclass(frozen=True, eq=False)
