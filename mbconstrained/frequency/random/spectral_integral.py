@@ -23,7 +23,7 @@ from .spectral_matrix import SpectralMatrix
 #: Terms of rounding errors of the entries that are computed at once.
 MOST_TERMS = 1 << 20
 
-#: Slices of matrices whose small entries count beside large ones of their rows.
+#: Slices of matrices whose small entries count next to large ones of their rows.
 MOST_SLICES = 8
 
 # H(f) with refined poles: the real part of a pole near the axis is the damping, and needs its own relative accuracy.

@@ -150,7 +150,7 @@ def _given(entry, *left_out: str) -> dict:
 
 
 #: Units of a drive, by that of its joint.
-_DRIVE_UNITS = {
+_MOTOR_UNITS = {
     "stiffness": STIFFNESS, "proportional_gain": STIFFNESS, "position_gain": STIFFNESS,
     "damping": DAMPING, "derivative_gain": DAMPING, "velocity_gain": DAMPING, "armature": INERTIA,
 }  # fmt: skip
@@ -162,9 +162,9 @@ def _drives(kind: type, entries: Mapping, key: str, names: UrdfNames, place: str
     for name, entry in entries.items():
         with at(place, f"{key}.{name}"):
             unit, values = names.joint_unit(name), _given(entry)
-            for field_name in values.keys() & _DRIVE_UNITS.keys():
+            for field_name in values.keys() & _MOTOR_UNITS.keys():
                 with named(field_name):
-                    values[field_name] = quantity(values[field_name], _DRIVE_UNITS[field_name][unit])
+                    values[field_name] = quantity(values[field_name], _MOTOR_UNITS[field_name][unit])
             drives[name] = kind(**values)
     return drives
 

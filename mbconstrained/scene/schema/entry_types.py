@@ -91,7 +91,9 @@ class LateTable:
         self._create = create
 
     def __get_pydantic_core_schema__(self, source, handler):
-        return core_schema.no_info_plain_validator_function(lambda value: self._create().model_validate(value))
+        return core_schema.no_info_before_validator_function(
+            lambda value: self._create().model_validate(value), core_schema.any_schema()
+        )
 
     def __get_pydantic_json_schema__(self, schema, handler):
         return handler(core_schema.definitions_schema(_with_names(TypeAdapter(self._create()).core_schema), []))
@@ -116,7 +118,7 @@ class TablesByKind:
         return self._adapter(*kinds).validate_python(value)
 
     def __get_pydantic_core_schema__(self, source, handler):
-        return core_schema.no_info_plain_validator_function(self._validated)
+        return core_schema.no_info_before_validator_function(self._validated, core_schema.any_schema())
 
     def __get_pydantic_json_schema__(self, schema, handler):
         return handler(_with_names(self._adapter(*self._create).core_schema))
