@@ -36,7 +36,7 @@ LINES = {
     "polynomial": 2874,
     "response": 5755,
     "robot": 8814,
-    "scene": 9192,
+    "scene": 9194,
     "signals": 1734,
 }
 
