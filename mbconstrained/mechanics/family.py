@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -147,9 +147,9 @@ class Family(Displayed):
             loads = [B[:n] - K @ motions] + [-(D @ motions), -(M @ motions)] * bool(motions.any())
             yield at, StackedTransfer(self.poles.of(at), C[:, :n], motions, tuple(loads), harmonic.power, orders)
 
-    def _is_free(self, shapes: np.ndarray, matrices: np.ndarray) -> np.ndarray:
+    def _is_free(self, shapes: np.ndarray, of: Literal["stiffness", "damping"]) -> np.ndarray:
         """Which systems have no springs, or no dampers, that resist some motions, up to rounding errors of the entries, shape (S,)."""
-        V = self.base.position_form().null_space
+        V, matrices = self.base.position_form().null_space, getattr(self, of)
         noise = noise_of(np.abs(V.T) @ np.abs(matrices) @ np.abs(shapes))
         return (np.abs(V.T @ (matrices @ shapes)) <= noise).all(axis=(1, 2))
 
@@ -198,7 +198,7 @@ class Family(Displayed):
         if np.iscomplexobj(free) or np.iscomplexobj(staying):
             return None
         if free.shape[1] and not staying.shape[1]:
-            waiting = waiting & self._is_free(free, self.stiffness) & self._is_free(free, self.damping)
+            waiting = waiting & self._is_free(free, "stiffness") & self._is_free(free, "damping")
             equations = self.equations.without_rigid_motions(free)
             if not (waiting & equations.serve).any():
                 return None
@@ -214,7 +214,7 @@ class Family(Displayed):
         zero = ((poles.values == 0) | (poles.value_errors >= 1.0)) & (poles.weights == 1)  # not farther from 0 than their errors
         errors = poles.value_errors + doubt[:, None]
         clear = (errors <= PROVED_ACCURACY) | zero
-        serve = waiting & self._is_free(staying, self.stiffness) & poles.serve & clear.all(axis=1) & (zero.sum(axis=1) == 1)
+        serve = waiting & self._is_free(staying, "stiffness") & poles.serve & clear.all(axis=1) & (zero.sum(axis=1) == 1)
         weights, shapes = np.where(zero, 0.0, poles.weights), equations.T @ poles.shapes
         return _Stack(replace(poles, value_errors=errors, weights=weights, shapes=shapes), serve, staying.T)
 

@@ -340,3 +340,15 @@ def test_free_and_supported_samples_of_one_family():
     assert (np.sum(modes.eigenvalues == 0, axis=1) == [2, 0, 2, 0]).all()
     for system, frequencies in zip(systems, modes.frequencies_hz):
         assert frequencies[~np.isnan(frequencies)] == pytest.approx(system.modes().frequencies_hz, rel=1e-12)
+
+
+def test_elements_show_that_a_soft_spring_holds_a_stiff_body():
+    """Next to 1e16 N/m the assembled matrix has lost the 4 N/m to the ground; the springs themselves have it."""
+    model = mb.LumpedModel()
+    model.mass("plate", 1.0), model.mass("sensor", 2.0)
+    model.spring("ground", "plate", stiffness=4.0)
+    model.spring("plate", "sensor", stiffness=1e16)
+    systems, together = [model.assemble(), model.assemble()], np.ones((2, 1))
+    family = SampleFamily.of(systems)
+    assert not family._is_free(together, "stiffness").any() and family._is_free(together, "damping").all()
+    assert super(SampleFamily, family)._is_free(together, "stiffness").all()

@@ -71,11 +71,11 @@ class SampleFamily(Family):
     def __getitem__(self, index: int) -> MechanicalSystem:
         return self.members[index]
 
-    def is_free(self, shapes: np.ndarray, of: Literal["stiffness", "damping"]) -> np.ndarray:
+    def _is_free(self, shapes: np.ndarray, of: Literal["stiffness", "damping"]) -> np.ndarray:
         """Which systems have no springs, or no dampers, that resist some motions: by elements, whose soft ones keep their digits."""
         given = [one.given[("stiffness", "damping").index(of)] for one in self.members]
         if not all(isinstance(one, ElementMatrix) for one in given):
-            return super().is_free(shapes, of)
+            return super()._is_free(shapes, of)
         acting = (one.directions[one.constants != 0] for one in given)
         return np.array([(np.abs(B @ shapes) <= noise_of(np.abs(B) @ np.abs(shapes))).all() for B in acting])
 
