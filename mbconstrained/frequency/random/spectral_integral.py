@@ -13,7 +13,8 @@ from ...ground.errors import Overflow
 from ...ground.tolerances import CLUSTER_SAFETY, EPS, FORM_ROUNDING, LIGHT_DAMPING, NOISE_SAFETY, SPECTRAL_ACCURACY, UNDAMPED
 from ...ground.tolerances import STEP_AGREEMENT as MARGIN
 from ...linalg import precise
-from ...linalg.division import accurate_product, product_with_error, sum_with_error
+from ...linalg.division import accurate_product
+from ...linalg.double_double import DoubleDouble
 from ...polynomial.structure import FiniteZero
 from ..frequency_response import NOISE
 from ..harmonic import Harmonic
@@ -209,40 +210,11 @@ def _without_noise(residues: np.ndarray, sizes: np.ndarray) -> np.ndarray:
 
 def _bilinear(coefficients: np.ndarray, X: np.ndarray, Y: np.ndarray, p: np.ndarray) -> np.ndarray:
     """y_k^T A(p_k) x_k in twice the digits of float64, shape (K,)."""
-    total: tuple[_Doubled, _Doubled] = (np.zeros((2, len(p))), np.zeros((2, len(p))))
+    total = DoubleDouble.of(np.zeros(len(p), dtype=complex))
     for A in coefficients[::-1]:
-        u, v = (np.array(accurate_product(A, part, MOST_SLICES)) for part in (X.real, X.imag))
-        yr, yi = Y.real.T, Y.imag.T
-        re, im = total
-        total = (
-            _plus(_plus(_times(re, p.real), _times(im, -p.imag)), _total(_plus(_times(u, yr), _times(v, -yi)))),
-            _plus(_plus(_times(re, p.imag), _times(im, p.real)), _total(_plus(_times(v, yr), _times(u, yi)))),
-        )
-    return total[0].sum(axis=0) + 1j * total[1].sum(axis=0)
-
-
-# Numbers as unevaluated sums of two floats, in arrays with these along the first axis. Source: Dekker, Numer. Math. 18 (1971).
-
-_Doubled = np.ndarray
-
-
-def _plus(one: _Doubled, other: _Doubled) -> _Doubled:
-    total, error = sum_with_error(one[0], other[0])
-    return np.array(sum_with_error(total, error + (one[1] + other[1])))
-
-
-def _times(one: _Doubled, factor: np.ndarray) -> _Doubled:
-    product, error = product_with_error(one[0], factor)
-    return np.array(sum_with_error(product, error + one[1] * factor))
-
-
-def _total(values: _Doubled) -> _Doubled:
-    """The sum over the second axis."""
-    while (count := values.shape[1]) > 1:
-        half = count // 2
-        pairs = _plus(values[:, :half], values[:, half : 2 * half])
-        values = np.concatenate([pairs, values[:, 2 * half :]], axis=1)
-    return values[:, 0]
+        (real, of_real), (imaginary, of_imaginary) = (accurate_product(A, part, MOST_SLICES) for part in (X.real, X.imag))
+        total = total * p + (DoubleDouble(real + 1j * imaginary, of_real + 1j * of_imaginary) * Y.T).sum()
+    return total.high + total.low
 
 
 # Integrals of f^k H(f) S(f) H(f)^H over all positive frequencies, in closed form near poles and exactly by Gauss's rule elsewhere.
