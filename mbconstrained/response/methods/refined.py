@@ -191,21 +191,22 @@ class RefinedModes:
         return np.abs(self.left @ basis - np.eye(n)) + EPS * (n + 2) * (np.abs(self.left) @ np.abs(basis))
 
     def solved(self, right: DoubleDouble) -> tuple[DoubleDouble, np.ndarray]:
-        """X^-1 @ right of a vector of states for the leading modes, and bounds of its error for all, to first order."""
-        n, count, result = len(self.left), self.free, DoubleDouble.of(np.zeros(self.free, dtype=complex))
+        """X^-1 @ right of states (n, K) for the leading modes, and bounds of its error for all, to first order."""
+        n, count = len(self.left), self.free
+        result, weights = DoubleDouble.of(np.zeros((count, right.shape[1]), dtype=complex)), self.weights[:count, None]
         X, back, rest = self.states[:, :count], self.left[self.leading[:count]], right
         for _ in range(STEPS):
             result = result + back @ rest.high
-            rest = right - self.summed(X, result, self.weights[:count])
-            if (np.abs(rest.high) <= LAST_REST * np.abs(right.high).max(initial=0.0)).all():
+            rest = right - self.summed(X, result, weights)
+            if (np.abs(rest.high) <= LAST_REST * np.abs(right.high).max(axis=0, initial=0.0)).all():
                 break
-        sizes = np.abs(X.high) @ (self.weights[:count] * np.abs(result.high)) + np.abs(right.high) + LEAST_NUMBER
+        sizes = np.abs(X.high) @ (weights * np.abs(result.high)) + np.abs(right.high) + LEAST_NUMBER
         return result, np.abs(self.left) @ (np.abs(rest.high) + (n + 4) * DOUBLED_EPS * sizes)
 
     @staticmethod
     def summed(states: DoubleDouble, amplitudes: DoubleDouble, weights: np.ndarray) -> DoubleDouble:
         """The real part of states @ amplitudes with the conjugate modes."""
-        columns, factors = DoubleDouble(states.high.T, states.low.T), (amplitudes * weights)[:, None]
+        columns, factors = DoubleDouble(states.high.T, states.low.T)[..., None], (amplitudes * weights)[:, None]
         return (stacked(columns.real, -columns.imag) * stacked(factors.real, factors.imag)).sum()
 
 
@@ -404,8 +405,8 @@ class RefinedDefect(Defect):
         pairs, paired = forced[refined.weights[refined.free :] > 1], np.flatnonzero(refined.weights > 1)
         of_force[pairs + 1, paired[paired >= refined.free]] = _second_state(self.flow.force.smooth, pairs)
         columns, poles = np.concatenate([refined.states.high, of_force]), refined.poles.high
-        amplitudes, begin = np.array([own._amplitude.high for own in self._pieces]).T, np.cumsum(refined.weights).astype(int) - 1
-        C, v = np.zeros((n + m, n + m)), np.zeros((n + m, len(self._pieces)))
+        amplitudes, begin = self._amplitudes_of_pieces[0].high, np.cumsum(refined.weights).astype(int) - 1
+        C, v = np.zeros((n + m, n + m)), np.zeros((n + m, len(self._knots)))
         C[:, begin], v[begin] = columns.imag * refined.weights, -amplitudes.imag  # of single poles replaced by the next line
         begin = begin - refined.weights.astype(int) + 1
         C[:, begin], v[begin] = columns.real * refined.weights, amplitudes.real
@@ -413,7 +414,7 @@ class RefinedDefect(Defect):
             np.array([[a, b], [-b, a]]) if pair else np.array([[a]])
             for a, b, pair in zip(poles.real.tolist(), poles.imag.tolist(), refined.weights > 1)
         ]
-        start = v[:, 0] if len(self._pieces) == 1 else FreeRestarts(self._knots, v, self._force.remainders, tuple(blocks))
+        start = v[:, 0] if len(self._knots) == 1 else FreeRestarts(self._knots, v, self._force.remainders, tuple(blocks))
         return BohlFunction(C, tuple(blocks), start)
 
     def proved(self, matrix: np.ndarray, order: int, times: np.ndarray, accuracy: float) -> tuple[np.ndarray, np.ndarray]:
@@ -467,45 +468,34 @@ class RefinedDefect(Defect):
         return self._force.gaps
 
     @cached_property
-    def _start(self) -> np.ndarray:
-        """The states of the force at the start of the piece in the coordinates of its leading poles."""
-        v, n = self._force.states[:, self.piece], len(self.flow.start)
-        at = self.refined.leading[self.refined.free :] - n
-        result, paired = v[at].astype(complex), self.refined.weights[self.refined.free :] > 1
-        pairs = at[paired]
-        result[paired] = (v[pairs] - _second_state(self.flow.force.smooth, pairs) * v[pairs + 1]) / 2
-        return result
-
-    @cached_property
-    def _across(self) -> DoubleDouble:
-        """e^(p h) of the leading poles for the lengths h of all pieces."""
+    def _amplitudes_of_pieces(self) -> tuple[DoubleDouble, np.ndarray]:
+        """Amplitudes of the leading modes at all knots, and bounds of errors of all free ones without those of poles, shape (n, K)."""
         if self.before is not None:
-            return self.before._across
-        gaps = DoubleDouble.of(self._gaps)
-        return exponential(*(outer(part, gaps) for part in self.refined.turns))
-
-    @cached_property
-    def _free(self) -> tuple[DoubleDouble, np.ndarray]:
-        """Amplitudes of the leading free modes at the start of the piece, and bounds of errors of all, without those of the poles."""
-        refined = self.refined
-        responses, weights, back = refined.states[:, refined.free :], refined.weights[refined.free :], np.abs(refined.left)
-        start = DoubleDouble.of(self._start)
-        if self.before is None:
-            result, errors = refined.solved(DoubleDouble.of(self._initial) - refined.summed(responses, start, weights))
-            return result, errors + back @ self._impulsive[1][:, 0] + back.sum(axis=1) * self._inconsistent
-        before, h = self.before, float(self._force.gaps[self.piece - 1])
-        moved = self._across[:, self.piece - 1]
-        jump = DoubleDouble.of(self._impulsive[0][:, self.piece])
-        sizes = np.abs(before._amplitude.high)
-        if len(start.high):
-            jump = jump + refined.summed(responses, moved[refined.free :] * before._start - start, weights)
-        result, errors = refined.solved(jump)
-        errors = errors + back @ self._impulsive[1][:, self.piece]
-        turned = np.abs(moved.high) * sizes * (2 * EXPONENTIAL_EPS + (8 + 2 * np.abs(refined.poles.high) * h) * DOUBLED_EPS)
-        lost = weights * (turned[refined.free :] + DOUBLED_EPS * np.abs(start.high))
-        through = back @ (np.abs(responses.high) @ lost)
-        own = refined.whole(turned)[: len(errors)]
-        return moved[: refined.free] * before._free[0] + result, errors + through + own
+            return self.before._amplitudes_of_pieces
+        refined, n, gaps, v = self.refined, len(self.flow.start), self._gaps, self._force.states
+        count, back, (jumps, uncertain) = refined.free, np.abs(refined.left), self._impulsive
+        responses, weights, at = refined.states[:, count:], refined.weights[count:, None], refined.leading[count:] - n
+        starts, paired = v[at].astype(complex), refined.weights[count:] > 1
+        pairs = at[paired]
+        starts[paired] = (v[pairs] - _second_state(self.flow.force.smooth, pairs)[:, None] * v[pairs + 1]) / 2
+        right = DoubleDouble.of(np.concatenate([self._initial[:, None], jumps[:, 1:]], axis=1))
+        moved = exponential(*(outer(part, DoubleDouble.of(gaps)) for part in refined.turns))
+        if len(at):
+            ends = moved[count:] * starts[:, :-1] - starts[:, 1:]
+            changes = [np.concatenate([-starts[:, :1] * first, part], axis=1) for first, part in ((1, ends.high), (0, ends.low))]
+            right = right + refined.summed(responses, DoubleDouble(*changes), weights)
+        begun, errors = refined.solved(right)
+        pieces = [begun[:, 0]]
+        for k in range(len(gaps)):
+            pieces.append(moved[:count, k] * pieces[-1] + begun[:, k + 1])
+        high, low = (np.array(part).T for part in zip(*((piece.high, piece.low) for piece in pieces)))
+        amplitudes = stacked(DoubleDouble(high, low), DoubleDouble.of(starts))
+        rounded = 2 * EXPONENTIAL_EPS + (8 + 2 * np.multiply.outer(np.abs(refined.poles.high), gaps)) * DOUBLED_EPS
+        turned = np.abs(moved.high) * np.abs(amplitudes.high[:, :-1]) * rounded
+        lost = weights * (turned[count:] + DOUBLED_EPS * np.abs(starts[:, 1:]))
+        errors[:, 1:] += back @ (np.abs(responses.high) @ lost) + refined.whole(turned.T).T[:n]
+        errors[:, 0] += back.sum(axis=1) * self._inconsistent
+        return amplitudes, errors + back @ uncertain
 
     @property
     def _inconsistent(self) -> float:
@@ -519,9 +509,9 @@ class RefinedDefect(Defect):
             v = smooth.generator @ v
         return 0.0
 
-    @cached_property
+    @property
     def _amplitude(self) -> DoubleDouble:
-        return stacked(self._free[0], DoubleDouble.of(self._start))
+        return self._amplitudes_of_pieces[0][:, self.piece]
 
     @cached_property
     def _modes(self) -> BoundedModes | None:
@@ -533,7 +523,8 @@ class RefinedDefect(Defect):
 
     @cached_property
     def _modal_start(self) -> np.ndarray:
-        return self._free[1] if self.before is None else self._free[1] + self.before._at_end()
+        own = self._amplitudes_of_pieces[1][:, self.piece]
+        return own if self.before is None else own + self.before._at_end()
 
     def _at_end(self) -> np.ndarray:
         modes, n, v = self._modes, len(self._own), self._modes.sizes
