@@ -30,11 +30,11 @@ LINES = {
     "frequency": 5353,
     "ground": 2054,
     "linalg": 4850,
-    "mechanics": 10547,
+    "mechanics": 10577,
     "models": 1337,
     "page": 4907,
     "polynomial": 2874,
-    "response": 5755,
+    "response": 5827,
     "robot": 8814,
     "scene": 9192,
     "signals": 1734,
@@ -52,8 +52,8 @@ INJECTED: set[str] = set()
 #: Functions of the package that a call touches; bodies of modules and of classes, which imports run, are not functions (their code has no
 #: flag CO_OPTIMIZED, 1).
 TOUCHED = {
-    "run": ("import mbconstrained as mb; scene = mb.read_scene('examples/two_masses.toml'); result = scene.run(None); result.summary()", 764),
-    "solve": ("import numpy as np, mbconstrained as mb; x = mb.MechanicalSystem(np.eye(2), stiffness=[[2, -1], [-1, 2]]).solve([1, 0]); x(np.linspace(0, 9, 50))", 233),
+    "run": ("import mbconstrained as mb; scene = mb.read_scene('examples/two_masses.toml'); result = scene.run(None); result.summary()", 769),
+    "solve": ("import numpy as np, mbconstrained as mb; x = mb.MechanicalSystem(np.eye(2), stiffness=[[2, -1], [-1, 2]]).solve([1, 0]); x(np.linspace(0, 9, 50))", 240),
     "modes": ("import numpy as np, mbconstrained as mb; mb.MechanicalSystem(np.eye(2), stiffness=[[2, -1], [-1, 2]]).modes().frequencies_hz", 63),
 }  # fmt: skip
 
