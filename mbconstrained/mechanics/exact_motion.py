@@ -12,6 +12,9 @@ from ..exact.enclosure.exact_response import ExactResponse
 from ..exact.enclosure.exact_sources import sources_of
 from ..exact.rational import RationalMatrix, regular
 from ..ground.tolerances import EPS
+from ..linalg.arrays import full
+from ..linalg.double_double import DOUBLED_EPS, DoubleDouble
+from ..polynomial.coefficients import Factors
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.methods.defect import UNIT, Extended, Rounding
 from ..signals.inputs import ImpulsiveSmooth, step
@@ -61,7 +64,34 @@ def rounding_of_form(system: EquationsOfMotion, applied: ImpulsiveSmooth) -> Rou
     mixed = ~(((V != 0).sum(axis=0) == 1) & (V.max(axis=0, initial=0.0) == 1.0))
     force = np.zeros(len(V))
     force[:own] = through @ load + mixed * EPS * len(V) * (np.abs(V.T).astype(float) @ load)
-    return Rounding(tuple(coefficients), force, None if len(A) else elements)
+    if not len(A):
+        return Rounding(tuple(coefficients), force, elements)
+    basis, uncertain = _null_space(form.null_space, A, system)
+    parts = [_projected(matrix, basis, whole[own:]) for matrix, whole in zip(given, form.polynomial_matrix.coefficients)]
+    unresolved = [np.concatenate([uncertain @ _extended(matrix)[1], 0 * A]) for matrix in given]
+    return Rounding(tuple(coefficients), force, tuple(parts), tuple(unresolved))
+
+
+def _null_space(V: np.ndarray, A: np.ndarray, system: EquationsOfMotion) -> tuple[DoubleDouble, np.ndarray]:
+    """V with twice the digits, and bounds of the constraint forces in V^T (K x + ... - f), relative to each term."""
+    inverse, basis = system._independent.left_inverse, DoubleDouble.of(V)
+    if (left := (A @ basis).high).any():
+        basis = basis - inverse.T @ left
+    forces = np.abs((A @ basis).high) + (len(V) + 4) * DOUBLED_EPS * (np.abs(A) @ np.abs(V))
+    return basis, forces.T @ np.abs(inverse)
+
+
+def _projected(matrix: np.ndarray | ElementMatrix, V: DoubleDouble, rows: np.ndarray) -> Factors:
+    """[V^T matrix; rows] by its elements."""
+    factors = matrix.factors if isinstance(matrix, ElementMatrix) else None
+    elements = factors or Factors(np.eye(len(matrix)), np.ones(len(matrix)), full(matrix))
+    left = elements.left.T @ V
+    parts = np.concatenate([left.high, left.low] if left.low.any() else [left.high])
+    count, own = len(parts) // len(left.high), V.shape[1]
+    through = np.zeros((own + len(rows), len(parts) + len(rows)))
+    through[:own, : len(parts)], through[own:, len(parts) :] = parts.T, np.eye(len(rows))
+    values = np.concatenate([*[elements.values] * count, np.ones(len(rows))])
+    return Factors(through, values, np.concatenate([*[elements.right] * count, rows]))
 
 
 def _extended(matrix: np.ndarray | ElementMatrix) -> tuple[np.ndarray, np.ndarray]:

@@ -157,11 +157,13 @@ class Rounding:
         coefficients: bounds of the errors of A_0, A_1, ..., shape (r, r) each.
         force: a bound of the errors of the coefficients of f, for each row, shape (r,).
         elements: the data that A_0, A_1, A_2 are assembled from, None for those that are data; None where A(s) is not just assembled.
+        unresolved: bounds of what the elements still lack of A_0, A_1, ...; none where they lack nothing.
     """
 
     coefficients: tuple[np.ndarray, ...]
     force: np.ndarray
     elements: tuple[Factors | None, ...] | None = None
+    unresolved: tuple[np.ndarray, ...] = ()
 
     @classmethod
     def of_elements(cls, coefficients: np.ndarray, elements: Sequence[Factors | None]) -> Rounding | None:
@@ -297,11 +299,11 @@ class Defect:
         if not np.isfinite(remaining).all():
             return np.zeros(len(v)), np.zeros(len(v)), np.inf
         rest = size[:, :n] @ remaining
-        if order or len(self.flow.reduction.algebraic):
-            rest = rest + self._direct(place, order)
+        decaying, lasting = self._direct(place, order) if order or len(self.flow.reduction.algebraic) else (0.0, 0.0)
+        rest = rest + lasting
         size, own = size.max(axis=0), size[:, :n].max(axis=0)
         summed = size * (Q @ v)
-        constant = rounded * summed + (own @ second) * v
+        constant = rounded * summed + (own @ second) * v + decaying
         linear = turned * summed * np.abs(modes.zeros) + (own @ secular) * v
         constant[:n] += own * (start + driven)
         linear[:n] += own * (secular @ v)
@@ -349,8 +351,11 @@ class Defect:
             C = C @ self._modes.J
         return C
 
-    def _direct(self, place, order: int) -> np.ndarray:
-        """Contribution of the residual to derivatives, the sum of C J^(k - 1 - i) E J^i v, i < k, and to algebraic coordinates."""
+    def _direct(self, place, order: int) -> tuple[np.ndarray | float, np.ndarray | float]:
+        """Contribution of the residual to derivatives, the sum of C J^(k - 1 - i) E J^i v, i < k, and to algebraic coordinates.
+
+        The first part decays with the modes, the second one, of each row, is counted with the largest growth.
+        """
         n, right, total = len(self.flow.start), [self._largest], np.zeros(len(place))
         if order:
             left, steps = np.abs(self._derived(place, 0)[:, :n]), np.abs(self._modes.J)
@@ -360,7 +365,7 @@ class Defect:
                 total, left = total + left @ (self._modal_residual @ vector), left @ steps[:n, :n]
         algebraic, Y = self.flow.reduction.algebraic, np.abs(full(self.flow.reduction.Y))
         through = np.abs(place).sum(axis=1).max(initial=1.0) * (Y @ (self._residual[algebraic] @ right[-1])).max(initial=0.0)
-        return total + through
+        return 0.0, total + through
 
     @cached_property
     def _own(self) -> np.ndarray:
@@ -517,28 +522,43 @@ class Defect:
         """The jumps by impulses at each knot, M^-1 p, and bounds of their errors, shape (n, K)."""
         if self.before is not None:
             return self.before._impulsive
-        flow, n, m, knots = self.flow, len(self.flow.start), len(self.flow.reduction.second), self._knots
+        flow, reduction, knots = self.flow, self.flow.reduction, self._knots
+        n, m = len(flow.start), len(reduction.second)
         jumps, errors = np.zeros((n, len(knots)), dtype=Extended), np.zeros((n, len(knots)))
         if flow.impulsive is None:
             return jumps, errors
-        M, p = full(flow.reduction.M), np.zeros((m, len(knots)), dtype=Extended)
+        rows, p = np.concatenate([reduction.second, reduction.first]), np.zeros((n - m, len(knots)), dtype=Extended)
         for load in (ImpulsiveLoad(0.0, flow.force.impulses), *flow.force.later):
             for impulse in load.impulses:
-                p[:, knots.searchsorted(load.time)] += impulse[flow.reduction.second]
-        inverse, result = np.linalg.inv(M), np.zeros(p.shape, dtype=Extended)
+                p[:, knots.searchsorted(load.time)] += impulse[rows]
+        B, lost = self._jumping(rows)
+        inverse, result = np.linalg.inv(B.astype(float)), np.zeros(p.shape, dtype=Extended)
         for _ in range(3):
-            rest = p - M.astype(Extended) @ result
+            rest = p - B @ result
             result = result + inverse @ rest.astype(float)
-        rest = np.abs(p - M.astype(Extended) @ result).astype(float)
-        sizes = np.abs(M) @ np.abs(result).astype(float) + np.abs(p).astype(float)
-        lost = 0.0 if self._is_exact else FORCE_ROUNDING * EPS
-        jumps[m : 2 * m] = result
-        uncertain = rest + (m + 4) * UNIT * sizes + lost * np.abs(p).astype(float)
-        if self.rounding is not None:
-            masses = self.rounding.coefficients[2][np.ix_(flow.reduction.second, flow.reduction.chosen[:m])]
-            uncertain += masses @ np.abs(result).astype(float)
-        errors[m : 2 * m] = 2 * np.abs(inverse) @ uncertain
+        rest, size, given = (np.abs(part).astype(float) for part in (p - B @ result, result, p))
+        jumps[m:] = result
+        uncertain = rest + lost @ size + (n + 4) * UNIT * (np.abs(B).astype(float) @ size + given)
+        errors[m:] = 2 * np.abs(inverse) @ (uncertain + (0.0 if self._is_exact else FORCE_ROUNDING * EPS) * given)
         return jumps, errors
+
+    def _jumping(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What multiplies x_m'' and x_d' in the rows with masses or dampers, and bounds of its rounding errors."""
+        reduction, m = self.flow.reduction, len(self.flow.reduction.second)
+        given, V, Y = [full(A) for A in reduction.given], full(reduction.V).astype(Extended), np.abs(full(reduction.Y))
+        bound, algebraic = np.zeros(V.shape), given[0][reduction.algebraic]
+        if len(algebraic):
+            V = V - full(reduction.Y) @ (algebraic.astype(Extended) @ V)
+            noise = (len(V) + 4) * UNIT * (np.abs(algebraic) @ np.abs(V).astype(float))
+            bound = Y @ (np.abs(algebraic.astype(Extended) @ V).astype(float) + noise)
+        B, lost = np.zeros((len(rows), len(rows)), dtype=Extended), np.zeros((len(rows), len(rows)))
+        for k, at in ((2, slice(m)), (1, slice(m, None))):
+            A, size = given[k][rows], np.abs(given[k][rows])
+            B[:, at] = A.astype(Extended) @ V[:, at]
+            lost[:, at] = size @ bound[:, at] + len(V) * UNIT * (size @ np.abs(V[:, at]).astype(float))
+            if self.rounding is not None and k < len(self.rounding.coefficients):
+                lost[:, at] += self.rounding.coefficients[k][rows] @ np.abs(V[:, at]).astype(float)
+        return B, lost
 
     @cached_property
     def _start_states(self) -> tuple[np.ndarray, np.ndarray]:
@@ -576,7 +596,7 @@ class Defect:
         series = output @ (changed + EPS * (counts + len(G) + order + 2) * exact)
         series[:, -1] += 2 * (output @ exact[:, -1])  # the terms that were left out
         if order or len(self.flow.reduction.algebraic):
-            series[:, 0] += np.inf if self._modes is None else self._direct(place, order)
+            series[:, 0] += np.inf if self._modes is None else self._direct(place, order)[1]
         return series.max(axis=0) @ np.power.outer(start.unit * times, counts).T
 
     @cached_property

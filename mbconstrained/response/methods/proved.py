@@ -154,7 +154,7 @@ class ProvedFunction(BohlFunction):
     def _by_refined_modes(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Sums of refined modes, and at which times they are guaranteed."""
         with np.errstate(all="ignore"):
-            return self.refined.proved(self.rough.place, self.rough.order, times, REFINED_ACCURACY)
+            return self.refined.proved(self._through, self.order, times, REFINED_ACCURACY)
 
     def proved(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values by the exact engine, shape (p, T), with bounds of their errors."""

@@ -22,6 +22,7 @@ from ...linalg.arrays import full
 from ...linalg.division import accurate_product
 from ...linalg.double_double import DOUBLED_EPS, EXPONENTIAL_EPS, DoubleDouble, exponential, outer, stacked, turns
 from ...polynomial.coefficients import Factors
+from ...polynomial.reduced_equations import Reduction
 from ...signals.bohl import BohlFunction, FreeRestarts, Restarts
 from ..flow import Flow
 from .defect import FORCE_ROUNDING, BoundedModes, Defect, divided_by_masses
@@ -62,16 +63,18 @@ class RefinedModes:
 
     Attributes:
         poles: the leading ones on and above the real axis, of the diagonal of L.
+        shapes: x of the leading modes, shape (r, L).
         states: the leading columns of W, n rows.
         left: approximate inverse of the first n columns of W, shape (n, n).
         leading: the leading poles, as indices.
         above: those above the real axis; their conjugates are the next ones.
         rows: bounds of the residual of each mode in each row of A(s), shape (r, n + m).
-        parts: the effect of residuals of these rows on each free mode, bounds with the rounding errors of the inverses, shape (n, r).
+        parts: the effect of residuals of rows with masses or dampers on each free mode, bounds with the rounding errors of the inverses.
         driven: bounds of the effect of the residual of each mode on each free mode, shape (n, n + m).
     """
 
     poles: DoubleDouble
+    shapes: DoubleDouble
     states: DoubleDouble
     left: np.ndarray
     leading: np.ndarray
@@ -81,11 +84,10 @@ class RefinedModes:
     driven: np.ndarray
 
     @classmethod
-    def of(cls, flow: Flow, elements: Elements) -> RefinedModes | None:
-        """Refined modes; None where modes are not separate, a force is a ramp, or equations are algebraic."""
+    def of(cls, flow: Flow, elements: Elements, unresolved: tuple[np.ndarray, ...] = ()) -> RefinedModes | None:
+        """Refined modes; None where modes are not separate, or a force is a ramp."""
         reduction, blocks = flow.reduction, flow.force.smooth.blocks
-        V = full(reduction.V)
-        if len(reduction.algebraic) or not _is_permutation(V) or not all(map(_turns_evenly, blocks)):
+        if not all(map(_turns_evenly, blocks)):
             return None
         free = reduction.decoupled
         own, forced = _Separated.of(free.blocks), _Separated.of(blocks)
@@ -97,13 +99,17 @@ class RefinedModes:
         at = np.arange(np.count_nonzero(leading < n))
         of_modes, conjugate = leading[at], np.arange(n)
         conjugate[own.pairs], conjugate[own.pairs + 1] = own.pairs + 1, own.pairs
-        left, start = own.back @ free.inverse, np.zeros((len(V), len(leading)), dtype=complex)
+        left, start = own.back @ free.inverse, np.zeros((len(full(flow.output)), len(leading)), dtype=complex)
         start[:, at] = full(flow.output)[:, :n] @ (free.basis @ own.turn[:, of_modes])
         poles, shapes = DoubleDouble.of(given[leading]), DoubleDouble.of(start)
-        parts, sizes, rows, noise = divided_by_masses(left, reduction)
+        equations = _Equations.of(flow, elements)
+        Y, eliminated = full(reduction.Y), [-full(matrix) for matrix in reduction.through]
+        parts, sizes, _, noise = divided_by_masses(left, reduction)
         largest, step, turned = np.ones(len(leading)), 0, False
         for _ in range(CORRECTIONS):
-            change = parts @ _residual(flow, elements, shapes, poles, leading)[0][rows]
+            residual = equations.residual(shapes, poles, leading)[0]
+            change = parts @ _eliminated(reduction, residual, poles.high, eliminated)
+            slaved = Y @ residual[reduction.algebraic]
             others, rest = _whole(poles.high[at], leading[at], own.pairs, n), _whole(poles.low[at], leading[at], own.pairs, n)
             distance = (poles.high - others[:, None]) + (poles.low - rest[:, None])
             turned = not turned and bool(groups := _mixed(change[of_modes][:, at], distance[of_modes][:, at], poles.high[at]))
@@ -118,16 +124,17 @@ class RefinedModes:
                     separate = poles[np.repeat(group[:1], len(group))] + values
                     high[group], low[group] = separate.high, separate.low
                 poles = DoubleDouble(high, low)
-                parts, sizes, rows, noise = divided_by_masses(left, reduction)
+                parts, sizes, _, noise = divided_by_masses(left, reduction)
                 continue
             small = np.abs(distance) > RESONANCE * np.abs(poles.high)
             small[:, at] = np.abs(change[:, at]) < SMALL_RESIDUAL * np.abs(distance[:, at])
             corrections = np.divide(change, distance, out=np.zeros_like(change), where=small)
-            shapes = shapes - _whole(shapes.high[:, at], leading[at], own.pairs, n) @ corrections
+            size = np.abs(slaved).max(axis=0) / (np.abs(shapes.high).max(axis=0) + LEAST_NUMBER)
+            shapes = shapes - slaved - _whole(shapes.high[:, at], leading[at], own.pairs, n) @ corrections
             moved = np.zeros(len(leading), dtype=complex)
             moved[at] = change[of_modes, at]
             poles = poles - moved
-            size = np.abs(corrections).max(axis=0, initial=0.0)
+            size = np.maximum(size, np.abs(corrections).max(axis=0, initial=0.0))
             if not step:
                 largest[len(at) :] = size[len(at) :]
             step += 1
@@ -135,18 +142,19 @@ class RefinedModes:
                 break
             if size[at].max() > LARGE_CORRECTION:
                 left = left + _paired(corrections[:, at], leading[at], own.pairs, conjugate) @ left
-                parts, sizes, rows, noise = divided_by_masses(left, reduction)
-        signed, bound = _residual(flow, elements, shapes, poles, leading)
-        signed = signed[rows]
-        effects = np.abs(parts) + noise * sizes
-        known = np.abs(parts @ signed) + np.abs(parts) @ (bound[rows] - np.abs(signed))
-        driven, of_rows = np.zeros((n, len(given))), np.zeros((len(V), len(given)))
-        driven[:, leading], of_rows[:, leading] = known + noise * (sizes @ bound[rows]), bound
+                parts, sizes, _, noise = divided_by_masses(left, reduction)
+        signed, bound = equations.residual(shapes, poles, leading)
+        for order, matrix in enumerate(unresolved):
+            bound = bound + matrix @ np.abs(shapes.high) * np.abs(poles.high) ** order
+        known, effects = _eliminated(reduction, signed, poles.high, eliminated), np.abs(parts) + noise * sizes
+        uncertain, most = (_eliminated_sizes(reduction, part, poles.high) for part in (bound - np.abs(signed), bound))
+        driven, of_rows = np.zeros((n, len(given))), np.zeros((len(bound), len(given)))
+        driven[:, leading] = np.abs(parts @ known) + np.abs(parts) @ uncertain + noise * (sizes @ most)
+        of_rows[:, leading] = bound
         driven[:, above + 1], of_rows[:, above + 1] = driven[conjugate][:, above], of_rows[:, above]
-        effects = effects[:, np.argsort(rows)]
-        moving = shapes[V.T.nonzero()[1]]
+        moving = shapes[reduction.chosen]
         second = moving[:m] * poles
-        return cls(poles, stacked(moving[:m], second, moving[m:]), left, leading, above, of_rows, effects, driven)
+        return cls(poles, shapes, stacked(moving[:m], second, moving[m:]), left, leading, above, of_rows, effects, driven)
 
     @property
     def free(self) -> int:
@@ -183,21 +191,22 @@ class RefinedModes:
         return np.abs(self.left @ basis - np.eye(n)) + EPS * (n + 2) * (np.abs(self.left) @ np.abs(basis))
 
     def solved(self, right: DoubleDouble) -> tuple[DoubleDouble, np.ndarray]:
-        """X^-1 @ right of a vector of states for the leading modes, and bounds of its error for all, to first order."""
-        n, count, result = len(self.left), self.free, DoubleDouble.of(np.zeros(self.free, dtype=complex))
+        """X^-1 @ right of states (n, K) for the leading modes, and bounds of its error for all, to first order."""
+        n, count = len(self.left), self.free
+        result, weights = DoubleDouble.of(np.zeros((count, right.shape[1]), dtype=complex)), self.weights[:count, None]
         X, back, rest = self.states[:, :count], self.left[self.leading[:count]], right
         for _ in range(STEPS):
             result = result + back @ rest.high
-            rest = right - self.summed(X, result, self.weights[:count])
-            if (np.abs(rest.high) <= LAST_REST * np.abs(right.high).max(initial=0.0)).all():
+            rest = right - self.summed(X, result, weights)
+            if (np.abs(rest.high) <= LAST_REST * np.abs(right.high).max(axis=0, initial=0.0)).all():
                 break
-        sizes = np.abs(X.high) @ (self.weights[:count] * np.abs(result.high)) + np.abs(right.high) + LEAST_NUMBER
+        sizes = np.abs(X.high) @ (weights * np.abs(result.high)) + np.abs(right.high) + LEAST_NUMBER
         return result, np.abs(self.left) @ (np.abs(rest.high) + (n + 4) * DOUBLED_EPS * sizes)
 
     @staticmethod
     def summed(states: DoubleDouble, amplitudes: DoubleDouble, weights: np.ndarray) -> DoubleDouble:
         """The real part of states @ amplitudes with the conjugate modes."""
-        columns, factors = DoubleDouble(states.high.T, states.low.T), (amplitudes * weights)[:, None]
+        columns, factors = DoubleDouble(states.high.T, states.low.T)[..., None], (amplitudes * weights)[:, None]
         return (stacked(columns.real, -columns.imag) * stacked(factors.real, factors.imag)).sum()
 
 
@@ -294,10 +303,18 @@ def _mixed(change: np.ndarray, distance: np.ndarray, poles: np.ndarray) -> list[
     return result
 
 
-def _is_permutation(V: np.ndarray) -> bool:
-    return bool(
-        V.shape[0] == V.shape[1] and np.isin(V, (0.0, 1.0)).all() and (V.sum(axis=0) == 1).all() and (V.sum(axis=1) == 1).all()
-    )
+def _eliminated(reduction: Reduction, residual: np.ndarray, poles: np.ndarray, through: Sequence[np.ndarray]) -> np.ndarray:
+    """Residuals at some poles of the rows with masses or dampers, those of algebraic rows through the coordinates that these eliminate."""
+    result, part = residual[np.concatenate([reduction.second, reduction.first])], residual[reduction.algebraic]
+    for matrix in through if len(part) else ():
+        result, part = result + matrix @ part, part * poles
+    return result
+
+
+def _eliminated_sizes(reduction: Reduction, bounds: np.ndarray, poles: np.ndarray) -> np.ndarray:
+    """The same of bounds of residuals."""
+    rest, Y = np.concatenate([reduction.second, reduction.first]), np.abs(full(reduction.Y))
+    return _eliminated(reduction, bounds, np.abs(poles), [np.abs(full(A)[rest]) @ Y for A in reduction.given])
 
 
 def _turns_evenly(block: np.ndarray) -> bool:
@@ -310,34 +327,55 @@ def _second_state(smooth: BohlFunction, pairs: np.ndarray) -> np.ndarray:
     return 1j * np.sign(smooth.generator[pairs, pairs + 1])
 
 
-def _residual(
-    flow: Flow, elements: Elements, shapes: DoubleDouble, poles: DoubleDouble, leading: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """A(s) x - F at some poles s, rounded, and bounds of its absolute value with all rounding errors, shape (r, L) each."""
-    smooth, n, columns, size = flow.force.smooth, len(flow.start), [shapes], len(shapes.high)
-    for _ in range(2):
-        columns.append(columns[-1] * poles)
-    parts = [own or Factors(full(A), np.ones(size), np.eye(size)) for A, own in zip(flow.reduction.given, elements)]
-    left, values = np.concatenate([part.left for part in parts], axis=1), np.concatenate([part.values for part in parts])[:, None]
-    right = scipy.linalg.block_diag(*(part.right for part in parts))
-    x = stacked(*columns)
-    strains = right @ x
-    total, terms_of_strains = left @ (strains * values), np.abs(right) @ (np.abs(x.high) + LEAST_NUMBER)
-    differences = np.isin(right, (-1.0, 0.0, 1.0)).all(axis=1) & (
-        np.count_nonzero(right, axis=1) <= 2
-    )  # rounded relative to themselves
-    strained = np.where(differences[:, None], np.abs(strains.high) + LEAST_NUMBER, terms_of_strains)
-    sizes = np.abs(left) @ (np.abs(values) * strained)
-    terms = np.count_nonzero(left, axis=1)[:, None] + np.count_nonzero(right, axis=1).max(initial=0) + 8
-    forced = leading[leading >= n] - n
-    if len(forced):
-        F = smooth.coefficients
-        load, driven = np.zeros(total.shape, dtype=complex), slice(len(leading) - len(forced), None)
-        load[:, driven] = F[:, forced]
-        paired = np.flatnonzero(poles.high[driven].imag > 0)
-        load[:, driven][:, paired] += _second_state(smooth, forced[paired]) * F[:, forced[paired] + 1]
-        total, sizes = total - load, sizes + np.abs(load)
-    return total.high, np.abs(total.high) + terms * DOUBLED_EPS * sizes
+@dataclass(frozen=True, eq=False)
+class _Equations:
+    """A(s) x = F by the elements of all coefficients, left @ diag(values) @ right @ (x, s x, s^2 x).
+
+    Attributes:
+        differences: which rows of right are differences of two entries, that are rounded relative to themselves.
+        terms: bounds of the number of rounding errors in each row.
+    """
+
+    flow: Flow
+    left: np.ndarray
+    values: np.ndarray
+    right: np.ndarray
+    differences: np.ndarray
+    terms: np.ndarray
+
+    @classmethod
+    def of(cls, flow: Flow, elements: Elements) -> _Equations:
+        given, size = [full(A) for A in flow.reduction.given], len(full(flow.output))
+        parts = [own or Factors(A, np.ones(size), np.eye(size)) for A, own in zip(given, elements)]
+        left, values = np.concatenate([part.left for part in parts], axis=1), np.concatenate([part.values for part in parts])
+        right, begin = np.zeros((len(values), 3 * size)), 0
+        for order, part in enumerate(parts):
+            right[begin : begin + len(part.values), order * size : (order + 1) * size] = part.right
+            begin += len(part.values)
+        used = right.any(axis=1) & left.any(axis=0) & (values != 0)
+        left, values, right = left[:, used], values[used, None], right[used]
+        counts = np.count_nonzero(right, axis=1)
+        differences = ((np.abs(right) == 1) | (right == 0)).all(axis=1) & (counts <= 2)
+        terms = np.count_nonzero(left, axis=1) + counts.max(initial=0) + 8
+        return cls(flow, left, values, right, differences[:, None], terms[:, None])
+
+    def residual(self, shapes: DoubleDouble, poles: DoubleDouble, leading: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """A(s) x - F at some poles s, rounded, and bounds of its absolute value with all rounding errors, shape (r, L) each."""
+        smooth, n, first = self.flow.force.smooth, len(self.flow.start), shapes * poles
+        x = stacked(shapes, first, first * poles)
+        strains = self.right @ x
+        total, terms_of_strains = self.left @ (strains * self.values), np.abs(self.right) @ (np.abs(x.high) + LEAST_NUMBER)
+        strained = np.where(self.differences, np.abs(strains.high) + LEAST_NUMBER, terms_of_strains)
+        sizes = np.abs(self.left) @ (np.abs(self.values) * strained)
+        forced = leading[leading >= n] - n
+        if len(forced):
+            F = smooth.coefficients
+            load, driven = np.zeros(total.shape, dtype=complex), slice(len(leading) - len(forced), None)
+            load[:, driven] = F[:, forced]
+            paired = np.flatnonzero(poles.high[driven].imag > 0)
+            load[:, driven][:, paired] += _second_state(smooth, forced[paired]) * F[:, forced[paired] + 1]
+            total, sizes = total - load, sizes + np.abs(load)
+        return total.high, np.abs(total.high) + self.terms * DOUBLED_EPS * sizes
 
 
 @dataclass(frozen=True, eq=False)
@@ -353,8 +391,9 @@ class RefinedDefect(Defect):
     @cached_property
     def refined(self) -> RefinedModes | None:
         """The modes; None where they cannot be refined."""
-        elements = ENTIRE if self.rounding is None else self.rounding.elements
-        return None if elements is None else refined_modes(self.flow, elements)
+        rounding = self.rounding
+        elements = ENTIRE if rounding is None else rounding.elements
+        return None if elements is None else refined_modes(self.flow, elements, () if rounding is None else rounding.unresolved)
 
     @property
     def states(self) -> BohlFunction:
@@ -366,8 +405,8 @@ class RefinedDefect(Defect):
         pairs, paired = forced[refined.weights[refined.free :] > 1], np.flatnonzero(refined.weights > 1)
         of_force[pairs + 1, paired[paired >= refined.free]] = _second_state(self.flow.force.smooth, pairs)
         columns, poles = np.concatenate([refined.states.high, of_force]), refined.poles.high
-        amplitudes, begin = np.array([own._amplitude.high for own in self._pieces]).T, np.cumsum(refined.weights).astype(int) - 1
-        C, v = np.zeros((n + m, n + m)), np.zeros((n + m, len(self._pieces)))
+        amplitudes, begin = self._amplitudes_of_pieces[0].high, np.cumsum(refined.weights).astype(int) - 1
+        C, v = np.zeros((n + m, n + m)), np.zeros((n + m, len(self._knots)))
         C[:, begin], v[begin] = columns.imag * refined.weights, -amplitudes.imag  # of single poles replaced by the next line
         begin = begin - refined.weights.astype(int) + 1
         C[:, begin], v[begin] = columns.real * refined.weights, amplitudes.real
@@ -375,17 +414,17 @@ class RefinedDefect(Defect):
             np.array([[a, b], [-b, a]]) if pair else np.array([[a]])
             for a, b, pair in zip(poles.real.tolist(), poles.imag.tolist(), refined.weights > 1)
         ]
-        start = v[:, 0] if len(self._pieces) == 1 else FreeRestarts(self._knots, v, self._force.remainders, tuple(blocks))
+        start = v[:, 0] if len(self._knots) == 1 else FreeRestarts(self._knots, v, self._force.remainders, tuple(blocks))
         return BohlFunction(C, tuple(blocks), start)
 
-    def proved(self, place: np.ndarray, order: int, times: np.ndarray, accuracy: float) -> tuple[np.ndarray, np.ndarray]:
-        """The derivative of this order of place @ z, and at which times it is guaranteed to this accuracy of the largest value.
+    def proved(self, matrix: np.ndarray, order: int, times: np.ndarray, accuracy: float) -> tuple[np.ndarray, np.ndarray]:
+        """The derivative of this order of matrix @ x, and at which times it is guaranteed to this accuracy of the largest value.
 
         Phases have always twice the digits; exponentials and sums where those of float64 do not suffice.
         """
         restarts, (growth, turned) = self._force, self.refined.turns
-        values, sure = np.empty((len(place), len(times))), np.zeros(len(times), dtype=bool)
-        C = self._output(place, order) * self.refined.weights
+        values, sure = np.empty((len(matrix), len(times))), np.zeros(len(times), dtype=bool)
+        C = self._output(matrix, order) * self.refined.weights
         pieces, since = restarts.located(times)
         for piece in np.unique(pieces).tolist():
             at, own = np.flatnonzero(pieces == piece), self._pieces[piece]
@@ -394,16 +433,16 @@ class RefinedDefect(Defect):
             weights, exponents = C * own._amplitude, (outer(growth, exact), outer(turned, exact))
             values[:, at], rounded = _rounded_sums(weights.high, *exponents)
             allowed = accuracy * np.abs(values[:, at]).max(axis=0)
-            sure[at] = own._late(place, order, since[at], allowed - rounded)
+            sure[at] = own._late(matrix, order, since[at], allowed - rounded)
             late = np.flatnonzero(~sure[at])
             if len(late):
                 values[:, at[late]] = _sums(weights, *(part[:, late] for part in exponents))
                 allowed = accuracy * np.abs(values[:, at[late]]).max(axis=0)
-                sure[at[late]] = own._late(place, order, since[at[late]], allowed)
+                sure[at[late]] = own._late(matrix, order, since[at[late]], allowed)
         return values, sure
 
-    def _output(self, place: np.ndarray, order: int) -> DoubleDouble:
-        output = place[:, : len(self.flow.start)] @ self.refined.states
+    def _output(self, matrix: np.ndarray, order: int) -> DoubleDouble:
+        output = matrix @ self.refined.shapes
         for _ in range(order):
             output = output * self.refined.poles
         return output
@@ -429,49 +468,50 @@ class RefinedDefect(Defect):
         return self._force.gaps
 
     @cached_property
-    def _start(self) -> np.ndarray:
-        """The states of the force at the start of the piece in the coordinates of its leading poles."""
-        v, n = self._force.states[:, self.piece], len(self.flow.start)
-        at = self.refined.leading[self.refined.free :] - n
-        result, paired = v[at].astype(complex), self.refined.weights[self.refined.free :] > 1
-        pairs = at[paired]
-        result[paired] = (v[pairs] - _second_state(self.flow.force.smooth, pairs) * v[pairs + 1]) / 2
-        return result
-
-    @cached_property
-    def _across(self) -> DoubleDouble:
-        """e^(p h) of the leading poles for the lengths h of all pieces."""
+    def _amplitudes_of_pieces(self) -> tuple[DoubleDouble, np.ndarray]:
+        """Amplitudes of the leading modes at all knots, and bounds of errors of all free ones without those of poles, shape (n, K)."""
         if self.before is not None:
-            return self.before._across
-        gaps = DoubleDouble.of(self._gaps)
-        return exponential(*(outer(part, gaps) for part in self.refined.turns))
+            return self.before._amplitudes_of_pieces
+        refined, n, gaps, v = self.refined, len(self.flow.start), self._gaps, self._force.states
+        count, back, (jumps, uncertain) = refined.free, np.abs(refined.left), self._impulsive
+        responses, weights, at = refined.states[:, count:], refined.weights[count:, None], refined.leading[count:] - n
+        starts, paired = v[at].astype(complex), refined.weights[count:] > 1
+        pairs = at[paired]
+        starts[paired] = (v[pairs] - _second_state(self.flow.force.smooth, pairs)[:, None] * v[pairs + 1]) / 2
+        right = DoubleDouble.of(np.concatenate([self._initial[:, None], jumps[:, 1:]], axis=1))
+        moved = exponential(*(outer(part, DoubleDouble.of(gaps)) for part in refined.turns))
+        if len(at):
+            ends = moved[count:] * starts[:, :-1] - starts[:, 1:]
+            changes = [np.concatenate([-starts[:, :1] * first, part], axis=1) for first, part in ((1, ends.high), (0, ends.low))]
+            right = right + refined.summed(responses, DoubleDouble(*changes), weights)
+        begun, errors = refined.solved(right)
+        pieces = [begun[:, 0]]
+        for k in range(len(gaps)):
+            pieces.append(moved[:count, k] * pieces[-1] + begun[:, k + 1])
+        high, low = (np.array(part).T for part in zip(*((piece.high, piece.low) for piece in pieces)))
+        amplitudes = stacked(DoubleDouble(high, low), DoubleDouble.of(starts))
+        rounded = 2 * EXPONENTIAL_EPS + (8 + 2 * np.multiply.outer(np.abs(refined.poles.high), gaps)) * DOUBLED_EPS
+        turned = np.abs(moved.high) * np.abs(amplitudes.high[:, :-1]) * rounded
+        lost = weights * (turned[count:] + DOUBLED_EPS * np.abs(starts[:, 1:]))
+        errors[:, 1:] += back @ (np.abs(responses.high) @ lost) + refined.whole(turned.T).T[:n]
+        errors[:, 0] += back.sum(axis=1) * self._inconsistent
+        return amplitudes, errors + back @ uncertain
 
-    @cached_property
-    def _free(self) -> tuple[DoubleDouble, np.ndarray]:
-        """Amplitudes of the leading free modes at the start of the piece, and bounds of errors of all, without those of the poles."""
-        refined = self.refined
-        responses, weights, back = refined.states[:, refined.free :], refined.weights[refined.free :], np.abs(refined.left)
-        start = DoubleDouble.of(self._start)
-        if self.before is None:
-            result, errors = refined.solved(DoubleDouble.of(self._initial) - refined.summed(responses, start, weights))
-            return result, errors + back @ self._impulsive[1][:, 0]
-        before, h = self.before, float(self._force.gaps[self.piece - 1])
-        moved = self._across[:, self.piece - 1]
-        jump = DoubleDouble.of(self._impulsive[0][:, self.piece])
-        sizes = np.abs(before._amplitude.high)
-        if len(start.high):
-            jump = jump + refined.summed(responses, moved[refined.free :] * before._start - start, weights)
-        result, errors = refined.solved(jump)
-        errors = errors + back @ self._impulsive[1][:, self.piece]
-        turned = np.abs(moved.high) * sizes * (2 * EXPONENTIAL_EPS + (8 + 2 * np.abs(refined.poles.high) * h) * DOUBLED_EPS)
-        lost = weights * (turned[refined.free :] + DOUBLED_EPS * np.abs(start.high))
-        through = back @ (np.abs(responses.high) @ lost)
-        own = refined.whole(turned)[: len(errors)]
-        return moved[: refined.free] * before._free[0] + result, errors + through + own
+    @property
+    def _inconsistent(self) -> float:
+        """A bound of the jump by initial values that satisfy algebraic equations to rounding errors only."""
+        flow, smooth = self.flow, self.flow.force.smooth
+        constraining = flow.reduction.algebraic[flow.reduction.constraining]
+        rows, F, v = full(flow.reduction.given[0])[constraining], smooth.coefficients[constraining], smooth.start_at_zero
+        for x in flow.initial if len(rows) else ():
+            if (rows @ DoubleDouble.of(x[:, None]) - F @ DoubleDouble.of(v[:, None])).high.any():
+                return 4 * EPS * float(np.abs(flow.initial).max())
+            v = smooth.generator @ v
+        return 0.0
 
-    @cached_property
+    @property
     def _amplitude(self) -> DoubleDouble:
-        return stacked(self._free[0], DoubleDouble.of(self._start))
+        return self._amplitudes_of_pieces[0][:, self.piece]
 
     @cached_property
     def _modes(self) -> BoundedModes | None:
@@ -483,7 +523,8 @@ class RefinedDefect(Defect):
 
     @cached_property
     def _modal_start(self) -> np.ndarray:
-        return self._free[1] if self.before is None else self._free[1] + self.before._at_end()
+        own = self._amplitudes_of_pieces[1][:, self.piece]
+        return own if self.before is None else own + self.before._at_end()
 
     def _at_end(self) -> np.ndarray:
         modes, n, v = self._modes, len(self._own), self._modes.sizes
@@ -512,13 +553,17 @@ class RefinedDefect(Defect):
     @cached_property
     def _modal_residual(self) -> np.ndarray:
         errors, n, driven = self._force_errors, len(self.flow.start), self.refined.driven
-        return np.concatenate([driven[:, :n], driven[:, n:] + self.refined.parts @ errors], axis=1) if errors.any() else driven
+        if not errors.any():
+            return driven
+        through = _eliminated_sizes(self.flow.reduction, errors, self._modes.zeros[n:])
+        return np.concatenate([driven[:, :n], driven[:, n:] + self.refined.parts @ through], axis=1)
 
     @property
     def _force_errors(self) -> np.ndarray:
         """Errors of the force in each row, by its poles."""
         F, n = np.abs(self.flow.force.smooth.coefficients), len(self.flow.start)
-        load, pairs = F * self._lost, self.refined.above[self.refined.above >= n] - n
+        load = F * self._lost + (0.0 if self.rounding is None else self.rounding.force[:, None])
+        pairs = self.refined.above[self.refined.above >= n] - n
         both = load[:, pairs] + load[:, pairs + 1]
         load[:, pairs] = load[:, pairs + 1] = both
         return load
@@ -534,16 +579,23 @@ class RefinedDefect(Defect):
     def _derived(self, place: np.ndarray, order: int) -> np.ndarray:
         return np.abs(self.refined.whole(self._output(place, order).high))
 
+    def _direct(self, place: np.ndarray, order: int) -> tuple[np.ndarray | float, np.ndarray | float]:
+        algebraic, rates, n = self.flow.reduction.algebraic, np.abs(self._modes.zeros), len(self.flow.start)
+        total = np.abs(place) @ (np.abs(full(self.flow.reduction.Y)) @ self._residual[algebraic]) * rates**order
+        for k in range(order):
+            total += (self._derived(place, order - 1 - k)[:, :n] @ self._modal_residual) * rates**k
+        return total.max(axis=0) * self._modes.sizes, 0.0
+
     @property
     def _unit(self) -> tuple[float, float]:
         return 2 * EXPONENTIAL_EPS, 4 * DOUBLED_EPS
 
 
-def refined_modes(flow: Flow, elements: Elements) -> RefinedModes | None:
+def refined_modes(flow: Flow, elements: Elements, unresolved: tuple[np.ndarray, ...]) -> RefinedModes | None:
     """The refined modes of a flow, computed once; None where there are none."""
     if elements not in flow.computed:
         with np.errstate(all="ignore"):
-            flow.computed[elements] = RefinedModes.of(flow, elements)
+            flow.computed[elements] = RefinedModes.of(flow, elements, unresolved)
     return flow.computed[elements]
 
 
