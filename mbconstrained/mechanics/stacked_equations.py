@@ -116,7 +116,7 @@ def stacked_equations(M: np.ndarray, C: np.ndarray, K: np.ndarray, V: np.ndarray
     if size == V.shape[0] and (np.eye(size) == V).all():
         serve = np.ones(len(K), dtype=bool)
     else:
-        (M, one), (C, two), (K, three) = (_projected(matrix, V) for matrix in (M, C, K))
+        (M, one), (C, two), (K, three) = (projected(matrix, V) for matrix in (M, C, K))
         serve = one & two & three
     (heavy, damped), (massive, braked) = ([(matrix != 0).any(axis=(0, axis)) for matrix in (M, C)] for axis in (2, 1))
     light, resting, static = damped & ~heavy, ~(heavy | damped), ~(massive | braked)
@@ -154,7 +154,7 @@ def stacked_equations(M: np.ndarray, C: np.ndarray, K: np.ndarray, V: np.ndarray
     return StackedEquations(M, C, K_rest, V @ T, L @ V.T, V @ Y @ V.T, free, m, serve)
 
 
-def _projected(matrix: np.ndarray, V: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def projected(matrix: np.ndarray, V: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """V^T matrix V with exact zeros for what cancels, exactly symmetric where the matrix is; and where no entry is doubtful."""
     result, sizes = V.T @ matrix @ V, np.abs(V).T @ np.abs(matrix) @ np.abs(V)
     result, clear = _cleaned(result, sizes)

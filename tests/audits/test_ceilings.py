@@ -21,7 +21,7 @@ from tests.audits.source import FILES, MODULES, ROOT, expect_none, room, text, t
 LINES = {
     "__init__": 186,
     "__main__": 8,
-    "analyses": 10131,
+    "analyses": 10271,
     "cli": 976,
     "control": 1797,
     "docs": 284,

@@ -8,7 +8,8 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
@@ -19,7 +20,7 @@ from ...ground.errors import InputError, MbconstrainedError
 from ...ground.threads import SMALL, one_thread
 from ...ground.tolerances import PROVED_ACCURACY, noise_of
 from ...mechanics.element_matrix import ElementMatrix
-from ...mechanics.family import Family
+from ...mechanics.family import Family, FamilyModes
 from ...mechanics.system import MechanicalSystem
 from ...scene.file import SceneName
 from ...scene.run.result import ORDERS, Result
@@ -27,6 +28,7 @@ from ...scene.run.scene import Scene, assembled
 from ..frequency import Frequency
 from ..random import random_arguments, random_response
 from .kept_quantities import Variable, eigenvalues_of, response_lines
+from .stacked_samples import stacked_samples
 
 #: Errors that are the answer of a sample: its equations have none, or its data are wrong.
 FAILURES = (MbconstrainedError, ArithmeticError, np.linalg.LinAlgError)
@@ -53,6 +55,14 @@ class Job:
         path = Path(self.path)
         name = SceneName(path.name, self.origins)
         return assembled(path, copy.deepcopy(self.data), name, {**self.settings, **row})
+
+    @cached_property
+    def given_scene(self) -> Scene:
+        """The scene with its own values of the varied parameters."""
+        return self.scene({})
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
 
 class SampleFamily(Family):
@@ -96,13 +106,10 @@ class _Chunk:
     """Some samples with their scenes, and the reasons of those without an answer."""
 
     def __init__(self, job: Job, rows: Sequence[Mapping[str, Any]]):
-        self.job, self.count = job, len(rows)
+        self.job, self.rows = job, rows
         self.reasons = [""] * len(rows)
         self.values = {one.name: np.full((len(rows), *one.shape), np.nan) for one in job.variables}
         self.scenes: dict[int, Scene] = {}
-        for place, row in enumerate(rows):
-            with self._answering(place):
-                self.scenes[place] = job.scene(row)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Values, status and reasons."""
@@ -111,7 +118,8 @@ class _Chunk:
             by_source.setdefault(variable.source, []).append(variable)
         for source, variables in by_source.items():
             compute = getattr(self, "_" + source.lower().replace(" ", "_"))
-            for group in self._groups(alike=source in ("modes", "random RMS", "motion")):
+            served = self._stacked_modes(variables) if source == "modes" else frozenset()
+            for group in self._groups(served, alike=source in ("modes", "random RMS", "motion")):
                 self._together(compute, variables, group)
         failed = np.array([bool(reason) for reason in self.reasons])
         for values in self.values.values():
@@ -137,12 +145,17 @@ class _Chunk:
         except FAILURES as problem:
             self.reasons[place] = self.reasons[place] or (str(problem).strip() or type(problem).__name__).replace("\n", " ")
 
-    def _groups(self, alike: bool) -> list[list[int]]:
-        """The samples without a reason for failure, grouped by structure."""
+    def _groups(self, served: Container[int], alike: bool) -> list[list[int]]:
+        """The samples that are not served and have no reason for failure, grouped by structure."""
         groups: list[list[int]] = []
-        for place, scene in self.scenes.items():
+        for place, row in enumerate(self.rows):
+            if place in served or self.reasons[place]:
+                continue
+            with self._answering(place):
+                self.scenes[place] = self.scenes.get(place) or self.job.scene(row)
             if self.reasons[place]:
                 continue
+            scene = self.scenes[place]
             group = next((one for one in groups if alike and _alike(self.scenes[one[0]], scene)), None)
             if group is None:
                 groups.append([place])
@@ -150,19 +163,35 @@ class _Chunk:
                 group.append(place)
         return groups
 
+    def _stacked_modes(self, variables: list[Variable]) -> frozenset[int]:
+        """The modes of samples that differ in numbers of elements only; returns the places of those that are accurate."""
+        with suppress(*FAILURES):
+            if (stacked := stacked_samples(self.job.given_scene, self.rows)) is not None:
+                places, systems = stacked
+                modes = systems.modes()
+                accurate = np.setdiff1d(np.arange(len(places)), modes.alone)
+                self._store_modes(variables, places[accurate], modes, accurate)
+                return frozenset(places[accurate].tolist())
+        return frozenset()
+
     def _modes(self, variables: list[Variable], group: list[int]) -> None:
         if len(group) > 1:
-            values = list(SampleFamily.of(self._systems(group)).modes().eigenvalues)
-        else:
-            values = [eigenvalues_of(self.scenes[group[0]])]
-        for place, own in zip(group, values):
-            own = own[own.imag > 0]
-            own = own[np.argsort(np.abs(own), kind="stable")]
-            modulus = np.abs(own)
-            results = {"frequency": modulus / (2 * np.pi), "damping ratio": 0.0 - own.real / modulus}
-            for variable in variables:
-                count = min(len(own), variable.shape[0])
-                self.values[variable.name][place, :count] = results[variable.name][:count]
+            self._store_modes(variables, np.array(group), SampleFamily.of(self._systems(group)).modes(), np.arange(len(group)))
+            return
+        own = eigenvalues_of(self.scenes[group[0]])
+        own = own[own.imag > 0]
+        own = own[np.argsort(np.abs(own), kind="stable")]
+        modulus = np.abs(own)
+        results = {"frequency": modulus / (2 * np.pi), "damping ratio": 0.0 - own.real / modulus}
+        for variable in variables:
+            count = min(len(own), variable.shape[0])
+            self.values[variable.name][group[0], :count] = results[variable.name][:count]
+
+    def _store_modes(self, variables: list[Variable], places: np.ndarray, modes: FamilyModes, chosen: np.ndarray) -> None:
+        results = {"frequency": modes.frequencies_hz, "damping ratio": 0.0 + modes.damping_ratios}
+        for variable in variables:
+            own = results[variable.name][chosen, : variable.shape[0]]
+            self.values[variable.name][places, : own.shape[1]] = own
 
     def _response_peaks(self, variables: list[Variable], group: list[int]) -> None:
         for place in group:
