@@ -15,7 +15,7 @@ from ..ground.display import Displayed
 from ..ground.errors import InputError
 from ..ground.tolerances import noise_of
 from ..linalg.arrays import Matrix as AnyMatrix
-from ..linalg.arrays import kept
+from ..linalg.arrays import kept, product
 from .element_matrix import ElementMatrix
 
 
@@ -232,7 +232,7 @@ class _CoordinateProducts(NamedTuple):
             forces, terms = rows.T @ stretch, abs(rows).T @ np.abs(stretch)
         else:
             matrix = kept(np.ldexp(self.whole, -self.unit))
-            forces, terms = matrix @ shapes, abs(matrix) @ size
+            forces, terms = product(matrix, shapes), abs(matrix) @ size
         values = (shapes.conj() * forces).real
         return values, _clear_sums(values, size * terms)
 
@@ -307,11 +307,12 @@ def _size(part: EnergyPart) -> int:
 def _unit_shapes(shapes, size: int | None) -> np.ndarray:
     """Shapes scaled to a largest entry of 1."""
     shapes = np.asarray(shapes)
-    real, imaginary = (real_array(part, "shape", shape=(size, None)) for part in (shapes.real, shapes.imag))
-    largest = np.maximum(np.abs(real).max(axis=0, initial=0.0), np.abs(imaginary).max(axis=0, initial=0.0))
+    parts = [shapes.real, shapes.imag] if np.iscomplexobj(shapes) else [shapes]
+    real, *imaginary = (real_array(part, "shape", shape=(size, None)) for part in parts)
+    largest = np.max([np.abs(part).max(axis=0, initial=0.0) for part in (real, *imaginary)], axis=0)
     if not largest.all():
         raise InputError("shape: found zeros only; a shape has at least one entry that is not zero")
-    return (real + 1j * imaginary) / largest if imaginary.any() else real / largest
+    return (real + 1j * imaginary[0]) / largest if imaginary and imaginary[0].any() else real / largest
 
 
 def checked_parts(parts: EnergyParts, size: int) -> EnergyParts:
