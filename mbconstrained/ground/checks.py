@@ -244,5 +244,5 @@ class NamedNumbers(ReadOnly):
         self._names, self._numbers = names, numbers
 
     @cached_property
-    def _entries(self) -> dict[str, float]:
+    def _entries(self) -> dict[str, float]:  # type: ignore[override]  # computed at the first reading
         return dict(zip(self._names, self._numbers.tolist()))
