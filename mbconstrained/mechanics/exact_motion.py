@@ -86,8 +86,8 @@ def _projected(matrix: np.ndarray | ElementMatrix, V: DoubleDouble, rows: np.nda
     factors = matrix.factors if isinstance(matrix, ElementMatrix) else None
     elements = factors or Factors(np.eye(len(matrix)), np.ones(len(matrix)), full(matrix))
     left = elements.left.T @ V
-    parts = np.concatenate([left.high, left.low] if left.low.any() else [left.high])
-    count, own = len(parts) // len(left.high), V.shape[1]
+    numbers = [left.high, left.low] if left.low.any() else [left.high]
+    parts, count, own = np.concatenate(numbers), len(numbers), V.shape[1]
     through = np.zeros((own + len(rows), len(parts) + len(rows)))
     through[:own, : len(parts)], through[own:, len(parts) :] = parts.T, np.eye(len(rows))
     values = np.concatenate([*[elements.values] * count, np.ones(len(rows))])

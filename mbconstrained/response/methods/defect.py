@@ -543,7 +543,7 @@ class Defect:
         return jumps, errors
 
     def _jumping(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """What multiplies x_m'' and x_d' in the rows with masses or dampers, and bounds of its rounding errors."""
+        """Factors of x_m'' and x_d' in the rows with masses or dampers, and bounds of its rounding errors."""
         reduction, m = self.flow.reduction, len(self.flow.reduction.second)
         given, V, Y = [full(A) for A in reduction.given], full(reduction.V).astype(Extended), np.abs(full(reduction.Y))
         bound, algebraic = np.zeros(V.shape), given[0][reduction.algebraic]

@@ -102,7 +102,7 @@ class RefinedModes:
         left, start = own.back @ free.inverse, np.zeros((len(full(flow.output)), len(leading)), dtype=complex)
         start[:, at] = full(flow.output)[:, :n] @ (free.basis @ own.turn[:, of_modes])
         poles, shapes = DoubleDouble.of(given[leading]), DoubleDouble.of(start)
-        equations = _Equations.of(flow, elements)
+        equations = _RefinedEquations.of(flow, elements)
         Y, eliminated = full(reduction.Y), [-full(matrix) for matrix in reduction.through]
         parts, sizes, _, noise = divided_by_masses(left, reduction)
         largest, step, turned = np.ones(len(leading)), 0, False
@@ -312,7 +312,7 @@ def _eliminated(reduction: Reduction, residual: np.ndarray, poles: np.ndarray, t
 
 
 def _eliminated_sizes(reduction: Reduction, bounds: np.ndarray, poles: np.ndarray) -> np.ndarray:
-    """The same of bounds of residuals."""
+    """Bounds of residuals after the same elimination as the residuals."""
     rest, Y = np.concatenate([reduction.second, reduction.first]), np.abs(full(reduction.Y))
     return _eliminated(reduction, bounds, np.abs(poles), [np.abs(full(A)[rest]) @ Y for A in reduction.given])
 
@@ -328,7 +328,7 @@ def _second_state(smooth: BohlFunction, pairs: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
-class _Equations:
+class _RefinedEquations:
     """A(s) x = F by the elements of all coefficients, left @ diag(values) @ right @ (x, s x, s^2 x).
 
     Attributes:
@@ -344,7 +344,7 @@ class _Equations:
     terms: np.ndarray
 
     @classmethod
-    def of(cls, flow: Flow, elements: Elements) -> _Equations:
+    def of(cls, flow: Flow, elements: Elements) -> _RefinedEquations:
         given, size = [full(A) for A in flow.reduction.given], len(full(flow.output))
         parts = [own or Factors(A, np.ones(size), np.eye(size)) for A, own in zip(given, elements)]
         left, values = np.concatenate([part.left for part in parts], axis=1), np.concatenate([part.values for part in parts])
