@@ -72,6 +72,8 @@ if TYPE_CHECKING:
     from .polynomial.polynomial_matrix import PolynomialMatrix as PolynomialMatrix
     from .response.admissible import Admissibility as Admissibility
     from .response.admissible import admissible as admissible
+    from .response.discrete import DiscreteResponse as DiscreteResponse
+    from .response.discrete import solve_discrete as solve_discrete
     from .response.events import Event as Event
     from .response.response import Response as Response
     from .response.solve import Responses as Responses
@@ -107,6 +109,8 @@ if TYPE_CHECKING:
     from .signals.inputs import step as step
     from .signals.inputs import term as term
     from .signals.inputs import zero as zero
+    from .signals.sequences import GeometricSequence as GeometricSequence
+    from .signals.sequences import geometric as geometric
 
 #: The public names by the files that define them; the imports above are those of type checkers.
 _NAMES = {
@@ -146,6 +150,7 @@ _NAMES = {
     "polynomial.jordan_pairs": "FinitePair InfinitePair JordanPairs",
     "polynomial.polynomial_matrix": "PolynomialMatrix",
     "response.admissible": "Admissibility admissible",
+    "response.discrete": "DiscreteResponse solve_discrete",
     "response.events": "Event",
     "response.response": "Response",
     "response.solve": "Responses solve",
@@ -164,6 +169,7 @@ _NAMES = {
     "signals.bohl": "BohlFunction",
     "signals.impulsive": "ImpulsiveLoad ImpulsiveSmooth",
     "signals.inputs": "harmonic impulse power pulse ramp sampled step term zero",
+    "signals.sequences": "GeometricSequence geometric",
 }
 _FILES = {name: file for file, names in _NAMES.items() for name in names.split()}
 
