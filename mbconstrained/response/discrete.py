@@ -25,7 +25,8 @@ from ..exact.enclosure.exact_response import RationalResponse
 from ..exact.enclosure.sequences import (
     ForceSums,
     RealizedMatrix,
-    Transform,
+    SequenceTerm,
+    closed_terms,
     rounded_values,
     start_transform,
     transform_of,
@@ -40,7 +41,7 @@ from ..polynomial.jordan_pairs import JordanPairs
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import power, zero
-from ..signals.sequences import GeometricSequence, geometric, sample_numbers, sampled_terms
+from ..signals.sequences import GeometricSequence, sample_numbers, sampled_terms
 from .admissible import Violation, admissible
 from .problem import checked_matrix
 
@@ -168,8 +169,76 @@ class _Equations:
         return max(max((len(column.impulses) for column in self.columns), default=1) - 1, 0)
 
 
+class DiscreteFunction(Displayed):
+    """A sequence in closed form, a function of whole numbers k >= 0 alone."""
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """Notices of the solution."""
+        raise NotImplementedError
+
+    def __call__(self, k) -> np.ndarray:
+        """x_k for a whole number k >= 0 (-> shape (r,)) or for numbers (T,) (-> (r, T)), up to the horizon.
+
+        Raises:
+            InputError: no whole number, a negative one, or one beyond the horizon.
+            Overflow: a value leaves the range of float64.
+        """
+        indices = self._checked(k)
+        values, _ = self._evaluated(indices)
+        if not np.isfinite(values).all():
+            first = np.atleast_1d(indices)[~np.isfinite(values).all(axis=0)].min()
+            raise Overflow(f"the value at k = {first} lies beyond the range of float64; ask for earlier samples")
+        return values if indices.ndim else values[:, 0]
+
+    def error_estimate(self, k) -> float:
+        """An estimate of max |error| / max |x_k| over the numbers k, the rounding to float64 included.
+
+        For exact numbers it bounds the error; where rank decisions on rounded data changed the structure, the rounding errors of
+        the Jordan pairs count as many times as they act up to k.
+        """
+        indices = np.atleast_1d(self._checked(k))
+        _, errors = self._evaluated(indices)
+        return float((errors + EPS / 2 + self._pair_error * (1 + indices)).max(initial=0.0))
+
+    @property
+    def terms(self) -> tuple[SequenceTerm, ...]:
+        """The closed form of the response to the start and to a force in closed form: sum of Re(v binom(k, j) p^(k - j))."""
+        return closed_terms(self._closed)
+
+    @property
+    def is_trusted(self) -> bool:
+        """False where a notice doubts the values."""
+        return not any(notice.doubtful for notice in self.notices)
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        return (notice_table(self.notices),)
+
+    def _checked(self, k) -> np.ndarray:
+        return sample_numbers(k)
+
+    def _evaluated(self, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Values (r, T) and bounds of their relative errors."""
+        return rounded_values([self._closed], self._sums, indices.reshape(-1).tolist())
+
+    @property
+    def _closed(self) -> RationalResponse:
+        """The response to the start and to a force in closed form."""
+        raise NotImplementedError
+
+    @property
+    def _sums(self) -> tuple[ForceSums, ...]:
+        """The response to a force that is given by its values."""
+        raise NotImplementedError
+
+    @property
+    def _pair_error(self) -> float:
+        """Relative error of one step by the Jordan pairs; 0.0 where numbers are taken as exact."""
+        return 0.0
+
+
 @dataclass(frozen=True, repr=False, eq=False)
-class DiscreteResponse(Displayed):
+class DiscreteResponse(DiscreteFunction):
     """The solution x_k of A(sigma) x_k = f_k for k = 0, 1, ...: ``y(k)`` of a number or of numbers k.
 
     Attributes:
@@ -192,49 +261,25 @@ class DiscreteResponse(Displayed):
         end = "" if self.horizon is None else f", k = 0 ... {self.horizon}"
         return f"{counted(self.polynomial_matrix.size, 'coordinate')}, degree {self.polynomial_matrix.degree}{end}"
 
-    def _tables(self) -> tuple[TextTable, ...]:
-        return (notice_table(self.notices),)
-
-    def __call__(self, k) -> np.ndarray:
-        """x_k for a whole number k >= 0 (-> shape (r,)) or for numbers (T,) (-> (r, T)), up to the horizon.
-
-        Raises:
-            InputError: no whole number, a negative one, or one beyond the horizon.
-            Overflow: a value leaves the range of float64.
-        """
-        indices = self._checked(k)
-        values, _ = self._evaluated(indices)
-        if not np.isfinite(values).all():
-            first = np.atleast_1d(indices)[~np.isfinite(values).all(axis=0)].min()
-            raise Overflow(f"the value at k = {first} lies beyond the range of float64; ask for earlier samples")
-        return values if indices.ndim else values[:, 0]
-
     def of(self, *coordinates: str | int) -> Callable[..., np.ndarray]:
         """The function k -> values of some coordinates, by name or index from 0."""
         places = places_of(coordinates, self.polynomial_matrix.coordinates, "coordinate")
         return lambda k: self(k)[places]
 
-    def error_estimate(self, k) -> float:
-        """An estimate of max |error| / max |x_k| over the numbers k, the rounding to float64 included.
-
-        For exact numbers A, initial and force it bounds the error; where rank decisions on rounded data changed the structure, the
-        rounding errors of the Jordan pairs count as many times as they act up to k.
-        """
-        indices = np.atleast_1d(self._checked(k))
-        _, errors = self._evaluated(indices)
-        pairs = 0.0 if self.equations.is_exact else EPS * self.equations.pairs.finite.coupling * (1 + indices)
-        return float((errors + EPS / 2 + pairs).max(initial=0.0))
-
     def _checked(self, k) -> np.ndarray:
-        indices = sample_numbers(k)
+        indices = super()._checked(k)
         if self.horizon is not None and indices.size and indices.max() > self.horizon:
             raise InputError(f"k: found {indices.max()}; the horizon ends at k = {self.horizon}")
         return indices
 
+    @property
+    def _pair_error(self) -> float:
+        return 0.0 if self.equations.is_exact else EPS * self.equations.pairs.finite.coupling
+
     def _evaluated(self, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values (r, T) and bounds of their relative errors."""
         asked = indices.reshape(-1).tolist()
-        values, errors = rounded_values([self._closed], self._sums, asked)
+        values, errors = super()._evaluated(indices)
         for column, k in enumerate(asked):
             if self._backward and self.horizon - k < len(self._backward):
                 added = self._backward[self.horizon - k]
@@ -339,11 +384,6 @@ class DiscreteResponse(Displayed):
         """Values that the equations do not admit with the violated conditions, growth, doubtful rank decisions."""
         return (*self._start_notices(), *self._end_notices(), *self._structure_notices())
 
-    @property
-    def is_trusted(self) -> bool:
-        """False where a notice doubts the values."""
-        return not any(notice.doubtful for notice in self.notices)
-
     def _start_notices(self):
         names = self.polynomial_matrix.coordinates
         changed = np.argwhere(self.correction)
@@ -386,13 +426,17 @@ class DiscreteResponse(Displayed):
             )
             yield Notice(NoticeKind.RANK, text, doubtful=True)
             yield from doubts_of("x_k at k = 1000", self.error_estimate(1000) if self.horizon is None else 0.0)
-        moduli = np.array([abs(zero.value) for zero in pairs.finite.zeros])
-        if moduli.size and moduli.max() > 1 + EPS**0.5:
-            count = int((moduli > 1 + EPS**0.5).sum())
-            yield Notice(
-                NoticeKind.UNSTABLE,
-                f"{counted(count, 'eigenvalue')} outside the unit circle: the sequence grows, fastest like {moduli.max():.6g}^k",
-            )
+        yield from growth_notices([zero.value for zero in pairs.finite.zeros])
+
+
+def growth_notices(eigenvalues) -> tuple[Notice, ...]:
+    """The notice of eigenvalues outside the unit circle, of each complex pair one."""
+    moduli = np.array([abs(complex(value)) for value in eigenvalues])
+    growing = moduli[moduli > 1 + EPS**0.5]
+    if not len(growing):
+        return ()
+    text = f"{counted(len(growing), 'eigenvalue')} outside the unit circle: the sequence grows, fastest like {growing.max():.6g}^k"
+    return (Notice(NoticeKind.UNSTABLE, text),)
 
 
 def _matrix(matrix) -> flint.fmpq_mat:

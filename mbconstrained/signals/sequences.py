@@ -5,17 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import factorial
-from numbers import Number
-from typing import TypeAlias
 
 import numpy as np
 
 from ..ground.checks import counted, real_array, whole_number
 from ..ground.display import Displayed
 from ..ground.errors import InputError
-from .impulsive import ExactInput, ExactTerm, ImpulsiveSmooth
-
-Pair: TypeAlias = tuple[Number, Number]
+from .impulsive import ExactTerm, ImpulsiveSmooth
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,18 +135,14 @@ def sampled_terms(signal: ImpulsiveSmooth) -> GeometricSequence | None:
     """f(k) of a signal at t = k as geometric sequences, where it is a sum of terms from t = 0 on; otherwise None."""
     terms = []
     for origin in signal.exact_parts:
-        if not _is_term(origin):
-            return None
         term = origin.data
+        if not isinstance(term, ExactTerm) or origin.delays or origin.derivatives:
+            return None
         vector, divisor = np.asarray(term.vector), term.divisor
         for change in origin.maps:
             vector = change @ vector if np.ndim(change) else change * vector
         terms.append(GeometricTerm(vector, (term.rate, term.angular_frequency), term.power, True, term.phase, divisor))
     return GeometricSequence(signal.size, tuple(terms))
-
-
-def _is_term(origin: ExactInput) -> bool:
-    return isinstance(origin.data, ExactTerm) and not origin.delays and not origin.derivatives
 
 
 def stirling_numbers(power: int) -> Iterator[int]:

@@ -73,20 +73,6 @@ def test_a_planted_solution_is_reproduced_by_a_hundred_random_systems_of_any_ind
     assert max(orders) >= 2  # systems that look ahead were among them
 
 
-def exact_recursion(A, initial, force, count: int) -> list[list[Fraction]]:
-    """x_k of a regular leading coefficient, in Fractions."""
-    q, r = A.degree, A.size
-    parts = [flint.fmpq_mat([[flint.fmpq(*float(v).as_integer_ratio()) for v in row] for row in part]) for part in A.coefficients]
-    x = [flint.fmpq_mat([[flint.fmpq(*float(v).as_integer_ratio())] for v in row]) for row in initial]
-    inverse = parts[-1].inv()
-    for k in range(count - q):
-        right = flint.fmpq_mat([[flint.fmpq(*float(v).as_integer_ratio())] for v in force(k)])
-        for j in range(q):
-            right = right - parts[j] * x[k + j]
-        x.append(inverse * right)
-    return [[Fraction(int(entry.p), int(entry.q)) for entry in column.entries()] for column in x[:count]]
-
-
 @pytest.mark.parametrize("seed", range(10))
 def test_free_and_forced_values_agree_with_the_exact_recursion(seed):
     random = np.random.default_rng(seed)
@@ -110,7 +96,7 @@ def test_free_and_forced_values_agree_with_the_exact_recursion(seed):
 
 
 def _recursion_of_fractions(A, initial, force, count):
-    q, r = A.degree, A.size
+    q = A.degree
     number = lambda v: flint.fmpq(Fraction(v).numerator, Fraction(v).denominator)  # noqa: E731
     parts = [flint.fmpq_mat([[number(float(v)) for v in row] for row in part]) for part in A.coefficients]
     x = [flint.fmpq_mat([[number(float(v))] for v in row]) for row in initial]

@@ -262,7 +262,7 @@ def _radius(number: flint.acb) -> flint.arb:
 
 def rounded_values(closed: Sequence[RationalResponse], sums: Sequence[ForceSums], indices: Sequence[int]):
     """Values (r, T) rounded to float64, and bounds of their errors relative to the largest entry of each column, shape (T,)."""
-    size = (*closed, *sums)[0].size
+    size = closed[0].size
     values, errors = np.zeros((size, len(indices))), np.zeros(len(indices))
     pending, precision = sorted(range(len(indices)), key=indices.__getitem__), FIRST_BITS
     while pending and size:
@@ -285,3 +285,32 @@ def rounded_values(closed: Sequence[RationalResponse], sums: Sequence[ForceSums]
                     left.append(place)
         pending, precision = left, 2 * precision
     return values, errors
+
+
+@dataclass(frozen=True)
+class SequenceTerm:
+    """A term of x_k: the real part of v binom(k, j) p^(k - j); a p above the real axis stands for a pair.
+
+    Attributes:
+        pole: p.
+        order: j.
+        vector: v, shape (r,), complex; twice the residue of a complex p.
+    """
+
+    pole: complex
+    order: int
+    vector: np.ndarray
+
+
+def closed_terms(response: RationalResponse) -> tuple[SequenceTerm, ...]:
+    """The closed form of the strictly proper part, rounded to float64; p = 0 contributes v at k = j alone."""
+    with working_precision(2 * FIRST_BITS):
+        terms = [
+            SequenceTerm(complex(pole.value), j, np.array([complex(c) * pole.weight for c in column]))
+            for pole in response.poles(0)
+            for j, column in enumerate(pole.columns)
+        ]
+    zero = [
+        SequenceTerm(0j, k, np.array([complex(float(flint.arb(c))) for c in column])) for k, column in enumerate(response.at_zero)
+    ]
+    return tuple(term for term in (*zero, *terms) if term.vector.any())
