@@ -6,6 +6,7 @@ import difflib
 import importlib
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
 from types import ModuleType
 
 import numpy as np
@@ -230,3 +231,18 @@ class ReadOnly(Mapping):
 
     def __repr__(self) -> str:
         return repr(self._entries)
+
+
+class NamedNumbers(ReadOnly):
+    """The entries of an array by name; Python's numbers only when they are read.
+
+    >>> NamedNumbers(("a", "b"), np.array([1.0, 2.0]))
+    {'a': 1.0, 'b': 2.0}
+    """
+
+    def __init__(self, names: Sequence[str], numbers: np.ndarray):
+        self._names, self._numbers = names, numbers
+
+    @cached_property
+    def _entries(self) -> dict[str, float]:  # type: ignore[override]  # computed at the first reading
+        return dict(zip(self._names, self._numbers.tolist()))

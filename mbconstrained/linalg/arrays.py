@@ -140,3 +140,12 @@ def is_diagonal(matrix: Matrix) -> bool:
     """Whether a square matrix has all its entries on the diagonal, none of them zero."""
     count = np.count_nonzero(matrix.diagonal())
     return count == matrix.shape[0] == entry_count(matrix)
+
+
+def product(matrix: Matrix, columns: np.ndarray) -> np.ndarray:
+    """matrix @ columns for a real matrix; of complex columns both parts at once, in half the operations.
+
+    >>> product(np.array([[2.0]]), np.array([[1.0 + 1.0j]])).tolist()
+    [[(2+2j)]]
+    """
+    return (matrix @ np.ascontiguousarray(columns).view(float)).view(columns.dtype)

@@ -102,7 +102,7 @@ def constrained_form(
     equations += [f"constraint {row.name}" for row in independent.rows]
     values = np.array([row.value for row in independent.rows])
     matrix = PolynomialMatrix(coefficients, names, equations, doubt)
-    notices = tuple(_cancelled(coefficients, doubts, equations, names)) if doubt is None else ()
+    notices = tuple(_cancelled(coefficients, doubts, equations, names)) if doubt is None and doubts.any() else ()
     return ConstrainedForm(V, A, values, matrix, notices, right_sides(independent.rows))
 
 

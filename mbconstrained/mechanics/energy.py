@@ -10,12 +10,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csr_array
 
-from ..ground.checks import ReadOnly, counted, real_array
+from ..ground.checks import NamedNumbers, ReadOnly, counted, real_array
 from ..ground.display import Displayed
 from ..ground.errors import InputError
 from ..ground.tolerances import noise_of
 from ..linalg.arrays import Matrix as AnyMatrix
-from ..linalg.arrays import kept
+from ..linalg.arrays import kept, product
 from .element_matrix import ElementMatrix
 
 
@@ -68,17 +68,7 @@ def _half_square(matrix, vectors):
 
 # Energy shares of modes: which part of a machine has how much of the kinetic and strain energy, by name.
 
-Matrix = np.ndarray | ElementMatrix
-
-
-class CoordinatePart(NamedTuple):
-    """The part of a matrix along one coordinate: x_i (P x)_i. It may be negative; over all i the sum is x^T P x."""
-
-    whole: Matrix  # P, a matrix or its elements
-    place: int  # i, counted from 0
-
-
-EnergyPart = Matrix | CoordinatePart
+EnergyPart = np.ndarray | ElementMatrix
 
 
 @dataclass(frozen=True)
@@ -123,26 +113,23 @@ class EnergyParts(Displayed):
         for kind in ("kinetic", "strain"):
             parts = {str(name): _checked(part, f'{kind} part "{name}"') for name, part in getattr(self, kind).items()}
             object.__setattr__(self, kind, ReadOnly(parts))
-        sizes = {_size(part) for part in self._all}
+        sizes = {_size(part) for part in (*self.kinetic.values(), *self.strain.values())}
         if len(sizes) > 1:
             raise InputError(f"energy parts: found parts of {' and '.join(map(str, sorted(sizes)))} coordinates; expected one size")
 
     def _summary(self) -> str:
-        return f"{counted(len(self.kinetic), 'kinetic part')}, {counted(len(self.strain), 'strain part')}"
-
-    @property
-    def _all(self) -> tuple[EnergyPart, ...]:
-        return (*self.kinetic.values(), *self.strain.values())
+        kinetic, strain = (len(products.names) for products in self._products)
+        return f"{counted(kinetic, 'kinetic part')}, {counted(strain, 'strain part')}"
 
     @property
     def size(self) -> int | None:
         """Number n of coordinates; None without parts."""
-        return next(map(_size, self._all), None)
+        return next((_size(part) for part in (*self.kinetic.values(), *self.strain.values())), None)
 
     @property
     def is_by_coordinate(self) -> bool:
-        """Whether a part is that of a coordinate, with shares that may be negative."""
-        return any(isinstance(part, CoordinatePart) for part in self._all)
+        """Whether the parts are those of single coordinates, with shares that may be negative."""
+        return isinstance(self, CoordinateParts)
 
     def shares(self, shape, eigenvalue: complex | None = None) -> EnergyShares:
         """Return the energy shares of one shape, independent of its length and phase.
@@ -178,42 +165,82 @@ class EnergyParts(Displayed):
         [{'a': 0.25, 'b': 0.75}, {'a': 1.0, 'b': 0.0}]
         """
         shapes = _unit_shapes(shapes, self.size)
-        energies, totals = zip(*(products.energies(shapes) for products in self._products))
-        kinetic, strain = totals
+        (kinetic, in_motion), (strain, in_springs) = (products.energies(shapes) for products in self._products)
         if eigenvalues is not None:
             size = np.abs(eigenvalues)
-            both = (kinetic != 0) & (strain != 0) & (size > 0)
-            units = self._products[0].unit - self._products[1].unit
+            moving, strained = self._products
             with np.errstate(divide="ignore", invalid="ignore"):
-                ratio = np.log2(np.abs(kinetic / strain)) + units + 2 * np.log2(size)
-            limits = [np.log2(noise_of(1.0, len(products.names))) for products in self._products]
-            kinetic = np.where(both & (ratio <= limits[0]), 0.0, kinetic)
-            strain = np.where((size == 0) | (both & (-ratio <= limits[1])), 0.0, strain)
-        named = [
+                ratio = np.log2(np.abs(in_motion / in_springs)) + 2 * np.log2(size) + (moving.unit - strained.unit)
+                is_rest, is_free = (
+                    ratio <= np.log2(noise_of(1.0, len(moving.names))),
+                    -ratio <= np.log2(noise_of(1.0, len(strained.names))),
+                )
+            both = (in_motion != 0) & (in_springs != 0) & (size > 0)
+            in_motion = np.where(both & is_rest, 0.0, in_motion)
+            in_springs = np.where((size == 0) | (both & is_free), 0.0, in_springs)
+        named = (
             [
-                dict(zip(products.names, own)) if known else None
-                for own, known in zip((part / np.where(total, total, 1.0)).T.tolist(), total)
+                NamedNumbers(products.names, own) if known else None
+                for own, known in zip((energies / np.where(total, total, 1.0)).T, total.tolist())
             ]
-            for products, part, total in zip(self._products, energies, (kinetic, strain))
-        ]
-        return tuple(EnergyShares(*pair) for pair in zip(*named))
+            for products, energies, total in zip(self._products, (kinetic, strain), (in_motion, in_springs))
+        )
+        return tuple(map(EnergyShares, *named))
 
     @cached_property
-    def _products(self) -> tuple[_Products, _Products]:
+    def _products(self) -> tuple[_Products | _CoordinateProducts, _Products | _CoordinateProducts]:
         return _Products.of(self.kinetic), _Products.of(self.strain)
 
 
-def coordinate_parts(names: Sequence[str], mass: Matrix, stiffness: Matrix) -> EnergyParts:
-    """Energy parts of single coordinates, x_i (M x)_i and x_i (K x)_i, where masses and springs are not known.
+class CoordinateParts(EnergyParts):
+    """Energies along single coordinates, x_i (M x)_i and x_i (K x)_i, where masses and springs are not known.
 
     Such shares may be negative: they are the work along a coordinate, part of which a neighbour may return.
 
-    >>> parts = coordinate_parts(["a", "b"], np.eye(2), np.array([[2.0, -1.0], [-1.0, 2.0]]))
+    >>> parts = CoordinateParts(["a", "b"], np.eye(2), np.array([[2.0, -1.0], [-1.0, 2.0]]))
     >>> parts.shares([4.0, 1.0]).strain
     {'a': 1.0769230769230769, 'b': -0.07692307692307693}
     """
-    parts = [{name: CoordinatePart(whole, i) for i, name in enumerate(names)} for whole in (mass, stiffness)]
-    return EnergyParts(*parts)
+
+    def __init__(self, names: Sequence[str], mass: EnergyPart, stiffness: EnergyPart):
+        products = tuple(_CoordinateProducts.of(tuple(names), whole) for whole in (mass, stiffness))
+        self.__dict__.update(kinetic={}, strain={}, _products=products)
+
+    @property
+    def size(self) -> int:
+        return len(self._products[0].names)
+
+
+class _CoordinateProducts(NamedTuple):
+    """The energies u_i (P u)_i of one matrix P along each coordinate, in units of 2^unit as those of ``_Products``."""
+
+    names: tuple[str, ...]
+    whole: EnergyPart
+    unit: int
+
+    @classmethod
+    def of(cls, names: tuple[str, ...], whole: EnergyPart) -> _CoordinateProducts:
+        sizes = whole.constants if isinstance(whole, ElementMatrix) else whole
+        return cls(names, whole, int(np.frexp(np.abs(sizes).max(initial=0.0))[1]))
+
+    def energies(self, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        size = np.abs(shapes)
+        if isinstance(self.whole, ElementMatrix):
+            rows, constants = kept(self.whole.directions), np.ldexp(self.whole.constants, -self.unit)[:, None]
+            stretch = rows @ shapes
+            stretch = np.where(np.abs(stretch) <= noise_of(abs(rows) @ size, len(shapes)), 0.0, constants * stretch)
+            forces, terms = rows.T @ stretch, abs(rows).T @ np.abs(stretch)
+        else:
+            matrix = kept(np.ldexp(self.whole, -self.unit))
+            forces, terms = product(matrix, shapes), abs(matrix) @ size
+        values = (shapes.conj() * forces).real
+        return values, _clear_sums(values, size * terms)
+
+
+def _clear_sums(values: np.ndarray, terms: np.ndarray) -> np.ndarray:
+    """Sums of the energies of all parts, 0 where those are rounding errors of the terms."""
+    totals = values.sum(axis=0)
+    return np.where(np.abs(totals) > noise_of(terms.sum(axis=0), len(values)), totals, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,28 +280,18 @@ class _Products:
         of_element, constants = self.of_element[:, None], self.constants[:, None]
         b = np.where(of_element & (np.abs(b) <= noise_of(size, len(shapes))), 0.0, b)
         values = self.sums @ (a.conj() * constants * b).real
-        terms = (np.abs(a) * np.abs(constants) * np.where(of_element, np.abs(b), size)).sum(axis=0)
-        totals = values.sum(axis=0)
-        return values, np.where(np.abs(totals) > noise_of(terms, len(values)), totals, 0.0)
+        return values, _clear_sums(values, np.abs(a) * np.abs(constants) * np.where(of_element, np.abs(b), size))
 
 
 def _rows(part: EnergyPart) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool]:
     """L, c, R and whether the rows of R are elongations of elements."""
-    whole = part.whole if isinstance(part, CoordinatePart) else part
-    if isinstance(whole, ElementMatrix):
-        if not isinstance(part, CoordinatePart):
-            return whole.directions, whole.constants, whole.directions, True
-        used = whole.directions[:, part.place].nonzero()[0]
-        left = np.zeros((len(used), whole.size))
-        left[:, part.place] = whole.directions[used, part.place]
-        return left, whole.constants[used], whole.directions[used], True
-    if isinstance(part, CoordinatePart):
-        return np.eye(1, len(whole), part.place), np.ones(1), whole[[part.place]], False
-    return np.eye(len(whole)), np.ones(len(whole)), whole, False
+    if isinstance(part, ElementMatrix):
+        return part.directions, part.constants, part.directions, True
+    return np.eye(len(part)), np.ones(len(part)), part, False
 
 
 def _checked(part, what: str) -> EnergyPart:
-    if isinstance(part, (ElementMatrix, CoordinatePart)):
+    if isinstance(part, ElementMatrix):
         return part
     matrix = real_array(part, what, shape=(None, None))
     if matrix.shape[0] != matrix.shape[1]:
@@ -284,18 +301,18 @@ def _checked(part, what: str) -> EnergyPart:
 
 
 def _size(part: EnergyPart) -> int:
-    whole = part.whole if isinstance(part, CoordinatePart) else part
-    return whole.size if isinstance(whole, ElementMatrix) else len(whole)
+    return part.size if isinstance(part, ElementMatrix) else len(part)
 
 
 def _unit_shapes(shapes, size: int | None) -> np.ndarray:
     """Shapes scaled to a largest entry of 1."""
     shapes = np.asarray(shapes)
-    real, imaginary = (real_array(part, "shape", shape=(size, None)) for part in (shapes.real, shapes.imag))
-    largest = np.maximum(np.abs(real).max(axis=0, initial=0.0), np.abs(imaginary).max(axis=0, initial=0.0))
+    parts = [shapes.real, shapes.imag] if np.iscomplexobj(shapes) else [shapes]
+    real, *imaginary = (real_array(part, "shape", shape=(size, None)) for part in parts)
+    largest = np.max([np.abs(part).max(axis=0, initial=0.0) for part in (real, *imaginary)], axis=0)
     if not largest.all():
         raise InputError("shape: found zeros only; a shape has at least one entry that is not zero")
-    return (real + 1j * imaginary) / largest if imaginary.any() else real / largest
+    return (real + 1j * imaginary[0]) / largest if imaginary and imaginary[0].any() else real / largest
 
 
 def checked_parts(parts: EnergyParts, size: int) -> EnergyParts:

@@ -24,7 +24,7 @@ from ..signals.inputs import ImpulsiveSmooth, step, zero
 from .constrained_form import ConstrainedForm, constrained_form, explicit_acceleration
 from .constraints import LEVELS, Constraint, ConstraintRow, IndependentRows, checked_constraints, constraint_rows, independent_rows
 from .element_matrix import ElementMatrix, SpeedTable, modal_damping, relative_mass
-from .energy import EnergyParts, checked_parts, coordinate_parts
+from .energy import CoordinateParts, EnergyParts, checked_parts
 from .parameter import Parameter, entry_parameters
 
 if TYPE_CHECKING:
@@ -176,7 +176,7 @@ class EquationsOfMotion(Displayed):
         stiffness, _, mass = self.given
         if self.part_source is not None:
             return self.part_source()
-        return self._named_parts or coordinate_parts(self.names, mass, stiffness)
+        return self._named_parts or CoordinateParts(self.names, mass, stiffness)
 
     @property
     def force(self) -> ImpulsiveSmooth:

@@ -28,7 +28,6 @@ from .channels import Channel, channels, chosen_by_name, coordinate_channels, re
 from .constraints import with_multipliers
 from .element_matrix import ElementMatrix
 from .element_matrix import modal_damping as modal_damping_elements
-from .energy import CoordinatePart
 from .equations import EquationsOfMotion
 
 if TYPE_CHECKING:
@@ -246,7 +245,7 @@ def structural_damping(system: EquationsOfMotion, loss_factor) -> np.ndarray | N
     loss_factor = {**system.loss_factors, **(loss_factor or {})}
     if not loss_factor:
         return None
-    springs = {name: part for name, part in system.energy_parts.strain.items() if not isinstance(part, CoordinatePart)}
+    springs = system.energy_parts.strain  # none by coordinate
     H = np.zeros((system.size, system.size))
     for name, value in loss_factor.items():
         if name not in springs:

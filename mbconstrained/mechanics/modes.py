@@ -32,7 +32,7 @@ from ..ground.tolerances import (
     noise_of,
     rounding_radius,
 )
-from ..linalg.arrays import full, kept
+from ..linalg.arrays import full, kept, product
 from ..linalg.blocks import block_slices
 from ..linalg.division import definite_condition, is_symmetric, solved
 from ..linalg.exponential import BlockGroups
@@ -106,7 +106,7 @@ class Mode:
         >>> {name: round(share, 3) for name, share in model.assemble().modes().oscillating[0].shares[0].strain.items()}
         {'wall': 0.639, 'coupling': 0.361}
         """
-        return _shares((self,))[0]
+        return Modes((self,), ("",) * len(self.shapes)).shares[0]
 
     @property
     def text(self) -> str:
@@ -226,23 +226,37 @@ class Modes(Presented, Sequence):
     @cached_property
     def shares(self) -> tuple[tuple[EnergyShares, ...], ...]:
         """Energy shares of each mode (``Mode.shares``)."""
-        return _shares(self.modes)
+        parts, (places, values, shapes) = self.modes[0].energy_parts if self.modes else None, self._columns
+        if parts is None or not len(places):
+            return ((),) * len(self.modes)
+        each = iter(parts.shares_of(shapes, values))
+        result = [tuple(islice(each, mode.shapes.shape[1])) for mode in self.modes]
+        return tuple(
+            tuple(replace(one, kinetic=None) for one in own) if mode.kind == "offset" else own
+            for mode, own in zip(self.modes, result)
+        )
 
     @cached_property
     def residuals(self) -> np.ndarray:
         """|A(s) u| of each mode without constraint forces, relative to the sizes of its terms, the largest of its shapes, shape (m,)."""
         if self._residuals is not None:
             return self._residuals
-        A, counts = self.polynomial_matrix, [mode.shapes.shape[1] for mode in self.modes]
-        if A is None or not sum(counts):
-            return np.zeros(len(counts))
-        s, u = np.repeat([mode.eigenvalue for mode in self.modes], counts), np.hstack([mode.shapes for mode in self.modes])
-        powers = [(k, kept(matrix)) for k, matrix in enumerate(A.coefficients) if matrix.any()]
-        left = sum(s**k * (matrix @ u) for k, matrix in powers)
-        terms = sum(np.abs(s) ** k * (abs(matrix) @ np.abs(u)) for k, matrix in powers)
-        sizes = np.linalg.norm(terms, axis=0)
-        relative = np.linalg.norm(left, axis=0) / np.where(sizes > 0, sizes, 1.0)
-        return np.array([own.max(initial=0.0) for own in np.split(relative, np.cumsum(counts)[:-1])])
+        result, (places, s, u) = np.zeros(len(self.modes)), self._columns
+        if self.polynomial_matrix is None or not len(places):
+            return result
+        moduli, size = np.abs(s), np.abs(u)
+        powers = [(k, kept(matrix)) for k, matrix in enumerate(self.polynomial_matrix.coefficients) if matrix.any()]
+        left = sum(s**k * product(matrix, u) for k, matrix in powers)
+        terms = np.linalg.norm(sum(moduli**k * (abs(matrix) @ size) for k, matrix in powers), axis=0)
+        np.maximum.at(result, places, np.linalg.norm(left, axis=0) / np.where(terms > 0, terms, 1.0))
+        return result
+
+    @cached_property
+    def _columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The mode of each shape and its eigenvalue, shape (g,), and the shapes, shape (n, g)."""
+        places = np.repeat(np.arange(len(self.modes)), [mode.shapes.shape[1] for mode in self.modes])
+        shapes = np.concatenate([np.zeros((len(self.names), 0)), *(mode.shapes for mode in self.modes)], axis=1)
+        return places, np.array([mode.eigenvalue for mode in self.modes], dtype=complex)[places], shapes
 
     def lowest(self, count: int) -> Modes:
         """Return the first modes, whose multiplicities add up to ``count``; a complex pair counts once.
@@ -303,18 +317,6 @@ class Modes(Presented, Sequence):
             modes = [(mode.eigenvalue, shape) for mode in self.modes if mode.kind not in STILL for shape in mode.shapes.T]
             write_modes(place, modes, self.names, each, geometry or Geometry(), path.stem)
         return path
-
-
-def _shares(modes: Sequence[Mode]) -> tuple[tuple[EnergyShares, ...], ...]:
-    parts, counts = (modes[0].energy_parts if modes else None), [mode.shapes.shape[1] for mode in modes]
-    if parts is None or not sum(counts):
-        return ((),) * len(modes)
-    values = np.repeat([mode.eigenvalue for mode in modes], counts)
-    each = iter(parts.shares_of(np.hstack([mode.shapes for mode in modes]), values))
-    result = [tuple(islice(each, count)) for count in counts]
-    return tuple(
-        tuple(replace(one, kinetic=None) for one in own) if mode.kind == "offset" else own for mode, own in zip(modes, result)
-    )
 
 
 def _table_row(mode: Mode) -> dict[str, str]:
@@ -463,9 +465,7 @@ def _forms(matrix: np.ndarray, X: np.ndarray) -> np.ndarray:
     """x^T A x for each column; of a sparse A by differences of coordinates, in which nothing of a slow motion cancels."""
     if np.count_nonzero(matrix) > (2 * FEW_DIFFERENCES + 1) * len(matrix):
         return np.einsum("ij,ij->j", X, matrix @ X)
-    row, column = matrix.nonzero()
-    upper = row < column
-    row, column = row[upper], column[upper]
+    row, column = np.triu(matrix != 0, 1).nonzero()
     if not len(row):
         return matrix.diagonal() @ X**2
     sums = np.add.reduce(matrix, axis=1, dtype=np.longdouble).astype(float)

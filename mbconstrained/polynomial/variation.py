@@ -23,6 +23,7 @@ from ..ground.tolerances import (
     STIFFNESS_CONDITION,
     noise_of,
 )
+from ..linalg.arrays import product
 from ..linalg.blocks import coupled_rows
 from ..linalg.division import condition, is_symmetric
 from ..linalg.rank import Noisy, null_columns
@@ -72,7 +73,7 @@ class VariedSpectrum:
     def varied(self, parameter: float, slope: np.ndarray) -> VariedSpectrum:
         """The spectrum with its couplings at p, vectors of equal eigenvalues combined so that they are limits of those for p + dp."""
         motions, zero = (self.right, self.velocity, self.velocity * self.values), np.zeros_like(self.right)
-        coupling = -self.left @ sum((matrix @ motion for matrix, motion in zip(slope, motions) if matrix.any()), zero)
+        coupling = -self.left @ sum((product(matrix, motion) for matrix, motion in zip(slope, motions) if matrix.any()), zero)
         result, groups = replace(self, parameter=parameter, coupling=coupling), equal_groups(self.values, self.noise)
         if not groups:
             return result
@@ -155,15 +156,20 @@ def _decoupled(S: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float
     real, imaginary, _, packed, failed = lapack.dgeev(S, compute_vl=0)
     if failed:
         raise np.linalg.LinAlgError("the eigenvalues did not converge")
-    states = packed.astype(complex)
-    upper = np.flatnonzero(imaginary > 0)
-    states[:, upper] += 1j * packed[:, upper + 1]
-    states[:, upper + 1] = states[:, upper].conj()
-    values = real + 1j * imaginary
     try:
-        rows = np.linalg.inv(states)
+        inverse = np.linalg.inv(packed)
     except np.linalg.LinAlgError:  # defective to the last digit: the nearest that has an inverse
-        rows = np.linalg.pinv(states)
+        inverse = np.linalg.pinv(packed)
+    values, states, rows, upper = (
+        real + 1j * imaginary,
+        packed.astype(complex),
+        inverse.astype(complex),
+        np.flatnonzero(imaginary > 0),
+    )
+    states.imag[:, upper] = packed[:, upper + 1]
+    states[:, upper + 1] = states[:, upper].conj()
+    rows[upper] = (inverse[upper] - 1j * inverse[upper + 1]) / 2
+    rows[upper + 1] = rows[upper].conj()
     return values, states, rows, CLUSTER_SAFETY * EPS * float(np.abs(values).max(initial=0.0))
 
 
@@ -306,7 +312,7 @@ class FamilyPart:
         if self.basis is not None:
             K, M = np.diag(self.stiffness), np.eye(len(self.basis))
             coefficients = np.array([K, _congruent(coefficients[1], self.basis), M])
-            slope = np.array([_congruent(matrix, self.basis) for matrix in slope])
+            slope = np.array([_congruent(matrix, self.basis) if matrix.any() else matrix for matrix in slope])
         return spectrum_of(list(coefficients)).varied(parameter, slope)
 
     @property
@@ -356,29 +362,30 @@ def _assigned(a: VariedSpectrum, b: VariedSpectrum) -> tuple[np.ndarray, bool]:
         distance = np.abs((a.values + half * a.slopes)[:, None] - (b.values - half * b.slopes))
     if not np.isfinite(distance).all():  # derivatives of defective eigenvalues
         distance = np.abs(a.values[:, None] - b.values)
-    likeness = np.abs(a.rows @ b.states)
-    order = linear_sum_assignment(distance + noise * (1 - np.minimum(likeness, 1.0)))[1]
-    places = np.arange(len(order))
-    own = distance[places, order]
-    others = distance.copy()
-    others[places, order] = np.inf
-    least = np.minimum(others.min(axis=1), others.min(axis=0)[order])
-    equal = least <= noise
-    same = np.abs(likeness[places, order] - 1) <= SAME_BRANCH
-    clear = (own <= CLEAR_ASSIGNMENT * least) & same
-    return order, bool((clear | equal).all()) and not _may_veer(a, b.ordered(order), noise)
+    places, unlike = np.arange(len(a.values)), np.zeros(())
+    for _ in range(2):  # equal eigenvalues by their states, too
+        order = linear_sum_assignment(distance + noise * unlike)[1]
+        others = distance.copy()
+        others[places, order] = np.inf
+        least = np.minimum(others.min(axis=1), others.min(axis=0)[order])
+        if not (equal := least <= noise).any():
+            break
+        unlike = 1 - np.minimum(np.abs(a.rows @ b.states), 1.0)
+    likeness = np.abs((a.rows * b.states.T[order]).sum(axis=1))
+    clear = (distance[places, order] <= CLEAR_ASSIGNMENT * least) & (np.abs(likeness - 1) <= SAME_BRANCH)
+    return order, bool((clear | equal).all()) and not _may_veer(a, b, order, noise)
 
 
-def _may_veer(a: VariedSpectrum, b: VariedSpectrum, noise: float) -> bool:
-    """Whether two coupled branches are exchanged between both points."""
-    first, last = (point.values[:, None] - point.values for point in (a, b))
-    places = np.argwhere(np.triu((first * last.conj()).real < 0, 1))
-    if not len(places):
+def _may_veer(a: VariedSpectrum, b: VariedSpectrum, order: np.ndarray, noise: float) -> bool:
+    """Whether two coupled branches are exchanged between both points, at the second in this order."""
+    first, last = (values[:, None] - values for values in (a.values, b.values[order]))
+    i, j = np.nonzero(first.real * last.real + first.imag * last.imag < 0)
+    i, j = i[i < j], j[i < j]
+    if not len(i):
         return False
-    i, j = places.T
     gaps = []
-    for point, distance in ((a, first), (b, last)):
-        slopes, coupled = point.slopes[i] - point.slopes[j], np.sqrt(np.abs(point.coupling[i, j] * point.coupling[j, i]))
+    for point, k, m, distance in ((a, i, j, first), (b, order[i], order[j], last)):
+        slopes, coupled = point.slopes[k] - point.slopes[m], np.sqrt(np.abs(point.coupling[k, m] * point.coupling[m, k]))
         gaps.append(2 * coupled * np.abs(distance[i, j]) / np.maximum(np.abs(slopes), np.finfo(float).tiny))
     return bool((np.maximum(*gaps) > noise).any())
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import mbconstrained as mb
 from mbconstrained.mechanics.constraints import Constraint
 from mbconstrained.mechanics.element_matrix import ElementMatrix
-from mbconstrained.mechanics.energy import EnergyParts, coordinate_parts
+from mbconstrained.mechanics.energy import CoordinateParts, EnergyParts
 from mbconstrained.mechanics.modes import Mode
 from mbconstrained.mechanics.system import MechanicalSystem
 
@@ -109,7 +109,7 @@ def test_shares_sum_to_one_whatever_length_and_phase(count, data):
     F, G = draw(count, count), draw(count, count)
     whole = F @ F.T + np.eye(count), G @ G.T + np.eye(count)
     parts = [
-        coordinate_parts([f"x{i}" for i in range(count)], *whole),
+        CoordinateParts([f"x{i}" for i in range(count)], *whole),
         EnergyParts({"hub": np.eye(count), "rim": F @ F.T}, {"bed": np.eye(count), "net": ElementMatrix(G.T, np.ones(count))}),
     ]
     shape = draw(count) + 1j * draw(count)
@@ -206,9 +206,9 @@ def test_beside_stiff_springs_the_soft_ones_keep_their_shares(stiff):
 def test_an_assembled_matrix_that_has_lost_its_soft_spring_says_so():
     # 1e17 + 1 = 1e17: of the strain energy of the slow motion nothing is left but rounding
     K = np.array([[1e17, -1e17], [-1e17, 1e17]])
-    assert coordinate_parts(["a", "b"], np.eye(2), K).shares([1.0, 1.0 + EPS]).strain is None
+    assert CoordinateParts(["a", "b"], np.eye(2), K).shares([1.0, 1.0 + EPS]).strain is None
     elements = ElementMatrix([[1, 0], [-1, 1]], [1.0, 1e17])
-    assert coordinate_parts(["a", "b"], np.eye(2), elements).shares([1.0, 1.0 + EPS]).strain == {"a": 1.0, "b": 0.0}
+    assert CoordinateParts(["a", "b"], np.eye(2), elements).shares([1.0, 1.0 + EPS]).strain == {"a": 1.0, "b": 0.0}
 
 
 def test_gravity_may_be_a_negative_part():
