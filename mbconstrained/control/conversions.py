@@ -176,6 +176,11 @@ _LABELS = {"states": "state_labels", "inputs": "input_labels", "outputs": "outpu
 def realization_of(system) -> dict:
     """The arguments of a ``StateSpace`` for a continuous-time system of scipy.signal or python-control, with its names."""
     _refuse_discrete(system)
+    return arguments_of(system)
+
+
+def arguments_of(system) -> dict:
+    """The arguments of a state space for a system of other packages in continuous or discrete time, with its names."""
     if _has(system, "A", "B", "C", "D"):
         if not np.size(system.A):
             return {**_static(np.asarray(system.D)), **_names(system, "inputs", "outputs")}
@@ -208,7 +213,7 @@ def _refuse_discrete(system) -> None:
         return
     raise InputError(
         f"found a discrete-time system (dt = {step}); expected one in continuous time: here equations are differential "
-        "equations. Give the continuous system that it was sampled from"
+        "equations. mb.DiscreteStateSpace reads it; or give the continuous system that it was sampled from"
     )
 
 

@@ -80,16 +80,21 @@ class DiscreteForce:
             self.known[k] = [rational(entry) for entry in self(k).tolist()]
         return self.known[k]
 
+    def mapped(self, matrix: np.ndarray) -> DiscreteForce:
+        """The product matrix @ f_k."""
+        closed = None if self.closed is None else self.closed.mapped(matrix)
+        return DiscreteForce(len(matrix), closed, lambda k: matrix @ self(k), self.end)
+
     def __call__(self, k: int) -> np.ndarray:
         return self.value(k) if k < self.end else np.zeros(self.size)
 
 
-def discrete_force(force, size: int, what: str = "force") -> DiscreteForce:
-    """The force of a system with so many equations; an InputError for one that does not fit."""
+def discrete_force(force, size: int, what: str = "force", step: float = 1.0) -> DiscreteForce:
+    """The force of a system with so many equations, signals at t = k step; an InputError for one that does not fit."""
     if force is None:
         return DiscreteForce(size, GeometricSequence(size, ()), lambda k: np.zeros(size), 0)
     if isinstance(force, (GeometricSequence, ImpulsiveSmooth)):
-        return _signal_force(force, size, what)
+        return _signal_force(force, size, what, step)
     if callable(force):
         return DiscreteForce(size, None, lambda k: _value(force(k), k, size, what))
     values = real_array(force, what)
@@ -103,14 +108,14 @@ def discrete_force(force, size: int, what: str = "force") -> DiscreteForce:
     return DiscreteForce(size, None, lambda k: values[k], len(values))
 
 
-def _signal_force(force: GeometricSequence | ImpulsiveSmooth, size: int, what: str) -> DiscreteForce:
+def _signal_force(force: GeometricSequence | ImpulsiveSmooth, size: int, what: str, step: float) -> DiscreteForce:
     if force.size != size:
         raise InputError(f"{what}: it has {counted(force.size, 'row')}; expected {size}, one for each equation")
     if isinstance(force, GeometricSequence):
         return DiscreteForce(size, force, force)
     if force.impulses or force.later:
         raise InputError(f"{what}: it contains Dirac impulses, which have no value at k; a unit pulse is the array [[1, ...]]")
-    return DiscreteForce(size, sampled_terms(force), lambda k: force(float(k)))
+    return DiscreteForce(size, sampled_terms(force, step), lambda k: force(k * step))
 
 
 def _value(value, k: int, size: int, what: str) -> np.ndarray:
@@ -510,14 +515,18 @@ def solve_discrete(
     """
     A = checked_matrix(A)
     q, r = A.degree, A.size
-    equations = _Equations(A, rank_tolerance)
     regular_matrix(A)
     horizon = None if horizon is None else whole_number(horizon, "horizon", minimum=max(q, 1))
     if final is not None and horizon is None:
         raise InputError("final: values at the end need a horizon; give horizon=N, the number of the last sample")
     start = np.zeros((q, r)) if initial is None else _rows(initial, q, r, "initial")
     end = None if final is None else _rows(final, q, r, "final")
-    return DiscreteResponse(A, start, discrete_force(force, r), horizon, end, initial is not None, equations)
+    return DiscreteResponse(A, start, discrete_force(force, r), horizon, end, initial is not None, _Equations(A, rank_tolerance))
+
+
+def from_start(A: PolynomialMatrix, start: np.ndarray, force: DiscreteForce) -> DiscreteResponse:
+    """The solution from the forward part of a start (q, r), whatever else the equations say of it."""
+    return DiscreteResponse(A, start, force, None, None, False, _Equations(A, None))
 
 
 def _rows(value, q: int, r: int, what: str) -> np.ndarray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import factorial
 
 import numpy as np
@@ -16,7 +16,7 @@ from .impulsive import ExactTerm, ImpulsiveSmooth
 
 @dataclass(frozen=True, eq=False)
 class GeometricTerm:
-    """Re(v k^power m^k): v and m by real and imaginary parts, m itself or e^(a + i w) with m given as (a, w)."""
+    """Re(v k^power m^k) e^(i phase) / divisor: m by real and imaginary part, or m = e^((a + i w) step) by (a, w); then k is k step."""
 
     vector: np.ndarray
     ratio: tuple[float, float]
@@ -24,10 +24,11 @@ class GeometricTerm:
     is_exponent: bool = False
     phase: float = 0.0
     divisor: int = 1
+    step: float = 1.0
 
     def values(self, indices: np.ndarray) -> np.ndarray:
         """The term at numbers k (T,), shape (r, T), in float64."""
-        k = indices.astype(float)
+        k = indices.astype(float) * self.step
         exponent = complex(*self.ratio)
         base = np.exp(exponent * k) if self.is_exponent else np.power(np.full(k.shape, exponent), k)
         factor = k**self.power * base * np.exp(1j * self.phase) / self.divisor
@@ -65,8 +66,11 @@ class GeometricSequence(Displayed):
         return GeometricSequence(self.size, self.terms + other.terms)
 
     def __mul__(self, factor: float) -> GeometricSequence:
-        scaled = (GeometricTerm(factor * t.vector, t.ratio, t.power, t.is_exponent, t.phase, t.divisor) for t in self.terms)
-        return GeometricSequence(self.size, tuple(scaled))
+        return GeometricSequence(self.size, tuple(replace(term, vector=factor * term.vector) for term in self.terms))
+
+    def mapped(self, matrix: np.ndarray) -> GeometricSequence:
+        """The product matrix @ f_k for a matrix of shape (p, r)."""
+        return GeometricSequence(len(matrix), tuple(replace(term, vector=matrix @ term.vector) for term in self.terms))
 
     __rmul__ = __mul__
 
@@ -131,8 +135,8 @@ def sample_numbers(value) -> np.ndarray:
     return whole
 
 
-def sampled_terms(signal: ImpulsiveSmooth) -> GeometricSequence | None:
-    """f(k) of a signal at t = k as geometric sequences, where it is a sum of terms from t = 0 on; otherwise None."""
+def sampled_terms(signal: ImpulsiveSmooth, step: float = 1.0) -> GeometricSequence | None:
+    """f(k step) of a signal as geometric sequences, where it is a sum of terms from t = 0 on; otherwise None."""
     terms = []
     for origin in signal.exact_parts:
         term = origin.data
@@ -141,7 +145,7 @@ def sampled_terms(signal: ImpulsiveSmooth) -> GeometricSequence | None:
         vector, divisor = np.asarray(term.vector), term.divisor
         for change in origin.maps:
             vector = change @ vector if np.ndim(change) else change * vector
-        terms.append(GeometricTerm(vector, (term.rate, term.angular_frequency), term.power, True, term.phase, divisor))
+        terms.append(GeometricTerm(vector, (term.rate, term.angular_frequency), term.power, True, term.phase, divisor, step))
     return GeometricSequence(signal.size, tuple(terms))
 
 

@@ -105,7 +105,8 @@ def _term_transform(term: GeometricTerm) -> Transform:
         factor = (factor[0] * a - factor[1] * b, factor[0] * b + factor[1] * a)
     vector = np.asarray(term.vector)
     rows = [real * rational(v.real) - imaginary * rational(v.imag) for v in vector.astype(complex).tolist()]
-    return [row / term.divisor for row in rows], below ** (p + 1)
+    scale = rational(term.step) ** p / term.divisor
+    return [row * scale for row in rows], below ** (p + 1)
 
 
 def _complex_product(one, other):
@@ -117,7 +118,8 @@ def _ratio(term: GeometricTerm) -> tuple[flint.fmpq, flint.fmpq]:
     if not term.is_exponent:
         return a, b
     with working_precision(RATIO_BITS):
-        size, angle = flint.arb(a).exp(), flint.arb(b)
+        step = rational(term.step)
+        size, angle = flint.arb(a * step).exp(), flint.arb(b * step)
         return _middle(size * angle.cos()), _middle(size * angle.sin())
 
 
