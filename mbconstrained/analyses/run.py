@@ -52,7 +52,7 @@ class Run(Analysis):
 
 def run_scene(scene: Scene, folder: Path | None, progress: Callable[[Stage], None] | None = None) -> RunAnswer:
     """Run the needed stages one after another and measure each."""
-    answer = RunAnswer(scene, plan_of(scene, writing=folder is not None), folder)
+    answer = _kind_of_answer(scene)(scene, plan_of(scene, writing=folder is not None), folder)
     with answer.writing_together():
         for step, stage in zip(steps_of(scene), answer.plan.stages):
             if stage.needed and step.work:
@@ -62,6 +62,15 @@ def run_scene(scene: Scene, folder: Path | None, progress: Callable[[Stage], Non
                 step.work(answer)
                 answer.plan = answer.plan.with_costs({step.name: costs.lap(step.name)})
     return answer
+
+
+def _kind_of_answer(scene: Scene) -> type[RunAnswer]:
+    """The answer over all times, or over samples alone."""
+    if not scene.table.time.is_discrete:
+        return RunAnswer
+    from .discrete_run import DiscreteRunAnswer
+
+    return DiscreteRunAnswer
 
 
 class RunAnswer(Result, Answer):

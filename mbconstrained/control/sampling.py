@@ -71,7 +71,7 @@ def sampled(system: StateEquations, step, hold=1, delays: Mapping[str, float] | 
     late = _delays(system, delays)
     form = OrdinaryForm(*(np.asarray(matrix, dtype=object if is_exact else float) for matrix in form))
     with working_precision(BITS):
-        matrices = _assembled(system, form, rates, late, Fraction(step), hold)
+        A, B, C, D, start_input, delayed = _assembled(system, form, rates, late, Fraction(step), hold)
     notices = tuple(
         Notice(
             NoticeKind.KINK,
@@ -79,7 +79,7 @@ def sampled(system: StateEquations, step, hold=1, delays: Mapping[str, float] | 
         )
         for i, j in np.argwhere(rates)
     )
-    return Sampled(*matrices[:4], start_map, *matrices[4:], notices)
+    return Sampled(A, B, C, D, start_map, start_input, delayed, notices)
 
 
 def _ordinary(system: StateEquations) -> tuple[OrdinaryForm, np.ndarray, dict[int, np.ndarray], bool]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -125,7 +125,8 @@ def discretize(
     >>> cart.solve(input=[[4.0]]).output([0, 1, 2]).tolist()  # 4 N on 2 kg for half a second
     [[0.0, 0.25, 0.75]]
     """
-    return system.to_state_space(inputs, outputs).discretize(step, hold, delays=delays)
+    own: Any = system  # robots have points among their outputs
+    return own.to_state_space(inputs, outputs).discretize(step, hold, delays=delays)
 
 
 def system_to_dict(system: EquationsOfMotion) -> dict:

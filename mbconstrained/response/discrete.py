@@ -524,9 +524,9 @@ def solve_discrete(
     return DiscreteResponse(A, start, discrete_force(force, r), horizon, end, initial is not None, _Equations(A, rank_tolerance))
 
 
-def from_start(A: PolynomialMatrix, start: np.ndarray, force: DiscreteForce) -> DiscreteResponse:
-    """The solution from the forward part of a start (q, r), whatever else the equations say of it."""
-    return DiscreteResponse(A, start, force, None, None, False, _Equations(A, None))
+def from_start(A: PolynomialMatrix, start: np.ndarray, force: DiscreteForce, is_given: bool = False) -> DiscreteResponse:
+    """The solution from the forward part of a start (q, r); one that is not given, but follows, is not compared with it."""
+    return DiscreteResponse(A, start, force, None, None, is_given, _Equations(A, None))
 
 
 def _rows(value, q: int, r: int, what: str) -> np.ndarray:

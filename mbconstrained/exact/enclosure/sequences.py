@@ -280,7 +280,7 @@ def rounded_values(closed: Sequence[RationalResponse], sums: Sequence[ForceSums]
             left = []
             for place, row, bound in zip(pending, rows, bounds):
                 radius, largest = max(entry.rad() for entry in row) + bound, max(entry.abs_lower() for entry in row)
-                values[:, place] = [float(entry.mid()) for entry in row]
+                values[:, place] = [0.0 if abs(entry.mid()) <= entry.rad() + bound else float(entry.mid()) for entry in row]
                 settled = bool(radius * 2**ROUNDED_BITS <= largest) or bool(largest + radius < SMALLEST)
                 errors[place] = float(radius / largest) if largest > 0 else (0.0 if settled else inf)
                 if not settled and precision < MOST_BITS:

@@ -284,6 +284,10 @@ def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, An
         coordinates = replace(equations.coordinates, shown=OutputUnits(table.output.units))
         equations = replace(equations, coordinates=coordinates)
     check_output(table.output, equations, name, getattr(table.model, "modal_damping", None) is not None)
+    if table.time.is_discrete:
+        from ...analyses.discrete_run import check_discrete
+
+        check_discrete(table, equations, name)
     return Scene(path, table, equations, unit_texts, costs.by_name, parameters, overrides, name)
 
 

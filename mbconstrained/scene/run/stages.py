@@ -380,10 +380,23 @@ STEPS = (
 )
 
 
+#: Stages of the samples of a scene in discrete time, and of writing them.
+DISCRETE_STEPS = (
+    STEPS[0],
+    PossibleStage("difference equations", (True, "in discrete time, in closed form"), attrgetter("sequence")),
+    PossibleStage("samples", (True, "the answer itself"), attrgetter("values")),
+    PossibleStage("error estimate", (True, "an answer carries its evidence"), attrgetter("error_estimates")),
+    PossibleStage("animation", (False, "there is no motion between samples")),
+    *(step for step in STEPS if step.name in ("CSV", "npz", "plots as images (matplotlib)", PAGE)),
+)
+
+
 def steps_of(scene: SceneData) -> tuple[PossibleStage, ...]:
     """The stages of a kind of scene: those of a robot or a state space only where there is one."""
     kind = scene.table.model.kind
     first = ROBOT_STEPS if kind == "robot" else NO_ROBOT_STEPS
+    if scene.table.time.is_discrete:
+        return (*FILE_STEPS, *first, *DISCRETE_STEPS)
     following = {"robot": ROBOT_NEXT, "state-space": CONTROL_NEXT}.get(kind, {})
     return (*FILE_STEPS, *first, *(each for step in STEPS for each in (step, *following.get(step.name, ()))))
 
