@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,17 +23,12 @@ from ..scene.file import at
 from ..scene.quantities.coordinates import Coordinates
 from ..scene.run.result import start_notices
 from ..signals.inputs import power, step, zero
-from .base import Answer
-from .run import RunAnswer
+from .base import Analysis, Answer
+from .run import RunAnswer, run_scene
 
 if TYPE_CHECKING:
+    from ..scene.run.scene import Scene
     from ..signals.impulsive import ImpulsiveSmooth
-
-#: Entries of [output] that need a motion between the samples.
-CONTINUOUS = ("certify", "formula", "still", "quantity", "formats", "arrows", "reactions")
-
-#: Plots of samples.
-SAMPLED = ("displacement", "output")
 
 
 class DiscreteRunAnswer(RunAnswer):
@@ -70,7 +65,7 @@ class DiscreteRunAnswer(RunAnswer):
 
     @property
     def domain_text(self) -> str:
-        """How the equations became discrete."""
+        """Text on the origin of the discrete equations."""
         if self.is_difference:
             return f"difference equations, sigma the shift by one sample, degree {self.scene.equations.polynomial_matrix.degree}"
         hold = self.scene.table.time.hold
@@ -88,7 +83,7 @@ class DiscreteRunAnswer(RunAnswer):
         return np.arange(time.points) + round(time.start / time.step)
 
     @cached_property
-    def times(self) -> np.ndarray:  # type: ignore[override]
+    def times(self) -> np.ndarray:
         """The times of the samples in s, k step."""
         return self.numbers * self.scene.table.time.step
 
@@ -118,13 +113,13 @@ class DiscreteRunAnswer(RunAnswer):
             return _control(equations, time.step, time.hold)
 
     @cached_property
-    def values(self) -> np.ndarray:  # type: ignore[override]
+    def values(self) -> np.ndarray:
         """The samples in SI, shape (n, T)."""
         x = self.sequence
         return x.output(self.numbers) if isinstance(x, DiscreteStateSpaceResponse) else x(self.numbers)
 
     @cached_property
-    def error_estimates(self) -> dict[str, float]:  # type: ignore[override]
+    def error_estimates(self) -> dict[str, float]:
         """The estimate of max |error| / max |value| over the samples."""
         return {"displacement": self.sequence.error_estimate(self.numbers)}
 
@@ -162,7 +157,7 @@ class DiscreteRunAnswer(RunAnswer):
         )
 
     @cached_property
-    def notices(self) -> tuple[Notice, ...]:  # type: ignore[override]
+    def notices(self) -> tuple[Notice, ...]:
         """Notices on the answer, and doubts about it."""
         start = () if self.is_difference else start_notices(self.scene.equations)
         moves = np.ptp(self.values, axis=1).any()
@@ -173,12 +168,12 @@ class DiscreteRunAnswer(RunAnswer):
         return distinct(self.scene.notices, own)
 
     @property
-    def table_notices(self) -> tuple[Notice, ...]:  # type: ignore[override]
+    def table_notices(self) -> tuple[Notice, ...]:
         """The notices of the summary and of the page."""
         return self.notices
 
     @property
-    def data(self) -> dict[str, Any]:  # type: ignore[override]
+    def data(self) -> dict[str, Any]:
         """The samples as plain data."""
         return {
             "source": self.source,
@@ -226,9 +221,15 @@ class DiscreteRunAnswer(RunAnswer):
 
     def page(self) -> PageContent:
         """Plots of the samples, tables, notices and facts."""
-        tables = (*self.tables[1:], self.scene.plan().page_table())
-        content = {"plots": tuple(self.plots()), "frequencies": self.tables[0], "tables": tables}
-        return PageContent(title=self.title, source=self.source, notices=self.notices, facts=self.facts, **content)
+        return PageContent(
+            title=self.title,
+            source=self.source,
+            plots=tuple(self.plots()),
+            frequencies=self.tables[0],
+            tables=(*self.tables[1:], self.scene.plan().page_table()),
+            notices=self.notices,
+            facts=self.facts,
+        )
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Sample numbers, times, names and values in SI, for NumPy; the matrices of a discretized model."""
@@ -257,7 +258,7 @@ class DiscreteRunAnswer(RunAnswer):
         """The samples over k, as an ``xarray.Dataset`` with units."""
         return Answer.to_xarray(self)
 
-    def write(self, path, formats=None, **options):  # type: ignore[override]
+    def write(self, path, formats=None, **options):
         """Write the samples, as ``Answer.write``; a path with the ending .csv or .npz names one file."""
         ending = Path(path).suffix.lower()
         if formats is not None:
@@ -265,20 +266,6 @@ class DiscreteRunAnswer(RunAnswer):
         if ending not in (".csv", ".npz"):
             raise InputError(f"{path}: samples are written as .csv or .npz")
         return self.write_csv(path) if ending == ".csv" else self.write_npz(path)
-
-
-def check_discrete(table, equations: Equations, file_name: str) -> None:
-    """Check that a scene in discrete time asks for nothing between its samples."""
-    with at(file_name, "output"):
-        for name in CONTINUOUS:
-            if getattr(table.output, name):
-                raise InputError(f'{name}: it needs a motion between samples, which step_domain = "discrete" has not; leave it out')
-    with at(file_name, "output.plots"):
-        if others := [name for name in table.output.plots if name not in SAMPLED]:
-            raise InputError(f'found {", ".join(others)}; step_domain = "discrete" has plots of {" and ".join(SAMPLED)}')
-    if equations.system is None and equations.control is None and "hold" in table.time.model_fields_set:
-        with at(file_name, "time.hold"):
-            raise InputError("coefficients of the shift are no continuous model that could be discretized; leave hold out")
 
 
 def _mechanical(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceResponse:
@@ -323,3 +310,15 @@ def _control(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceRes
 
 def _complex_text(z: complex) -> str:
     return number_text(z.real) if not z.imag else f"{number_text(z.real)} ± {number_text(z.imag)} i"
+
+
+class Run(Analysis):
+    """The motion of a scene, or its samples in discrete time, by the stages of its plan."""
+
+    name = "run"
+
+    @classmethod
+    def answer(cls, scene: Scene, progress: Callable | None = None, *, folder: str | Path | None = None) -> RunAnswer:  # type: ignore[override]  # it has no settings
+        """The answer, written into a folder unless it is None."""
+        kind = DiscreteRunAnswer if scene.table.time.step_domain == "discrete" else RunAnswer
+        return run_scene(scene, None if folder is None else Path(folder), progress, kind)

@@ -20,7 +20,7 @@ from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.discrete import DiscreteResponse, discrete_force, from_start, growth_notices
 from ..signals.sequences import sample_numbers
 from .conversions import arguments_of
-from .sampling import Sampled, sampled
+from .sampling import SampledEquations, sampled_equations
 from .state_equations import StateEquations, _place, roots_of, transfer_of
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ class DiscreteStateSpace(Displayed):
 
     notices: tuple[Notice, ...] = ()
     _continuous: StateEquations | None = None
-    _sampled: Sampled | None = None
+    _sampled: SampledEquations | None = None
     _hold: int | str | None = None
     _is_delayed = False
 
@@ -216,7 +216,7 @@ class DiscreteStateSpace(Displayed):
         values = _named_values(initial, self._continuous.states if self._continuous is not None else self.states)
         start = np.zeros(len(self.A))
         start[: len(given.start_map)] = given.start_map @ values
-        return start + given.start_input @ first
+        return start + given.matrices.start_input @ first
 
     def frequency_response(self, frequencies_hz, inputs=None, outputs=None) -> DiscreteFrequencyResponse:
         """Return G(e^(i w h)), w = 2 pi f, h the step, at frequencies up to the Nyquist frequency 1/(2 h).
@@ -345,6 +345,9 @@ class DiscreteStateSpace(Displayed):
             system: with its step as dt.
             step: in s; required where dt is True, which leaves it open.
 
+        Returns:
+            The state space.
+
         Raises:
             InputError: a continuous system, an open step, a numerator of higher degree than the denominator.
 
@@ -376,7 +379,15 @@ class DiscreteStateSpace(Displayed):
 
     @classmethod
     def from_control(cls, system, step: float | None = None) -> DiscreteStateSpace:
-        """Return the state space of a python-control system in discrete time with its names, as ``from_scipy``."""
+        """Return the state space of a python-control system in discrete time with its names, as ``from_scipy``.
+
+        Args:
+            system: a ``StateSpace`` or ``TransferFunction`` with its step as dt.
+            step: in s; required where dt is True, which leaves it open.
+
+        Returns:
+            The state space.
+        """
         return cls.from_scipy(system, step)
 
 
@@ -412,11 +423,13 @@ def discretize(
     >>> zero_order.A.tolist(), zero_order.B.tolist()
     ([[1.0, 0.5], [0.0, 1.0]], [[0.125], [0.5]])
     """
-    form = sampled(system, step, hold, delays)
-    count = len(form.A) - len(form.delayed)
+    form = sampled_equations(system, step, hold, delays)
+    matrices = form.matrices
+    count = len(matrices.A) - len(matrices.delayed)
     names = list(system.states) if count == len(system.A) else [f"state {i + 1}" for i in range(count)]
+    names += [f"{system.inputs[j]} {samples} before" for j, samples in matrices.delayed]
     result = DiscreteStateSpace(
-        form.A, form.B, form.C, form.D, step, [*names, *form.delayed], list(system.inputs), list(system.outputs)
+        matrices.A, matrices.B, matrices.C, matrices.D, step, names, list(system.inputs), list(system.outputs)
     )
     result.notices = (*form.notices, *result.notices)
     result._continuous, result._sampled, result._hold = system, form, hold
@@ -441,10 +454,8 @@ def euler_frobenius_roots(order: int) -> np.ndarray:
 
 def _line(A, B, C, D, half_turns: float) -> tuple[np.ndarray, np.ndarray]:
     """G(e^(i pi half_turns)) and the relative errors of its entries."""
-    import flint  # exact cosines at simple parts of a turn
-
-    turn = flint.acb(half_turns).exp_pi_i()
-    pencil = complex(turn) * np.eye(len(A)) - A
+    turn = np.longdouble(half_turns) * np.arctan(np.longdouble(1)) * 4
+    pencil = complex(np.cos(turn), np.sin(turn)) * np.eye(len(A)) - A
     try:
         states = np.linalg.solve(pencil, B.astype(complex))
         sensitivity = np.abs(np.linalg.inv(pencil)) @ (np.abs(pencil) @ np.abs(states))

@@ -10,11 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-import flint
 import numpy as np
 
 from ..exact.enclosure.exact_response import RationalResponse
-from ..exact.enclosure.sequences import ForceSums, transform_of
+from ..exact.enclosure.sequences import ForceSums, rows_before, transform_of
 from ..exact.rational import RationalMatrix, polynomial
 from ..ground.errors import InputError
 from ..ground.notices import Notice
@@ -22,7 +21,7 @@ from ..response.discrete import DiscreteForce, DiscreteFunction, Force, discrete
 from .rational import RationalFunction, rational_function
 
 #: z and z - 1.
-Z, FORWARD = flint.fmpq_poly([0, 1]), flint.fmpq_poly([-1, 1])
+Z, FORWARD = polynomial([0, 1]), polynomial([-1, 1])
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -48,12 +47,10 @@ class DiscreteTransferResponse(DiscreteFunction):
         """y_-1, y_-2, ...: values before k = 0 where b has a higher degree than a, which looks ahead; empty where it has not."""
         own = self._closed if self.input is None or self.input.closed is not None else None
         if own is not None:
-            return tuple(float(flint.arb(row[0])) for row in own.impulses)
-        ahead = [row[0] for row in self._column.impulses]
+            return tuple(float(row[0]) for row in rows_before(own))
+        ahead = [row[0] for row in rows_before(self._column)]
         values = [self.input(k)[0] for k in range(len(ahead))]
-        return tuple(
-            float(sum(float(flint.arb(ahead[i])) * values[i - k] for i in range(k, len(ahead)))) for k in range(1, len(ahead))
-        )
+        return tuple(float(sum(ahead[i] * values[i - k] for i in range(k, len(ahead)))) for k in range(1, len(ahead)))
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
@@ -64,24 +61,24 @@ class DiscreteTransferResponse(DiscreteFunction):
     def _matrix(self) -> RationalMatrix:
         return RationalMatrix([[[c]] for c in self.fraction.reduced.denominator])
 
-    def _over(self, above: flint.fmpq_poly, below: flint.fmpq_poly) -> RationalResponse:
+    def _over(self, above, below) -> RationalResponse:
         """b/a times a transform."""
         return RationalResponse(self._matrix, [polynomial(self.fraction.reduced.numerator) * above], below, range(1))
 
     @cached_property
     def _closed(self) -> RationalResponse:
-        one = flint.fmpq_poly([1])
+        one = polynomial([1])
         if self.input is None:
             gamma = self.gamma or 0
             return self._over(one, FORWARD**gamma) if gamma > 0 else self._over(FORWARD**-gamma, Z ** (1 - gamma))
         if self.input.closed is None:
-            return self._over(flint.fmpq_poly([0]), one)
+            return self._over(polynomial([0]), one)
         (above,), below = transform_of(self.input.closed)
         return self._over(above, below)
 
     @cached_property
     def _column(self) -> RationalResponse:
-        return self._over(flint.fmpq_poly([1]), flint.fmpq_poly([1]))
+        return self._over(polynomial([1]), polynomial([1]))
 
     @cached_property
     def _sums(self) -> tuple[ForceSums, ...]:

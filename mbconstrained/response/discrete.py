@@ -18,7 +18,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TypeAlias
 
-import flint
 import numpy as np
 
 from ..exact.enclosure.exact_response import RationalResponse
@@ -27,9 +26,10 @@ from ..exact.enclosure.sequences import (
     RealizedMatrix,
     SequenceTerm,
     closed_terms,
+    inverse_columns,
+    response_to,
     rounded_values,
-    start_transform,
-    transform_of,
+    rows_at_zero,
 )
 from ..exact.rational import RationalMatrix, rational, regular_matrix
 from ..ground.checks import counted, places_of, real_array, whole_number
@@ -72,9 +72,9 @@ class DiscreteForce:
     closed: GeometricSequence | None
     value: Callable[[int], np.ndarray]
     end: float = np.inf
-    known: dict[int, list[flint.fmpq]] = field(default_factory=dict)
+    known: dict[int, list] = field(default_factory=dict)
 
-    def exact(self, k: int) -> list[flint.fmpq]:
+    def exact(self, k: int) -> list:
         """f_k as exact numbers, computed once."""
         if k not in self.known:
             self.known[k] = [rational(entry) for entry in self(k).tolist()]
@@ -129,7 +129,7 @@ def _value(value, k: int, size: int, what: str) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
-class _Equations:
+class ExactInverse:
     """A(z)^-1 exactly: of the numbers of A(z), or of its Jordan pairs where rank decisions give these another structure."""
 
     polynomial_matrix: PolynomialMatrix
@@ -160,13 +160,7 @@ class _Equations:
     @cached_property
     def columns(self) -> tuple[RationalResponse, ...]:
         """A(z)^-1, column by column."""
-        r = self.polynomial_matrix.size
-        units = ([flint.fmpq_poly([int(i == j)]) for i in range(r)] for j in range(r))
-        return tuple(self.response(unit, flint.fmpq_poly([1])) for unit in units)
-
-    def response(self, b: Sequence[flint.fmpq_poly], denominator: flint.fmpq_poly) -> RationalResponse:
-        """A(z)^-1 b / denominator."""
-        return RationalResponse(self.inverse, b, denominator, range(self.polynomial_matrix.size))
+        return inverse_columns(self.inverse, self.polynomial_matrix.size)
 
     @property
     def look_ahead(self) -> int:
@@ -260,7 +254,7 @@ class DiscreteResponse(DiscreteFunction):
     horizon: int | None
     final: np.ndarray | None
     is_given: bool
-    equations: _Equations = field(repr=False)
+    equations: ExactInverse = field(repr=False)
 
     def _summary(self) -> str:
         end = "" if self.horizon is None else f", k = 0 ... {self.horizon}"
@@ -297,12 +291,7 @@ class DiscreteResponse(DiscreteFunction):
     @cached_property
     def _closed(self) -> RationalResponse:
         """The response to the start and to a force in closed form."""
-        coefficients = [_matrix(matrix) for matrix in self.polynomial_matrix.exact_coefficients]
-        b, below = start_transform(coefficients, self.initial.tolist()), flint.fmpq_poly([1])
-        if self.force.closed is not None:
-            own, below = transform_of(self.force.closed)
-            b = [one * below + other for one, other in zip(b, own)]
-        return self.equations.response(b, below)
+        return response_to(self.equations.inverse, self.polynomial_matrix, self.initial, self.force.closed)
 
     @cached_property
     def _sums(self) -> tuple[ForceSums, ...]:
@@ -313,19 +302,17 @@ class DiscreteResponse(DiscreteFunction):
 
     @cached_property
     def _backward(self) -> list[np.ndarray]:
-        """What the values at the end add at k = N, N - 1, ...: the zeros at z = 0 of the dual matrix."""
+        """The part that runs backwards from the end, at k = N, N - 1, ...: the zeros at z = 0 of the dual matrix."""
         if self.final is None:
             return []
         A, N = self.polynomial_matrix, self.horizon
         ends = np.arange(N, N - A.degree, -1)
         free = rounded_values([self._closed], self._sums, ends.tolist())[0].T if A.degree else np.zeros((0, A.size))
         difference = self.final[::-1] - free
-        dual = _Equations(A.dual, self.equations.rank_tolerance)
-        coefficients = [_matrix(matrix) for matrix in A.dual.exact_coefficients]
-        response = dual.response(start_transform(coefficients, difference.tolist()), flint.fmpq_poly([1]))
-        return [np.array([float(entry.p) / float(entry.q) for entry in column]) for column in response.at_zero]
+        dual = ExactInverse(A.dual, self.equations.rank_tolerance)
+        return rows_at_zero(response_to(dual.inverse, A.dual, difference, None))
 
-    # What the solution says of the given values.
+    # The given values against the solution.
 
     @cached_property
     def start(self) -> np.ndarray:
@@ -444,10 +431,6 @@ def growth_notices(eigenvalues) -> tuple[Notice, ...]:
     return (Notice(NoticeKind.UNSTABLE, text),)
 
 
-def _matrix(matrix) -> flint.fmpq_mat:
-    return flint.fmpq_mat([[rational(entry) for entry in row] for row in matrix.tolist()])
-
-
 def _agree(one: np.ndarray, other: np.ndarray, scale: float) -> bool:
     return bool((np.abs(one - other) <= noise_of(max(scale, float(np.abs(one).max(initial=0.0))), one.size) * 2**10).all())
 
@@ -521,12 +504,12 @@ def solve_discrete(
         raise InputError("final: values at the end need a horizon; give horizon=N, the number of the last sample")
     start = np.zeros((q, r)) if initial is None else _rows(initial, q, r, "initial")
     end = None if final is None else _rows(final, q, r, "final")
-    return DiscreteResponse(A, start, discrete_force(force, r), horizon, end, initial is not None, _Equations(A, rank_tolerance))
+    return DiscreteResponse(A, start, discrete_force(force, r), horizon, end, initial is not None, ExactInverse(A, rank_tolerance))
 
 
 def from_start(A: PolynomialMatrix, start: np.ndarray, force: DiscreteForce, is_given: bool = False) -> DiscreteResponse:
     """The solution from the forward part of a start (q, r); one that is not given, but follows, is not compared with it."""
-    return DiscreteResponse(A, start, force, None, None, is_given, _Equations(A, None))
+    return DiscreteResponse(A, start, force, None, None, is_given, ExactInverse(A, None))
 
 
 def _rows(value, q: int, r: int, what: str) -> np.ndarray:

@@ -14,9 +14,10 @@ from math import comb, inf
 import flint
 import numpy as np
 
+from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.sequences import GeometricSequence, GeometricTerm, stirling_numbers
 from ..rational import RationalMatrix, rational, working_precision
-from .exact_response import MOST_BITS, ROUNDED_BITS, SMALLEST_EXPONENT, RationalResponse
+from .exact_response import MOST_BITS, ROUNDED_BITS, SMALLEST_EXPONENT, Inverse, RationalResponse
 from .exact_sources import ball, phase_factors
 
 #: Bits of the first attempt, and of ratios e^(a + i w), whose error then does not matter up to any k that has a value in float64.
@@ -59,6 +60,35 @@ def _exact_matrix(matrix: np.ndarray) -> list[list[flint.fmpq]]:
 
 def _applied(matrix, polynomials) -> list[flint.fmpq_poly]:
     return [sum((entry * p for entry, p in zip(row, polynomials) if entry and p), ZERO_POLYNOMIAL) for row in matrix]
+
+
+def inverse_columns(inverse: Inverse, size: int) -> tuple[RationalResponse, ...]:
+    """A(z)^-1, column by column."""
+    units = ([flint.fmpq_poly([int(i == j)]) for i in range(size)] for j in range(size))
+    return tuple(RationalResponse(inverse, unit, ONE_POLYNOMIAL, range(size)) for unit in units)
+
+
+def response_to(inverse: Inverse, A: PolynomialMatrix, initial: np.ndarray, sequence: GeometricSequence | None) -> RationalResponse:
+    """The response to a start of shape (q, r) and to a force in closed form, whose poles combine and cancel exactly."""
+    b, below = start_transform([_rational_matrix(matrix) for matrix in A.exact_coefficients], initial.tolist()), ONE_POLYNOMIAL
+    if sequence is not None:
+        own, below = transform_of(sequence)
+        b = [one * below + other for one, other in zip(b, own)]
+    return RationalResponse(inverse, b, below, range(A.size))
+
+
+def rows_at_zero(response: RationalResponse) -> list[np.ndarray]:
+    """The contributions of the poles at z = 0 to x_0, x_1, ..., rounded."""
+    return [np.array([float(flint.arb(entry)) for entry in column]) for column in response.at_zero]
+
+
+def rows_before(response: RationalResponse) -> list[np.ndarray]:
+    """The coefficients of z^0, z^1, ..., which are x_-1, x_-2, ..., rounded."""
+    return [np.array([float(flint.arb(entry)) for entry in column]) for column in response.impulses]
+
+
+def _rational_matrix(matrix) -> flint.fmpq_mat:
+    return flint.fmpq_mat([[rational(entry) for entry in row] for row in matrix.tolist()])
 
 
 # Transforms of the start and of sequences in closed form.
@@ -166,7 +196,7 @@ def _combined(weights, columns, count: int, size: int) -> list[list[flint.arb]]:
 
 
 @dataclass
-class _Chain:
+class PoleChain:
     """States s_1 ... s_m of a pole p: s_j(k + 1) = p s_j(k) + s_(j-1)(k), s_0 = f of one input."""
 
     input: int
@@ -175,7 +205,7 @@ class _Chain:
     sizes: list[float]
 
     def step(self, value: flint.acb, modulus: float) -> None:
-        """From k to k + 1, with the middles of balls, and bounds of the moduli of all that is added."""
+        """Move from k to k + 1, with the middles of balls, and bounds of the moduli of all that is added."""
         size = float(self.pole.abs_upper())
         before, mass = value, modulus
         for j, (state, own) in enumerate(zip(self.states, self.sizes)):
@@ -239,14 +269,14 @@ class ForceSums:
             for pole in response.poles(0):
                 count, size = len(pole.columns), abs(pole.value).abs_lower()
                 relative = max(relative, _radius(pole.value) / size)
-                chains.append(_Chain(place, pole.value.mid(), [flint.acb(0)] * count, [0.0] * count))
+                chains.append(PoleChain(place, pole.value.mid(), [flint.acb(0)] * count, [0.0] * count))
                 for column in pole.columns:
                     columns.append([c.mid() * pole.weight for c in column])
                     radii.append(max((_radius(c) * pole.weight for c in column), default=flint.arb(0)))
         return chains, columns, radii, relative
 
     def _direct(self, k: int) -> list[flint.fmpq]:
-        """What poles at z = 0 and the polynomial part contribute, exactly."""
+        """The contribution of poles at z = 0 and of the polynomial part, exactly."""
         total = [flint.fmpq(0)] * self.size
         for place, response in enumerate(self.responses):
             taps = [(k - 1 - i, column) for i, column in enumerate(response.at_zero)]
@@ -289,7 +319,7 @@ def rounded_values(closed: Sequence[RationalResponse], sums: Sequence[ForceSums]
     return values, errors
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SequenceTerm:
     """A term of x_k: the real part of v binom(k, j) p^(k - j); a p above the real axis stands for a pair.
 

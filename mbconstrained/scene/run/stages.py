@@ -395,7 +395,7 @@ def steps_of(scene: SceneData) -> tuple[PossibleStage, ...]:
     """The stages of a kind of scene: those of a robot or a state space only where there is one."""
     kind = scene.table.model.kind
     first = ROBOT_STEPS if kind == "robot" else NO_ROBOT_STEPS
-    if scene.table.time.is_discrete:
+    if scene.table.time.step_domain == "discrete":
         return (*FILE_STEPS, *first, *DISCRETE_STEPS)
     following = {"robot": ROBOT_NEXT, "state-space": CONTROL_NEXT}.get(kind, {})
     return (*FILE_STEPS, *first, *(each for step in STEPS for each in (step, *following.get(step.name, ()))))

@@ -266,16 +266,11 @@ class TimeTable(Table):
             raise InputError(f"end is {self.end:g} s; expected a time after 0")
         if not 0 <= self.start < self.end:
             raise InputError(f"start is {self.start:g} s; expected a time from 0 to before the end, which is {self.end:g} s")
-        if self.is_discrete:
+        if self.step_domain == "discrete":
             self._check_samples()
         elif "hold" in self.model_fields_set:
             raise InputError('hold belongs to step_domain = "discrete"; leave it out')
         return self if self.step is None else self._with_step()
-
-    @property
-    def is_discrete(self) -> bool:
-        """Whether the scene has samples alone."""
-        return self.step_domain == "discrete"
 
     def _check_samples(self) -> None:
         if "points" in self.model_fields_set:
