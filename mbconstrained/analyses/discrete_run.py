@@ -16,12 +16,15 @@ from ..ground.checks import counted
 from ..ground.display import TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind, distinct, doubts_of
+from ..page.animation import MOST_FRAMES, Animation
 from ..page.content import Curve, Marks, PageContent, Plot
 from ..response.discrete import DiscreteResponse, discrete_force, from_start
 from ..scene.build.model import Equations
 from ..scene.file import at
 from ..scene.quantities.coordinates import Coordinates
+from ..scene.run.drawing import drawing_of
 from ..scene.run.result import start_notices
+from ..scene.run.stages import is_animated
 from ..signals.inputs import power, step, zero
 from .base import Analysis, Answer
 from .run import RunAnswer, run_scene
@@ -29,6 +32,10 @@ from .run import RunAnswer, run_scene
 if TYPE_CHECKING:
     from ..scene.run.scene import Scene
     from ..signals.impulsive import ImpulsiveSmooth
+
+
+#: The part of a step in which the animation shows a sample; then it jumps to the next one.
+HELD = 0.98
 
 
 class DiscreteRunAnswer(RunAnswer):
@@ -219,11 +226,23 @@ class DiscreteRunAnswer(RunAnswer):
             note=f"Points are the values at k, a time of k times {self.scene.table.time.step:g} s; there are none between them.",
         )
 
+    @cached_property
+    def animation(self) -> Animation:
+        """The model at rest at each sample until the next one, to which it jumps."""
+        scene, h = self.scene, self.scene.table.time.step
+        table, count = scene.table.drawing, max(1, MOST_FRAMES // 2)
+        scales = {key: getattr(table, key) for key in ("scale", "turn_scale") if table and key in table.model_fields_set}
+        values, times = self.values[:, :count], self.times[:count]
+        frames = np.repeat(values, 2, axis=1)
+        moments = np.column_stack([times, times + HELD * h]).ravel()
+        return Animation(drawing_of(scene, self.values, **scales), self._coordinates.names, moments, frames, 0.0 * frames)
+
     def page(self) -> PageContent:
-        """Plots of the samples, tables, notices and facts."""
+        """The model from sample to sample, plots of the samples, tables, notices and facts."""
         return PageContent(
             title=self.title,
             source=self.source,
+            animation=self.animation if is_animated(self.scene) else None,
             plots=tuple(self.plots()),
             frequencies=self.tables[0],
             tables=(*self.tables[1:], self.scene.plan().page_table()),

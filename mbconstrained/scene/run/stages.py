@@ -208,6 +208,8 @@ def animation(scene: SceneData) -> Decision:
         return False, "animation = false"
     if not _has_places(scene):
         return False, "states and outputs have no geometry: add a [drawing]"
+    if scene.table.time.step_domain == "discrete":
+        return True, "the model from sample to sample"
     if not (output.page and output.animation):
         return True, "the still picture shows the model where it is then"
     return True, "the model moves on the page, by displacements and velocities"
@@ -221,6 +223,8 @@ def is_animated(scene: SceneData) -> bool:
 
 def _has_places(scene: SceneData) -> bool:
     drawing = scene.table.drawing
+    if scene.table.time.step_domain == "discrete" and scene.equations.robot_scene is not None:
+        return False  # its loops are closed along the motion
     return not scene.equations.has_outputs_among_coordinates or (drawing is not None and drawing.is_own)
 
 
@@ -386,7 +390,7 @@ DISCRETE_STEPS = (
     PossibleStage("difference equations", (True, "in discrete time, in closed form"), attrgetter("sequence")),
     PossibleStage("samples", (True, "the answer itself"), attrgetter("values")),
     PossibleStage("error estimate", (True, "an answer carries its evidence"), attrgetter("error_estimates")),
-    PossibleStage("animation", (False, "there is no motion between samples")),
+    PossibleStage("animation", animation, writes=True, part_of=PAGE),
     *(step for step in STEPS if step.name in ("CSV", "npz", "plots as images (matplotlib)", PAGE)),
 )
 
