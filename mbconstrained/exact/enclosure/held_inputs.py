@@ -169,7 +169,8 @@ def _ball(number: Fraction) -> flint.arb:
 
 
 def _balls(matrix: np.ndarray) -> flint.arb_mat:
-    return flint.arb_mat(*matrix.shape, [flint.arb(value) for value in matrix.ravel().tolist()])
+    rows, columns = matrix.shape
+    return flint.arb_mat(rows, columns, [flint.arb(value) for value in matrix.ravel().tolist()])
 
 
 def _floats(matrix: flint.arb_mat) -> np.ndarray:
