@@ -12,6 +12,11 @@ if TYPE_CHECKING:
     from .analyses.sweep.optimisation import Optimum as Optimum
     from .analyses.sweep.sweep import Sweep as Sweep
     from .analyses.sweep.sweep import SweepResult as SweepResult
+    from .control.discrete_state_space import DiscreteFrequencyResponse as DiscreteFrequencyResponse
+    from .control.discrete_state_space import DiscreteStateSpace as DiscreteStateSpace
+    from .control.discrete_state_space import DiscreteStateSpaceResponse as DiscreteStateSpaceResponse
+    from .control.discrete_transfer import DiscreteTransferResponse as DiscreteTransferResponse
+    from .control.discrete_transfer import discrete_transfer_function_response as discrete_transfer_function_response
     from .control.matrix_fraction import matrix_fraction_response as matrix_fraction_response
     from .control.state_space import StateSpace as StateSpace
     from .control.state_space import StateSpaceResponse as StateSpaceResponse
@@ -72,6 +77,8 @@ if TYPE_CHECKING:
     from .polynomial.polynomial_matrix import PolynomialMatrix as PolynomialMatrix
     from .response.admissible import Admissibility as Admissibility
     from .response.admissible import admissible as admissible
+    from .response.discrete import DiscreteResponse as DiscreteResponse
+    from .response.discrete import solve_discrete as solve_discrete
     from .response.events import Event as Event
     from .response.response import Response as Response
     from .response.solve import Responses as Responses
@@ -107,6 +114,8 @@ if TYPE_CHECKING:
     from .signals.inputs import step as step
     from .signals.inputs import term as term
     from .signals.inputs import zero as zero
+    from .signals.sequences import GeometricSequence as GeometricSequence
+    from .signals.sequences import geometric as geometric
 
 #: The public names by the files that define them; the imports above are those of type checkers.
 _NAMES = {
@@ -114,6 +123,8 @@ _NAMES = {
     "analyses.python_models": "show",
     "analyses.sweep.optimisation": "Optimum",
     "analyses.sweep.sweep": "Sweep SweepResult",
+    "control.discrete_state_space": "DiscreteFrequencyResponse DiscreteStateSpace DiscreteStateSpaceResponse",
+    "control.discrete_transfer": "DiscreteTransferResponse discrete_transfer_function_response",
     "control.matrix_fraction": "matrix_fraction_response",
     "control.state_space": "StateSpace StateSpaceResponse",
     "control.transfer_function": "TransferFunctionResponse transfer_function_response",
@@ -146,6 +157,7 @@ _NAMES = {
     "polynomial.jordan_pairs": "FinitePair InfinitePair JordanPairs",
     "polynomial.polynomial_matrix": "PolynomialMatrix",
     "response.admissible": "Admissibility admissible",
+    "response.discrete": "DiscreteResponse solve_discrete",
     "response.events": "Event",
     "response.response": "Response",
     "response.solve": "Responses solve",
@@ -164,6 +176,7 @@ _NAMES = {
     "signals.bohl": "BohlFunction",
     "signals.impulsive": "ImpulsiveLoad ImpulsiveSmooth",
     "signals.inputs": "harmonic impulse power pulse ramp sampled step term zero",
+    "signals.sequences": "GeometricSequence geometric",
 }
 _FILES = {name: file for file, names in _NAMES.items() for name in names.split()}
 

@@ -21,6 +21,7 @@ from ..ground.display import WIDTH, Displayed, TextTable, finite_or_none
 from ..ground.errors import InputError
 from ..ground.files import Replacements
 from ..ground.notices import Notice
+from ..scene.file import at
 from ..scene.schema.entry_types import Table, validated
 
 if TYPE_CHECKING:
@@ -241,6 +242,11 @@ class Analysis:
     @classmethod
     def answer(cls, scene: Any, progress: Callable | None = None, **given) -> Answer:
         """The answer of a scene with some settings in the place of those in its table, by the names of its entries."""
+        if scene.table.time.step_domain == "discrete" and scene.equations.system is None and scene.equations.control is None:
+            with at(scene.file_name, "time.step_domain"):
+                raise InputError(
+                    f"{cls.name}: the coefficients are those of the shift in discrete time, not of d/dt; only a run has them"
+                )
         own = getattr(scene.table, cls.name, None)
         reported = {"progress": progress} if progress else {}
         return cls.solve(scene, cls.changed(own, given, scene.file_name) if given else own, **reported)

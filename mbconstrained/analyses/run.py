@@ -22,7 +22,7 @@ from ..scene.run.plan import Costs, Plan, Stage
 from ..scene.run.result import Result, aliasing_notices, folded, with_units
 from ..scene.run.scene import Scene
 from ..scene.run.stages import is_animated, plan_of, steps_of, still, too_large_for_formula
-from .base import Analysis, Answer, formats_of, write_pictures
+from .base import Answer, formats_of, write_pictures
 from .motion_report import tables_of
 
 if TYPE_CHECKING:
@@ -39,20 +39,9 @@ NOTHING_MOVES = "nothing moves: zero initial conditions and no excitation"
 FORMATS = {"excel": ".excel.csv", "mat": ".mat", "netcdf": ".nc", "zarr": ".zarr", "uff": ".uff"}
 
 
-class Run(Analysis):
-    """The motion of a scene, by the stages of its plan."""
-
-    name = "run"
-
-    @classmethod
-    def answer(cls, scene: Scene, progress: Callable | None = None, *, folder: str | Path | None = None) -> RunAnswer:  # type: ignore[override]  # it has no settings
-        """The answer, written into a folder unless it is None."""
-        return run_scene(scene, None if folder is None else Path(folder), progress)
-
-
-def run_scene(scene: Scene, folder: Path | None, progress: Callable[[Stage], None] | None = None) -> RunAnswer:
+def run_scene(scene: Scene, folder: Path | None, progress: Callable[[Stage], None] | None, kind: type[RunAnswer]) -> RunAnswer:
     """Run the needed stages one after another and measure each."""
-    answer = RunAnswer(scene, plan_of(scene, writing=folder is not None), folder)
+    answer = kind(scene, plan_of(scene, writing=folder is not None), folder)
     with answer.writing_together():
         for step, stage in zip(steps_of(scene), answer.plan.stages):
             if stage.needed and step.work:

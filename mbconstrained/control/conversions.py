@@ -176,6 +176,11 @@ _LABELS = {"states": "state_labels", "inputs": "input_labels", "outputs": "outpu
 def realization_of(system) -> dict:
     """The arguments of a ``StateSpace`` for a continuous-time system of scipy.signal or python-control, with its names."""
     _refuse_discrete(system)
+    return arguments_of(system)
+
+
+def arguments_of(system) -> dict:
+    """The arguments of a state space for a system of other packages in continuous or discrete time, with its names."""
     if _has(system, "A", "B", "C", "D"):
         if not np.size(system.A):
             return {**_static(np.asarray(system.D)), **_names(system, "inputs", "outputs")}
@@ -208,7 +213,7 @@ def _refuse_discrete(system) -> None:
         return
     raise InputError(
         f"found a discrete-time system (dt = {step}); expected one in continuous time: here equations are differential "
-        "equations. Give the continuous system that it was sampled from"
+        "equations. mb.DiscreteStateSpace reads it; or give the continuous system that it was sampled from"
     )
 
 
@@ -291,17 +296,17 @@ def ordinary_form(system: StateEquations) -> OrdinaryForm:
         solution = np.linalg.solve(system.E, np.hstack([system.A, system.B]))
         n = len(system.A)
         return OrdinaryForm(solution[:, :n], solution[:, n:], system.C, system.D)
-    highest = max((i for i in range(1, pairs.structure.highest_impulse + 1) if _through(system, i).any()), default=0)
+    highest = max((i for i in range(1, pairs.structure.highest_impulse + 1) if through(system, i).any()), default=0)
     if highest:
         raise InputError(
             f"the descriptor is singular and G(s) grows like s^{highest}: there are no A, B, C, D without descriptor; "
             "use the form transfer function"
         )
     finite = pairs.finite
-    return OrdinaryForm(finite.J, finite.B @ system.B, system.C @ finite.C, system.D + _through(system, 0))
+    return OrdinaryForm(finite.J, finite.B @ system.B, system.C @ finite.C, system.D + through(system, 0))
 
 
-def _through(system: StateEquations, order: int) -> np.ndarray:
+def through(system: StateEquations, order: int) -> np.ndarray:
     """C H_order B, zero where it is rounding."""
     pairs = system.polynomial_matrix().jordan_pairs()
     scaling = pairs.form.companion.scaling

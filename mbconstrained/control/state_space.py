@@ -22,6 +22,7 @@ from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
 from .conversions import factored_realization, ordinary_form, rational_realization, realization_of, to_control, to_scipy
+from .discrete_state_space import discretize
 from .matrix_fraction import checked_input
 from .state_equations import StateEquations, transfer_of
 
@@ -205,6 +206,7 @@ class StateSpace(StateEquations):
     ordinary = ordinary_form
     to_scipy = to_scipy
     to_control = to_control
+    discretize = discretize
 
     def to_dict(self) -> dict:
         """A, B, C, D, E, and lists of states, inputs, outputs and their units, as plain data.

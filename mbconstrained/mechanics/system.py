@@ -12,7 +12,7 @@ from ..ground.checks import is_table, whole_number
 from ..ground.errors import InputError
 from ..response.choose import Evaluations, Request
 from ..signals.inputs import ImpulsiveSmooth
-from .descriptor_form import system_to_dict, to_state_space
+from .descriptor_form import discretize, system_to_dict, to_state_space
 from .equations import EquationsOfMotion
 from .harmonic_response import frequency_response, steady_state
 from .modes import Modes, modes_of
@@ -175,6 +175,7 @@ class MechanicalSystem(EquationsOfMotion):
     frequency_response = frequency_response
     steady_state = steady_state
     to_state_space = to_state_space
+    discretize = discretize
     to_dict = system_to_dict
 
     def at_speed(self, speed: float) -> Self:

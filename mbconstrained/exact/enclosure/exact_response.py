@@ -15,6 +15,7 @@ from fractions import Fraction
 from functools import cached_property, lru_cache
 from itertools import zip_longest
 from math import factorial, inf, isfinite, lcm, nextafter
+from typing import Protocol
 
 import flint
 import numpy as np
@@ -59,10 +60,21 @@ SMALLEST = float(np.finfo(float).tiny)
 ZERO = flint.fmpq(0)
 
 
+class Inverse(Protocol):
+    """A(s)^-1 as numerators over a determinant."""
+
+    @property
+    def determinant(self) -> flint.fmpq_poly:
+        """The denominator."""
+
+    def numerators(self, b: Sequence[flint.fmpq_poly]) -> list[flint.fmpq_poly]:
+        """A(s)^-1 b times the denominator."""
+
+
 class RationalResponse:
     """The requested rows of x with A X = b / denominator, A regular, b of r polynomials."""
 
-    def __init__(self, matrix: RationalMatrix, b: Sequence[flint.fmpq_poly], denominator: flint.fmpq_poly, rows: range):
+    def __init__(self, matrix: Inverse, b: Sequence[flint.fmpq_poly], denominator: flint.fmpq_poly, rows: range):
         self.size = len(rows)
         self.denominator = matrix.determinant * denominator
         numerators = matrix.numerators(b)

@@ -284,6 +284,8 @@ def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, An
         coordinates = replace(equations.coordinates, shown=OutputUnits(table.output.units))
         equations = replace(equations, coordinates=coordinates)
     check_output(table.output, equations, name, getattr(table.model, "modal_damping", None) is not None)
+    if table.time.step_domain == "discrete":
+        check_discrete(table, equations, name)
     return Scene(path, table, equations, unit_texts, costs.by_name, parameters, overrides, name)
 
 
@@ -317,3 +319,24 @@ def check_output(output, equations: Equations, file_name: str, modal_damping: bo
             raise InputError("found ground_reaction, but there is no robot with loops, springs or bushings; leave it out")
         if "reaction" in output.plots and not (system and system.rows):
             raise InputError("found reaction, but there are no constraint rows; leave it out")
+
+
+#: Entries of [output] that need a motion between the samples.
+CONTINUOUS = ("certify", "formula", "still", "quantity", "formats", "arrows", "reactions")
+
+#: Plots of samples.
+SAMPLED = ("displacement", "output")
+
+
+def check_discrete(table, equations: Equations, file_name: str) -> None:
+    """Check that a scene in discrete time asks for nothing between its samples."""
+    with at(file_name, "output"):
+        for name in CONTINUOUS:
+            if getattr(table.output, name):
+                raise InputError(f'{name}: it needs a motion between samples, which step_domain = "discrete" has not; leave it out')
+    with at(file_name, "output.plots"):
+        if others := [name for name in table.output.plots if name not in SAMPLED]:
+            raise InputError(f'found {", ".join(others)}; step_domain = "discrete" has plots of {" and ".join(SAMPLED)}')
+    if equations.system is None and equations.control is None and "hold" in table.time.model_fields_set:
+        with at(file_name, "time.hold"):
+            raise InputError("coefficients of the shift are no continuous model that could be discretized; leave hold out")

@@ -208,6 +208,8 @@ def animation(scene: SceneData) -> Decision:
         return False, "animation = false"
     if not _has_places(scene):
         return False, "states and outputs have no geometry: add a [drawing]"
+    if scene.table.time.step_domain == "discrete":
+        return True, "the model from sample to sample"
     if not (output.page and output.animation):
         return True, "the still picture shows the model where it is then"
     return True, "the model moves on the page, by displacements and velocities"
@@ -221,6 +223,8 @@ def is_animated(scene: SceneData) -> bool:
 
 def _has_places(scene: SceneData) -> bool:
     drawing = scene.table.drawing
+    if scene.table.time.step_domain == "discrete" and scene.equations.robot_scene is not None:
+        return False  # its loops are closed along the motion
     return not scene.equations.has_outputs_among_coordinates or (drawing is not None and drawing.is_own)
 
 
@@ -380,10 +384,23 @@ STEPS = (
 )
 
 
+#: Stages of the samples of a scene in discrete time, and of writing them.
+DISCRETE_STEPS = (
+    STEPS[0],
+    PossibleStage("difference equations", (True, "in discrete time, in closed form"), attrgetter("sequence")),
+    PossibleStage("samples", (True, "the answer itself"), attrgetter("values")),
+    PossibleStage("error estimate", (True, "an answer carries its evidence"), attrgetter("error_estimates")),
+    PossibleStage("animation", animation, writes=True, part_of=PAGE),
+    *(step for step in STEPS if step.name in ("CSV", "npz", "plots as images (matplotlib)", PAGE)),
+)
+
+
 def steps_of(scene: SceneData) -> tuple[PossibleStage, ...]:
     """The stages of a kind of scene: those of a robot or a state space only where there is one."""
     kind = scene.table.model.kind
     first = ROBOT_STEPS if kind == "robot" else NO_ROBOT_STEPS
+    if scene.table.time.step_domain == "discrete":
+        return (*FILE_STEPS, *first, *DISCRETE_STEPS)
     following = {"robot": ROBOT_NEXT, "state-space": CONTROL_NEXT}.get(kind, {})
     return (*FILE_STEPS, *first, *(each for step in STEPS for each in (step, *following.get(step.name, ()))))
 

@@ -254,6 +254,11 @@ class TimeTable(Table):
         description="Number of times, start and end included; by default 401, or as many as the fastest visible motion needs, at most 20001."
     )  # fmt: skip
     step: Time | None = Field(None, description="Time step, instead of points; the last time is at most end.")
+    step_domain: Literal["continuous", "discrete"] = Field(
+        "continuous",
+        description='"discrete": samples k = 0, 1, … alone. Coefficients are those of the shift by one sample, other models are discretized.',
+    )
+    hold: Literal[0, 1] = Field(1, description="In discrete time, forces between samples: 0 constant, 1 linear.")
 
     @model_validator(mode="after")
     def _forwards(self):
@@ -261,7 +266,22 @@ class TimeTable(Table):
             raise InputError(f"end is {self.end:g} s; expected a time after 0")
         if not 0 <= self.start < self.end:
             raise InputError(f"start is {self.start:g} s; expected a time from 0 to before the end, which is {self.end:g} s")
+        if self.step_domain == "discrete":
+            self._check_samples()
+        elif "hold" in self.model_fields_set:
+            raise InputError('hold belongs to step_domain = "discrete"; leave it out')
         return self if self.step is None else self._with_step()
+
+    def _check_samples(self) -> None:
+        if "points" in self.model_fields_set:
+            raise InputError('points: with step_domain = "discrete" give step, the time between samples')
+        if self.step is None:
+            raise InputError(
+                'step_domain = "discrete" needs step, the time between samples; 1 s makes times the numbers of samples'
+            )
+        number = self.start / self.step if self.step > 0 else 0.0
+        if abs(number - round(number)) > noise_of(max(number, 1.0)):
+            raise InputError(f"start is {self.start:g} s; expected a multiple of step, {self.step:g} s, where a sample is")
 
     def _with_step(self) -> TimeTable:
         if "points" in self.model_fields_set:

@@ -1,0 +1,343 @@
+"""A run in discrete time: the samples of a scene whose [time] has step_domain = "discrete"; nothing is said between samples."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..control.discrete_state_space import DiscreteStateSpaceResponse
+from ..control.state_space import StateSpace
+from ..exchange.trajectories import csv_of
+from ..ground.checks import counted
+from ..ground.display import TextTable, number_text
+from ..ground.errors import InputError
+from ..ground.notices import Notice, NoticeKind, distinct, doubts_of
+from ..page.animation import MOST_FRAMES, Animation
+from ..page.content import Curve, Marks, PageContent, Plot
+from ..response.discrete import DiscreteResponse, discrete_force, from_start
+from ..scene.build.model import Equations
+from ..scene.file import at
+from ..scene.quantities.coordinates import Coordinates
+from ..scene.run.drawing import drawing_of
+from ..scene.run.result import start_notices
+from ..scene.run.stages import is_animated
+from ..signals.inputs import power, step, zero
+from .base import Analysis, Answer
+from .run import RunAnswer, run_scene
+
+if TYPE_CHECKING:
+    from ..scene.run.scene import Scene
+    from ..signals.impulsive import ImpulsiveSmooth
+
+
+#: The part of a step in which the animation shows a sample; then it jumps to the next one.
+HELD = 0.98
+
+
+class DiscreteRunAnswer(RunAnswer):
+    """The samples of a scene at k = 0, 1, ...: of difference equations, or of a discretized continuous model."""
+
+    @property
+    def heading(self) -> str:
+        """Title, source, coordinates and samples."""
+        lines = [
+            self.title,
+            self.source,
+            f"{self._called[0].upper()}{self._called[1:]}: {self._coordinates.listed}; {self._samples_text}",
+        ]
+        return "\n".join(line for line in lines if line)
+
+    @property
+    def _called(self) -> str:
+        return "outputs" if self._coordinates is not self.scene.equations.coordinates else self.scene.equations.coordinates_called
+
+    @property
+    def _samples_text(self) -> str:
+        k, time = self.numbers, self.scene.table.time
+        return f"samples k = {k[0]} to {k[-1]}, step {time.step:g} s"
+
+    @property
+    def facts(self) -> tuple[tuple[str, str], ...]:
+        """The model, how it became discrete, and its samples."""
+        return (
+            *self.scene.equations.facts,
+            (self._called, self._coordinates.listed),
+            ("discrete time", self.domain_text),
+            ("samples", f"{self._samples_text}, in closed form"),
+        )
+
+    @property
+    def domain_text(self) -> str:
+        """Text on the origin of the discrete equations."""
+        if self.is_difference:
+            return f"difference equations, sigma the shift by one sample, degree {self.scene.equations.polynomial_matrix.degree}"
+        hold = self.scene.table.time.hold
+        return f"discretized exactly, forces {'linear' if hold else 'constant'} between samples (hold = {hold})"
+
+    @property
+    def is_difference(self) -> bool:
+        """Whether the equations are coefficients of the shift."""
+        return self.scene.equations.system is None and self.scene.equations.control is None
+
+    @cached_property
+    def numbers(self) -> np.ndarray:
+        """The numbers k of the samples, shape (T,)."""
+        time = self.scene.table.time
+        return np.arange(time.points) + round(time.start / time.step)
+
+    @cached_property
+    def times(self) -> np.ndarray:
+        """The times of the samples in s, k step."""
+        return self.numbers * self.scene.table.time.step
+
+    @cached_property
+    def _coordinates(self) -> Coordinates:
+        """Names and units of the samples."""
+        control = self.scene.equations.control
+        if control is None or self.scene.equations.system is not None:
+            return self.scene.equations.coordinates
+        if control.system is None or control.outputs.names:
+            return control.outputs
+        return self.scene.equations.coordinates
+
+    @cached_property
+    def sequence(self) -> DiscreteResponse | DiscreteStateSpaceResponse:
+        """The sequence in closed form."""
+        with at(self.scene.file_name, "time.step_domain"):
+            time, equations = self.scene.table.time, self.scene.equations
+            if self.is_difference:
+                A = equations.polynomial_matrix
+                force = zero(A.size) if equations.force is None else equations.force
+                return from_start(
+                    A, equations.initial, discrete_force(force, A.size, "force", time.step), is_given=bool(equations.initial.any())
+                )
+            if equations.system is not None:
+                return _mechanical(equations, time.step, time.hold)
+            return _control(equations, time.step, time.hold)
+
+    @cached_property
+    def values(self) -> np.ndarray:
+        """The samples in SI, shape (n, T)."""
+        x = self.sequence
+        return x.output(self.numbers) if isinstance(x, DiscreteStateSpaceResponse) else x(self.numbers)
+
+    @cached_property
+    def error_estimates(self) -> dict[str, float]:
+        """The estimate of max |error| / max |value| over the samples."""
+        return {"displacement": self.sequence.error_estimate(self.numbers)}
+
+    @cached_property
+    def _eigenvalues_z(self) -> np.ndarray:
+        """The eigenvalues z of the difference equations, of complex pairs the one above the real axis."""
+        x = self.sequence
+        z = x.system.poles() if isinstance(x, DiscreteStateSpaceResponse) else self.scene.equations.polynomial_matrix.eigenvalues
+        return z[z.imag >= 0]
+
+    @cached_property
+    def tables(self) -> tuple[TextTable, ...]:
+        """Eigenvalues, and the largest samples."""
+        rows = []
+        h = self.scene.table.time.step
+        for z in self._eigenvalues_z:
+            turning = z.imag or z.real < 0
+            hz = number_text(abs(np.angle(z)) / (2 * np.pi * h)) if turning else "-"
+            rows.append(
+                (
+                    _complex_text(z),
+                    number_text(abs(z)),
+                    hz,
+                    "grows" if abs(z) > 1 + 1 / 2**26 else "stays" if abs(z) > 1 - 1 / 2**26 else "decays",
+                )
+            )
+        shown = self._coordinates.shown
+        largest = [
+            (name, shown.text(row[k := int(np.abs(row).argmax())], unit), str(self.numbers[k]))
+            for name, unit, row in zip(self._coordinates.names, self._coordinates.units, self.values)
+        ]
+        return (
+            TextTable("Eigenvalues", ("z", "|z|", "frequency (Hz)", "per sample"), tuple(rows)),
+            TextTable("Largest samples", ("name", "value", "k"), tuple(largest)),
+        )
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """Notices on the answer, and doubts about it."""
+        start = () if self.is_difference else start_notices(self.scene.equations)
+        moves = np.ptp(self.values, axis=1).any()
+        at_rest = (
+            () if moves else (Notice(NoticeKind.AT_REST, "all samples are equal: the start is one of rest, and no force changes"),)
+        )
+        own = (*start, *self.sequence.notices, *at_rest, *doubts_of("the samples", self.error_estimate))
+        return distinct(self.scene.notices, own)
+
+    @property
+    def table_notices(self) -> tuple[Notice, ...]:
+        """The notices of the summary and of the page."""
+        return self.notices
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The samples as plain data."""
+        return {
+            "source": self.source,
+            "step_domain": "discrete",
+            "step": self.scene.table.time.step,
+            "hold": None if self.is_difference else self.scene.table.time.hold,
+            "coordinates": self._coordinates.to_list(),
+            "eigenvalues": [{"real": z.real, "imaginary": z.imag, "modulus": abs(z)} for z in self._eigenvalues_z],
+            "samples": self.numbers,
+            "final": self.values[:, -1],
+            "error_estimate": self.error_estimate,
+        }
+
+    def _summary(self) -> str:
+        return f"{self.name}: {counted(len(self._coordinates.names), 'coordinate')} at {counted(len(self.numbers), 'sample')}"
+
+    def plots(self) -> Iterable[Plot]:
+        """The samples as points over k, one plot for each unit; no line joins them."""
+        wanted = self.scene.table.output.coordinates
+        coordinates = self._coordinates
+        chosen = [i for i, name in enumerate(coordinates.names) if wanted is None or name in wanted]
+        for unit in dict.fromkeys(coordinates.units[i] for i in chosen):
+            yield self._plot([i for i in chosen if coordinates.units[i] == unit], unit)
+
+    def _plot(self, rows: list[int], unit: str) -> Plot:
+        shown, factor = self._coordinates.shown.of(unit)
+        hidden, curves, marks = np.zeros(len(self.numbers), dtype=bool), [], []
+        for number, i in enumerate(rows):
+            values, name = factor * self.values[i], self._coordinates.names[i]
+            texts = tuple(f"{name}, k = {k}: {number_text(value)} {shown}" for k, value in zip(self.numbers, values))
+            curves.append(Curve(name, values, drawn=hidden))
+            marks.append(Marks("", np.column_stack([self.numbers, values]), texts, curve=number))
+        title = "output" if self._called == "outputs" else "displacement" if unit == "m" else "samples"
+        return Plot(
+            f"{title}, sample by sample",
+            "" if shown == "1" else shown,
+            self.numbers.astype(float),
+            tuple(curves),
+            across_unit="",
+            quantity=title,
+            variable="sample k",
+            marks=tuple(marks),
+            note=f"Points are the values at k, a time of k times {self.scene.table.time.step:g} s; there are none between them.",
+        )
+
+    @cached_property
+    def animation(self) -> Animation:
+        """The model at rest at each sample until the next one, to which it jumps."""
+        scene, h = self.scene, self.scene.table.time.step
+        table, count = scene.table.drawing, max(1, MOST_FRAMES // 2)
+        scales = {key: getattr(table, key) for key in ("scale", "turn_scale") if table and key in table.model_fields_set}
+        values, times = self.values[:, :count], self.times[:count]
+        frames = np.repeat(values, 2, axis=1)
+        moments = np.column_stack([times, times + HELD * h]).ravel()
+        return Animation(drawing_of(scene, self.values, **scales), self._coordinates.names, moments, frames, 0.0 * frames)
+
+    def page(self) -> PageContent:
+        """The model from sample to sample, plots of the samples, tables, notices and facts."""
+        return PageContent(
+            title=self.title,
+            source=self.source,
+            animation=self.animation if is_animated(self.scene) else None,
+            plots=tuple(self.plots()),
+            frequencies=self.tables[0],
+            tables=(*self.tables[1:], self.scene.plan().page_table()),
+            notices=self.notices,
+            facts=self.facts,
+        )
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Sample numbers, times, names and values in SI, for NumPy; the matrices of a discretized model."""
+        x = self.sequence
+        arrays = {
+            "samples": self.numbers,
+            "times": self.times,
+            "coordinates": np.array(self._coordinates.names),
+            "values": self.values,
+        }
+        return arrays | ({name: getattr(x.system, name) for name in "ABCD"} if isinstance(x, DiscreteStateSpaceResponse) else {})
+
+    def columns(self) -> dict[str, dict[str, np.ndarray]]:
+        """Sample number, time, and values in the units of [output], as in the CSV file."""
+        units = [self._coordinates.shown.of(unit) for unit in self._coordinates.units]
+        values = {
+            f"{name} ({unit})": factor * row for name, (unit, factor), row in zip(self._coordinates.names, units, self.values)
+        }
+        return {"": {"k": self.numbers, "time (s)": self.times, **values}}
+
+    def write_csv(self, path: str | Path | None = None) -> Path:
+        """Write the samples as CSV, one line for each k."""
+        return self._written("csv", path, lambda path: path.write_text(csv_of(self.columns()[""]), encoding="utf-8"))
+
+    def to_xarray(self):
+        """The samples over k, as an ``xarray.Dataset`` with units."""
+        return Answer.to_xarray(self)
+
+    def write(self, path, formats=None, **options):
+        """Write the samples, as ``Answer.write``; a path with the ending .csv or .npz names one file."""
+        ending = Path(path).suffix.lower()
+        if formats is not None:
+            return Answer.write(self, path, formats)
+        if ending not in (".csv", ".npz"):
+            raise InputError(f"{path}: samples are written as .csv or .npz")
+        return self.write_csv(path) if ending == ".csv" else self.write_npz(path)
+
+
+def _mechanical(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceResponse:
+    """Displacements under all forces and prescribed motions, held between samples."""
+    system = equations.system
+    rows = [f"value of {row.name}" for row in system.rows]
+    forces = [f"force on {name}" for name in system.names]
+    space = system.to_state_space([*forces, *rows], list(system.names))
+    n, count = system.size, system.size + len(rows)
+    applied = system.force if equations.force is None else system.force + equations.force
+    u = applied.mapped(np.eye(count)[:, :n])
+    for place, row in enumerate(system.rows, n):
+        u = u + sum(_values_of(row), zero(1)).mapped(np.eye(count)[:, [place]])
+    start = np.zeros(len(space.A))
+    start[: 2 * n] = np.concatenate([equations.initial[0], equations.initial[1]])
+    return space.discretize(h, hold).solve(start, u)
+
+
+def _values_of(row) -> Iterator[ImpulsiveSmooth]:
+    """The right-hand side of a constraint row."""
+    if row.value:
+        yield step([row.value])
+    if row.signal is not None:
+        yield row.signal
+
+
+def _control(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceResponse:
+    """Outputs, or else states, of a transfer function or state space under its held input."""
+    control = equations.control
+    if control.transfer_function is None:
+        given = control.system
+        names = {"inputs": given.inputs, "outputs": control.outputs.names or [f"sample of {name}" for name in given.states]}
+        C, D = (given.C, given.D) if control.outputs.names else (np.eye(len(given.A)), None)
+        space = StateSpace(given.A, given.B, C, D, given.E if given.is_descriptor else None, states=given.states, **names)
+        return space.discretize(h, hold).solve(control.start, control.input)
+    own = control.transfer_function
+    if own.start is not None:
+        raise InputError("a transfer function in discrete time starts from rest; give a state space for other starts")
+    u = power([1.0], own.input) if isinstance(own.input, int) else own.input
+    return StateSpace.from_transfer_function(own.numerator, own.denominator).discretize(h, hold).solve(input=u)
+
+
+def _complex_text(z: complex) -> str:
+    return number_text(z.real) if not z.imag else f"{number_text(z.real)} ± {number_text(z.imag)} i"
+
+
+class Run(Analysis):
+    """The motion of a scene, or its samples in discrete time, by the stages of its plan."""
+
+    name = "run"
+
+    @classmethod
+    def answer(cls, scene: Scene, progress: Callable | None = None, *, folder: str | Path | None = None) -> RunAnswer:  # type: ignore[override]  # it has no settings
+        """The answer, written into a folder unless it is None."""
+        kind = DiscreteRunAnswer if scene.table.time.step_domain == "discrete" else RunAnswer
+        return run_scene(scene, None if folder is None else Path(folder), progress, kind)

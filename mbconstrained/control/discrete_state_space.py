@@ -1,0 +1,483 @@
+"""State spaces in discrete time: discretized ones, those of other packages, their responses, frequency responses and zeros."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import comb
+from numbers import Number
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..ground.checks import counted, names_of, nearest, optional_package, places_of, real_array, real_number
+from ..ground.display import Displayed, TextTable, notice_table
+from ..ground.errors import InputError
+from ..ground.notices import Notice
+from ..ground.tolerances import EPS
+from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..response.discrete import DiscreteResponse, discrete_force, from_start, growth_notices
+from ..signals.sequences import sample_numbers
+from .conversions import arguments_of
+from .sampling import SampledEquations, sampled_equations
+from .state_equations import StateEquations, _place, roots_of, transfer_of
+
+if TYPE_CHECKING:
+    from ..response.discrete import Force
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class DiscreteStateSpaceResponse(Displayed):
+    """x_k and y_k of a ``DiscreteStateSpace`` in closed form: ``response(k)`` are the states, ``response.output(k)`` the outputs.
+
+    Attributes:
+        system: the state space.
+        together: x and y, one below the other.
+    """
+
+    system: DiscreteStateSpace
+    together: DiscreteResponse = field(repr=False)
+
+    def _summary(self) -> str:
+        return f"{self.system._summary()}, step {self.system.step:g} s"
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        return (notice_table(self.notices),)
+
+    def __call__(self, k) -> np.ndarray:
+        """The states x_k at a whole number k (-> (n,)) or at numbers (T,) (-> (n, T))."""
+        return self.together(k)[: len(self.system.A)]
+
+    def output(self, k) -> np.ndarray:
+        """The outputs y_k at a whole number k (-> (q,)) or at numbers (T,) (-> (q, T))."""
+        return self.together(k)[len(self.system.A) :]
+
+    def times(self, k) -> np.ndarray:
+        """The times k step in s."""
+        return sample_numbers(k) * self.system.step
+
+    def error_estimate(self, k) -> float:
+        """An estimate of max |error| / max |x_k, y_k| over the numbers k, for the matrices as they are."""
+        return self.together.error_estimate(k)
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """Notices of the system and of the solution."""
+        return (*self.system.notices, *self.together.notices)
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class DiscreteFrequencyResponse(Displayed):
+    """G(e^(i w h)) = C (e^(i w h) I - A)^-1 B + D for frequencies up to the Nyquist frequency.
+
+    Attributes:
+        frequencies_hz: shape (F,).
+        values: complex, shape (outputs, inputs, F); at a pole on the unit circle infinite.
+        error_estimate: relative error of each value, of the same shape.
+        inputs, outputs: names.
+        nyquist_hz: half of the sampling frequency.
+    """
+
+    frequencies_hz: np.ndarray
+    values: np.ndarray
+    error_estimate: np.ndarray
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    nyquist_hz: float
+
+    def _summary(self) -> str:
+        return f"{counted(len(self.outputs), 'output')}, {counted(len(self.inputs), 'input')}, {counted(len(self.frequencies_hz), 'frequency', 'frequencies')}"
+
+
+@dataclass(frozen=True)
+class SampledZero:
+    """A zero of the transfer function from one input to one output.
+
+    Attributes:
+        value: z; of a complex pair the one above the real axis.
+        multiplicity: how often.
+        origin: "plant": the image e^(s h) of a zero s of the continuous system, near it; "sampling": there is no such zero;
+            "" where the continuous system is not known.
+        limit: of a zero of sampling its limit for step -> 0, a root of an Euler-Frobenius polynomial; of one of the plant e^(s h); None
+            where neither is known.
+    """
+
+    value: complex
+    multiplicity: int
+    origin: str
+    limit: complex | None
+
+
+class DiscreteStateSpace(Displayed):
+    """x_(k+1) = A x_k + B u_k, y_k = C x_k + D u_k, real, at the times k step.
+
+    Args:
+        A: shape (n, n); n may be 0.
+        B, C, D: shapes (n, p), (q, n), (q, p); no inputs, no outputs and zero by default.
+        step: the time between samples in s.
+        states, inputs, outputs: names; x1, ..., u1, ..., y1, ... by default.
+
+    Raises:
+        InputError: shapes that do not match, entries that are not finite real numbers, names used twice, a step that is not positive.
+
+    >>> low_pass = DiscreteStateSpace([[0.5]], [[0.5]], [[1.0]], step=0.1)
+    >>> low_pass.solve(input=[[1.0]] * 3).output([0, 1, 2, 3]).tolist()
+    [[0.0, 0.5, 0.75, 0.875]]
+    """
+
+    notices: tuple[Notice, ...] = ()
+    _continuous: StateEquations | None = None
+    _sampled: SampledEquations | None = None
+    _hold: int | str | None = None
+    _is_delayed = False
+
+    def __init__(
+        self,
+        A,
+        B=None,
+        C=None,
+        D=None,
+        step: float = 1.0,
+        states: Sequence[str] | None = None,
+        inputs: Sequence[str] | None = None,
+        outputs: Sequence[str] | None = None,
+    ):
+        self.step = real_number(step, "step", positive=True)
+        A = real_array(A, "A")
+        A = A.reshape(0, 0) if not A.size else real_array(A, "A", shape=(None, None))
+        if A.shape[0] != A.shape[1]:
+            raise InputError(f"A: expected a square matrix, found {A.shape[0]} x {A.shape[1]}")
+        n = len(A)
+        D = None if D is None else real_array(D, "D", shape=(None, None))
+        inputs_count = 0 if D is None else D.shape[1]
+        outputs_count = 0 if D is None else D.shape[0]
+        B = np.zeros((n, inputs_count)) if B is None or (not np.size(B) and not n) else real_array(B, "B", shape=(n, None))
+        C = np.zeros((outputs_count, n)) if C is None or (not np.size(C) and not n) else real_array(C, "C", shape=(None, n))
+        D = np.zeros((len(C), B.shape[1])) if D is None else real_array(D, "D", shape=(len(C), B.shape[1]))
+        self.A, self.B, self.C, self.D = A, B, C, D
+        self.states, self.inputs = names_of(states, n, "states", "x"), names_of(inputs, B.shape[1], "inputs", "u")
+        self.outputs = names_of(outputs, len(C), "outputs", "y")
+        self.notices = growth_notices(np.linalg.eigvals(A)) if n else ()
+
+    def _summary(self) -> str:
+        named = ((self.states, "state"), (self.inputs, "input"), (self.outputs, "output"))
+        return ", ".join(counted(len(names), what) for names, what in named)
+
+    @property
+    def nyquist_hz(self) -> float:
+        """Half of the sampling frequency, 1/(2 step), in Hz."""
+        return 0.5 / self.step
+
+    def __call__(self, z: complex) -> np.ndarray:
+        """G(z) = C (z I - A)^-1 B + D at a finite number z, shape (q, p).
+
+        Raises:
+            InputError: z is a pole.
+        """
+        if not isinstance(z, Number) or not np.isfinite(z):
+            raise InputError(f"z: found {z!r}; expected a finite number, real or complex")
+        try:
+            return self.C @ np.linalg.solve(z * np.eye(len(self.A)) - self.A, self.B) + self.D
+        except np.linalg.LinAlgError:
+            raise InputError(f"z: found {z:g}, where z I - A is singular; G(z) has no value there") from None
+
+    def solve(self, initial=None, input: Force = None) -> DiscreteStateSpaceResponse:
+        """Solve for x_k and y_k in closed form.
+
+        Args:
+            initial: x_0, shape (n,), or a mapping from names of states to numbers; of a discretized system x(0-) of the continuous
+                one, its states by shape or name, inputs zero before t = 0. None for zeros.
+            input: u_0, u_1, ... as rows, shape (N, p), zero afterwards; a function k -> (p,); a sequence in closed form
+                (``mb.geometric``); or a signal, sampled at t = k step. None for zero.
+
+        Returns:
+            The response, a function of whole numbers k.
+
+        Raises:
+            InputError: shapes that do not match, unknown names.
+
+        >>> import mbconstrained as mb
+        >>> ramp = mb.StateSpace([[0.0]], [[1.0]], [[1.0]]).discretize(0.5, hold=1)  # an integrator
+        >>> ramp.solve(input=mb.step([1.0])).output([0, 1, 2]).tolist()
+        [[0.0, 0.5, 1.0]]
+        """
+        n, q = len(self.A), len(self.C)
+        force = discrete_force(input, len(self.inputs), "input", self.step)
+        start = np.concatenate([self._start(initial, force(0)), np.zeros(q)])
+        constant = np.block([[-self.A, np.zeros((n, q))], [-self.C, np.eye(q)]])
+        A = PolynomialMatrix([constant, np.diag([1.0] * n + [0.0] * q)], [f"state {x}" for x in self.states] + list(self.outputs))
+        return DiscreteStateSpaceResponse(self, from_start(A, start[None, :], force.mapped(np.vstack([self.B, self.D]))))
+
+    def _start(self, initial, first: np.ndarray) -> np.ndarray:
+        given = self._sampled
+        if given is None:
+            return _named_values(initial, self.states)
+        values = _named_values(initial, self._continuous.states if self._continuous is not None else self.states)
+        start = np.zeros(len(self.A))
+        start[: len(given.start_map)] = given.start_map @ values
+        return start + given.matrices.start_input @ first
+
+    def frequency_response(self, frequencies_hz, inputs=None, outputs=None) -> DiscreteFrequencyResponse:
+        """Return G(e^(i w h)), w = 2 pi f, h the step, at frequencies up to the Nyquist frequency 1/(2 h).
+
+        Above it samples cannot tell an oscillation from a slower one, and a response there is refused.
+
+        Args:
+            frequencies_hz: in Hz, a number or shape (F,).
+            inputs, outputs: names or numbers from 0; all by default.
+
+        Returns:
+            A ``DiscreteFrequencyResponse``.
+
+        Raises:
+            InputError: unknown names, frequencies that are negative, not finite or above the Nyquist frequency.
+
+        >>> low_pass = DiscreteStateSpace([[0.5]], [[0.5]], [[1.0]], step=0.1)
+        >>> low_pass.frequency_response([0.0, 5.0]).values.round(6).tolist()
+        [[[(1+0j), (-0.333333+0j)]]]
+        """
+        f = np.atleast_1d(real_array(frequencies_hz, "frequencies_hz"))
+        if f.ndim > 1 or (f.size and f.min() < 0):
+            raise InputError("frequencies_hz: expected numbers of at least 0 Hz, in a list")
+        if f.size and f.max() > self.nyquist_hz * (1 + 4 * EPS):
+            raise InputError(
+                f"frequencies_hz: found {f.max():g} Hz; with a step of {self.step:g} s the Nyquist frequency is {self.nyquist_hz:g} Hz, "
+                "and samples cannot tell oscillations above it from slower ones"
+            )
+        rows, columns = _places(outputs, self.outputs, "output"), _places(inputs, self.inputs, "input")
+        values = np.zeros((len(rows), len(columns), len(f)), dtype=complex)
+        errors = np.zeros(values.shape)
+        B, C, D = self.B[:, columns], self.C[rows], self.D[np.ix_(rows, columns)]
+        for place, frequency in enumerate(f):
+            values[..., place], errors[..., place] = _line(self.A, B, C, D, 2 * frequency * self.step)
+        names = tuple(self.inputs[j] for j in columns), tuple(self.outputs[i] for i in rows)
+        return DiscreteFrequencyResponse(f, values, errors, *names, self.nyquist_hz)
+
+    def poles(self) -> np.ndarray:
+        """The eigenvalues of A with their conjugates, ascending by modulus, shape (n,)."""
+        if not len(self.A):
+            return np.zeros(0, dtype=complex)
+        return roots_of(self._equations.polynomial_matrix().jordan_pairs().structure.finite_zeros)
+
+    def zeros(self, output: int | str = 0, input: int | str = 0) -> tuple[SampledZero, ...]:
+        """Return the zeros from one input to one output, and which of them sampling adds.
+
+        A zero s of the continuous system has a zero near e^(s h). Of m poles more than zeros sampling adds m - 1 zeros with hold=0, m
+        with hold=1; for step -> 0 they tend to the roots of the Euler-Frobenius polynomials B_m and B_(m+1) (Astrom, Hagander and
+        Sternby, "Zeros of sampled systems", Automatica 20, 1984), from B_3 = z^2 + 4 z + 1 on with one outside the unit circle.
+        A delay that is no multiple of the step adds one more.
+
+        Args:
+            output, input: names or numbers from 0.
+
+        Returns:
+            The zeros, each with its origin and limit.
+
+        Raises:
+            InputError: unknown names.
+            IllConditioned: rounding errors hide the zeros; a larger step has them.
+
+        >>> import mbconstrained as mb
+        >>> double = mb.StateSpace.from_transfer_function([1.0], [1.0, 0.0, 0.0]).discretize(0.1, hold=0)
+        >>> [(round(zero.value.real, 9), zero.origin) for zero in double.zeros()]
+        [(-1.0, 'sampling')]
+        """
+        output, input = _place(output, self.outputs, "output"), _place(input, self.inputs, "input")
+        if not len(self.A):
+            return ()
+        found = [(complex(zero.value), zero.multiplicity) for zero in transfer_of(self._equations, output, input).zeros]
+        if self._continuous is None:
+            return tuple(SampledZero(value, count, "", None) for value, count in found)
+        plant = transfer_of(self._continuous, output, input)
+        values = roots_of(plant.zeros)
+        images = list(np.exp(values[values.imag >= 0] * self.step))
+        excess = len(roots_of(plant.poles)) - len(values)
+        single = [value for value, count in found for _ in range(count)]
+        near: dict[int, complex] = {}
+        while images and len(near) < len(single):
+            distances = {(i, j): abs(z - e) for i, z in enumerate(single) if i not in near for j, e in enumerate(images)}
+            i, j = min(distances, key=distances.__getitem__)
+            near[i] = images.pop(j)
+        order = {0: excess, 1: excess + 1, "impulse": excess}.get(self._hold, 0)
+        limits = list(euler_frobenius_roots(order)) if order > 0 and not self._is_delayed and self._hold != "impulse" else []
+        result = []
+        for i, value in enumerate(single):
+            limit = near.get(i)
+            if limit is None and limits:
+                limit = limits.pop(int(np.argmin(np.abs(np.log(np.abs(np.array(limits))) - np.log(abs(value) or EPS)))))
+            result.append(SampledZero(value, 1, "plant" if i in near else "sampling", None if limit is None else complex(limit)))
+        return tuple(result)
+
+    @cached_property
+    def _equations(self) -> StateEquations:
+        return StateEquations(
+            self.A, self.B, self.C, self.D, None, None, list(self.inputs), [f"output {name}" for name in self.outputs]
+        )
+
+    def to_scipy(self):
+        """Return the ``scipy.signal`` state space in discrete time (``dlti``) with dt = step."""
+        import scipy.signal  # takes half a second
+
+        return scipy.signal.StateSpace(self.A, self.B, self.C, self.D, dt=self.step)
+
+    def to_control(self):
+        """Return the python-control state space with dt = step and the names of states, inputs and outputs.
+
+        Raises:
+            InputError: no inputs or no outputs.
+            MissingPackage: python-control is not installed.
+        """
+        if not self.inputs or not self.outputs:
+            raise InputError(
+                f"the system has {counted(len(self.inputs), 'input')} and {counted(len(self.outputs), 'output')}; expected at least one of each"
+            )
+        control = optional_package("control", "to_control")
+        names = {"inputs": list(self.inputs), "outputs": list(self.outputs)}
+        names |= {"states": list(self.states)} if self.states else {}
+        return control.ss(self.A, self.B, self.C, self.D, self.step, **names)
+
+    @classmethod
+    def from_scipy(cls, system, step: float | None = None) -> DiscreteStateSpace:
+        """Return the state space of a ``scipy.signal`` system in discrete time: ``StateSpace``, ``TransferFunction`` or ``ZerosPolesGain``.
+
+        Args:
+            system: with its step as dt.
+            step: in s; required where dt is True, which leaves it open.
+
+        Returns:
+            The state space.
+
+        Raises:
+            InputError: a continuous system, an open step, a numerator of higher degree than the denominator.
+
+        >>> import scipy.signal
+        >>> DiscreteStateSpace.from_scipy(scipy.signal.TransferFunction([1.0], [1.0, -0.5], dt=0.1))(1).item()
+        2.0
+        """
+        own = getattr(system, "dt", None)
+        if own is None or (not isinstance(own, bool) and own == 0):
+            raise InputError(
+                f"found a continuous system (dt = {own}); expected one in discrete time: mb.StateSpace reads it, and .discretize samples it"
+            )
+        if isinstance(own, bool) and step is None:
+            raise InputError("dt: the system leaves its step open (dt = True); give step in s")
+        given = arguments_of(system)
+        n = len(given["A"])
+        E = given.pop("descriptor", None)
+        if E is not None and not np.array_equal(E, np.eye(n)):
+            if not np.any(E):  # a constant gain
+                given = {
+                    "A": np.zeros((0, 0)),
+                    "D": given["C"] @ np.linalg.solve(-given["A"], given["B"]) + (0 if given.get("D") is None else given["D"]),
+                }
+            else:
+                raise InputError(
+                    "the numerator has a higher degree than the denominator: the output would precede the input; mb.solve_discrete solves such equations"
+                )
+        return cls(**given, step=own if step is None else step)
+
+    @classmethod
+    def from_control(cls, system, step: float | None = None) -> DiscreteStateSpace:
+        """Return the state space of a python-control system in discrete time with its names, as ``from_scipy``.
+
+        Args:
+            system: a ``StateSpace`` or ``TransferFunction`` with its step as dt.
+            step: in s; required where dt is True, which leaves it open.
+
+        Returns:
+            The state space.
+        """
+        return cls.from_scipy(system, step)
+
+
+def discretize(
+    system: StateEquations, step: float, hold: int | str = 1, *, delays: Mapping[str, float] | None = None
+) -> DiscreteStateSpace:
+    """Discretize exactly: the states and outputs at t = k step of the continuous system under a held input.
+
+        x_(k+1) = Phi x_k + integral over a step of e^(A (h - s)) B u(k h + s) ds
+
+    by exponentials of matrices in ball arithmetic. A singular E (massless coordinates, constraints): the finite Jordan pair is
+    discretized, the constant of the polynomial part of G(s) goes into D, jumps of an inconsistent start into the map of the start; a
+    part that follows the derivative of an input needs hold=1, where it is the slope of the interval before the sample.
+
+    Args:
+        system: the state space.
+        step: h in s.
+        hold: how the input continues between samples: 0 constant, 1 linear (then states are those of the continuous system less a
+            multiple of the input, as in ``scipy.signal.cont2discrete``), "impulse" for Dirac impulses of size u_k at the samples, y_k
+            just after them.
+        delays: delays of inputs in s by name: multiples of the step and parts of it, as exact extra states. A delayed linear hold
+            begins with its rise from u_-1 = 0 to u_0.
+
+    Returns:
+        A ``DiscreteStateSpace`` with the names of inputs and outputs.
+
+    Raises:
+        InputError: a step that is not positive, an unknown hold or input, an output that would have Dirac impulses.
+
+    >>> from mbconstrained import StateSpace
+    >>> double = StateSpace([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]], [[1.0, 0.0]])
+    >>> zero_order = double.discretize(0.5, hold=0)
+    >>> zero_order.A.tolist(), zero_order.B.tolist()
+    ([[1.0, 0.5], [0.0, 1.0]], [[0.125], [0.5]])
+    """
+    form = sampled_equations(system, step, hold, delays)
+    matrices = form.matrices
+    count = len(matrices.A) - len(matrices.delayed)
+    names = list(system.states) if count == len(system.A) else [f"state {i + 1}" for i in range(count)]
+    names += [f"{system.inputs[j]} {samples} before" for j, samples in matrices.delayed]
+    result = DiscreteStateSpace(
+        matrices.A, matrices.B, matrices.C, matrices.D, step, names, list(system.inputs), list(system.outputs)
+    )
+    result.notices = (*form.notices, *result.notices)
+    result._continuous, result._sampled, result._hold = system, form, hold
+    result._is_delayed = bool(delays and any(delays.values()))
+    return result
+
+
+def euler_frobenius(order: int) -> list[int]:
+    """The coefficients of B_m, whose roots are the zeros of the sampled m-fold integrator for step -> 0, highest power first.
+
+    >>> euler_frobenius(3), euler_frobenius(4)
+    ([1, 4, 1], [1, 11, 11, 1])
+    """
+    m = order
+    return [sum((-1) ** (k - i) * i**m * comb(m + 1, k - i) for i in range(1, k + 1)) for k in range(1, m + 1)]
+
+
+def euler_frobenius_roots(order: int) -> np.ndarray:
+    """The roots of B_m, real and negative, in pairs z and 1/z, ascending."""
+    return np.sort(np.roots(euler_frobenius(order)).real)
+
+
+def _line(A, B, C, D, half_turns: float) -> tuple[np.ndarray, np.ndarray]:
+    """G(e^(i pi half_turns)) and the relative errors of its entries."""
+    turn = np.longdouble(half_turns) * np.arctan(np.longdouble(1)) * 4
+    pencil = complex(np.cos(turn), np.sin(turn)) * np.eye(len(A)) - A
+    try:
+        states = np.linalg.solve(pencil, B.astype(complex))
+        sensitivity = np.abs(np.linalg.inv(pencil)) @ (np.abs(pencil) @ np.abs(states))
+    except np.linalg.LinAlgError:
+        infinite = np.full(D.shape, np.inf)
+        return infinite.astype(complex), infinite
+    values = C @ states + D
+    size = np.abs(C) @ sensitivity + np.abs(D)
+    errors = np.divide(4 * EPS * (len(A) + 1) * size, np.abs(values), out=np.full(D.shape, np.inf), where=values != 0)
+    return values, np.where(size == 0, 0.0, errors)
+
+
+def _places(chosen, names: Sequence[str], what: str) -> list[int]:
+    if chosen is None:
+        return list(range(len(names)))
+    return places_of([chosen] if isinstance(chosen, (str, int)) else chosen, names, what)
+
+
+def _named_values(initial, states: Sequence[str]) -> np.ndarray:
+    if not isinstance(initial, Mapping):
+        return np.zeros(len(states)) if initial is None else real_array(initial, "initial", shape=(len(states),))
+    for name in initial:
+        if name not in states:
+            raise InputError(f'initial: there is no state "{name}"{nearest(name, states)}')
+    return np.array([real_number(initial.get(name, 0.0), f"initial {name}") for name in states])

@@ -1,0 +1,178 @@
+"""Exponentials of matrices in balls: x' = A x + B u from sample to sample under inputs that are held and delayed.
+
+Between samples the input is v + m s, s the time since the sample. The exponential of [[A, B, 0], [0, 0, I], [0, 0, 0]] t has
+Phi(t) = e^(A t), Gamma_1 = integral of Phi(t - s) B ds and Gamma_2 = integral of Phi(t - s) B s ds in its first row (Van Loan 1978).
+An input that is late by m steps and a part rho of a step switches within the step: the state passes through two such pieces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal, TypeAlias
+
+import flint
+import numpy as np
+import scipy.linalg
+
+from ..rational import rational, working_precision
+
+Hold: TypeAlias = Literal[0, 1, "impulse"]
+
+#: Bits of the exponentials, and the size up to which they are computed so; larger ones in float64.
+BITS, LARGEST_BALLS = 320, 120
+
+#: A delay that is a multiple of the step to this part of a step is one.
+SAME_SAMPLE = Fraction(1, 2**44)
+
+
+@dataclass(frozen=True, eq=False)
+class HeldSystem:
+    """x_(k+1) = A x_k + B u_k, y_k = C x_k + D u_k, rounded to float64; the first states are those given, less a multiple of u.
+
+    Attributes:
+        A, B, C, D: the matrices.
+        start_input: what u_0 adds to the first states, shape (N, p).
+        delayed: of each added state the number of its input, and how many samples before.
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    D: np.ndarray
+    start_input: np.ndarray
+    delayed: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True)
+class _Continuous:
+    """A, B, C, D in balls, of one input where B and D have one column."""
+
+    A: flint.arb_mat
+    B: flint.arb_mat
+    C: flint.arb_mat
+    D: flint.arb_mat
+
+    def exponentials(self, time: Fraction) -> tuple[flint.arb_mat, flint.arb_mat, flint.arb_mat]:
+        """Phi, Gamma_1 and Gamma_2 after a time."""
+        n, p = self.A.nrows(), self.B.ncols()
+        size = n + 2 * p
+        t = _ball(time)
+        table = [[flint.arb(0)] * size for _ in range(size)]
+        for i, (own, driven) in enumerate(zip(self.A.tolist(), self.B.tolist() if p else [[]] * n)):
+            table[i][: n + p] = [entry * t for entry in (*own, *driven)]
+        for j in range(p):
+            table[n + j][n + p + j] = t
+        if size > LARGEST_BALLS:
+            result = scipy.linalg.expm(np.array([[float(entry.mid()) for entry in row] for row in table]))
+            rows = [[flint.arb(entry) for entry in row] for row in result[:n].tolist()]
+        else:
+            rows = flint.arb_mat(table).exp().tolist()[:n] if size else []
+        ends = ((0, n), (n, n + p), (n + p, size))
+        Phi, G1, G2 = (flint.arb_mat(n, end - begin, [v for row in rows for v in row[begin:end]]) for begin, end in ends)
+        return Phi, G1, G2
+
+    def column(self, j: int) -> _Continuous:
+        """The system with one of its inputs."""
+        B, D = (flint.arb_mat(m.nrows(), 1, [m[i, j] for i in range(m.nrows())]) for m in (self.B, self.D))
+        return _Continuous(self.A, B, self.C, D)
+
+
+def held_system(
+    A, B, C, D, slopes, delays: Sequence[Fraction], step: Fraction, hold: Hold, descriptor: np.ndarray | None = None
+) -> HeldSystem:
+    """Discretize E x' = A x + B u, y = C x + D u + slopes u' exactly.
+
+    Args:
+        A, B, C, D: shapes (n, n), (n, p), (q, n), (q, p).
+        slopes: factors of u', shape (q, p), for hold 1 alone; u' is that before the sample.
+        delays: of each input in s.
+        step: the time between samples in s.
+        hold: 0 constant, 1 linear, "impulse" for Dirac impulses of size u_k.
+        descriptor: E, regular; None for the identity.
+
+    Returns:
+        The matrices, rounded once.
+    """
+    with working_precision(BITS):
+        system = _Continuous(*_in_balls(A, B, descriptor), *map(_balls, (C, D)))
+        slopes = _balls(slopes) * (1 / _ball(step))
+        Phi, *_ = _Continuous(system.A, flint.arb_mat(len(A), 0), system.C, system.D).exponentials(step)
+        columns, memories, counts = [], [], []
+        for j, delay in enumerate(delays):
+            count, rho = divmod(delay, step)
+            if min(rho, step - rho) < step * SAME_SAMPLE:
+                count, rho = round(delay / step), Fraction(0)
+            before, now, after, direct_before, direct_now = _pieces(system.column(j), rho, step, hold)
+            follow = flint.arb_mat(slopes.nrows(), 1, [slopes[i, j] for i in range(slopes.nrows())])
+            direct_before, direct_now = direct_before - follow, direct_now + follow
+            columns.append([_floats(m) for m in (before, Phi * after + now, after, direct_before, system.C * after + direct_now)])
+            memories.append(bool(columns[-1][0].any() or columns[-1][3].any()))
+            counts.append(int(count))
+        return _joined(_floats(Phi), _floats(system.C), columns, memories, counts)
+
+
+def _in_balls(A, B, descriptor) -> tuple[flint.arb_mat, flint.arb_mat]:
+    """E^-1 A and E^-1 B, exactly before they become balls."""
+    if descriptor is None:
+        return _balls(A), _balls(B)
+    n, p = B.shape
+    E = flint.fmpq_mat([[rational(v) for v in row] for row in descriptor.tolist()])
+    right = flint.fmpq_mat([[rational(v) for v in row] for row in np.hstack([A, B]).tolist()])
+    solution = E.solve(right)
+    return tuple(
+        flint.arb_mat(n, end - begin, [flint.arb(solution[i, j]) for i in range(n) for j in range(begin, end)])
+        for begin, end in ((0, n), (n, n + p))
+    )  # type: ignore[return-value]
+
+
+def _pieces(one: _Continuous, rho: Fraction, step: Fraction, hold: Hold) -> tuple[flint.arb_mat, ...]:
+    """The factors of u_(k-1), u_k and u_(k+1) in x_(k+1), then of u_(k-1) and u_k in y_k, of an input late by rho."""
+    share, h = _ball(rho / step), _ball(step)
+    nothing, none = flint.arb_mat(one.A.nrows(), 1), flint.arb_mat(one.D.nrows(), 1)
+    Phi, G1, G2 = one.exponentials(step - rho)
+    _, F1, F2 = one.exponentials(rho)
+    if hold == 0:
+        return Phi * F1, G1, nothing, one.D if rho else none, none if rho else one.D
+    if hold == 1:
+        first, second = F1 * share - F2 * (1 / h), F1 * (1 - share) + F2 * (1 / h)
+        return Phi * first, G1 - G2 * (1 / h) + Phi * second, G2 * (1 / h), one.D * share, one.D * (1 - share)
+    return nothing, Phi * one.B, nothing, none, none if rho else one.C * one.B
+
+
+def _joined(Phi, C, columns, memories: Sequence[bool], counts: Sequence[int]) -> HeldSystem:
+    """All inputs together, with chains of delays and the states u_(k-1)."""
+    (q, n), p = C.shape, len(columns)
+    N = n + sum(counts) + sum(memories)
+    A, B, outputs, D, start_input = np.zeros((N, N)), np.zeros((N, p)), np.zeros((q, N)), np.zeros((q, p)), np.zeros((N, p))
+    A[:n, :n], outputs[:, :n] = Phi, C
+    delayed = []
+    for j, ((before, now, after, direct_before, direct_now), memory, count) in enumerate(zip(columns, memories, counts)):
+        place = n + len(delayed)
+        delayed += [(j, i + 1) for i in range(count + memory)]
+        if count:
+            B[place, j] = 1.0
+            A[range(place + 1, place + count), range(place, place + count - 1)] = 1.0
+        else:
+            start_input[:n, j] = -after[:, 0]
+        into, through, at = (A, outputs, place + count - 1) if count else (B, D, j)  # the end of the chain drives the states
+        into[:n, at], through[:, at] = now[:, 0], direct_now[:, 0]
+        if memory:
+            into[place + count, at] = 1.0
+            A[:n, place + count], outputs[:, place + count] = before[:, 0], direct_before[:, 0]
+    return HeldSystem(A, B, outputs, D, start_input, tuple(delayed))
+
+
+def _ball(number: Fraction) -> flint.arb:
+    return flint.arb(rational(number))
+
+
+def _balls(matrix: np.ndarray) -> flint.arb_mat:
+    rows, columns = matrix.shape
+    return flint.arb_mat(rows, columns, [flint.arb(value) for value in matrix.ravel().tolist()])
+
+
+def _floats(matrix: flint.arb_mat) -> np.ndarray:
+    values = [0.0 if entry.contains(0) else float(entry.mid()) for entry in matrix.entries()]
+    return np.array(values).reshape(matrix.nrows(), matrix.ncols())

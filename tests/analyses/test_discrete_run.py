@@ -1,0 +1,147 @@
+"""Scenes in discrete time: samples against recursions and the continuous motion, refusals, files and page."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from mbconstrained.analyses.discrete_run import DiscreteRunAnswer
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+COEFFICIENTS = """
+[model]
+kind = "matrices"
+coefficients = [[[-0.5, 0], [-1, 1]], [[1, 0], [0, 0]]]
+
+[initial]
+displacement = [1, 1]
+
+[time]
+step_domain = "discrete"
+step = "1 s"
+end = "10 s"
+"""
+
+CART = """
+[model]
+kind = "lumped"
+
+[[model.mass]]
+name = "cart"
+mass = "2 kg"
+
+[[model.spring]]
+between = ["ground", "cart"]
+stiffness = "8 N/m"
+
+[[force]]
+coordinate = "cart"
+kind = "ramp"
+value = "3 N/s"
+
+[time]
+step_domain = "discrete"
+step = "0.3 s"
+end = "6 s"
+"""
+
+
+def scene(tmp_path, text: str, **changes) -> mb.Scene:
+    path = tmp_path / "own.toml"
+    path.write_text(text, encoding="utf-8")
+    return mb.read_scene(path, changes or None)
+
+
+def test_reservoirs_follow_their_recursion():
+    answer = mb.read_scene(EXAMPLES / "reservoirs.toml").run()
+    assert isinstance(answer, DiscreteRunAnswer)
+    upper, lower = 2.0, 0.0
+    for k in answer.numbers:
+        assert answer.values[:, k] == pytest.approx([upper, lower, upper + lower], rel=1e-13, abs=1e-14)
+        upper, lower = 0.8 * upper + np.cos(0.1 * np.pi * k), 0.1 * upper + 0.9 * lower
+    assert answer.is_trusted and answer.error_estimate < 1e-15
+
+
+def test_samples_of_the_quarter_car_lie_on_its_continuous_motion():
+    answer = mb.read_scene(EXAMPLES / "sampled_quarter_car.toml").run()
+    motion = answer.scene.equations.solve()
+    assert answer.values == pytest.approx(motion.displacement(answer.times), abs=1e-12 * np.abs(answer.values).max())
+
+
+def test_a_linear_hold_is_exact_for_a_ramp(tmp_path):
+    answer = scene(tmp_path, CART).run()
+    t = answer.times
+    assert answer.values[0] == pytest.approx(3 / 8 * (t - np.sin(2 * t) / 2), abs=1e-14)
+    assert answer.scene.table.time.hold == 1
+
+
+def test_the_page_shows_points_and_nothing_between_them(tmp_path):
+    answer = scene(tmp_path, COEFFICIENTS).run(tmp_path / "out")
+    (plot,) = answer.plots()
+    assert all(not curve.drawn.any() and curve.function is None for curve in plot.curves)
+    assert [len(marks.points) for marks in plot.marks] == [11, 11]
+    assert plot.variable == "sample k" and "none between" in plot.note
+    assert sorted(path.name for path in answer.files) == ["own.csv", "own.html", "own.npz"]
+    assert (tmp_path / "out" / "own.csv").read_text().startswith("k,time (s),x1")
+    assert answer.to_xarray().sizes["k"] == 11
+    assert not any("staircase" in stage.name for stage in answer.plan.stages)
+
+
+def test_a_start_that_does_not_fit_is_reported(tmp_path):
+    answer = scene(tmp_path, COEFFICIENTS.replace("[1, 1]", "[1, 4]")).run()
+    assert answer.values[:, 0].tolist() == [1.0, 1.0]
+    assert any("x2: its value at k = 0 is 1, not the given 4" in notice.text for notice in answer.notices)
+
+
+def test_later_samples_alone(tmp_path):
+    answer = scene(tmp_path, COEFFICIENTS, **{"time.start": 4}).run()
+    assert answer.numbers.tolist() == list(range(4, 11)) and answer.values[0, 0] == 0.5**4
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (COEFFICIENTS.replace('step = "1 s"\n', ""), "needs step"),
+        (COEFFICIENTS.replace('step = "1 s"', "points = 11"), "give step"),
+        (COEFFICIENTS + "hold = 0\n", "leave hold out"),
+        (COEFFICIENTS + 'start = "0.5 s"\n', "expected a multiple of step"),
+        (COEFFICIENTS.replace('"discrete"', '"discreet"'), "discreet"),
+        (CART + '[output]\nplots = ["velocity"]\n', "found velocity"),
+        (CART + "[output]\nformula = true\n", "formula: it needs a motion between samples"),
+        (CART.replace('step_domain = "discrete"', "hold = 0"), "hold belongs to"),
+        (CART + "hold = 2\n", "hold"),
+    ],
+)
+def test_wrong_tables_are_refused(tmp_path, text, message):
+    with pytest.raises(mb.SceneError, match=message):
+        scene(tmp_path, text)
+
+
+def test_other_questions_to_coefficients_of_the_shift_are_refused(tmp_path):
+    with pytest.raises(mb.SceneError, match="coefficients are those of the shift"):
+        scene(tmp_path, COEFFICIENTS).modes()
+    assert scene(tmp_path, CART).modes().data  # those of the continuous model
+
+
+def test_state_spaces_and_transfer_functions(tmp_path):
+    time = '[time]\nstep_domain = "discrete"\nstep = 0.5\nend = 5\n'
+    space = (
+        '[model]\nkind = "state-space"\nA = [[-1]]\nB = [[1]]\nC = [[2]]\n[[force]]\ncoordinate = "u1"\nkind = "step"\nvalue = 1\n'
+        + time
+    )
+    answer = scene(tmp_path, space).run()
+    assert answer.values[0] == pytest.approx(2 * (1 - np.exp(-answer.times)), abs=1e-15)
+    fraction = '[model]\nkind = "transfer-function"\nnumerator = [2]\ndenominator = [1, 1]\ngamma = 2\n' + time
+    answer = scene(tmp_path, fraction).run()
+    assert answer.values[0] == pytest.approx(2 * (answer.times - 1 + np.exp(-answer.times)), abs=1e-14)
+
+
+def test_the_command_prints_samples(command, tmp_path):
+    code, output, _ = command("run", EXAMPLES / "reservoirs.toml", "--json")
+    data = json.loads(output)
+    assert code == 0 and data["step_domain"] == "discrete" and data["samples"][-1] == 60
+    code, output, _ = command("run", EXAMPLES / "sampled_quarter_car.toml")
+    assert code == 0 and "Largest samples" in output
