@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,11 +26,10 @@ from ..scene.run.drawing import drawing_of
 from ..scene.run.result import start_notices
 from ..scene.run.stages import is_animated
 from ..signals.inputs import power, step, zero
-from .base import Analysis, Answer
-from .run import RunAnswer, run_scene
+from .base import Answer
+from .run import RunAnswer
 
 if TYPE_CHECKING:
-    from ..scene.run.scene import Scene
     from ..signals.impulsive import ImpulsiveSmooth
 
 
@@ -329,15 +328,3 @@ def _control(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceRes
 
 def _complex_text(z: complex) -> str:
     return number_text(z.real) if not z.imag else f"{number_text(z.real)} ± {number_text(z.imag)} i"
-
-
-class Run(Analysis):
-    """The motion of a scene, or its samples in discrete time, by the stages of its plan."""
-
-    name = "run"
-
-    @classmethod
-    def answer(cls, scene: Scene, progress: Callable | None = None, *, folder: str | Path | None = None) -> RunAnswer:  # type: ignore[override]  # it has no settings
-        """The answer, written into a folder unless it is None."""
-        kind = DiscreteRunAnswer if scene.table.time.step_domain == "discrete" else RunAnswer
-        return run_scene(scene, None if folder is None else Path(folder), progress, kind)
