@@ -12,7 +12,7 @@ import numpy as np
 from ..control.discrete_state_space import DiscreteStateSpaceResponse
 from ..control.state_space import StateSpace
 from ..exchange.trajectories import csv_of
-from ..ground.checks import counted
+from ..ground.checks import counted, listed
 from ..ground.display import TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind, distinct, doubts_of
@@ -170,8 +170,25 @@ class DiscreteRunAnswer(RunAnswer):
         at_rest = (
             () if moves else (Notice(NoticeKind.AT_REST, "all samples are equal: the start is one of rest, and no force changes"),)
         )
-        own = (*start, *self.sequence.notices, *at_rest, *doubts_of("the samples", self.error_estimate))
+        own = (*start, *self.sequence.notices, *self._aliasing_notices, *at_rest, *doubts_of("the samples", self.error_estimate))
         return distinct(self.scene.notices, own)
+
+    @cached_property
+    def _aliasing_notices(self) -> tuple[Notice, ...]:
+        """A notice where the continuous model vibrates above the Nyquist frequency."""
+        x = self.sequence
+        if not isinstance(x, DiscreteStateSpaceResponse):
+            return ()
+        nyquist = x.system.nyquist_hz
+        poles = x.system._continuous.polynomial_matrix().eigenvalues
+        above = sorted({f"{hz:.4g}" for hz in np.abs(poles.imag) / (2 * np.pi) if hz > nyquist * (1 + 1 / 2**26)}, key=float)
+        if not above:
+            return ()
+        text = (
+            f"the model vibrates at {listed(above)} Hz, above the Nyquist frequency of {number_text(nyquist)} Hz: the samples are "
+            f"right, but look like those of a lower frequency (aliasing); a step below {0.5 / float(above[-1]):.3g} s shows it"
+        )
+        return (Notice(NoticeKind.ALIASING, text),)
 
     @property
     def table_notices(self) -> tuple[Notice, ...]:
@@ -327,4 +344,4 @@ def _control(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceRes
 
 
 def _complex_text(z: complex) -> str:
-    return number_text(z.real) if not z.imag else f"{number_text(z.real)} ± {number_text(z.imag)} i"
+    return f"{z.real:.4g}" if not z.imag else f"{z.real:.4g} ± {z.imag:.4g} i"

@@ -21,7 +21,7 @@ from tests.audits.source import FILES, MODULES, ROOT, expect_none, room, text, t
 LINES = {
     "__init__": 199,
     "__main__": 8,
-    "analyses": 10624,
+    "analyses": 10641,
     "cli": 976,
     "control": 2501,
     "docs": 284,
