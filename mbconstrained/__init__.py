@@ -60,6 +60,8 @@ if TYPE_CHECKING:
     from .mechanics.family import Family as Family
     from .mechanics.family import family as family
     from .mechanics.harmonic_response import SteadyState as SteadyState
+    from .mechanics.input_shaper import InputShaper as InputShaper
+    from .mechanics.input_shaper import input_shaper as input_shaper
     from .mechanics.modes import Modes as Modes
     from .mechanics.motion import Motion as Motion
     from .mechanics.motions import Motions as Motions
@@ -145,6 +147,7 @@ _NAMES = {
     "mechanics.energy": "EnergyParts",
     "mechanics.family": "Family family",
     "mechanics.harmonic_response": "SteadyState",
+    "mechanics.input_shaper": "InputShaper input_shaper",
     "mechanics.modes": "Modes",
     "mechanics.motion": "Motion",
     "mechanics.motions": "Motions",
