@@ -54,6 +54,9 @@ if TYPE_CHECKING:
     from .ground.errors import SingularPolynomialMatrix as SingularPolynomialMatrix
     from .ground.notices import Notice as Notice
     from .ground.notices import NoticeKind as NoticeKind
+    from .mechanics.boundary import BoundaryMotion as BoundaryMotion
+    from .mechanics.boundary import BoundaryResponse as BoundaryResponse
+    from .mechanics.boundary import boundary_solve as boundary_solve
     from .mechanics.constraints import Constraint as Constraint
     from .mechanics.element_matrix import ElementMatrix as ElementMatrix
     from .mechanics.energy import EnergyParts as EnergyParts
@@ -142,6 +145,7 @@ _NAMES = {
     "frequency.shock.response_spectrum": "ShockResponseSpectrum shock_response_spectrum",
     "ground.errors": "ContradictoryConstraints IllConditioned InputError MbconstrainedError MissingPackage NoNormalForm NotUnique Overflow SceneError SingularPolynomialMatrix",
     "ground.notices": "Notice NoticeKind",
+    "mechanics.boundary": "BoundaryMotion BoundaryResponse boundary_solve",
     "mechanics.constraints": "Constraint",
     "mechanics.element_matrix": "ElementMatrix",
     "mechanics.energy": "EnergyParts",
