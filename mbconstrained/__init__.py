@@ -65,6 +65,8 @@ if TYPE_CHECKING:
     from .mechanics.harmonic_response import SteadyState as SteadyState
     from .mechanics.input_shaper import InputShaper as InputShaper
     from .mechanics.input_shaper import input_shaper as input_shaper
+    from .mechanics.least_energy import LeastEnergyInput as LeastEnergyInput
+    from .mechanics.least_energy import least_energy_input as least_energy_input
     from .mechanics.modes import Modes as Modes
     from .mechanics.motion import Motion as Motion
     from .mechanics.motions import Motions as Motions
@@ -152,6 +154,7 @@ _NAMES = {
     "mechanics.family": "Family family",
     "mechanics.harmonic_response": "SteadyState",
     "mechanics.input_shaper": "InputShaper input_shaper",
+    "mechanics.least_energy": "LeastEnergyInput least_energy_input",
     "mechanics.modes": "Modes",
     "mechanics.motion": "Motion",
     "mechanics.motions": "Motions",

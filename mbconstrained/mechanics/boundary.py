@@ -10,9 +10,9 @@ e^{J T} the conditions are linear equations, whose rank is decided by the gap of
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -91,7 +91,7 @@ class BoundaryResponse(Response):
     forced: Response
 
     @cached_property
-    def function(self) -> BohlFunction:  # type: ignore[override]
+    def function(self) -> BohlFunction:
         """x_p(t) + C e^{J t} c."""
         return FunctionSum((self.forced.function, self.boundary.free_motion))
 
@@ -117,12 +117,16 @@ class BoundaryMotion(Motion):
     forced: Response
 
     @cached_property
-    def function(self) -> BohlFunction:  # type: ignore[override]
+    def function(self) -> BohlFunction:
         """x_p(t) + C e^{J t} c."""
         return FunctionSum((self.forced.function, self.boundary.free_motion))
 
-    def error_estimate(self, times, *, order: int = 0) -> float:
-        return _error_estimate(self, times, order)
+    def error_estimate(
+        self, times, of: Literal["displacement", "velocity", "acceleration", "reaction"] = "displacement", *, order: int = 0
+    ) -> float:
+        if of == "reaction" or of not in ORDERS:
+            return super().error_estimate(times, of, order=order)
+        return _error_estimate(self, times, order + ORDERS.index(of))
 
     @property
     def notices(self) -> tuple[Notice, ...]:
@@ -199,7 +203,9 @@ def boundary_solve(
     function = FunctionSum((forced.function, boundary.free_motion))
     # values at 0+ are consistent; impulses at 0 would act on them a second time, so that those of the free motion are given then
     source = boundary.free_motion if right_side.impulses else function
-    initial = np.array([(source.derivative(k) if k else source)(0.0) for k in range(matrix.degree)]).reshape(matrix.degree, matrix.size)
+    initial = np.array([(source.derivative(k) if k else source)(0.0) for k in range(matrix.degree)]).reshape(
+        matrix.degree, matrix.size
+    )
     x = Response._solved(Problem.checked(matrix, initial, right_side))
     if isinstance(A, MechanicalSystem):
         return BoundaryMotion(x.problem, x.solution, A, applied, boundary, forced)
@@ -211,12 +217,18 @@ def _values(matrix: PolynomialMatrix, given, what: str, at_end: bool) -> tuple[B
     if given is None:
         return ()
     if not isinstance(given, Mapping):
-        raise InputError(f'{what}: found {type(given).__name__}; expected values by name, such as {{"{matrix.coordinates[0]}": 0.0}}')
+        raise InputError(
+            f'{what}: found {type(given).__name__}; expected values by name, such as {{"{matrix.coordinates[0]}": 0.0}}'
+        )
     orders = ORDERS[: max(matrix.degree, 1)]
     by_order: dict[str, dict] = {word: {} for word in orders}
     for name, value in given.items():
         if name in orders and (isinstance(value, Mapping) or np.ndim(value) == 1):
-            numbers = value if isinstance(value, Mapping) else dict(zip(matrix.coordinates, real_array(value, f"{what}: {name}", shape=(matrix.size,))))
+            numbers = (
+                value
+                if isinstance(value, Mapping)
+                else dict(zip(matrix.coordinates, real_array(value, f"{what}: {name}", shape=(matrix.size,))))
+            )
             if twice := by_order[name].keys() & numbers.keys():
                 raise InputError(f'{what}: the {name} of "{twice.pop()}" is given twice')
             by_order[name].update(numbers)
@@ -245,7 +257,9 @@ def ends_of(blocks, T: float) -> tuple[np.ndarray, np.ndarray]:
         size = len(block)
         rate = np.trace(block) / size
         if rate * T > LARGEST_GROWTH:
-            raise Overflow(f"duration: a motion grows over {T:g} s by e^{rate * T:.4g}, beyond the range of float64; choose a shorter one")
+            raise Overflow(
+                f"duration: a motion grows over {T:g} s by e^{rate * T:.4g}, beyond the range of float64; choose a shorter one"
+            )
         target, own = (at_start, -block) if rate > 0 else (at_end, block)
         target[at, at] = block_states((own,), np.eye(size), np.full(size, T))
     return at_start, at_end
@@ -303,7 +317,9 @@ def _solved(matrix: PolynomialMatrix, forced: Response, conditions: tuple[Bounda
             f"the largest that does not {dropped:.2g}, with rounding errors of {noise:.2g}; T = {T:.6g} s is near a conjugate point"
         )
         notices.append(Notice(NoticeKind.RANK, text, doubtful=True))
-    return Boundary(T, conditions, motion(unknowns), undetermined, residual, condition, rank, singular, noise, error, tuple(notices))
+    return Boundary(
+        T, conditions, motion(unknowns), undetermined, residual, condition, rank, singular, noise, error, tuple(notices)
+    )
 
 
 def _refuse_contradiction(null, weights, rest, conditions, units, values, bound) -> None:

@@ -184,13 +184,15 @@ def _damping_ratio(value) -> float:
 def _aims(modes) -> tuple[ShapedMode, ...]:
     """Frequencies and damping ratios of the modes."""
     if isinstance(modes, Modes):
-        given: Sequence = modes.oscillating
+        given: Sequence | np.ndarray = modes.oscillating
     elif isinstance(modes, Mode) or (isinstance(modes, Sequence) and len(modes) == 2 and not any(map(_is_several, modes))):
         given = [modes]
     elif isinstance(modes, (Sequence, np.ndarray)) and not isinstance(modes, str):
         given = modes
     else:
-        raise InputError(f"modes: found {type(modes).__name__}; expected system.modes(), or pairs such as (1.5, 0.02) of Hz and damping ratio")
+        raise InputError(
+            f"modes: found {type(modes).__name__}; expected system.modes(), or pairs such as (1.5, 0.02) of Hz and damping ratio"
+        )
     if not len(given):
         raise InputError("modes: none of them oscillates; an input shaper needs at least one that does")
     return tuple(_aim(one) for one in given)
@@ -204,7 +206,9 @@ def _aim(mode) -> ShapedMode:
     if isinstance(mode, Mode):
         s = mode.eigenvalue
         if not s.imag:
-            raise InputError(f"modes: the mode with the eigenvalue {s.real:.6g} 1/s does not oscillate; choose modes(...).oscillating")
+            raise InputError(
+                f"modes: the mode with the eigenvalue {s.real:.6g} 1/s does not oscillate; choose modes(...).oscillating"
+            )
         # a real part within rounding error of the eigenvalue is that of an undamped mode
         damping = -s.real / abs(s)
         if -damping > noise_of(1.0):

@@ -87,7 +87,9 @@ def test_too_few_and_too_many():
     with pytest.raises(mb.ContradictoryConstraints):
         mb.boundary_solve(oscillator(), start={"x1": 1.0, "velocity": {"x1": 0.0}}, end={"x1": 0.0}, duration=1.0)
     consistent = {"x1": math.cos(2.0)}
-    assert not mb.boundary_solve(oscillator(), start={"displacement": [1.0], "velocity": [0.0]}, end=consistent, duration=1.0).notices
+    assert not mb.boundary_solve(
+        oscillator(), start={"displacement": [1.0], "velocity": [0.0]}, end=consistent, duration=1.0
+    ).notices
 
 
 def test_singular_mass_and_constraint():
@@ -100,7 +102,10 @@ def test_singular_mass_and_constraint():
     exact = np.sin(w * (0.4 - t)) / math.sin(0.4 * w)
     assert np.allclose(x.displacement(t), [exact, exact / 2], atol=1e-13)
     tied = mb.MechanicalSystem(
-        np.eye(2), stiffness=np.diag([4.0, 0.0]), constraints=[mb.Constraint([1, -1], level="position", value=0.2)], names=["a", "b"]
+        np.eye(2),
+        stiffness=np.diag([4.0, 0.0]),
+        constraints=[mb.Constraint([1, -1], level="position", value=0.2)],
+        names=["a", "b"],
     )
     y = mb.boundary_solve(tied, start={"a": 0.0}, end={"b": 0.3}, duration=0.5)
     w = math.sqrt(2.0)
