@@ -96,11 +96,20 @@ class BoundaryResponse(Response):
         return FunctionSum((self.forced.function, self.boundary.free_motion))
 
     def error_estimate(self, times, *, order: int = 0) -> float:
+        """Return an estimate of max |error| / max |value| over the given times, from the conditions and the forced motion.
+
+        Args:
+            times: in s, a number or shape (T,).
+            order: order of the derivative.
+
+        Returns:
+            Relative to the largest value at these times.
+        """
         return _error_estimate(self, times, order)
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """Those of the boundary values and of the motion."""
+        """Notices of the boundary values and of the motion."""
         return (*self.boundary.notices, *super().notices)
 
 
@@ -124,13 +133,23 @@ class BoundaryMotion(Motion):
     def error_estimate(
         self, times, of: Literal["displacement", "velocity", "acceleration", "reaction"] = "displacement", *, order: int = 0
     ) -> float:
+        """Return an estimate of max |error| / max |value| over the given times, from the conditions and the forced motion.
+
+        Args:
+            times: in s, a number or shape (T,).
+            of: "displacement", "velocity", "acceleration" or "reaction".
+            order: order of the derivative.
+
+        Returns:
+            Relative to the largest value at these times.
+        """
         if of == "reaction" or of not in ORDERS:
             return super().error_estimate(times, of, order=order)
         return _error_estimate(self, times, order + ORDERS.index(of))
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """Those of the boundary values and of the motion."""
+        """Notices of the boundary values and of the motion."""
         return (*self.boundary.notices, *super().notices)
 
 

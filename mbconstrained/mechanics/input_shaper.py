@@ -29,7 +29,7 @@ class ShapedMode(NamedTuple):
     damping: float  # -Re s / |s|
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class InputShaper(Displayed):
     """The impulses A_i at t_i, of sum 1: a shaped input sum over i of A_i f(t - t_i) ends where f ends, delayed by the last t_i.
 
