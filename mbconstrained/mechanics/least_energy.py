@@ -229,10 +229,11 @@ def _refuse_unreachable(amounts, values, rank, shapes, pair, system, chosen, noi
     words = [*system.names, *(f"velocity of {name}" for name in system.names)]
     visible = np.abs(moved) > EPS**0.5 * np.abs(moved).max(initial=0.0)
     parts = [f"{number:.4g} in {word}" for number, word, shown in zip(moved, words, visible) if shown]
+    are = "is" if len(rest) == 1 else "are"
     next_kept = f", the smallest that is {values[rank - 1]:.2g}" if rank else ""
     raise InputError(
         f"end: the inputs {listed([channel.name for channel in chosen])} do not reach this state: {counted(len(rest), 'combination')} of the "
-        f"{counted(len(values), 'state')} is beyond them, and {listed(parts, 6)} would be missing (scaled eigenvalues of the Gramian: the largest not "
+        f"{counted(len(values), 'state')} {are} beyond them, and {listed(parts, 6)} would be missing (scaled eigenvalues of the Gramian: the largest not "
         f"counted {values[rank]:.2g}{next_kept}, rounding errors {noise:.2g}); add an input, or choose an end state without that part"
     )
 

@@ -30,7 +30,7 @@ LINES = {
     "frequency": 5325,
     "ground": 2070,
     "linalg": 4859,
-    "mechanics": 11487,
+    "mechanics": 11488,
     "models": 1337,
     "page": 4907,
     "polynomial": 2881,
