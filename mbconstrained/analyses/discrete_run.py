@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 #: The part of a step in which the animation shows a sample; then it jumps to the next one.
-HELD = 0.98
+SHOWN_PART = 0.98
 
 
 class DiscreteRunAnswer(RunAnswer):
@@ -250,7 +250,7 @@ class DiscreteRunAnswer(RunAnswer):
         scales = {key: getattr(table, key) for key in ("scale", "turn_scale") if table and key in table.model_fields_set}
         values, times = self.values[:, :count], self.times[:count]
         frames = np.repeat(values, 2, axis=1)
-        moments = np.column_stack([times, times + HELD * h]).ravel()
+        moments = np.column_stack([times, times + SHOWN_PART * h]).ravel()
         return Animation(drawing_of(scene, self.values, **scales), self._coordinates.names, moments, frames, 0.0 * frames)
 
     def page(self) -> PageContent:
@@ -304,7 +304,7 @@ class DiscreteRunAnswer(RunAnswer):
 
 
 def _mechanical(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceResponse:
-    """Displacements under all forces and prescribed motions, held between samples."""
+    """Displacements under all forces and prescribed motions, with a hold between samples."""
     system = equations.system
     rows = [f"value of {row.name}" for row in system.rows]
     forces = [f"force on {name}" for name in system.names]
@@ -328,7 +328,7 @@ def _values_of(row) -> Iterator[ImpulsiveSmooth]:
 
 
 def _control(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceResponse:
-    """Outputs, or else states, of a transfer function or state space under its held input."""
+    """Outputs, or else states, of a transfer function or state space under a hold of its input."""
     control = equations.control
     if control.transfer_function is None:
         given = control.system

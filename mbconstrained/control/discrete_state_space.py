@@ -286,14 +286,14 @@ class DiscreteStateSpace(Displayed):
         output, input = _place(output, self.outputs, "output"), _place(input, self.inputs, "input")
         if not len(self.A):
             return ()
-        found = [(complex(zero.value), zero.multiplicity) for zero in transfer_of(self._equations, output, input).zeros]
+        own = [(complex(zero.value), zero.multiplicity) for zero in transfer_of(self._equations, output, input).zeros]
         if self._continuous is None:
-            return tuple(SampledZero(value, count, "", None) for value, count in found)
+            return tuple(SampledZero(value, count, "", None) for value, count in own)
         plant = transfer_of(self._continuous, output, input)
         values = roots_of(plant.zeros)
         images = list(np.exp(values[values.imag >= 0] * self.step))
         excess = len(roots_of(plant.poles)) - len(values)
-        single = [value for value, count in found for _ in range(count)]
+        single = [value for value, count in own for _ in range(count)]
         near: dict[int, complex] = {}
         while images and len(near) < len(single):
             distances = {(i, j): abs(z - e) for i, z in enumerate(single) if i not in near for j, e in enumerate(images)}
@@ -394,7 +394,7 @@ class DiscreteStateSpace(Displayed):
 def discretize(
     system: StateEquations, step: float, hold: int | str = 1, *, delays: Mapping[str, float] | None = None
 ) -> DiscreteStateSpace:
-    """Discretize exactly: the states and outputs at t = k step of the continuous system under a held input.
+    """Discretize exactly: the states and outputs at t = k step of the continuous system under a hold of its input.
 
         x_(k+1) = Phi x_k + integral over a step of e^(A (h - s)) B u(k h + s) ds
 

@@ -34,7 +34,7 @@ LINES = {
     "models": 1337,
     "page": 4907,
     "polynomial": 2881,
-    "response": 6348,
+    "response": 6347,
     "robot": 8814,
     "scene": 9254,
     "signals": 1891,

@@ -298,13 +298,13 @@ def rounded_values(closed: Sequence[RationalResponse], sums: Sequence[ForceSums]
     values, errors = np.zeros((size, len(indices))), np.zeros(len(indices))
     pending, precision = sorted(range(len(indices)), key=indices.__getitem__), FIRST_BITS
     while pending and size:
-        asked = [indices[place] for place in pending]
+        numbers = [indices[place] for place in pending]
         with working_precision(precision):
-            rows, bounds = [[flint.arb(0)] * size for _ in asked], [flint.arb(0)] * len(asked)
+            rows, bounds = [[flint.arb(0)] * size for _ in numbers], [flint.arb(0)] * len(numbers)
             for one in closed:
-                rows = [[a + b for a, b in zip(*both)] for both in zip(rows, closed_values(one, asked))]
+                rows = [[a + b for a, b in zip(*both)] for both in zip(rows, closed_values(one, numbers))]
             for own in sums:
-                more, error = own.at(asked)
+                more, error = own.at(numbers)
                 rows = [[a + b for a, b in zip(*both)] for both in zip(rows, more)]
                 bounds = [a + b for a, b in zip(bounds, error)]
             left = []
