@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..ground.checks import counted, names_of, nearest, optional_package, places_of, real_array, real_number
+from ..ground.checks import counted, names_of, optional_package, real_array, real_number
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.notices import Notice
@@ -21,7 +21,7 @@ from ..response.discrete import DiscreteResponse, discrete_force, from_start, gr
 from ..signals.sequences import sample_numbers
 from .conversions import arguments_of
 from .sampling import SampledEquations, sampled_equations
-from .state_equations import StateEquations, _place, roots_of, transfer_of
+from .state_equations import StateEquations, channel_place, channel_places, roots_of, state_values, transfer_of
 
 if TYPE_CHECKING:
     from ..response.discrete import Force
@@ -212,8 +212,8 @@ class DiscreteStateSpace(Displayed):
     def _start(self, initial, first: np.ndarray) -> np.ndarray:
         given = self._sampled
         if given is None:
-            return _named_values(initial, self.states)
-        values = _named_values(initial, self._continuous.states if self._continuous is not None else self.states)
+            return state_values(initial, self.states)
+        values = state_values(initial, self._continuous.states if self._continuous is not None else self.states)
         start = np.zeros(len(self.A))
         start[: len(given.start_map)] = given.start_map @ values
         return start + given.matrices.start_input @ first
@@ -245,7 +245,7 @@ class DiscreteStateSpace(Displayed):
                 f"frequencies_hz: found {f.max():g} Hz; with a step of {self.step:g} s the Nyquist frequency is {self.nyquist_hz:g} Hz, "
                 "and samples cannot tell oscillations above it from slower ones"
             )
-        rows, columns = _places(outputs, self.outputs, "output"), _places(inputs, self.inputs, "input")
+        rows, columns = channel_places(outputs, self.outputs, "output"), channel_places(inputs, self.inputs, "input")
         values = np.zeros((len(rows), len(columns), len(f)), dtype=complex)
         errors = np.zeros(values.shape)
         B, C, D = self.B[:, columns], self.C[rows], self.D[np.ix_(rows, columns)]
@@ -283,7 +283,7 @@ class DiscreteStateSpace(Displayed):
         >>> [(round(zero.value.real, 9), zero.origin) for zero in double.zeros()]
         [(-1.0, 'sampling')]
         """
-        output, input = _place(output, self.outputs, "output"), _place(input, self.inputs, "input")
+        output, input = channel_place(output, self.outputs, "output"), channel_place(input, self.inputs, "input")
         if not len(self.A):
             return ()
         own = [(complex(zero.value), zero.multiplicity) for zero in transfer_of(self._equations, output, input).zeros]
@@ -466,18 +466,3 @@ def _line(A, B, C, D, half_turns: float) -> tuple[np.ndarray, np.ndarray]:
     size = np.abs(C) @ sensitivity + np.abs(D)
     errors = np.divide(4 * EPS * (len(A) + 1) * size, np.abs(values), out=np.full(D.shape, np.inf), where=values != 0)
     return values, np.where(size == 0, 0.0, errors)
-
-
-def _places(chosen, names: Sequence[str], what: str) -> list[int]:
-    if chosen is None:
-        return list(range(len(names)))
-    return places_of([chosen] if isinstance(chosen, (str, int)) else chosen, names, what)
-
-
-def _named_values(initial, states: Sequence[str]) -> np.ndarray:
-    if not isinstance(initial, Mapping):
-        return np.zeros(len(states)) if initial is None else real_array(initial, "initial", shape=(len(states),))
-    for name in initial:
-        if name not in states:
-            raise InputError(f'initial: there is no state "{name}"{nearest(name, states)}')
-    return np.array([real_number(initial.get(name, 0.0), f"initial {name}") for name in states])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -11,7 +10,6 @@ import numpy as np
 
 from ..frequency.frequency_response import FrequencyResponse, evaluated
 from ..frequency.harmonic import Harmonic
-from ..ground.checks import places_of
 from ..ground.display import TextTable
 from ..ground.notices import Notice
 from ..response.estimate import error_estimate
@@ -24,7 +22,7 @@ from ..signals.inputs import zero
 from .conversions import factored_realization, ordinary_form, rational_realization, realization_of, to_control, to_scipy
 from .discrete_state_space import discretize
 from .matrix_fraction import checked_input
-from .state_equations import StateEquations, transfer_of
+from .state_equations import StateEquations, channel_places, transfer_of
 
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
@@ -192,9 +190,8 @@ class StateSpace(StateEquations):
         >>> lag.frequency_response([1 / np.pi]).values.item()
         (0.5-0.5j)
         """
-        own_inputs = self.inputs if inputs is None else [self.inputs[i] for i in _places(inputs, self.inputs, "input")]
-        own_outputs = self.outputs if outputs is None else [self.outputs[i] for i in _places(outputs, self.outputs, "output")]
-        columns, rows = [self.inputs.index(name) for name in own_inputs], [self.outputs.index(name) for name in own_outputs]
+        columns, rows = channel_places(inputs, self.inputs, "input"), channel_places(outputs, self.outputs, "output")
+        own_inputs, own_outputs = [self.inputs[j] for j in columns], [self.outputs[i] for i in rows]
         n, q = len(self.A), len(self.C)
         B, C = np.vstack([self.B, self.D])[:, columns], np.eye(n + q)[n:][rows]
         units = [[_unit_ratio(self.units[output], self.units[input]) for input in own_inputs] for output in own_outputs]
@@ -277,10 +274,6 @@ class StateSpace(StateEquations):
     def from_control(cls, system) -> StateSpace:
         """Return the state space of a python-control ``StateSpace`` or ``TransferFunction`` with its names, as ``from_scipy``."""
         return cls(**realization_of(system))
-
-
-def _places(chosen, names: Sequence[str], what: str) -> list[int]:
-    return places_of([chosen] if isinstance(chosen, (str, int)) else chosen, names, what)
 
 
 def _unit_ratio(above: str, below: str) -> str:

@@ -13,6 +13,7 @@ AR-representations over a finite time interval", Kybernetika 34, 1998).
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -168,13 +169,13 @@ class ExactInverse:
         return max(max((len(column.impulses) for column in self.columns), default=1) - 1, 0)
 
 
-class DiscreteFunction(Displayed):
+class DiscreteFunction(Displayed, ABC):
     """A sequence in closed form, a function of whole numbers k >= 0 alone."""
 
-    @cached_property
+    @property
+    @abstractmethod
     def notices(self) -> tuple[Notice, ...]:
         """Notices of the solution."""
-        raise NotImplementedError
 
     def __call__(self, k) -> np.ndarray:
         """x_k for a whole number k >= 0 (-> shape (r,)) or for numbers (T,) (-> (r, T)), up to the horizon.
@@ -221,14 +222,14 @@ class DiscreteFunction(Displayed):
         return rounded_values([self._closed], self._sums, indices.reshape(-1).tolist())
 
     @property
+    @abstractmethod
     def _closed(self) -> RationalResponse:
         """The response to the start and to a force in closed form."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def _sums(self) -> tuple[ForceSums, ...]:
         """The response to a force that is given by its values."""
-        raise NotImplementedError
 
     @property
     def _pair_error(self) -> float:

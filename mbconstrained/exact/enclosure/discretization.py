@@ -121,10 +121,11 @@ def _in_balls(A, B, descriptor) -> tuple[flint.arb_mat, flint.arb_mat]:
     E = flint.fmpq_mat([[rational(v) for v in row] for row in descriptor.tolist()])
     right = flint.fmpq_mat([[rational(v) for v in row] for row in np.hstack([A, B]).tolist()])
     solution = E.solve(right)
-    return tuple(
+    states, inputs = (
         flint.arb_mat(n, end - begin, [flint.arb(solution[i, j]) for i in range(n) for j in range(begin, end)])
         for begin, end in ((0, n), (n, n + p))
-    )  # type: ignore[return-value]
+    )
+    return states, inputs
 
 
 def _pieces(one: _Continuous, rho: Fraction, step: Fraction, hold: Hold) -> tuple[flint.arb_mat, ...]:
