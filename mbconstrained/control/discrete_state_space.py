@@ -391,38 +391,10 @@ class DiscreteStateSpace(Displayed):
         return cls.from_scipy(system, step)
 
 
-def discretize(
-    system: StateEquations, step: float, hold: int | str = 1, *, delays: Mapping[str, float] | None = None
+def discretized_state_space(
+    system: StateEquations, step: float, hold: int | str, delays: Mapping[str, float] | None
 ) -> DiscreteStateSpace:
-    """Discretize exactly: the states and outputs at t = k step of the continuous system under a hold of its input.
-
-        x_(k+1) = Phi x_k + integral over a step of e^(A (h - s)) B u(k h + s) ds
-
-    by exponentials of matrices in ball arithmetic. A singular E (massless coordinates, constraints): the finite Jordan pair is
-    discretized, the constant of the polynomial part of G(s) goes into D, jumps of an inconsistent start into the map of the start; a
-    part that follows the derivative of an input needs hold=1, where it is the slope of the interval before the sample.
-
-    Args:
-        system: the state space.
-        step: h in s.
-        hold: how the input continues between samples: 0 constant, 1 linear (then states are those of the continuous system less a
-            multiple of the input, as in ``scipy.signal.cont2discrete``), "impulse" for Dirac impulses of size u_k at the samples, y_k
-            just after them.
-        delays: delays of inputs in s by name: multiples of the step and parts of it, as exact extra states. A delayed linear hold
-            begins with its rise from u_-1 = 0 to u_0.
-
-    Returns:
-        A ``DiscreteStateSpace`` with the names of inputs and outputs.
-
-    Raises:
-        InputError: a step that is not positive, an unknown hold or input, an output that would have Dirac impulses.
-
-    >>> from mbconstrained import StateSpace
-    >>> double = StateSpace([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]], [[1.0, 0.0]])
-    >>> zero_order = double.discretize(0.5, hold=0)
-    >>> zero_order.A.tolist(), zero_order.B.tolist()
-    ([[1.0, 0.5], [0.0, 1.0]], [[0.125], [0.5]])
-    """
+    """The states and outputs of a continuous system at t = k step under a hold of its input (``StateSpace.discretize``)."""
     form = sampled_equations(system, step, hold, delays)
     matrices = form.matrices
     count = len(matrices.A) - len(matrices.delayed)

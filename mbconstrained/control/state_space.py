@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -20,13 +21,13 @@ from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
 from .conversions import factored_realization, ordinary_form, rational_realization, realization_of, to_control, to_scipy
-from .discrete_state_space import discretize
 from .matrix_fraction import checked_input
 from .state_equations import StateEquations, channel_places, transfer_of
 
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
     from ..exact.enclosure.intervals import Enclosure
+    from .discrete_state_space import DiscreteStateSpace
 
 
 # The response of a state space: its states, and its outputs with their own jumps and impulses.
@@ -203,7 +204,38 @@ class StateSpace(StateEquations):
     ordinary = ordinary_form
     to_scipy = to_scipy
     to_control = to_control
-    discretize = discretize
+
+    def discretize(self, step: float, hold: int | str = 1, *, delays: Mapping[str, float] | None = None) -> DiscreteStateSpace:
+        """Discretize exactly: the states and outputs at t = k step of the continuous system under a hold of its input.
+
+            x_(k+1) = Phi x_k + integral over a step of e^(A (h - s)) B u(k h + s) ds
+
+        by exponentials of matrices in ball arithmetic. A singular E (massless coordinates, constraints): the finite Jordan pair is
+        discretized, the constant of the polynomial part of G(s) goes into D, jumps of an inconsistent start into the map of the start; a
+        part that follows the derivative of an input needs hold=1, where it is the slope of the interval before the sample.
+
+        Args:
+            step: h in s.
+            hold: how the input continues between samples: 0 constant, 1 linear (then states are those of the continuous system less a
+                multiple of the input, as in ``scipy.signal.cont2discrete``), "impulse" for Dirac impulses of size u_k at the samples, y_k
+                just after them.
+            delays: delays of inputs in s by name: multiples of the step and parts of it, as exact extra states. A delayed linear hold
+                begins with its rise from u_-1 = 0 to u_0.
+
+        Returns:
+            A ``DiscreteStateSpace`` with the names of inputs and outputs.
+
+        Raises:
+            InputError: a step that is not positive, an unknown hold or input, an output that would have Dirac impulses.
+
+        >>> double = StateSpace([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]], [[1.0, 0.0]])
+        >>> zero_order = double.discretize(0.5, hold=0)
+        >>> zero_order.A.tolist(), zero_order.B.tolist()
+        ([[1.0, 0.5], [0.0, 1.0]], [[0.125], [0.5]])
+        """
+        from .discrete_state_space import discretized_state_space  # balls, which nothing else here needs
+
+        return discretized_state_space(self, step, hold, delays)
 
     def to_dict(self) -> dict:
         """A, B, C, D, E, and lists of states, inputs, outputs and their units, as plain data.
