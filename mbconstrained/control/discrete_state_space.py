@@ -207,7 +207,7 @@ class DiscreteStateSpace(Displayed):
         start = np.concatenate([self._start(initial, force(0)), np.zeros(q)])
         constant = np.block([[-self.A, np.zeros((n, q))], [-self.C, np.eye(q)]])
         A = PolynomialMatrix([constant, np.diag([1.0] * n + [0.0] * q)], [f"state {x}" for x in self.states] + list(self.outputs))
-        return DiscreteStateSpaceResponse(self, from_start(A, start[None, :], force.mapped(np.vstack([self.B, self.D]))))
+        return DiscreteStateSpaceResponse(self, from_start(A, start[None, :], force.times(np.vstack([self.B, self.D]))))
 
     def _start(self, initial, first: np.ndarray) -> np.ndarray:
         given = self._sampled
