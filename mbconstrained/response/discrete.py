@@ -56,8 +56,8 @@ Force: TypeAlias = "GeometricSequence | ImpulsiveSmooth | Callable | Sequence | 
 MOST_SHIFTS = 170
 
 #: Free motions of fewer coordinates are summed in closed form at once; a recursion that goes on after the last value of the force takes at
-#: most so many products.
-MANY_COORDINATES, FEW_PRODUCTS = 12, 1 << 22
+#: most so many products for each coordinate.
+MANY_COORDINATES, FEW_PRODUCTS = 12, 1 << 17
 
 #: Number of coordinates and conditions that a notice names.
 MOST_NAMED = 4
@@ -138,7 +138,9 @@ def _signal_force(force: GeometricSequence | ImpulsiveSmooth, size: int, what: s
     if isinstance(force, GeometricSequence):
         return DiscreteForce(size, force, force)
     if force.impulses or force.later:
-        raise InputError(f"{what}: it contains Dirac impulses, which have no value at k; a unit pulse is the array [[1, ...]]")
+        raise InputError(
+            f"{what}: it contains Dirac impulses, which have no value at k; a unit pulse is 1 at k = 0 alone, as an array or a sampled signal"
+        )
     return DiscreteForce(size, sampled_terms(force, step), lambda k: force(k * step))
 
 
@@ -249,7 +251,7 @@ class DiscreteFunction(Displayed, ABC):
     @property
     def terms(self) -> tuple[SequenceTerm, ...]:
         """The closed form of the response to the start and to a force in closed form: sum of Re(v binom(k, j) p^(k - j))."""
-        return closed_terms(self._closed)
+        return closed_terms(self._closed) if len(self(0)) else ()
 
     @property
     def is_trusted(self) -> bool:
@@ -292,7 +294,7 @@ class DiscreteFunction(Displayed, ABC):
             count = last + 1
         elif last < end:
             count = int(end)
-        elif recursion.cost * (count := 1 << last.bit_length()) > FEW_PRODUCTS:
+        elif recursion.cost * (count := 1 << last.bit_length()) > FEW_PRODUCTS * len(recursion.shifts):
             return None
         if count not in self._windows:
             forces, before = self._forces(count)
@@ -371,6 +373,8 @@ class DiscreteResponse(DiscreteFunction):
 
     def _evaluated(self, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values (r, T) and bounds of their relative errors."""
+        if not self.polynomial_matrix.size:
+            return np.zeros((0, indices.size)), np.zeros(indices.size)
         values, errors = super()._evaluated(indices)
         for column, k in enumerate(indices.reshape(-1).tolist()):
             if self._backward and self.horizon - k < len(self._backward):
@@ -606,7 +610,7 @@ def solve_discrete(
     equations = ExactInverse(A, rank_tolerance)
     if equations.by_rows is None:
         regular_matrix(A)
-    horizon = None if horizon is None else whole_number(horizon, "horizon", minimum=max(q, 1))
+    horizon = None if horizon is None else whole_number(horizon, "horizon", minimum=q)
     if final is not None and horizon is None:
         raise InputError("final: values at the end need a horizon; give horizon=N, the number of the last sample")
     start = np.zeros((q, r)) if initial is None else _rows(initial, q, r, "initial")

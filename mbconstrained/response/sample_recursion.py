@@ -71,10 +71,10 @@ class ShiftRecursion:
         shifts = np.argmax(filled[::-1], axis=0)
         shifted = np.stack([[given[j - s, i] if j >= s else np.zeros(r) for i, s in enumerate(shifts)] for j in range(q + 1)])
         leading = shifted[-1]
-        if not np.linalg.cond(leading / np.abs(leading).max(axis=1)[:, None]) <= REGULAR_CONDITION:
+        if r and not np.linalg.cond(leading / np.abs(leading).max(axis=1)[:, None]) <= REGULAR_CONDITION:
             return None
         inverse = solution(leading, np.eye(r))
-        rounding = EPS * (r + 4) * float((np.abs(inverse) @ np.abs(leading)).max())
+        rounding = EPS * (r + 4) * float((np.abs(inverse) @ np.abs(leading)).max(initial=0.0))
         if not q:
             return cls(shifted, shifts, np.zeros((0, 0)), np.zeros((0, r)), np.zeros((r, 0)), (inverse,), rounding)
         step, entry = np.eye(q * r, k=r), np.zeros((q * r, r))
@@ -236,7 +236,7 @@ def refined(recursion: ShiftRecursion, forces: DoubleDouble) -> tuple[np.ndarray
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         g = recursion.shifted(_led(recursion.lead, f) if recursion.lead else f)
         x, rest = DoubleDouble.of(np.zeros(g.shape)), g.high
-        values, errors, own = np.zeros(forces.shape), np.zeros(count), slice(ahead, ahead + count)
+        values, errors, largest, own = np.zeros(forces.shape), np.zeros(count), np.zeros(count), slice(ahead, ahead + count)
         for number in range(MOST_PASSES):
             x = x + recursion.solved(rest)
             rest, sizes = recursion.residual(g, x)
@@ -247,6 +247,5 @@ def refined(recursion: ShiftRecursion, forces: DoubleDouble) -> tuple[np.ndarray
             gaining = errors < LEAST_GAIN * last if number else errors < np.inf
             if (errors <= SETTLED).all() or not gaining[errors > SETTLED].any():
                 break
-    return np.where(np.isfinite(values) & np.isfinite(x.high[-size:, own]), values, np.inf), np.where(
-        np.isnan(errors), np.inf, errors
-    )
+    is_finite = np.isfinite(largest) & np.isfinite(errors)
+    return np.where(is_finite, values, np.inf), np.where(is_finite, errors, np.inf)
