@@ -180,10 +180,10 @@ class DiscreteRunAnswer(RunAnswer):
     def _aliasing_notices(self) -> tuple[Notice, ...]:
         """A notice where the continuous model vibrates above the Nyquist frequency."""
         x = self.sequence
-        if not isinstance(x, DiscreteStateSpaceResponse):
+        if not isinstance(x, DiscreteStateSpaceResponse) or x.system.origin is None:
             return ()
         nyquist = x.system.nyquist_hz
-        poles = x.system._continuous.polynomial_matrix().eigenvalues
+        poles = x.system.origin.system.polynomial_matrix().eigenvalues
         above = sorted({f"{hz:.4g}" for hz in np.abs(poles.imag) / (2 * np.pi) if hz > nyquist * (1 + EPS**0.5)}, key=float)
         if not above:
             return ()

@@ -11,19 +11,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..exact import structure
 from ..ground.checks import counted, names_of, optional_package, real_array, real_number
 from ..ground.display import Displayed, TextTable, notice_table
-from ..ground.errors import InputError
+from ..ground.errors import InputError, SingularPolynomialMatrix
 from ..ground.notices import Notice
-from ..ground.tolerances import EPS
+from ..ground.tolerances import EPS, rounding_radius
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.discrete import DiscreteResponse, discrete_force, from_start, growth_notices
 from ..signals.sequences import sample_numbers
 from .conversions import arguments_of
 from .sampling import SampledEquations, sampled_equations
-from .state_equations import StateEquations, channel_place, channel_places, roots_of, state_values, transfer_of
+from .state_equations import StateEquations, channel_matrix, channel_place, channel_places, roots_of, state_values, transfer_of
 
 if TYPE_CHECKING:
+    from ..polynomial.structure import FiniteZero
     from ..response.discrete import Force
 
 
@@ -98,6 +100,7 @@ class SampledZero:
     Attributes:
         value: z; of a complex pair the one above the real axis.
         multiplicity: how often.
+        error: an estimate of the error of z that rounding errors of A, B, C and D leave; half a unit in the last place for exact zeros.
         origin: "plant": the image e^(s h) of a zero s of the continuous system, near it; "sampling": there is no such zero;
             "" where the continuous system is not known.
         limit: of a zero of sampling its limit for step -> 0, a root of an Euler-Frobenius polynomial; of one of the plant e^(s h); None
@@ -106,8 +109,31 @@ class SampledZero:
 
     value: complex
     multiplicity: int
+    error: float
     origin: str
     limit: complex | None
+
+    @property
+    def condition(self) -> float:
+        """By how much relative errors of A, B, C and D are magnified in z; infinite for z = 0."""
+        return self.error / (EPS * abs(self.value)) if self.value else np.inf
+
+
+@dataclass(frozen=True, eq=False)
+class SampledOrigin:
+    """The continuous system of a discretized one.
+
+    Attributes:
+        system: the continuous system.
+        form: the discretized equations and the map of its start.
+        hold: how inputs continue between samples.
+        is_delayed: whether an input is.
+    """
+
+    system: StateEquations
+    form: SampledEquations
+    hold: int | str
+    is_delayed: bool
 
 
 class DiscreteStateSpace(Displayed):
@@ -127,11 +153,7 @@ class DiscreteStateSpace(Displayed):
     [[0.0, 0.5, 0.75, 0.875]]
     """
 
-    notices: tuple[Notice, ...] = ()
-    _continuous: StateEquations | None = None
-    _sampled: SampledEquations | None = None
-    _hold: int | str | None = None
-    _is_delayed = False
+    origin: SampledOrigin | None = None
 
     def __init__(
         self,
@@ -159,7 +181,23 @@ class DiscreteStateSpace(Displayed):
         self.A, self.B, self.C, self.D = A, B, C, D
         self.states, self.inputs = names_of(states, n, "states", "x"), names_of(inputs, B.shape[1], "inputs", "u")
         self.outputs = names_of(outputs, len(C), "outputs", "y")
-        self.notices = growth_notices(np.linalg.eigvals(A)) if n else ()
+        self.notices: tuple[Notice, ...] = growth_notices(np.linalg.eigvals(A)) if n else ()
+
+    @classmethod
+    def of_continuous(
+        cls, system: StateEquations, step: float, hold: int | str, delays: Mapping[str, float] | None
+    ) -> DiscreteStateSpace:
+        """The states and outputs of a continuous system at t = k step under a hold of its input (``StateSpace.discretize``)."""
+        form = sampled_equations(system, step, hold, delays)
+        matrices = form.matrices
+        count = len(matrices.A) - len(matrices.delayed)
+        names = list(system.states) if count == len(system.A) else [f"state {i + 1}" for i in range(count)]
+        names += [f"{system.inputs[j]} {samples} before" for j, samples in matrices.delayed]
+        parts = matrices.A, matrices.B, matrices.C, matrices.D
+        result = cls(*parts, step, names, list(system.inputs), list(system.outputs))
+        result.notices = (*form.notices, *result.notices)
+        result.origin = SampledOrigin(system, form, hold, bool(delays and any(delays.values())))
+        return result
 
     def _summary(self) -> str:
         named = ((self.states, "state"), (self.inputs, "input"), (self.outputs, "output"))
@@ -214,10 +252,9 @@ class DiscreteStateSpace(Displayed):
         return DiscreteStateSpaceResponse(self, from_start(A, start[None, :], force.times(np.vstack([self.B, self.D]))))
 
     def _start(self, initial, first: np.ndarray) -> np.ndarray:
-        given = self._sampled
-        if given is None:
+        if self.origin is None:
             return state_values(initial, self.states)
-        values = state_values(initial, self._continuous.states if self._continuous is not None else self.states)
+        given, values = self.origin.form, state_values(initial, self.origin.system.states)
         start = np.zeros(len(self.A))
         start[: len(given.start_map)] = given.start_map @ values
         return start + given.matrices.start_input @ first
@@ -264,7 +301,7 @@ class DiscreteStateSpace(Displayed):
             return np.zeros(0, dtype=complex)
         return roots_of(self._equations.polynomial_matrix().jordan_pairs().structure.finite_zeros)
 
-    def zeros(self, output: int | str = 0, input: int | str = 0) -> tuple[SampledZero, ...]:
+    def zeros(self, output: int | str = 0, input: int | str = 0, *, exact: bool = False) -> tuple[SampledZero, ...]:
         """Return the zeros from one input to one output, and which of them sampling adds.
 
         A zero s of the continuous system has a zero near e^(s h). Of m poles more than zeros sampling adds m - 1 zeros with hold=0, m
@@ -274,9 +311,11 @@ class DiscreteStateSpace(Displayed):
 
         Args:
             output, input: names or numbers from 0.
+            exact: whether the numbers in A, B, C and D count as exact: then each zero is the nearest float64 number, and multiplicities are
+                certain.
 
         Returns:
-            The zeros, each with its origin and limit.
+            The zeros, each with an estimate of its error, its origin and its limit.
 
         Raises:
             InputError: unknown names.
@@ -290,27 +329,34 @@ class DiscreteStateSpace(Displayed):
         output, input = channel_place(output, self.outputs, "output"), channel_place(input, self.inputs, "input")
         if not len(self.A):
             return ()
-        own = [(complex(zero.value), zero.multiplicity) for zero in transfer_of(self._equations, output, input).zeros]
-        if self._continuous is None:
-            return tuple(SampledZero(value, count, "", None) for value, count in own)
-        plant = transfer_of(self._continuous, output, input)
+        matrix = channel_matrix(self._equations, output, input)
+        if exact:
+            own = [(complex(zero.value), zero.multiplicity, EPS / 2 * abs(zero.value)) for zero in exact_zeros(matrix)]
+        else:
+            zeros = transfer_of(self._equations, output, input).zeros
+            own = [(complex(zero.value), zero.multiplicity, zero_error(matrix, zero)) for zero in zeros]
+        if self.origin is None:
+            return tuple(SampledZero(*zero, "", None) for zero in own)
+        plant = transfer_of(self.origin.system, output, input)
         values = roots_of(plant.zeros)
         images = list(np.exp(values[values.imag >= 0] * self.step))
         excess = len(roots_of(plant.poles)) - len(values)
-        single = [value for value, count in own for _ in range(count)]
+        single = [value for value, count, _ in own for _ in range(count)]
+        errors = [error for _, count, error in own for _ in range(count)]
         near: dict[int, complex] = {}
         while images and len(near) < len(single):
             distances = {(i, j): abs(z - e) for i, z in enumerate(single) if i not in near for j, e in enumerate(images)}
             i, j = min(distances, key=distances.__getitem__)
             near[i] = images.pop(j)
-        order = {0: excess, 1: excess + 1, "impulse": excess}.get(self._hold, 0)
-        limits = list(euler_frobenius_roots(order)) if order > 0 and not self._is_delayed and self._hold != "impulse" else []
+        order = 0 if self.origin.is_delayed else {0: excess, 1: excess + 1}.get(self.origin.hold, 0)
+        limits = list(euler_frobenius_roots(order)) if order > 0 else []
         result = []
         for i, value in enumerate(single):
             limit = near.get(i)
             if limit is None and limits:
                 limit = limits.pop(int(np.argmin(np.abs(np.log(np.abs(np.array(limits))) - np.log(abs(value) or EPS)))))
-            result.append(SampledZero(value, 1, "plant" if i in near else "sampling", None if limit is None else complex(limit)))
+            origin = "plant" if i in near else "sampling"
+            result.append(SampledZero(value, 1, errors[i], origin, None if limit is None else complex(limit)))
         return tuple(result)
 
     @cached_property
@@ -397,22 +443,28 @@ class DiscreteStateSpace(Displayed):
         return cls.from_scipy(system, step)
 
 
-def discretized_state_space(
-    system: StateEquations, step: float, hold: int | str, delays: Mapping[str, float] | None
-) -> DiscreteStateSpace:
-    """The states and outputs of a continuous system at t = k step under a hold of its input (``StateSpace.discretize``)."""
-    form = sampled_equations(system, step, hold, delays)
-    matrices = form.matrices
-    count = len(matrices.A) - len(matrices.delayed)
-    names = list(system.states) if count == len(system.A) else [f"state {i + 1}" for i in range(count)]
-    names += [f"{system.inputs[j]} {samples} before" for j, samples in matrices.delayed]
-    result = DiscreteStateSpace(
-        matrices.A, matrices.B, matrices.C, matrices.D, step, names, list(system.inputs), list(system.outputs)
-    )
-    result.notices = (*form.notices, *result.notices)
-    result._continuous, result._sampled, result._hold = system, form, hold
-    result._is_delayed = bool(delays and any(delays.values()))
-    return result
+def exact_zeros(matrix: PolynomialMatrix) -> tuple[FiniteZero, ...]:
+    """The zeros of a matrix of exact numbers; none where it is singular for every z."""
+    try:
+        return structure(matrix).finite_zeros
+    except SingularPolynomialMatrix:
+        return ()
+
+
+def zero_error(matrix: PolynomialMatrix, zero: FiniteZero) -> float:
+    """The displacement of a zero by relative rounding errors of the entries, to first order; of a multiple one its usual scatter.
+
+    With P(z) x = 0 and y^H P(z) = 0 it is y^H dP x / (y^H P' x).
+    """
+    P0, P1 = matrix.coefficients
+    value = complex(zero.value)
+    left, _, right = np.linalg.svd(P0 + value * P1)
+    y, x = left[:, -1], right[-1].conj()
+    below = abs(y.conj() @ P1 @ x)
+    moved = EPS * len(P0) * float(np.abs(y) @ (np.abs(P0) + abs(value) * np.abs(P1)) @ np.abs(x))
+    if zero.multiplicity == 1:
+        return float(moved / below) if below else np.inf
+    return float(max(abs(value), np.abs(P0).max()) * rounding_radius(zero.multiplicity))
 
 
 def euler_frobenius(order: int) -> list[int]:

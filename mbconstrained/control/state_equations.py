@@ -209,6 +209,11 @@ def transfer_of(system: StateEquations, output: int | str = 0, input: int | str 
     return Transfer(zeros, poles, gain, _value_at_zero(channel, zeros, poles, gain))
 
 
+def channel_matrix(system: StateEquations, output: int, input: int) -> PolynomialMatrix:
+    """[[s E - A, -b], [c, d]], whose zeros are those from the input to the output."""
+    return _Channel(system, output, input).polynomial_matrix()
+
+
 def channel_place(key, names: Sequence[str], what: str) -> int:
     if isinstance(key, str) and key in names:
         return names.index(key)

@@ -233,9 +233,9 @@ class StateSpace(StateEquations):
         >>> zero_order.A.tolist(), zero_order.B.tolist()
         ([[1.0, 0.5], [0.0, 1.0]], [[0.125], [0.5]])
         """
-        from .discrete_state_space import discretized_state_space  # balls, which nothing else here needs
+        from .discrete_state_space import DiscreteStateSpace  # balls, which nothing else here needs
 
-        return discretized_state_space(self, step, hold, delays)
+        return DiscreteStateSpace.of_continuous(self, step, hold, delays)
 
     def to_dict(self) -> dict:
         """A, B, C, D, E, and lists of states, inputs, outputs and their units, as plain data.
