@@ -1,0 +1,235 @@
+"""A descriptor system F x' = A x + B u with singular F in its finite and its infinite part, for its normal form.
+
+With the Jordan pairs of s F - A (Moysis et al., Theorem 2.8)
+
+    (s F - A)^-1 = V (s I - J)^-1 P + Q (I - s N)^-1 R,
+
+J for the finite and the nilpotent N for the infinite zeros, every state is x = V x_f + Q z with x_f' = J x_f + P B u and
+z = N z' + R B u. The finite part has the normal form, the infinite part follows the inputs and their derivatives at once.
+
+The basis of the finite part is not that of the pairs: rows of C are chosen so that x_f are states of x, those which the finite motion
+alone would have. A system whose other states follow algebraically keeps its coordinates so.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.linalg
+
+from ..ground.checks import counted
+from ..ground.display import Displayed
+from ..ground.errors import NoNormalForm, SingularPolynomialMatrix
+from ..ground.notices import Evidence, Notice, NoticeKind
+from ..ground.tolerances import EPS
+from ..linalg.rank import Noisy, null_columns
+from ..polynomial.jordan_pairs import JordanPairs
+from .normal_form_existence import ScaledPencil, StateSpaceData, scaled_pencil
+
+if TYPE_CHECKING:
+    from ..control.state_equations import StateEquations
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class InfinitePart(Displayed):
+    """The states z of a descriptor system that follow its inputs at once: z = N z' + B_z u, x = (finite part) + Q z.
+
+    From values z(0-) the answer is
+
+        z(t) = sum_i N^i B_z u^(i)(t) - sum_(i >= 1) N^i z(0-) delta^(i-1)(t),    i below the index.
+
+    Attributes:
+        nilpotent: N, shape (m, m), strictly upper triangular, in s.
+        input_matrix: B_z, shape (m, p).
+        states: Q, shape (n, m).
+        rows: z = rows x, shape (m, n).
+        index: the least k with N^k = 0; 0 without an infinite part.
+        output_matrix, feedthrough: C Q, shape (k, m), and D; None where no outputs were given.
+        polynomial: the matrices D_0, D_1, ... of the polynomial part of the transfer function, D_0 + D_1 s + ...; the impulse
+            response contains D_i times the i-th derivative of Dirac's delta. Without outputs those to the states.
+    """
+
+    nilpotent: np.ndarray
+    input_matrix: np.ndarray
+    states: np.ndarray
+    rows: np.ndarray
+    index: int
+    output_matrix: np.ndarray | None
+    feedthrough: np.ndarray | None
+    polynomial: tuple[np.ndarray, ...]
+    noise: np.ndarray = field(repr=False)  # of N, shape (m, m)
+
+    def _summary(self) -> str:
+        return f"{counted(self.size, 'state')}, index {self.index}"
+
+    @property
+    def size(self) -> int:
+        """Number m of states."""
+        return len(self.nilpotent)
+
+
+@dataclass(frozen=True, eq=False)
+class DescriptorParts:
+    """Both parts of a descriptor system.
+
+    Attributes:
+        explicit: x_f' = J x_f + B_1 v, y = C V x_f, where v = inputs @ u are the independent ones among the inputs of the finite part.
+        noise: of J and of B_1, shapes (n_f, n_f) and (n_f, k).
+        inputs: shape (k, p), the identity where all inputs act on the finite part independently.
+        columns, rows: V and P, shapes (n, n_f) and (n_f, n).
+        infinite: the infinite part.
+        evidence, notices: of the decoupling.
+    """
+
+    explicit: StateSpaceData
+    noise: tuple[np.ndarray, np.ndarray]
+    inputs: np.ndarray
+    columns: np.ndarray
+    rows: np.ndarray
+    infinite: InfinitePart
+    evidence: tuple[Evidence, ...]
+    notices: tuple[Notice, ...]
+
+
+def noisy_pencil(data: StateSpaceData, noise: tuple[np.ndarray, np.ndarray]) -> ScaledPencil:
+    """x' = A x + B u in scaled units, known up to this noise of A and B."""
+    pair = scaled_pencil(data)
+    A, B = pair.equation[:, None] * noise[0] * pair.state, pair.equation[:, None] * noise[1] * pair.input
+    known = [np.linalg.norm(A) / (np.linalg.norm(pair.A) or 1.0), *(np.linalg.norm(B, axis=0) / np.linalg.norm(pair.B, axis=0))]
+    return replace(pair, known=max(EPS, *map(float, known)))
+
+
+def descriptor_parts(data: StateSpaceData) -> DescriptorParts:
+    """Decouple the finite and the infinite part.
+
+    Raises:
+        NoNormalForm: det(s F - A) = 0 for every s, the finite part has an odd number of states or too many inputs.
+    """
+    from ..control.state_equations import StateEquations
+
+    A, B, F = data.A, data.B, data.F
+    outputs = (np.eye(len(A)), None) if data.C is None else (data.C, data.D)
+    system = StateEquations(A, B, *outputs, F)
+    try:
+        pairs = system.polynomial_matrix().jordan_pairs()
+    except SingularPolynomialMatrix as problem:
+        rank, text = int(np.linalg.matrix_rank(F)), str(problem)
+        raise NoNormalForm(
+            "no mechanical normal form: the descriptor matrix is singular and det(s F - A) is zero for every s, the equations do not "
+            f"determine the states: {text}",
+            condition="descriptor",
+            rank=rank,
+            needed=len(A),
+        ) from None
+    columns, rows, noisy_rows = _finite_bases(pairs)
+    n = columns.shape[1]
+    if n % 2:
+        raise NoNormalForm(
+            f"no mechanical normal form: {n} of the {len(A)} states belong to the finite part of s F - A, the others follow the inputs at "
+            "once; a mechanical system has an even number of finite states, a displacement and a velocity for each coordinate. Work with "
+            "the first-order system as it is, mb.StateSpace, or reduce it",
+            condition="descriptor",
+            rank=n,
+            needed=n + 1,
+        )
+    of_A, of_F = (np.abs(rows) @ np.abs(matrix) @ np.abs(columns) for matrix in (A, F))
+    J = rows @ A @ columns
+    J = Noisy(J - (rows @ F @ columns - np.eye(n)) @ J, EPS * of_A)
+    J = Noisy(J.cleaned(), J.noise + EPS * np.abs(J.data) @ of_F)
+    inputs, own = independent_inputs(noisy_rows @ Noisy.rounded(B))
+    if 2 * len(inputs) > n:
+        raise NoNormalForm(
+            f"no mechanical normal form: {counted(len(inputs), 'independent input')} for {counted(n, 'finite state')}; a mechanical system "
+            f"of {counted(n // 2, 'coordinate')} takes at most {n // 2} independent forces",
+            condition="rank [B, A B]",
+            rank=min(n, 2 * len(inputs)),
+            needed=2 * len(inputs),
+        )
+    outputs = (None, None) if data.C is None else (data.C @ columns, data.D)
+    infinite = _infinite_part(data, system, pairs)
+    explicit = StateSpaceData(J.data, own.data, *outputs)
+    residual = max(
+        _residual(rows, F, columns, np.eye(n)),
+        _residual(rows, F, infinite.states, 0.0),
+        _residual(rows, A, infinite.states, 0.0),
+        _residual(infinite.rows, infinite.states, None, np.eye(infinite.size)),
+        _residual(infinite.rows, columns, None, 0.0),
+    )
+    condition = float(np.linalg.cond(np.hstack([columns, infinite.states])))
+    evidence = (
+        Evidence("decoupling residual", residual, "largest relative residual of the decoupled finite and infinite part"),
+        Evidence("decoupling condition", condition, "of [V, Q], x = V x_f + Q z, in the units of the states"),
+    )
+    return DescriptorParts(explicit, (J.noise, own.noise), inputs, columns, rows, infinite, evidence, _doubts(pairs))
+
+
+def _finite_bases(pairs: JordanPairs) -> tuple[np.ndarray, np.ndarray, Noisy]:
+    """V and P in the given units, with V the identity in chosen rows, and P with its rounding errors."""
+    form, scaling = pairs.form, pairs.form.companion.scaling
+    n = form.C.shape[1]
+    chosen = np.sort(scipy.linalg.qr(form.C.T, mode="r", pivoting=True)[1][:n])
+    basis = form.C[chosen]
+    columns = np.linalg.solve(basis.T, form.C.T).T
+    columns[chosen] = np.eye(n)
+    rows = Noisy.rounded(basis) @ form.noisy_B
+    own, left = scaling.columns[chosen], scaling.time * scaling.rows
+    columns = Noisy(columns, EPS * np.abs(form.C) @ np.abs(np.linalg.inv(basis))).cleaned()
+    columns = scaling.columns[:, None] * columns / own
+    return columns, own[:, None] * rows.cleaned() * left, Noisy(own[:, None] * rows.data * left, own[:, None] * rows.noise * left)
+
+
+def independent_inputs(B: Noisy) -> tuple[np.ndarray, Noisy]:
+    """R and B_1 with B = B_1 R, independent columns B_1 of B; inputs of one column of B_1 alone are exact."""
+    compression, p = null_columns(B), B.data.shape[1]
+    pivots = np.sort(compression.pivots)
+    others, null = np.setdiff1d(np.arange(p), pivots), compression.null.cleaned()
+    R = np.zeros((len(pivots), p))
+    R[:, pivots] = np.eye(len(pivots))
+    R[:, others] = -np.linalg.solve(null[:, others], null[:, pivots]).T
+    own = B[:, pivots]
+    return R, Noisy(own.cleaned(), own.noise)
+
+
+def _infinite_part(data: StateSpaceData, system: StateEquations, pairs: JordanPairs) -> InfinitePart:
+    from ..control.conversions import through
+
+    form, scaling = pairs.form, pairs.form.companion.scaling
+    states, N = scaling.columns[:, None] * form.C2.cleaned(), form.nilpotent.cleaned() / scaling.time
+    rows = form.B2.cleaned() * scaling.rows
+    index, m = max(pairs.structure.infinite_divisors), len(N)
+    terms = [through(system, order) for order in range(index)]
+    while len(terms) > 1 and not terms[-1].any():
+        terms.pop()
+    return InfinitePart(
+        nilpotent=N,
+        input_matrix=(-(form.B2 @ Noisy.rounded(scaling.rows[:, None] * data.B)).cleaned()).reshape(m, -1) + 0.0,
+        states=states,
+        rows=rows @ data.A,
+        index=index,
+        output_matrix=None if data.C is None else data.C @ states,
+        feedthrough=data.D,
+        polynomial=(system.D + terms[0], *terms[1:]),
+        noise=form.nilpotent.noise / scaling.time,
+    )
+
+
+def _residual(left, matrix, right, wanted) -> float:
+    """|left matrix right - wanted| relative to the terms of each entry's row and column."""
+    size = np.abs(left) @ np.abs(matrix)
+    value = left @ matrix
+    if right is not None:
+        value, size = value @ right, size @ np.abs(right)
+    scale = np.maximum(size.max(axis=1, keepdims=True, initial=0.0), np.abs(wanted))
+    return float((np.abs(value - wanted) / np.where(scale > 0, scale, 1.0)).max(initial=0.0))
+
+
+def _doubts(pairs: JordanPairs) -> tuple[Notice, ...]:
+    """A doubtful notice where rounding decides what belongs to the infinite part."""
+    if all(decision.clear for decision in pairs.form.split.decisions):
+        return ()
+    text = (
+        "rounding errors of F and A may decide which states belong to the infinite part; the normal form may be an artefact of them"
+    )
+    return (Notice(NoticeKind.RANK, text, doubtful=True),)
