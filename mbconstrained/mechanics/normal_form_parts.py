@@ -138,7 +138,10 @@ def descriptor_parts(data: StateSpaceData) -> DescriptorParts:
     J = rows @ A @ columns
     J = Noisy(J - (rows @ F @ columns - np.eye(n)) @ J, EPS * of_A)
     J = Noisy(J.cleaned(), J.noise + EPS * np.abs(J.data) @ of_F)
-    inputs, own = independent_inputs(noisy_rows @ Noisy.rounded(B))
+    infinite = _infinite_part(data, system, pairs)
+    of_inputs = noisy_rows @ Noisy.rounded(B)
+    mixed = _mixing(data, J.size, columns, rows, infinite) @ np.abs(infinite.input_matrix)
+    inputs, own = independent_inputs(Noisy(of_inputs.data, of_inputs.noise + mixed))
     if 2 * len(inputs) > n:
         raise NoNormalForm(
             f"no mechanical normal form: {counted(len(inputs), 'independent input')} for {counted(n, 'finite state')}; a mechanical system "
@@ -148,7 +151,6 @@ def descriptor_parts(data: StateSpaceData) -> DescriptorParts:
             needed=2 * len(inputs),
         )
     outputs = (None, None) if data.C is None else (data.C @ columns, data.D)
-    infinite = _infinite_part(data, system, pairs)
     explicit = StateSpaceData(J.data, own.data, *outputs)
     residual = max(
         _residual(rows, F, columns, np.eye(n)),
@@ -178,6 +180,16 @@ def _finite_bases(pairs: JordanPairs) -> tuple[np.ndarray, np.ndarray, Noisy]:
     columns = Noisy(columns, EPS * np.abs(form.C) @ np.abs(np.linalg.inv(basis))).cleaned()
     columns = scaling.columns[:, None] * columns / own
     return columns, own[:, None] * rows.cleaned() * left, Noisy(own[:, None] * rows.data * left, own[:, None] * rows.noise * left)
+
+
+def _mixing(data: StateSpaceData, J: np.ndarray, columns: np.ndarray, rows: np.ndarray, infinite: InfinitePart) -> np.ndarray:
+    """How far rounding errors of F and A mix rows of the infinite part into P: Y = (errors of P A Q - J P F Q) + J Y N, by size."""
+    of_A, of_F = (np.abs(rows) @ np.abs(matrix) @ np.abs(infinite.states) for matrix in (data.A, data.F))
+    term = total = EPS * (of_A + J @ of_F)
+    for _ in range(infinite.index - 1):
+        term = J @ term @ np.abs(infinite.nilpotent)
+        total = total + term
+    return total
 
 
 def independent_inputs(B: Noisy) -> tuple[np.ndarray, Noisy]:
