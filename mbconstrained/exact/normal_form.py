@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import count
 from random import Random
 
 import flint
@@ -138,8 +137,8 @@ def _transformation(J, B) -> tuple[np.ndarray, np.ndarray]:
                     eigenvalue=float(_array(flint.fmpq_mat([[root]]))[0, 0]),
                 )
     random = Random(n)
-    for trial in count():
-        bound = FIRST_BOUND << trial
+    bound = FIRST_BOUND
+    while True:
         new = np.array([random.randint(-bound, bound) for _ in range(n * (half - p))], dtype=object).reshape(n, half - p)
         extended = np.hstack([new, B])
         square = np.hstack([extended, J @ extended])
@@ -147,6 +146,7 @@ def _transformation(J, B) -> tuple[np.ndarray, np.ndarray]:
             X = _inverse(square)[half:]
             T = np.vstack([X, X @ J])
             return T, T @ J @ _inverse(T)
+        bound *= 2
 
 
 def _polynomial_part(C, D, infinite: ExactInfinitePart | None) -> tuple[np.ndarray, ...]:
@@ -169,13 +169,13 @@ def _exact(value, what: str, shape: tuple) -> np.ndarray:
         expected = " x ".join("any" if size is None else str(size) for size in shape)
         raise InputError(f"{what}: expected shape {expected}, found {' x '.join(map(str, array.shape)) or 'a single number'}")
     try:
-        return _array(flint.fmpq_mat(*array.shape, [rational(entry) for entry in array.flat]))
+        return _array(flint.fmpq_mat(len(array), array.shape[1], [rational(entry) for entry in array.flat]))
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{what}: expected finite rational numbers: ints, floats or Fractions") from None
 
 
 def _matrix(array: np.ndarray) -> flint.fmpq_mat:
-    return flint.fmpq_mat(*array.shape, [rational(entry) for entry in array.flat])
+    return flint.fmpq_mat(len(array), array.shape[1], [rational(entry) for entry in array.flat])
 
 
 def _array(matrix: flint.fmpq_mat) -> np.ndarray:

@@ -18,7 +18,6 @@ from ..ground.errors import IllConditioned, InputError
 from ..ground.notices import Evidence, Notice, NoticeKind
 from ..ground.tolerances import DEFECTIVE_CONDITION, EPS, NOISE_SAFETY, PAIRED_EIGENVALUES, SINGULAR_CONDITION
 from ..linalg.blocks import block_slices, decoupled, eigenvalues
-from ..linalg.rank import Noisy
 from ..signals.inputs import ImpulsiveSmooth, step
 from .energy import EnergyParts
 from .normal_form_existence import (
@@ -30,7 +29,7 @@ from .normal_form_existence import (
     scaled_pencil,
     state_space_data,
 )
-from .normal_form_parts import InfinitePart, descriptor_parts, independent_inputs, noisy_pencil
+from .normal_form_parts import FinitePart, InfinitePart, descriptor_parts, noisy_pencil, regular_part
 from .system import MechanicalSystem
 
 if TYPE_CHECKING:
@@ -261,6 +260,7 @@ class NormalForm(Displayed):
         uncertainty: bounds of the rounding errors of [stiffness, damping], shape (n/2, n).
         inverse: T^+, shape (n, n_f), with T T^+ = I, of a form of fewer coordinates than half the states; None for T^-1.
         infinite: the infinite part z = N z' + B_z u of a singular F; None of a regular one.
+        part: the finite part in states of x, which ``reduced`` divides further.
     """
 
     transformation: np.ndarray
@@ -274,6 +274,7 @@ class NormalForm(Displayed):
     uncertainty: np.ndarray = field(default=None, repr=False)
     inverse: np.ndarray | None = field(default=None, repr=False)
     infinite: InfinitePart | None = None
+    part: FinitePart | None = field(default=None, repr=False)
 
     def _summary(self) -> str:
         family = "unique" if self.is_unique else f"one of a family of {counted(self.freedom, 'dimension')}"
@@ -357,12 +358,12 @@ class NormalForm(Displayed):
         if not isinstance(units, Mapping) and len(units) == self.size:
             units = [*units, *["1"] * massless]
         doubt = {"stiffness": self.uncertainty[:, : self.size], "damping": self.uncertainty[:, self.size :]}
-        matrices = np.eye(self.size), self.damping, self.stiffness
+        M, C, K = np.eye(self.size), self.damping, self.stiffness
         if self.infinite:
             N, noise = self.infinite.nilpotent, self.infinite.noise
-            matrices = tuple(map(_side_by_side, matrices, (0.0 * N, -N, np.eye(massless))))
+            M, C, K = _side_by_side(M, 0.0 * N), _side_by_side(C, -N), _side_by_side(K, np.eye(massless))
             doubt = {key: _side_by_side(doubt[key], own) for key, own in (("stiffness", 0.0 * noise), ("damping", noise))}
-        return MechanicalSystem(*matrices, names=names, units=units, uncertainty=doubt, energy_parts=EnergyParts({}, {}))
+        return MechanicalSystem(M, C, K, names=names, units=units, uncertainty=doubt, energy_parts=EnergyParts({}, {}))
 
     def state_space(self) -> StateSpace:
         """The system in the coordinates (q, q'), of a singular F (q, q', z): the same inputs, outputs and transfer function.
@@ -593,25 +594,36 @@ def mechanical_normal_form(A, B, C=None, D=None, descriptor=None, method: str = 
 def _of_regular(data: StateSpaceData, rows_of: Callable[[ScaledPencil], np.ndarray]) -> NormalForm:
     pair = scaled_pencil(data)
     exists = existence(pair)
-    return _assembled(data, rows_of(pair), exists)
+    return replace(_assembled(data, rows_of(pair), exists), part=regular_part(data))
 
 
 def _of_descriptor(data: StateSpaceData, rows_of: Callable[[ScaledPencil], np.ndarray]) -> NormalForm:
     """The form of the finite part, in the states of the whole."""
     parts = descriptor_parts(data)
-    own, exists = _of_part(parts.explicit, parts.noise, rows_of)
-    T, left = own.transformation @ parts.rows @ data.F, own.transformation @ parts.rows
-    inputs = own.input_matrix @ parts.inputs
+    form = _in_states(parts.finite, data, rows_of)
+    return replace(
+        form,
+        feedthrough=None if data.C is None else parts.infinite.polynomial[0],
+        evidence=(*form.evidence, *parts.evidence),
+        notices=(*form.notices, *parts.notices),
+        infinite=parts.infinite,
+    )
+
+
+def _in_states(part: FinitePart, data: StateSpaceData, rows_of: Callable[[ScaledPencil], np.ndarray]) -> NormalForm:
+    """The form of a part in the states of the whole, with the evidence of T in these."""
+    own, exists = _of_part(part.independent, (part.noise[0], part.own.noise), rows_of)
+    T, left = own.transformation @ part.start, own.transformation @ part.rows
+    inputs = own.input_matrix @ part.inputs
+    evidence = _evidence(data, left, T, own.state_matrix, inputs, exists)
     return replace(
         own,
         transformation=T,
         left_transformation=left,
         input_matrix=inputs,
-        feedthrough=None if data.C is None else parts.infinite.polynomial[0],
-        evidence=(*_evidence(data, left, T, own.state_matrix, inputs, exists), *parts.evidence),
-        notices=(*own.notices, *parts.notices),
-        inverse=parts.columns @ own.inverse,
-        infinite=parts.infinite,
+        evidence=evidence,
+        inverse=part.columns @ own.inverse,
+        part=part,
     )
 
 
@@ -632,7 +644,9 @@ def _of_part(data: StateSpaceData, noise, rows_of: Callable[[ScaledPencil], np.n
 def _reduced(form: NormalForm, coordinates: int) -> NormalForm:
     if coordinates > form.size:
         raise InputError(f"coordinates: found {coordinates}; expected at most {form.size}, which the form has")
-    modes = decoupled(form.state_matrix)
+    part = form.part
+    A = part.explicit.A
+    modes = decoupled(A)
     slices, rates = block_slices(modes.blocks), [eigenvalues(block) for block in modes.blocks]
     order = sorted(range(len(rates)), key=lambda place: float(np.abs(rates[place]).max()))
     sizes = np.cumsum([0, *(len(rates[place]) for place in order)])
@@ -642,51 +656,39 @@ def _reduced(form: NormalForm, coordinates: int) -> NormalForm:
             f"coordinates: {coordinates} would divide a complex pair or a cluster of eigenvalues; possible are {possible}"
         )
     count = int(np.searchsorted(sizes, 2 * coordinates))
-    kept, others = (np.concatenate([np.arange(0), *(np.r_[slices[i]] for i in some)]) for some in (order[:count], order[count:]))
-    omitted = np.concatenate([np.zeros(0), *(rates[place] for place in order[count:])])
-    if not len(omitted):
+    if count == len(order):
         return form
-    size = np.abs(modes.inverse) @ np.abs(form.state_matrix) @ np.abs(modes.basis)
-    for rate in omitted[omitted.real >= -NOISE_SAFETY * EPS * np.diag(size)[others].max()]:
-        if rate.real > 0 or abs(rate) <= NOISE_SAFETY * EPS * size.max():
+    kept, others = (np.concatenate([np.arange(0), *(np.r_[slices[i]] for i in some)]) for some in (order[:count], order[count:]))
+    retained, omitted = (np.concatenate([np.zeros(0), *(rates[i] for i in some)]) for some in (order[:count], order[count:]))
+    noise = NOISE_SAFETY * (np.abs(modes.inverse) @ part.noise[0] @ np.abs(modes.basis)).max(initial=0.0)
+    for rate in omitted:
+        if rate.real > noise or abs(rate) <= noise:
             raise InputError(
                 f"coordinates: {coordinates} leaves out the eigenvalue {rate:.6g}, whose motion does not decay; keep more"
             )
-    blocks = modes.inverse @ form.state_matrix @ modes.basis
-    rows, columns, J = modes.inverse[kept], modes.basis[:, kept], blocks[np.ix_(kept, kept)]
-    doubt = np.vstack([np.zeros(form.uncertainty.shape), form.uncertainty])
-    noise = np.abs(rows) @ (EPS * np.abs(form.state_matrix) + doubt) @ np.abs(columns)
-    R, B = independent_inputs(Noisy(rows @ form.input_matrix, EPS * np.abs(rows) @ np.abs(form.input_matrix)))
-    left, right, fast = modes.inverse[others] @ form.input_matrix, modes.basis[:, others], blocks[np.ix_(others, others)]
-    outputs = None if form.output_matrix is None else form.output_matrix @ columns
-    own, exists = _of_part(StateSpaceData(J, B.data, outputs), (noise, B.noise), well_conditioned_rows)
-    T = own.transformation @ rows
-    inputs, parent = own.input_matrix @ R, StateSpaceData(form.state_matrix, form.input_matrix)
-    C = form._inverse if form.output_matrix is None else form.output_matrix
-    static = -C @ right @ np.linalg.solve(fast, left)
-    highest = float(np.abs(np.concatenate([np.zeros(1), *(rates[place] for place in order[:count])])).max())
-    truncation = _truncation(C @ right, fast, left, form.state_space(), highest)
+    slow, fast = (
+        part.divided([modes.blocks[i] for i in some], modes.inverse[at], modes.basis[:, at])
+        for some, at in ((order[:count], kept), (order[count:], others))
+    )
+    data = part.data
+    own = _in_states(slow, data, well_conditioned_rows)
+    J, B = fast.explicit.A, fast.explicit.B
+    C = fast.columns if fast.explicit.C is None else fast.explicit.C
+    static = -C @ np.linalg.solve(J, B)
+    highest = float(np.abs(retained).max(initial=0.0))
+    truncation = _truncation(C, J, B, form.state_space(), highest)
     text = "largest change of the left-out part of the transfer function up to the highest kept frequency, relative to the whole"
-    condition, *evidence = _evidence(parent, T, T, own.state_matrix, inputs, exists)
-    whole = T @ form.transformation
     notice = f"{counted(len(omitted), 'eigenvalue')} from {np.abs(omitted).min():.6g} 1/s on follow the inputs at once, as at rest"
     infinite, D = form.infinite, form.feedthrough
     if infinite is not None:
-        direct = infinite.feedthrough
-        infinite = replace(
-            infinite,
-            feedthrough=static if direct is None else direct + static,
-            polynomial=(infinite.polynomial[0] + static, *infinite.polynomial[1:]),
-        )
+        first = infinite.polynomial[0] + static
+        direct = static if infinite.feedthrough is None else infinite.feedthrough + static
+        infinite = replace(infinite, feedthrough=direct, polynomial=(first, *infinite.polynomial[1:]))
     return replace(
         own,
-        transformation=whole,
-        left_transformation=T @ form.left_transformation,
-        input_matrix=inputs,
         feedthrough=None if D is None else D + static,
-        evidence=(replace(condition, value=_condition_number(whole)), *evidence, Evidence("truncation", truncation, text)),
+        evidence=(*own.evidence, Evidence("truncation", truncation, text)),
         notices=(*form.notices, *own.notices, Notice(NoticeKind.OMITTED, notice)),
-        inverse=form._inverse @ columns @ own.inverse,
         infinite=infinite,
     )
 

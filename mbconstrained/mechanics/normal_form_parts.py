@@ -14,6 +14,7 @@ alone would have. A system whose other states follow algebraically keeps its coo
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -71,23 +72,68 @@ class InfinitePart(Displayed):
 
 
 @dataclass(frozen=True, eq=False)
-class DescriptorParts:
-    """Both parts of a descriptor system.
+class FinitePart:
+    """x_f' = J x_f + B u, y = C x_f, with x = columns x_f + ..., x_f = start x, of the finite part of a system or of some of its modes.
 
     Attributes:
-        explicit: x_f' = J x_f + B_1 v, y = C V x_f, where v = inputs @ u are the independent ones among the inputs of the finite part.
-        noise: of J and of B_1, shapes (n_f, n_f) and (n_f, k).
-        inputs: shape (k, p), the identity where all inputs act on the finite part independently.
-        columns, rows: V and P, shapes (n, n_f) and (n_f, n).
-        infinite: the infinite part.
-        evidence, notices: of the decoupling.
+        data: the whole.
+        explicit: J, B and C; C is None where no outputs were given.
+        noise: of J and of B.
+        columns, rows, start: V, P and P F, shapes (n, n_f), (n_f, n) and (n_f, n).
     """
 
+    data: StateSpaceData
     explicit: StateSpaceData
     noise: tuple[np.ndarray, np.ndarray]
-    inputs: np.ndarray
     columns: np.ndarray
     rows: np.ndarray
+    start: np.ndarray
+
+    @cached_property
+    def _inputs(self) -> tuple[np.ndarray, Noisy]:
+        return independent_inputs(Noisy(self.explicit.B, self.noise[1]))
+
+    @property
+    def inputs(self) -> np.ndarray:
+        """R with B = B_1 R, shape (k, p), the identity where all inputs act on this part independently."""
+        return self._inputs[0]
+
+    @property
+    def own(self) -> Noisy:
+        """B_1, the independent columns of B."""
+        return self._inputs[1]
+
+    @property
+    def independent(self) -> StateSpaceData:
+        """The part with B_1 in place of B."""
+        return replace(self.explicit, B=self.own.data)
+
+    def divided(self, blocks: list[np.ndarray], rows: np.ndarray, columns: np.ndarray) -> FinitePart:
+        """The part of some modes, with their blocks of J, and left and right bases of them."""
+        own, (of_J, of_B) = self.explicit, self.noise
+        J = scipy.linalg.block_diag(*blocks) if blocks else np.zeros((0, 0))
+        explicit = StateSpaceData(J, rows @ own.B, None if own.C is None else own.C @ columns)
+        noise = np.abs(rows) @ of_J @ np.abs(columns), np.abs(rows) @ of_B
+        return FinitePart(self.data, explicit, noise, self.columns @ columns, rows @ self.rows, rows @ self.start)
+
+
+def regular_part(data: StateSpaceData) -> FinitePart:
+    """All states of a system with regular F."""
+    n = len(data.A)
+    if data.F is None:
+        noise = EPS * np.abs(data.A), EPS * np.abs(data.B)
+        return FinitePart(data, data, noise, np.eye(n), np.eye(n), np.eye(n))
+    inverse = np.linalg.inv(data.F)
+    J, size = inverse @ data.A, np.abs(inverse)
+    noise = EPS * (size @ np.abs(data.A) + size @ np.abs(data.F) @ np.abs(J)), EPS * (size @ np.abs(data.B))
+    return FinitePart(data, StateSpaceData(J, inverse @ data.B, data.C), noise, np.eye(n), inverse, np.eye(n))
+
+
+@dataclass(frozen=True, eq=False)
+class DescriptorParts:
+    """Both parts of a descriptor system, with evidence and notices of their decoupling."""
+
+    finite: FinitePart
     infinite: InfinitePart
     evidence: tuple[Evidence, ...]
     notices: tuple[Notice, ...]
@@ -111,7 +157,7 @@ def descriptor_parts(data: StateSpaceData) -> DescriptorParts:
 
     A, B, F = data.A, data.B, data.F
     outputs = (np.eye(len(A)), None) if data.C is None else (data.C, data.D)
-    system = StateEquations(A, B, *outputs, F)
+    system = StateEquations(A, B, outputs[0], outputs[1], F)
     try:
         pairs = system.polynomial_matrix().jordan_pairs()
     except SingularPolynomialMatrix as problem:
@@ -141,7 +187,10 @@ def descriptor_parts(data: StateSpaceData) -> DescriptorParts:
     infinite = _infinite_part(data, system, pairs)
     of_inputs = noisy_rows @ Noisy.rounded(B)
     mixed = _mixing(data, J.size, columns, rows, infinite) @ np.abs(infinite.input_matrix)
-    inputs, own = independent_inputs(Noisy(of_inputs.data, of_inputs.noise + mixed))
+    C = None if data.C is None else data.C @ columns
+    noise = J.noise, of_inputs.noise + mixed
+    finite = FinitePart(data, StateSpaceData(J.data, of_inputs.data, C), noise, columns, rows, rows @ F)
+    inputs = finite.inputs
     if 2 * len(inputs) > n:
         raise NoNormalForm(
             f"no mechanical normal form: {counted(len(inputs), 'independent input')} for {counted(n, 'finite state')}; a mechanical system "
@@ -150,8 +199,6 @@ def descriptor_parts(data: StateSpaceData) -> DescriptorParts:
             rank=min(n, 2 * len(inputs)),
             needed=2 * len(inputs),
         )
-    outputs = (None, None) if data.C is None else (data.C @ columns, data.D)
-    explicit = StateSpaceData(J.data, own.data, *outputs)
     residual = max(
         _residual(rows, F, columns, np.eye(n)),
         _residual(rows, F, infinite.states, 0.0),
@@ -164,7 +211,7 @@ def descriptor_parts(data: StateSpaceData) -> DescriptorParts:
         Evidence("decoupling residual", residual, "largest relative residual of the decoupled finite and infinite part"),
         Evidence("decoupling condition", condition, "of [V, Q], x = V x_f + Q z, in the units of the states"),
     )
-    return DescriptorParts(explicit, (J.noise, own.noise), inputs, columns, rows, infinite, evidence, _doubts(pairs))
+    return DescriptorParts(finite, infinite, evidence, _doubts(pairs))
 
 
 def _finite_bases(pairs: JordanPairs) -> tuple[np.ndarray, np.ndarray, Noisy]:

@@ -77,7 +77,9 @@ def compare(seed):
         assert (L @ F == T).all() and (L @ A == exact.state_matrix @ T).all() and (L @ B == exact.input_matrix).all()
         assert (T @ exact.inverse == np.eye(len(J), dtype=int)).all()
         half = len(J) // 2
-        assert (exact.state_matrix[:half] == np.eye(half, 2 * half, k=half)).all() and not exact.input_matrix[: 2 * half - B_1.shape[1]].any()
+        assert (exact.state_matrix[:half] == np.eye(half, 2 * half, k=half)).all() and not exact.input_matrix[
+            : 2 * half - B_1.shape[1]
+        ].any()
     floats = (np.array(matrix, dtype=float) for matrix in (A, B, F))
     A_, B_, F_ = floats
     form = outcome(mb.mechanical_normal_form, A_, B_, descriptor=F_)
@@ -96,7 +98,11 @@ def compare(seed):
 def check_transformation(form, F, A, B, tolerance=1e-9):
     """L F = T, L A = A^ T and L B = B^ in rational arithmetic, relative to the terms."""
     T, L, state, inputs = map(exactly, (form.transformation, form.left_transformation, form.state_matrix, form.input_matrix))
-    for value, wanted, size in ((L @ F, T, abs(L) @ abs(F)), (L @ A, state @ T, abs(L) @ abs(A) + abs(state) @ abs(T)), (L @ B, inputs, abs(L) @ abs(B) + 1)):
+    for value, wanted, size in (
+        (L @ F, T, abs(L) @ abs(F)),
+        (L @ A, state @ T, abs(L) @ abs(A) + abs(state) @ abs(T)),
+        (L @ B, inputs, abs(L) @ abs(B) + 1),
+    ):
         if value.size:
             assert float(abs(value - wanted).max()) <= tolerance * float(size.max())
 
@@ -105,3 +111,145 @@ def check_transformation(form, F, A, B, tolerance=1e-9):
 def test_random_exact_systems(first):
     doubtful = sum(compare(seed) for seed in range(first, first + SOME))
     assert doubtful <= SOME // 50
+
+
+def mechanical(degrees, n=4, k=1, p=1, seed=0):
+    """(A, B, C, D, F) with a finite part of n states that has a normal form, and nilpotent blocks of these degrees."""
+    random = np.random.default_rng(seed)
+    J, N = random.integers(-2, 3, (n, n)), nilpotent(*degrees)
+    B_1, B_2 = np.zeros((n, p), dtype=int), random.integers(-2, 3, (len(N), p))
+    B_1[n - k :, :k] = np.eye(k, dtype=int)
+    B_2[-1:, k:] = 1
+    F, A, B = assembled(random, J, B_1, N, B_2)
+    size = len(F)
+    return (*(np.array(M, dtype=float) for M in (A, B, random.integers(-2, 3, (2, size)), random.integers(-2, 3, (2, p)), F)),)
+
+
+SHAPES = {
+    "index 1": ((1,), 4, 1, 1),
+    "index 2": ((2, 1), 4, 1, 1),
+    "index 3": ((3, 2), 4, 2, 2),
+    "no finite part": ((2, 1), 0, 0, 1),
+    "no inputs": ((2,), 4, 0, 0),
+    "an input of the infinite part alone": ((2,), 4, 1, 2),
+    "one infinite state alone": ((1,), 0, 0, 1),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_motion_transfer_function_and_impulses_are_those_of_the_descriptor_system(shape):
+    degrees, n, k, p = SHAPES[shape]
+    A, B, C, D, F = mechanical(degrees, n, k, p)
+    form, given = mb.mechanical_normal_form(A, B, C, D, descriptor=F), mb.StateSpace(A, B, C, D, F)
+    assert (2 * form.size, form.infinite.size, form.infinite.index) == (n, sum(degrees), max(degrees))
+    assert int(form.input_matrix.any(axis=1).sum()) == k
+    for s in (0.3 + 2j, -1.7):
+        value = form.output_matrix @ np.linalg.solve(s * np.eye(n) - form.state_matrix, form.input_matrix)
+        value = value + sum(s**power * matrix for power, matrix in enumerate(form.polynomial))
+        assert np.abs(value - given(s)).max(initial=0) <= 1e-10 * max(1.0, np.abs(given(s)).max(initial=0))
+        assert np.abs(form.state_space()(s) - given(s)).max(initial=0) <= 1e-10 * max(1.0, np.abs(given(s)).max(initial=0))
+    x0, u = np.arange(1.0, len(A) + 1), mb.step(np.ones(p)) + mb.harmonic(np.ones(p), angular_frequency=2.0) if p else mb.zero(0)
+    wanted, found = given.solve(x0, u), form.state_space().solve(form.coordinates(x0), u)
+    times = np.array([0.0, 0.1, 0.7, 2.0])
+    assert found.output(times) == pytest.approx(wanted.output(times), rel=1e-9, abs=1e-9 * np.abs(wanted.output(times)).max())
+    assert len(found.output_impulses) == len(wanted.output_impulses)
+    for one, other in zip(found.output_impulses, wanted.output_impulses):
+        assert one == pytest.approx(other, abs=1e-9 * max(1.0, np.abs(other).max()))
+    motion = form.system().solve(*form.displacement_velocity(x0), force=form.force(u))
+    x = form.state(motion(times), motion.velocity(times))
+    assert x == pytest.approx(wanted(times), rel=1e-9, abs=1e-9 * np.abs(wanted(times)).max())
+
+
+def test_the_state_follows_from_its_coordinates():
+    A, B, _, _, F = mechanical((2, 1))
+    form = mb.mechanical_normal_form(A, B, descriptor=F)
+    x = np.arange(1.0, len(A) + 1)
+    assert form.state(*form.displacement_velocity(x)) == pytest.approx(x, rel=1e-10)
+    with pytest.raises(mb.InputError, match="expected 7 states"):
+        form.displacement_velocity([1.0])
+
+
+@pytest.mark.parametrize("method", ["extension", "null space", "kronecker"])
+def test_all_methods_serve_the_finite_part(method):
+    A, B, _, _, F = mechanical((1,), n=4, k=2, p=2)
+    form = mb.mechanical_normal_form(A, B, descriptor=F, method=method)
+    check_transformation(form, *(exactly(matrix) for matrix in (F, A, B)))
+
+
+@pytest.mark.parametrize("kind", ["orthogonal", "scaled"])
+def test_verdicts_survive_a_change_of_equations_and_states(kind):
+    for seed in range(60):
+        F, A, B, J, B_1 = planted(seed)
+        random, n = np.random.default_rng(seed), len(F)
+        wanted = len(J) % 2 == 0 and (not len(J) or exists_by_definition(J, B_1))
+        W, Z = (
+            np.linalg.qr(random.standard_normal((n, n)))[0] if kind == "orthogonal" else np.diag(10.0 ** random.uniform(-4, 4, n))
+            for _ in range(2)
+        )
+        A_, B_, F_ = W @ A.astype(float) @ Z, W @ B.astype(float), W @ F.astype(float) @ Z
+        form = outcome(mb.mechanical_normal_form, A_, B_, descriptor=F_)
+        if isinstance(form, mb.NoNormalForm):
+            assert not wanted or form.doubtful, seed
+        else:
+            assert wanted or any(notice.doubtful for notice in form.notices), seed
+
+
+def chain():
+    """Six masses in a row with an acceleration among the outputs: a descriptor form of 18 states."""
+    model = mb.LumpedModel()
+    for i in range(6):
+        model.mass(f"m{i}", 1.0 + i / 3)
+        start = "ground" if not i else f"m{i - 1}"
+        model.spring(start, f"m{i}", stiffness=100.0 * (i + 1)), model.damper(start, f"m{i}", 0.2)
+    return model.assemble()
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 3, 5, 6])
+def test_reduction_keeps_the_slowest_modes_and_the_static_response(count):
+    model = chain()
+    given = model.to_state_space(["m5"], ["m0", "m5", "m5 acceleration"])
+    form = mb.mechanical_normal_form(given.A, given.B, given.C, given.D, descriptor=given.E).reduced(count)
+    T, L = form.transformation, form.left_transformation
+    assert T.shape == (2 * count, 18)
+    assert np.abs(L @ given.E - T).max(initial=0) <= 1e-9 * np.abs(T).max(initial=1)
+    assert np.abs(L @ given.A - form.state_matrix @ T).max(initial=0) <= 1e-9 * np.abs(form.state_matrix @ T).max(initial=1)
+    assert np.abs(L @ given.B - form.input_matrix).max(initial=0) <= 1e-9
+    assert form.system().modes().natural_frequencies == pytest.approx(model.modes().natural_frequencies[:count], rel=1e-8)
+    assert form.state_space()(0.0) == pytest.approx(given(0.0), rel=1e-9, abs=1e-9)
+    if count < 6:
+        (bound,) = (item.value for item in form.evidence if item.name == "truncation")
+        s = 1j * (model.modes().natural_frequencies[count - 1] if count else 0.0) * np.linspace(0.01, 0.99, 40)
+        errors = [np.abs(form.state_space()(value) - given(value)).max() for value in s]
+        assert max(errors) <= 3 * bound * max(np.abs(given(value)).max() for value in s) + 1e-9
+        assert any(notice.kind == "omitted" for notice in form.notices)
+
+
+def test_reduction_refuses_what_it_cannot_divide_or_leave_out():
+    given = chain().to_state_space(["m5"], ["m0"])
+    form = mb.mechanical_normal_form(given.A, given.B, given.C, given.D, descriptor=given.E)
+    for count, match in ((7, "at most 6"), (-1, "at least 0"), (1.5, "whole number")):
+        with pytest.raises(mb.InputError, match=match):
+            form.reduced(count)
+    growing = mb.mechanical_normal_form([[0.0, 1.0], [-4.0, 1.0]], None)
+    with pytest.raises(mb.InputError, match="does not decay"):
+        growing.reduced(0)
+    divided = mb.mechanical_normal_form(block_diag([[-1.0]], [[0.0, 9.0], [-9.0, -1.0]], [[-20.0]]), None)
+    with pytest.raises(mb.InputError, match="possible are 0, 2"):
+        divided.reduced(1)
+
+
+@pytest.mark.parametrize(
+    "arguments, error, match",
+    [
+        ({"A": [[1, 2]], "B": None}, mb.InputError, "square"),
+        ({"A": np.zeros((0, 0)), "B": None}, mb.InputError, "at least one state"),
+        ({"A": [[float("nan"), 1], [1, 1]], "B": None}, mb.InputError, "finite rational"),
+        ({"A": np.eye(2), "B": [[1, 2], [1, 2]]}, mb.InputError, "independent"),
+        ({"A": np.eye(3), "B": None}, mb.InputError, "even number"),
+        ({"A": [[0, 1], [0, 0]], "B": None, "descriptor": [[0, 1], [0, 0]]}, mb.NoNormalForm, "row 2"),
+        ({"A": np.eye(2), "B": None, "descriptor": np.eye(3)}, mb.InputError, "expected shape 2 x 2"),
+    ],
+)
+def test_the_exact_form_checks_its_arguments(arguments, error, match):
+    with pytest.raises(error, match=match):
+        mb.exact.mechanical_normal_form(**arguments)
