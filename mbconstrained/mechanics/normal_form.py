@@ -29,7 +29,7 @@ from .normal_form_existence import (
     scaled_pencil,
     state_space_data,
 )
-from .normal_form_parts import FinitePart, InfinitePart, descriptor_parts, noisy_pencil, regular_part
+from .normal_form_parts import StatePart, InfinitePart, descriptor_parts, noisy_pencil, regular_part
 from .system import MechanicalSystem
 
 if TYPE_CHECKING:
@@ -274,7 +274,7 @@ class NormalForm(Displayed):
     uncertainty: np.ndarray = field(default=None, repr=False)
     inverse: np.ndarray | None = field(default=None, repr=False)
     infinite: InfinitePart | None = None
-    part: FinitePart | None = field(default=None, repr=False)
+    part: StatePart | None = field(default=None, repr=False)
 
     def _summary(self) -> str:
         family = "unique" if self.is_unique else f"one of a family of {counted(self.freedom, 'dimension')}"
@@ -610,7 +610,7 @@ def _of_descriptor(data: StateSpaceData, rows_of: Callable[[ScaledPencil], np.nd
     )
 
 
-def _in_states(part: FinitePart, data: StateSpaceData, rows_of: Callable[[ScaledPencil], np.ndarray]) -> NormalForm:
+def _in_states(part: StatePart, data: StateSpaceData, rows_of: Callable[[ScaledPencil], np.ndarray]) -> NormalForm:
     """The form of a part in the states of the whole, with the evidence of T in these."""
     own, exists = _of_part(part.independent, (part.noise[0], part.own.noise), rows_of)
     T, left = own.transformation @ part.start, own.transformation @ part.rows

@@ -72,7 +72,7 @@ class InfinitePart(Displayed):
 
 
 @dataclass(frozen=True, eq=False)
-class FinitePart:
+class StatePart:
     """x_f' = J x_f + B u, y = C x_f, with x = columns x_f + ..., x_f = start x, of the finite part of a system or of some of its modes.
 
     Attributes:
@@ -108,32 +108,32 @@ class FinitePart:
         """The part with B_1 in place of B."""
         return replace(self.explicit, B=self.own.data)
 
-    def divided(self, blocks: list[np.ndarray], rows: np.ndarray, columns: np.ndarray) -> FinitePart:
+    def divided(self, blocks: list[np.ndarray], rows: np.ndarray, columns: np.ndarray) -> StatePart:
         """The part of some modes, with their blocks of J, and left and right bases of them."""
         own, (of_J, of_B) = self.explicit, self.noise
         J = scipy.linalg.block_diag(*blocks) if blocks else np.zeros((0, 0))
         explicit = StateSpaceData(J, rows @ own.B, None if own.C is None else own.C @ columns)
         noise = np.abs(rows) @ of_J @ np.abs(columns), np.abs(rows) @ of_B
-        return FinitePart(self.data, explicit, noise, self.columns @ columns, rows @ self.rows, rows @ self.start)
+        return StatePart(self.data, explicit, noise, self.columns @ columns, rows @ self.rows, rows @ self.start)
 
 
-def regular_part(data: StateSpaceData) -> FinitePart:
+def regular_part(data: StateSpaceData) -> StatePart:
     """All states of a system with regular F."""
     n = len(data.A)
     if data.F is None:
         noise = EPS * np.abs(data.A), EPS * np.abs(data.B)
-        return FinitePart(data, data, noise, np.eye(n), np.eye(n), np.eye(n))
+        return StatePart(data, data, noise, np.eye(n), np.eye(n), np.eye(n))
     inverse = np.linalg.inv(data.F)
     J, size = inverse @ data.A, np.abs(inverse)
     noise = EPS * (size @ np.abs(data.A) + size @ np.abs(data.F) @ np.abs(J)), EPS * (size @ np.abs(data.B))
-    return FinitePart(data, StateSpaceData(J, inverse @ data.B, data.C), noise, np.eye(n), inverse, np.eye(n))
+    return StatePart(data, StateSpaceData(J, inverse @ data.B, data.C), noise, np.eye(n), inverse, np.eye(n))
 
 
 @dataclass(frozen=True, eq=False)
 class DescriptorParts:
     """Both parts of a descriptor system, with evidence and notices of their decoupling."""
 
-    finite: FinitePart
+    finite: StatePart
     infinite: InfinitePart
     evidence: tuple[Evidence, ...]
     notices: tuple[Notice, ...]
@@ -189,7 +189,7 @@ def descriptor_parts(data: StateSpaceData) -> DescriptorParts:
     mixed = _mixing(data, J.size, columns, rows, infinite) @ np.abs(infinite.input_matrix)
     C = None if data.C is None else data.C @ columns
     noise = J.noise, of_inputs.noise + mixed
-    finite = FinitePart(data, StateSpaceData(J.data, of_inputs.data, C), noise, columns, rows, rows @ F)
+    finite = StatePart(data, StateSpaceData(J.data, of_inputs.data, C), noise, columns, rows, rows @ F)
     inputs = finite.inputs
     if 2 * len(inputs) > n:
         raise NoNormalForm(
@@ -230,7 +230,7 @@ def _finite_bases(pairs: JordanPairs) -> tuple[np.ndarray, np.ndarray, Noisy]:
 
 
 def _mixing(data: StateSpaceData, J: np.ndarray, columns: np.ndarray, rows: np.ndarray, infinite: InfinitePart) -> np.ndarray:
-    """How far rounding errors of F and A mix rows of the infinite part into P: Y = (errors of P A Q - J P F Q) + J Y N, by size."""
+    """The mixing of rows of the infinite part into P by rounding errors of F and A: Y = (errors of P A Q - J P F Q) + J Y N, by size."""
     of_A, of_F = (np.abs(rows) @ np.abs(matrix) @ np.abs(infinite.states) for matrix in (data.A, data.F))
     term = total = EPS * (of_A + J @ of_F)
     for _ in range(infinite.index - 1):
