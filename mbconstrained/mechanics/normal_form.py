@@ -29,7 +29,7 @@ from .normal_form_existence import (
     scaled_pencil,
     state_space_data,
 )
-from .normal_form_parts import StatePart, InfinitePart, descriptor_parts, noisy_pencil, regular_part
+from .normal_form_parts import InfinitePart, StatePart, descriptor_parts, noisy_pencil, regular_part
 from .system import MechanicalSystem
 
 if TYPE_CHECKING:
@@ -469,7 +469,7 @@ class NormalForm(Displayed):
         >>> form = mechanical_normal_form(A, [[0.0], [0.0], [0.0], [1.0]], [[1.0, 0.0, 0.0, 0.0]])
         >>> small = form.reduced(1)
         >>> small.system().modes().natural_frequencies.round(6).tolist(), small.state_space()(0.0).round(12).tolist()
-        ([1.401623], [[0.016949152542]])
+        ([1.401546], [[0.016949152542]])
         """
         return _reduced(self, whole_number(coordinates, "coordinates"))
 
