@@ -88,6 +88,20 @@ def test_a_motion_near_the_frequency_of_its_force(apart, rates):
         assert np.abs(found - known).max() <= 1e-13 * (1 + time) * np.abs(known).max()
 
 
+@pytest.mark.parametrize("time", [1e3, 1e6, 1e12])
+def test_stiff_decay_ends_in_zero_without_a_warning(time):
+    for block in (np.array([[-1e6]]), triangle([-1e6, -2e6]), triangle([-1e6, -1.1e6, -1.2e6]), rotation_chain(-1e6, 1e6)):
+        assert not block_states([block], START[: len(block)], np.array([time])).any()
+
+
+def test_growth_beyond_float64_is_not_finite_and_the_rest_is_untouched():
+    with np.errstate(over="ignore"):
+        states = block_states([np.array([[1.0]]), np.array([[-1.0]])], np.ones(2), np.array([800.0, 1.0]))
+    assert not np.isfinite(states[0, 0])
+    assert np.allclose(states[1], np.exp([-800.0, -1.0]))
+    assert states[0, 1] == pytest.approx(np.e)
+
+
 @pytest.mark.parametrize("w", [3e-9, 1e-6, 1e-3, 0.3])
 def test_pairs_in_a_chain_that_hardly_turn_about_their_middle(w):
     """e^{J t} of [[R, I], [0, R]] is e^{a t} [[Q, t Q], [0, Q]], Q = [[cos w t, c sin(w t)/w], [-w sin(w t)/c, cos w t]]."""

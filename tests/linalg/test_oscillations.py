@@ -69,6 +69,13 @@ def test_what_has_decayed_is_zero_and_never_a_denormal_number(growth, count):
     assert (np.abs(found) < 1e-290).any()
 
 
+def test_even_times_are_known():
+    assert even_step(np.linspace(3.0, 4.0, 1001)) == pytest.approx(1e-3)
+    assert even_step(np.arange(100) * 0.1) == pytest.approx(0.1)
+    for uneven in ([], [1.0], [1.0, 1.0], [2.0, 1.0], [0.0, 1.0, 2.0 + 1e-9], [0.0, 2.0, 1.0, 3.0]):
+        assert even_step(np.array(uneven)) is None
+
+
 def rows_of(found: Oscillations, rows: int) -> np.ndarray:
     """Coefficients of so many rows."""
     return np.random.default_rng(3).standard_normal((rows, len(found.cosines) + len(found.sines)))

@@ -3,6 +3,7 @@
 from fractions import Fraction
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -35,6 +36,11 @@ def test_inverse_of_an_ill_conditioned_matrix(seed, size):
         A = product(mixing * graded, mixing.T)
         assert magnitude(product(A, inverse(A)) - precise(np.eye(size))).max() < 1e-25
         assert magnitude(solved(A, product(A, mixing)) - mixing).max() < 1e-25
+
+
+def test_a_singular_matrix_is_refused():
+    with precise_arithmetic(), pytest.raises(np.linalg.LinAlgError):
+        inverse(precise(np.array([[1.0, 2.0], [2.0, 4.0]])))
 
 
 def test_rank_of_what_float64_cannot_tell_apart():

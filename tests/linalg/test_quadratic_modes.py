@@ -148,6 +148,16 @@ def test_masses_of_very_different_sizes():
     assert abs(mine.sum() - np.trace(balanced)) <= 1e-11 * np.abs(mine).sum()
 
 
+def test_equal_branches_are_refused_or_right():
+    """Three equal chains on one mass: each motion of two against each other is there twice."""
+    length = MANY // 3
+    parents = [0 if at % length == 0 else at for at in range(3 * length)]
+    model = tree(parents, np.ones(3 * length), 0.01 * np.ones(3 * length), np.ones(3 * length + 1))
+    found = quadratic_modes(*model)
+    if found is not None:
+        check(found, *model, accuracy=1e-7)
+
+
 def test_a_double_zero_is_refused():
     """Critically damped, one by one: vectors that are one vector."""
     mass = np.ones(2)
@@ -167,6 +177,13 @@ def test_a_double_zero_is_refused():
 )
 def test_what_is_no_tree_is_not_taken(K):
     assert quadratic_modes(np.eye(3), np.zeros((3, 3)), K) is None
+
+
+def test_many_branches_at_one_place_are_not_divided():
+    count = 2 * DENSE
+    parents = [0] * (count - 1)
+    model = tree(parents, np.linspace(1, 2, count - 1), np.zeros(count - 1), np.ones(count))
+    assert quadratic_modes(*model) is None
 
 
 ROOTS = {

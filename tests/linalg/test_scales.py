@@ -81,6 +81,11 @@ def test_a_defective_zero_stays_one_block():
     assert abs(slow[0, 0] + 1e-12) < 1e-15  # the inverse is rounded: an error of eps in a matrix of size one
 
 
+def test_no_zeros():
+    with precise_arithmetic():
+        assert block_diagonal(precise(np.zeros((0, 0)))).blocks == ()
+
+
 def oscillators(coupling: float, detuning: int) -> np.ndarray:
     """Two of frequency 4096, detuned by a few roundings, a weak spring between, exact; states (x, x')."""
     k, more = Fraction(coupling), Fraction(detuning * EPS)

@@ -37,6 +37,11 @@ def test_it_is_an_equivalence(size, seed):
         assert form.T[at, at + 1] * below[at] < 0
 
 
+def test_nothing_is_a_pencil_too():
+    form = form_of(np.zeros((0, 0)), np.zeros((0, 0)))
+    assert form.left.shape == form.right.shape == form.T.shape == (0, 0)
+
+
 @pytest.mark.parametrize("ratio", [1e6, 1e10, 1e14])
 def test_a_slow_zero_survives_beside_a_fast_one(ratio):
     """E = diag(1, 1/ratio) mixed by rotations: zeros -1 and -ratio, both to about eps times the ratio's square root."""

@@ -5,8 +5,9 @@ import pytest
 from scipy.linalg import matrix_balance
 
 import mbconstrained as mb
+from mbconstrained.analyses.accuracy import methods as expm_steps
 from mbconstrained.analyses.accuracy.first_order import reduced
-from mbconstrained.analyses.accuracy.methods import EACH, STEPS
+from mbconstrained.analyses.accuracy.methods import EACH, STEPS, Failure
 from mbconstrained.analyses.study_problem import StudyProblem, mechanical_problem, problem_of
 from mbconstrained.ground.tolerances import EPS
 from tests.analyses.accuracy.problems import EXAMPLES, FORCES, SYSTEMS, answer, error, problem
@@ -62,3 +63,9 @@ def test_refusals():
     assert EACH.refusal(many) == "2 exponentials of 120 states take too long"
     at_once = StudyProblem("at once", mb.PolynomialMatrix([[[2.0]]]), np.zeros((0, 1)), mb.ramp([1.0]), np.array([0.0, 1.0]))
     assert STEPS.refusal(at_once) == EACH.refusal(at_once) == "there are no states: x depends on the force at the same time only"
+
+
+def test_too_many_step_lengths_are_told(monkeypatch):
+    monkeypatch.setattr(expm_steps, "MOST_BYTES", 100)
+    with pytest.raises(Failure, match="1 lengths of step with 6 states each need a matrix exponential of their own"):
+        STEPS.prepare(problem("regular mass", "none"), None)

@@ -8,7 +8,7 @@ import pytest
 import mbconstrained as mb
 from mbconstrained.analyses.accuracy import methods as ida
 from mbconstrained.analyses.accuracy.methods import IDA_FORMS as METHODS
-from mbconstrained.analyses.accuracy.methods import descriptor
+from mbconstrained.analyses.accuracy.methods import Failure, descriptor
 from mbconstrained.analyses.study_problem import mechanical_problem
 from tests.analyses.accuracy.problems import FORCES, TIMES, answer, chain, error, problem
 
@@ -60,6 +60,13 @@ def test_errors_fall_with_the_tolerance():
     found = problem("tied", "harmonic")
     errors = [error(found, answer(INDEX_1, found, rtol)) for rtol in (1e-4, 1e-7, 1e-10)]
     assert errors[1] < errors[0] / 10 and errors[2] < errors[1] / 10 and errors[2] < 1e-6
+
+
+@needs_sundae
+def test_a_solver_that_gives_up_is_a_failure_with_its_message(monkeypatch):
+    monkeypatch.setattr(ida, "IDA_STEPS", 1)
+    with pytest.raises(Failure, match="max_num_steps"):
+        answer(PLAIN, problem("regular mass", "harmonic"), 1e-10)
 
 
 def residual(form, t: float, force) -> np.ndarray:

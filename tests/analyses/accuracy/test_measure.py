@@ -82,6 +82,13 @@ def test_what_takes_too_long_is_broken_off_and_finer_settings_are_not_tried():
     assert untried.failure == "not run: a coarser setting exceeds the time limit" and 3.0 not in ran
 
 
+def test_a_library_is_loaded_before_its_first_run():
+    missing, there = one(
+        ComparedMethod("missing", off_by(0.0), library="no_such_library"), ComparedMethod("there", off_by(0.0), library="json")
+    )
+    assert missing.failure == "ModuleNotFoundError: No module named 'no_such_library'" and not there.failure
+
+
 def test_warnings_and_prints_of_methods_do_not_reach_the_user(capfd):
     def prepare(problem, value):
         warnings.warn("step too large", RuntimeWarning, stacklevel=1)

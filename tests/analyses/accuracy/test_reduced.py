@@ -5,7 +5,7 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.analyses.accuracy.first_order import reduced
-from mbconstrained.analyses.study_problem import StudyProblem, problem_of
+from mbconstrained.analyses.study_problem import StudyProblem, mechanical_problem, problem_of
 from tests.analyses.accuracy.problems import EXAMPLES, FORCES, SYSTEMS, problem
 
 TIMES = np.linspace(0.0, 1.0, 11)
@@ -44,3 +44,9 @@ def test_states_are_coordinates_and_derivatives_less_what_the_force_does_at_once
     np.testing.assert_allclose(equations.C @ z + equations.through(0.0), response(0.0), atol=1e-12 * scale)
     derivative = equations.C @ rate + equations.through.derivative(1)(0.0)
     np.testing.assert_allclose(derivative, response.derivative(1)(0.0), atol=1e-11 * scale)
+
+
+def test_the_jump_of_a_free_mass_under_an_impulse():
+    found = reduced(mechanical_problem("mass", mb.MechanicalSystem([[2.0]]), TIMES))
+    np.testing.assert_array_equal(found.jump([np.array([6.0])]), [0.0, 3.0])
+    np.testing.assert_array_equal(found.jump([np.array([0.0]), np.array([6.0])]), [3.0, 0.0])

@@ -1,11 +1,14 @@
 """solve_ivp gets what it needs, and its error falls with its tolerance."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import mbconstrained as mb
 from mbconstrained.analyses.accuracy.first_order import intervals
 from mbconstrained.analyses.accuracy.methods import INTEGRATORS as METHODS
+from mbconstrained.analyses.accuracy.methods import Failure
 from tests.analyses.accuracy.problems import FORCES, answer, error, problem
 
 DOP853, LSODA, ODEINT, RADAU, BDF = METHODS
@@ -52,3 +55,21 @@ def test_what_differs_by_rounding_is_one_time():
     assert [interval.times.tolist() for interval in found] == [[0.0], [0.3], [0.6]]
     late = list(intervals(mb.step([1.0]).delayed(0.3), np.array([0.0, 0.1 + 0.2, 0.6]), np.eye(1)))
     assert late[1].times.tolist() == [0.3, 0.6]
+
+
+def test_a_generator_that_is_no_chain_is_evaluated_as_it_is():
+    from mbconstrained.signals.bohl import BohlFunction
+    from mbconstrained.signals.impulsive import ImpulsiveSmooth
+
+    mixed = BohlFunction(np.eye(2), (np.array([[-1.0, 2.0], [0.0, -3.0]]),), np.array([1.0, 0.5]))
+    (interval,) = intervals(ImpulsiveSmooth(mixed), np.array([0.0, 1.0]), np.eye(2))
+    np.testing.assert_allclose(interval.force(0.7), mixed(0.7), rtol=1e-14)
+
+
+def test_failures_carry_the_message_of_the_solver(monkeypatch):
+    import scipy.integrate
+
+    message = "Required step size is less than spacing between numbers."
+    monkeypatch.setattr(scipy.integrate, "solve_ivp", lambda *args, **options: SimpleNamespace(status=-1, message=message))
+    with pytest.raises(Failure, match=message):
+        answer(BDF, problem("regular mass", "none"), 1e-3)

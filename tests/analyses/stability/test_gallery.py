@@ -8,6 +8,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+import mbconstrained as mb
+from mbconstrained.analyses.stability import problems
 from mbconstrained.analyses.stability.gallery import GALLERY, System, broken_promises, system
 from mbconstrained.analyses.stability.point import point_of, points_of
 
@@ -70,6 +72,14 @@ def test_a_broken_promise_is_told():
     )
     ratios = replace(system("light_tip"), declared={"mass_ratio": 1.0 + 1e-9}, declared_by_value={})
     assert broken_promises(ratios, 1.0) and not broken_promises(replace(ratios, declared={"mass_ratio": 1.0}), 1.0)
+
+
+def test_a_problem_without_an_answer_keeps_no_promise_and_stops_nothing(monkeypatch):
+    def damping_ratio(parameter):
+        raise mb.InputError("nothing to build")
+
+    monkeypatch.setattr(problems, "damping_ratio", damping_ratio)
+    assert broken_promises(system("damping_ratio"), 1.0) == ("damping_ratio at 1: there is no problem (nothing to build)",)
 
 
 # --- answers

@@ -52,6 +52,13 @@ def test_a_broken_promise_is_told():
     assert found.sentences[-1] == "Not as declared: spring at 1: undamped is False, declared True."
 
 
+def test_fewer_digits_than_the_data_allow_are_told():
+    found = report(
+        spring(point(1.0, right=9.0, expected=15.0, claimed=8.0), point(2.0, right=8.0, expected=8.1, claimed=8.0)), of_scene=True
+    )
+    assert "Furthest below what the data determine: 9.0 right" in found.sentences[-1]
+
+
 def test_tables_count_and_name():
     (row,) = digit_table(WRONG).rows
     assert row == ("stiffness", "spring", "1 … 1e+08", "5", "1", "1", "1", "1", "3.0", "15.5", "12.0")
