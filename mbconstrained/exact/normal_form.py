@@ -12,7 +12,7 @@ from ..ground.checks import counted
 from ..ground.display import Displayed
 from ..ground.errors import InputError, NoNormalForm, SingularPolynomialMatrix
 from .engine import ExactJordanPairs
-from .rational import RATIONALS, RationalMatrix, rational, regular
+from .rational import RATIONALS, RationalMatrix, fraction, rational_matrix, regular
 
 #: Largest entry of the first random extension of B; it doubles with every one.
 FIRST_BOUND = 1
@@ -73,6 +73,8 @@ def normal_form(A, B, C=None, D=None, descriptor=None) -> ExactNormalForm:
     B = np.zeros((n, 0), dtype=object) if B is None else _exact(B, "B", (n, None))
     if _rank(B) < B.shape[1]:
         raise InputError("B: the inputs must be independent: leave one out, or combine them")
+    if C is None and D is not None:
+        raise InputError("D: found a feedthrough without outputs; give C as well")
     if C is not None:
         C = _exact(C, "C", (None, n))
         D = _zero(len(C), B.shape[1]) if D is None else _exact(D, "D", (len(C), B.shape[1]))
@@ -80,7 +82,8 @@ def normal_form(A, B, C=None, D=None, descriptor=None) -> ExactNormalForm:
     V, P, infinite = _parts(A, B, F)
     J, own = P @ A @ V, P @ B
     R, pivots = _reduced_rows(own)
-    T, state = _transformation(J, own[:, pivots])
+    part = "" if infinite is None else f" of the finite part, x' = A x + B u with {len(J)} of {n} states"
+    T, state = _transformation(J, own[:, pivots], part)
     inverse = V @ _inverse(T)
     polynomial = () if C is None else _polynomial_part(C, D, infinite)
     inputs = np.vstack([_zero(len(T) - len(R), B.shape[1]), R])
@@ -99,42 +102,43 @@ def _parts(A, B, F) -> tuple[np.ndarray, np.ndarray, ExactInfinitePart | None]:
         names = [f"row {i + 1}" for i in range(n)], [f"x{i + 1}" for i in range(n)]
         pairs = ExactJordanPairs(regular(RationalMatrix([(-A).tolist(), F.tolist()]), *names))
     except SingularPolynomialMatrix as problem:
-        raise NoNormalForm(f"no mechanical normal form: {problem}", condition="descriptor", rank=_rank(F), needed=n) from None
+        text = f"no mechanical normal form, A(s) = s F - A: {problem}"
+        raise NoNormalForm(text, condition="descriptor", rank=_rank(F), needed=n) from None
     finite, fast = pairs.finite, pairs.infinite
     count_finite = finite.J.shape[0]
     if count_finite % 2:
-        text = f"no mechanical normal form: {count_finite} of the {n} states belong to the finite part of s F - A, an odd number"
+        text = f"no mechanical normal form: the finite part of s F - A has {count_finite} of the {n} states, an odd number"
         raise NoNormalForm(text, condition="descriptor", rank=count_finite, needed=count_finite + 1)
     chosen = _reduced_rows(finite.C.T)[1]
     basis = finite.C[chosen]
     return finite.C @ _inverse(basis), basis @ finite.B, ExactInfinitePart(fast.J, fast.B @ B, fast.C, -fast.B @ A)
 
 
-def _transformation(J, B) -> tuple[np.ndarray, np.ndarray]:
+def _transformation(J, B, part: str) -> tuple[np.ndarray, np.ndarray]:
     """T = [X; X J] with X B = 0 and X J B = [0; I], and A^ = T J T^-1, for independent columns B."""
     (n, p), half = B.shape, len(B) // 2
     both = np.hstack([B, J @ B])
     if (rank := _rank(both)) < 2 * p:
         raise NoNormalForm(
-            f"no mechanical normal form: rank [B, A B] = {rank}, but 2 p = {2 * p} is needed",
+            f"no mechanical normal form{part}: rank [B, A B] = {rank}, but 2 p = {2 * p} is needed",
             condition="rank [B, A B]",
             rank=rank,
             needed=2 * p,
         )
     if 2 * p < n:  # the multiplicity of other real eigenvalues than rational ones is that of their conjugates, and too small
-        for factor, _ in RATIONALS.factors(_matrix(J).charpoly()):
+        for factor, _ in RATIONALS.factors(rational_matrix(J).charpoly()):
             if factor.degree() > 1:
                 continue
-            root = -factor[0]
-            rank = _rank(np.hstack([J - _array(flint.fmpq_mat([[root]]))[0, 0] * _identity(n), B]))
+            root = fraction(-factor[0])
+            rank = _rank(np.hstack([J - root * _identity(n), B]))
             if rank < half + p:
                 raise NoNormalForm(
-                    f"no mechanical normal form: {EIGENVALUES} = {rank} at the eigenvalue lambda = {root}, but at least "
+                    f"no mechanical normal form{part}: {EIGENVALUES} = {rank} at the eigenvalue lambda = {root}, but at least "
                     f"n/2 + p = {half + p} is needed",
                     condition=EIGENVALUES,
                     rank=rank,
                     needed=half + p,
-                    eigenvalue=float(_array(flint.fmpq_mat([[root]]))[0, 0]),
+                    eigenvalue=float(root),
                 )
     random = Random(n)
     bound = FIRST_BOUND
@@ -164,18 +168,15 @@ def _polynomial_part(C, D, infinite: ExactInfinitePart | None) -> tuple[np.ndarr
 def _exact(value, what: str, shape: tuple) -> np.ndarray:
     """The exact numbers of a matrix as Fractions."""
     array = np.array(value, dtype=object)
-    array = array[:, None] if array.ndim == 1 and what == "B" else array
+    if array.ndim == 1 and what in "BC":  # a single input, a single output
+        array = array[:, None] if what == "B" else array[None, :]
     if array.ndim != 2 or any(size not in (None, found) for size, found in zip(shape, array.shape)):
         expected = " x ".join("any" if size is None else str(size) for size in shape)
         raise InputError(f"{what}: expected shape {expected}, found {' x '.join(map(str, array.shape)) or 'a single number'}")
     try:
-        return _array(flint.fmpq_mat(len(array), array.shape[1], [rational(entry) for entry in array.flat]))
+        return _array(rational_matrix(array))
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{what}: expected finite rational numbers: ints, floats or Fractions") from None
-
-
-def _matrix(array: np.ndarray) -> flint.fmpq_mat:
-    return flint.fmpq_mat(len(array), array.shape[1], [rational(entry) for entry in array.flat])
 
 
 def _array(matrix: flint.fmpq_mat) -> np.ndarray:
@@ -183,16 +184,16 @@ def _array(matrix: flint.fmpq_mat) -> np.ndarray:
 
 
 def _rank(array: np.ndarray) -> int:
-    return _matrix(array).rank()
+    return rational_matrix(array).rank()
 
 
 def _inverse(array: np.ndarray) -> np.ndarray:
-    return _array(_matrix(array).inv())
+    return _array(rational_matrix(array).inv())
 
 
 def _reduced_rows(array: np.ndarray) -> tuple[np.ndarray, list[int]]:
     """The nonzero rows of the reduced row echelon form, and its pivot columns."""
-    form, rank = _matrix(array).rref()
+    form, rank = rational_matrix(array).rref()
     rows = _array(form)[:rank]
     return rows, [int(np.flatnonzero(row)[0]) for row in rows]
 
@@ -202,4 +203,4 @@ def _zero(rows: int, columns: int) -> np.ndarray:
 
 
 def _identity(n: int) -> np.ndarray:
-    return _array(flint.fmpq_mat(n, n, [int(i == j) for i in range(n) for j in range(n)]))
+    return _array(rational_matrix(np.eye(n, dtype=int)))

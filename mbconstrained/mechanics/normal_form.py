@@ -17,7 +17,7 @@ from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import IllConditioned, InputError
 from ..ground.notices import Evidence, Notice, NoticeKind
 from ..ground.tolerances import DEFECTIVE_CONDITION, EPS, NOISE_SAFETY, PAIRED_EIGENVALUES, SINGULAR_CONDITION
-from ..linalg.blocks import block_slices, decoupled, eigenvalues
+from ..linalg.blocks import decoupled, eigenvalues
 from ..signals.inputs import ImpulsiveSmooth, step
 from .energy import EnergyParts
 from .normal_form_existence import (
@@ -29,7 +29,7 @@ from .normal_form_existence import (
     scaled_pencil,
     state_space_data,
 )
-from .normal_form_parts import InfinitePart, StatePart, descriptor_parts, noisy_pencil, regular_part
+from .normal_form_parts import DOUBT, InfinitePart, StatePart, descriptor_parts, regular_part
 from .system import MechanicalSystem
 
 if TYPE_CHECKING:
@@ -361,8 +361,12 @@ class NormalForm(Displayed):
         M, C, K = np.eye(self.size), self.damping, self.stiffness
         if self.infinite:
             N, noise = self.infinite.nilpotent, self.infinite.noise
-            M, C, K = _side_by_side(M, 0.0 * N), _side_by_side(C, -N), _side_by_side(K, np.eye(massless))
-            doubt = {key: _side_by_side(doubt[key], own) for key, own in (("stiffness", 0.0 * noise), ("damping", noise))}
+            M, C, K = (
+                scipy.linalg.block_diag(M, 0.0 * N),
+                scipy.linalg.block_diag(C, -N),
+                scipy.linalg.block_diag(K, np.eye(massless)),
+            )
+            doubt = {key: scipy.linalg.block_diag(doubt[key], own) for key, own in (("stiffness", 0.0 * noise), ("damping", noise))}
         return MechanicalSystem(M, C, K, names=names, units=units, uncertainty=doubt, energy_parts=EnergyParts({}, {}))
 
     def state_space(self) -> StateSpace:
@@ -390,11 +394,11 @@ class NormalForm(Displayed):
         own = part.states if part.output_matrix is None else part.output_matrix
         m = part.size
         return StateSpace(
-            _side_by_side(self.state_matrix, np.eye(m)),
+            scipy.linalg.block_diag(self.state_matrix, np.eye(m)),
             np.vstack([self.input_matrix, -part.input_matrix]),
             np.hstack([C, own]),
             part.feedthrough,
-            descriptor=_side_by_side(np.eye(2 * self.size), part.nilpotent),
+            descriptor=scipy.linalg.block_diag(np.eye(2 * self.size), part.nilpotent),
             states=[*states, *(f"z{place + 1}" for place in range(m))],
         )
 
@@ -449,17 +453,17 @@ class NormalForm(Displayed):
 
         2 r of the finite eigenvalues, those of least modulus, are kept exactly, with their motion from every start; the others
         follow the inputs at once, so that the transfer function is exact at s = 0. The infinite part stays.
-        The evidence "truncation" is the largest change of the left-out part from its static value up to the highest kept
-        frequency, relative to the transfer function there.
+        The evidence "truncation" is the largest change of the omitted part of G(i w) from its value at w = 0, at 64 frequencies up to
+        the highest kept one, of each entry relative to the largest value of this entry there.
 
         Args:
-            coordinates: r, from 0 to the number of coordinates.
+            coordinates: r, from 1 to the number of coordinates; of a singular F from 0.
 
         Returns:
             A form with rectangular T: L F = T, L A = A^ T, L B = B^ hold, and x = T^+ (q, q') without the other modes.
 
         Raises:
-            InputError: r out of range, or so many eigenvalues divide a complex pair or a cluster; a mode that grows is left out.
+            InputError: r out of range, or so many eigenvalues divide a complex pair or a cluster; a mode that is free or grows is omitted.
             NoNormalForm: the kept modes have no normal form.
 
         >>> import numpy as np
@@ -476,10 +480,6 @@ class NormalForm(Displayed):
     @property
     def _inverse(self) -> np.ndarray:
         return np.linalg.inv(self.transformation) if self.inverse is None else self.inverse
-
-
-def _side_by_side(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    return scipy.linalg.block_diag(first, second) if len(first) and len(second) else first if len(first) else second
 
 
 def _condition_number(T: np.ndarray) -> float:
@@ -517,10 +517,11 @@ def _evidence(data, left, T, state, inputs, existence) -> tuple[Evidence, ...]:
     size = (np.abs(left) @ np.abs(A) + np.abs(state) @ np.abs(T)).max(axis=0, initial=0.0)
     residual = np.abs(left @ A - state @ T) / np.where(size > 0, size, 1.0)
     of_inputs = np.abs(left @ B - inputs) / np.maximum(np.abs(left) @ np.abs(B), 1.0)
+    of_A, of_B = ("L A = A^ T", "L B = B^") if data.has_infinite_part else ("T F^-1 A = A^ T", "T F^-1 B = [0; I]")
     return (
         Evidence("condition", _condition_number(T), "of the transformation T, in the units of the states"),
-        Evidence("residual", float(residual.max(initial=0.0)), "largest relative residual of T F^-1 A = A^ T"),
-        Evidence("input residual", float(of_inputs.max(initial=0.0)), "largest relative residual of T F^-1 B = [0; I]"),
+        Evidence("residual", float(residual.max(initial=0.0)), f"largest relative residual of {of_A}"),
+        Evidence("input residual", float(of_inputs.max(initial=0.0)), f"largest relative residual of {of_B}"),
         Evidence(
             "input margin", existence.inputs.ratio, "distance to rank [B, A B] < 2 p, in units of the bound of rounding errors"
         ),
@@ -594,60 +595,62 @@ def mechanical_normal_form(A, B, C=None, D=None, descriptor=None, method: str = 
 def _of_regular(data: StateSpaceData, rows_of: Callable[[ScaledPencil], np.ndarray]) -> NormalForm:
     pair = scaled_pencil(data)
     exists = existence(pair)
-    return replace(_assembled(data, rows_of(pair), exists), part=regular_part(data))
+    form = _assembled(data, rows_of(pair), exists)
+    doubts = (DOUBT,) if data.rank is not None and not data.rank.clear else ()
+    return replace(form, notices=(*form.notices, *doubts), part=regular_part(data))
 
 
 def _of_descriptor(data: StateSpaceData, rows_of: Callable[[ScaledPencil], np.ndarray]) -> NormalForm:
     """The form of the finite part, in the states of the whole."""
     parts = descriptor_parts(data)
-    form = _in_states(parts.finite, data, rows_of)
+    form = _in_states(parts.finite, rows_of)
     return replace(
         form,
         feedthrough=None if data.C is None else parts.infinite.polynomial[0],
         evidence=(*form.evidence, *parts.evidence),
         notices=(*form.notices, *parts.notices),
-        infinite=parts.infinite,
+        infinite=parts.infinite if parts.infinite.size else None,
     )
 
 
-def _in_states(part: StatePart, data: StateSpaceData, rows_of: Callable[[ScaledPencil], np.ndarray]) -> NormalForm:
+def _in_states(part: StatePart, rows_of: Callable[[ScaledPencil], np.ndarray]) -> NormalForm:
     """The form of a part in the states of the whole, with the evidence of T in these."""
-    own, exists = _of_part(part.independent, (part.noise[0], part.own.noise), rows_of)
+    own, exists = _of_part(part, rows_of)
     T, left = own.transformation @ part.start, own.transformation @ part.rows
     inputs = own.input_matrix @ part.inputs
-    evidence = _evidence(data, left, T, own.state_matrix, inputs, exists)
     return replace(
         own,
         transformation=T,
         left_transformation=left,
         input_matrix=inputs,
-        evidence=evidence,
+        evidence=_evidence(part.data, left, T, own.state_matrix, inputs, exists),
         inverse=part.columns @ own.inverse,
         part=part,
     )
 
 
-def _of_part(data: StateSpaceData, noise, rows_of: Callable[[ScaledPencil], np.ndarray]) -> tuple[NormalForm, NormalFormExistence]:
-    """The form of a part of a system, x' = A x + B u with this noise of A and B, and the margins of its existence."""
-    if not len(data.A):
+def _of_part(part: StatePart, rows_of: Callable[[ScaledPencil], np.ndarray]) -> tuple[NormalForm, NormalFormExistence]:
+    """The form of a part in its own states, and the margins of its existence."""
+    data, noise = part.independent, part.noise[0]
+    if not part.size:
         nothing, inputs = np.zeros((0, 0)), np.zeros((0, data.B.shape[1]))
         return NormalForm(nothing, nothing, nothing, inputs, data.C, data.D, (), (), nothing, nothing), NO_CONDITIONS
-    pair = noisy_pencil(data, noise)
+    pair = part.pencil()
     exists = existence(pair)
     form = _assembled(data, rows_of(pair), exists)
     inverse = np.linalg.inv(form.transformation)
     X, lower = np.split(np.abs(form.transformation), 2)
-    doubt = X @ noise[0] @ np.abs(data.A) + lower @ noise[0] + np.abs(form.damping) @ X @ noise[0]
+    doubt = X @ noise @ np.abs(data.A) + lower @ noise + np.abs(form.damping) @ X @ noise
     return replace(form, inverse=inverse, uncertainty=form.uncertainty + doubt @ np.abs(inverse)), exists
 
 
 def _reduced(form: NormalForm, coordinates: int) -> NormalForm:
     if coordinates > form.size:
         raise InputError(f"coordinates: found {coordinates}; expected at most {form.size}, which the form has")
-    part = form.part
-    A = part.explicit.A
-    modes = decoupled(A)
-    slices, rates = block_slices(modes.blocks), [eigenvalues(block) for block in modes.blocks]
+    if not coordinates and form.infinite is None:
+        raise InputError("coordinates: found 0; expected at least 1 for a system that has no infinite part")
+    part, modes = form.part, decoupled(form.part.explicit.A)
+    rates = [eigenvalues(block) for block in modes.blocks]
     order = sorted(range(len(rates)), key=lambda place: float(np.abs(rates[place]).max()))
     sizes = np.cumsum([0, *(len(rates[place]) for place in order)])
     if 2 * coordinates not in sizes:
@@ -658,32 +661,21 @@ def _reduced(form: NormalForm, coordinates: int) -> NormalForm:
     count = int(np.searchsorted(sizes, 2 * coordinates))
     if count == len(order):
         return form
-    kept, others = (np.concatenate([np.arange(0), *(np.r_[slices[i]] for i in some)]) for some in (order[:count], order[count:]))
-    retained, omitted = (np.concatenate([np.zeros(0), *(rates[i] for i in some)]) for some in (order[:count], order[count:]))
     noise = NOISE_SAFETY * (np.abs(modes.inverse) @ part.noise[0] @ np.abs(modes.basis)).max(initial=0.0)
+    omitted = np.concatenate([rates[place] for place in order[count:]])
     for rate in omitted:
         if rate.real > noise or abs(rate) <= noise:
-            raise InputError(
-                f"coordinates: {coordinates} leaves out the eigenvalue {rate:.6g}, whose motion does not decay; keep more"
-            )
-    slow, fast = (
-        part.divided([modes.blocks[i] for i in some], modes.inverse[at], modes.basis[:, at])
-        for some, at in ((order[:count], kept), (order[count:], others))
-    )
-    data = part.data
-    own = _in_states(slow, data, well_conditioned_rows)
-    J, B = fast.explicit.A, fast.explicit.B
-    C = fast.columns if fast.explicit.C is None else fast.explicit.C
-    static = -C @ np.linalg.solve(J, B)
-    highest = float(np.abs(retained).max(initial=0.0))
-    truncation = _truncation(C, J, B, form.state_space(), highest)
-    text = "largest change of the left-out part of the transfer function up to the highest kept frequency, relative to the whole"
+            motion = "is free" if abs(rate) <= noise else "grows"
+            raise InputError(f"coordinates: {coordinates} leaves out the eigenvalue {rate:.6g}, whose motion {motion}; keep more")
+    slow, fast = (part.divided(modes, places) for places in (order[:count], order[count:]))
+    own = _in_states(slow, well_conditioned_rows)
+    static, truncation = _truncated(fast, form, max((float(np.abs(rates[place]).max()) for place in order[:count]), default=0.0))
+    text = "largest change of the omitted part of an entry of G(i w) from w = 0 on, at 64 w up to the highest kept eigenvalue, relative to this entry"
     notice = f"{counted(len(omitted), 'eigenvalue')} from {np.abs(omitted).min():.6g} 1/s on follow the inputs at once, as at rest"
     infinite, D = form.infinite, form.feedthrough
     if infinite is not None:
-        first = infinite.polynomial[0] + static
         direct = static if infinite.feedthrough is None else infinite.feedthrough + static
-        infinite = replace(infinite, feedthrough=direct, polynomial=(first, *infinite.polynomial[1:]))
+        infinite = replace(infinite, feedthrough=direct, polynomial=(infinite.polynomial[0] + static, *infinite.polynomial[1:]))
     return replace(
         own,
         feedthrough=None if D is None else D + static,
@@ -693,17 +685,23 @@ def _reduced(form: NormalForm, coordinates: int) -> NormalForm:
     )
 
 
-#: Frequencies at which the truncated part is evaluated, and their step as a part of the band, an irrational one.
+#: Frequencies at which the omitted part is evaluated, and their step as a part of the band, an irrational one.
 FREQUENCIES, GOLDEN = 64, (5**0.5 - 1) / 2
 
 
-def _truncation(C, J, B, whole: StateSpace, highest: float) -> float:
-    """max |G_o(i w) - G_o(0)| over max |G(i w)| for 0 < w < highest."""
+def _truncated(fast: StatePart, form: NormalForm, highest: float) -> tuple[np.ndarray, float]:
+    """G_o(0) of the omitted part, and the largest |G_o(i w) - G_o(0)| of an entry relative to its largest |G(i w)|, 0 < w < highest."""
+    J, B = fast.explicit.A, fast.explicit.B
+    C = fast.columns if fast.explicit.C is None else fast.explicit.C
+    static, whole = -C @ np.linalg.solve(J, B), form.state_space()
     s = 1j * highest * (np.arange(1, FREQUENCIES + 1) * GOLDEN % 1.0)
-    change = C @ np.linalg.solve(s[:, None, None] * np.eye(len(J)) - J, np.broadcast_to(B, (len(s), *B.shape)))
-    static = -C @ np.linalg.solve(J, B)
-    size = max((float(np.abs(whole(value)).max(initial=0.0)) for value in s), default=0.0)
-    return float(np.abs(change - static).max(initial=0.0)) / (size or 1.0)
+    if not highest:
+        return static, 0.0
+    inverse = np.linalg.inv(s[:, None, None] * np.eye(fast.size) - J)
+    change, terms = np.abs(C @ inverse @ B - static), np.abs(C) @ np.abs(inverse) @ np.abs(B)
+    size = np.abs([whole(value) for value in s]).max(axis=0, initial=0.0)
+    change = np.where(change > NOISE_SAFETY * EPS * terms, change, 0.0).max(axis=0, initial=0.0)
+    return static, float((change / np.where(size > 0, size, 1.0)).max(initial=0.0))
 
 
 def _in_given_units(pair: ScaledPencil, rows: np.ndarray) -> np.ndarray:

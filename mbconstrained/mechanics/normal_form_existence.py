@@ -38,7 +38,7 @@ from ..ground.tolerances import (
     NOISE_SAFETY,
     ROUNDED_COUPLING,
 )
-from ..linalg.rank import Noisy, compress_rows, null_columns
+from ..linalg.rank import Noisy, RankDecision, compress_rows, null_columns
 from ..linalg.scaling import joint_scaling
 
 # The matrices of a state-space system, checked.
@@ -53,7 +53,12 @@ class StateSpaceData:
     C: np.ndarray | None = None  # C, D: shape (m, n) and (m, p); None where no outputs are given
     D: np.ndarray | None = None
     F: np.ndarray | None = None  # shape (n, n); None for the identity
-    has_infinite_part: bool = False  # True where F is singular
+    rank: RankDecision | None = None  # of F; None for the identity
+
+    @property
+    def has_infinite_part(self) -> bool:
+        """True where F is singular."""
+        return self.rank is not None and self.rank.rank < len(self.A)
 
 
 def state_space_data(A, B, C, D, descriptor) -> StateSpaceData:
@@ -62,26 +67,31 @@ def state_space_data(A, B, C, D, descriptor) -> StateSpaceData:
     if n != A.shape[1]:
         raise InputError(f"A: expected a square matrix, found {n} x {A.shape[1]}")
     F = None if descriptor is None or not n else real_array(descriptor, "descriptor", shape=(n, n))
-    singular = F is not None and compress_rows(Noisy.rounded(F)).decision.rank < n
+    rank = None if F is None else compress_rows(Noisy.rounded(F)).decision
+    singular = rank is not None and rank.rank < n
     if not n or (n % 2 and not singular):
         states = f"found {counted(n, 'state')}" if n else "found no states"
         raise InputError(
             f"A: {states}; a mechanical system has an even number of them, a displacement and a velocity for each coordinate"
         )
-    B = _inputs(B, n, n if singular else n // 2)
+    B = _inputs(B, n, singular)
     C, D = _outputs(C, D, n, B.shape[1])
-    return StateSpaceData(A, B, C, D, F, singular)
+    return StateSpaceData(A, B, C, D, F, rank)
 
 
-def _inputs(B, n, most: int) -> np.ndarray:
+def _inputs(B, n: int, singular: bool) -> np.ndarray:
     B = real_array(np.zeros((n, 0)) if B is None else B, "B")
     B = B[:, None] if B.ndim == 1 else B
     if B.ndim != 2 or len(B) != n:
         raise InputError(f"B: expected shape {n} x p, one row for each of the {n} states, found {' x '.join(map(str, B.shape))}")
-    if B.shape[1] > most:
+    if B.shape[1] > (n if singular else n // 2):
+        most = (
+            f"at most {n} of them can be independent"  # those that act on the infinite part alone are no forces on coordinates
+            if singular
+            else f"a mechanical system of {counted(n // 2, 'coordinate')} takes at most {counted(n // 2, 'independent force')}"
+        )
         raise InputError(
-            f"B: found {counted(B.shape[1], 'input')} for {n} states; a mechanical system of {counted(most, 'coordinate')} takes "
-            f"at most {most} independent forces: leave inputs out, or combine them"
+            f"B: found {counted(B.shape[1], 'input')} for {counted(n, 'state')}; {most}: leave inputs out, or combine them"
         )
     columns = null_columns(Noisy.rounded(B))
     if columns.decision.rank < B.shape[1]:
@@ -131,6 +141,7 @@ class ScaledPencil:
     # from rounding errors
     weak: np.ndarray
     known: float = EPS  # uncertainty of A and F, relative to their size
+    part: str = ""  # the part of a larger system whose pencil this is, for texts
 
     @property
     def solved(self) -> ScaledPencil:
@@ -406,7 +417,7 @@ def _refined(value: float, constant, linear) -> tuple[float, np.ndarray]:
 
 def _no_form(name: str, text: str, margin: Margin, pair: ScaledPencil) -> NoNormalForm:
     return NoNormalForm(
-        f"no mechanical normal form: {name}{text}. {_nearness(margin, pair)}",
+        f"no mechanical normal form{pair.part}: {name}{text}. {_nearness(margin, pair)}",
         condition=name,
         rank=margin.rank,
         needed=margin.needed,

@@ -13,6 +13,7 @@ alone would have. A system whose other states follow algebraically keeps its coo
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -25,12 +26,21 @@ from ..ground.display import Displayed
 from ..ground.errors import NoNormalForm, SingularPolynomialMatrix
 from ..ground.notices import Evidence, Notice, NoticeKind
 from ..ground.tolerances import EPS
+from ..linalg.blocks import BlockDiagonal, block_matrix, block_slices
 from ..linalg.rank import Noisy, null_columns
 from ..polynomial.jordan_pairs import JordanPairs
 from .normal_form_existence import ScaledPencil, StateSpaceData, scaled_pencil
 
 if TYPE_CHECKING:
     from ..control.state_equations import StateEquations
+
+
+#: Where rounding decides whether F is singular, or which states belong to the infinite part.
+DOUBT = Notice(
+    NoticeKind.RANK,
+    "rounding errors of F and A may decide which states belong to the infinite part; the normal form may be an artefact of them",
+    doubtful=True,
+)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -46,7 +56,7 @@ class InfinitePart(Displayed):
         input_matrix: B_z, shape (m, p).
         states: Q, shape (n, m).
         rows: z = rows x, shape (m, n).
-        index: the least k with N^k = 0; 0 without an infinite part.
+        index: the least k with N^k = 0.
         output_matrix, feedthrough: C Q, shape (k, m), and D; None where no outputs were given.
         polynomial: the matrices D_0, D_1, ... of the polynomial part of the transfer function, D_0 + D_1 s + ...; the impulse
             response contains D_i times the i-th derivative of Dirac's delta. Without outputs those to the states.
@@ -76,12 +86,14 @@ class StatePart:
     """x_f' = J x_f + B u, y = C x_f, with x = columns x_f + ..., x_f = start x, of the finite part of a system or of some of its modes.
 
     Attributes:
+        name: which part of the system it is, for texts.
         data: the whole.
         explicit: J, B and C; C is None where no outputs were given.
         noise: of J and of B.
         columns, rows, start: V, P and P F, shapes (n, n_f), (n_f, n) and (n_f, n).
     """
 
+    name: str
     data: StateSpaceData
     explicit: StateSpaceData
     noise: tuple[np.ndarray, np.ndarray]
@@ -91,7 +103,7 @@ class StatePart:
 
     @cached_property
     def _inputs(self) -> tuple[np.ndarray, Noisy]:
-        return independent_inputs(Noisy(self.explicit.B, self.noise[1]))
+        return _independent_inputs(Noisy(self.explicit.B, self.noise[1]))
 
     @property
     def inputs(self) -> np.ndarray:
@@ -108,13 +120,34 @@ class StatePart:
         """The part with B_1 in place of B."""
         return replace(self.explicit, B=self.own.data)
 
-    def divided(self, blocks: list[np.ndarray], rows: np.ndarray, columns: np.ndarray) -> StatePart:
-        """The part of some modes, with their blocks of J, and left and right bases of them."""
+    @property
+    def size(self) -> int:
+        """Number n_f of states."""
+        return len(self.explicit.A)
+
+    def pencil(self) -> ScaledPencil:
+        """The independent form in scaled units, known up to its noise."""
+        pair, (of_A, of_B) = scaled_pencil(self.independent), (self.noise[0], self.own.noise)
+        of_A, of_B = pair.equation[:, None] * of_A * pair.state, pair.equation[:, None] * of_B * pair.input
+        known = [
+            np.linalg.norm(of_A) / (np.linalg.norm(pair.A) or 1.0),
+            *(np.linalg.norm(of_B, axis=0) / np.linalg.norm(pair.B, axis=0)),
+        ]
+        part = f" of {self.name}, x' = A x + B u with {self.size} of {counted(len(self.data.A), 'state')}"
+        return replace(pair, known=max(EPS, *map(float, known)), part=part)
+
+    def divided(self, modes: BlockDiagonal, places: Sequence[int]) -> StatePart:
+        """The part of the modes of some blocks of J."""
+        slices = block_slices(modes.blocks)
+        at = np.concatenate([np.arange(0), *(np.r_[slices[place]] for place in places)])
+        rows, columns = modes.inverse[at], modes.basis[:, at]
         own, (of_J, of_B) = self.explicit, self.noise
-        J = scipy.linalg.block_diag(*blocks) if blocks else np.zeros((0, 0))
+        J = block_matrix([modes.blocks[place] for place in places])
         explicit = StateSpaceData(J, rows @ own.B, None if own.C is None else own.C @ columns)
         noise = np.abs(rows) @ of_J @ np.abs(columns), np.abs(rows) @ of_B
-        return StatePart(self.data, explicit, noise, self.columns @ columns, rows @ self.rows, rows @ self.start)
+        return StatePart(
+            "the modes that stay", self.data, explicit, noise, self.columns @ columns, rows @ self.rows, rows @ self.start
+        )
 
 
 def regular_part(data: StateSpaceData) -> StatePart:
@@ -122,11 +155,11 @@ def regular_part(data: StateSpaceData) -> StatePart:
     n = len(data.A)
     if data.F is None:
         noise = EPS * np.abs(data.A), EPS * np.abs(data.B)
-        return StatePart(data, data, noise, np.eye(n), np.eye(n), np.eye(n))
+        return StatePart("the system", data, data, noise, np.eye(n), np.eye(n), np.eye(n))
     inverse = np.linalg.inv(data.F)
     J, size = inverse @ data.A, np.abs(inverse)
     noise = EPS * (size @ np.abs(data.A) + size @ np.abs(data.F) @ np.abs(J)), EPS * (size @ np.abs(data.B))
-    return StatePart(data, StateSpaceData(J, inverse @ data.B, data.C), noise, np.eye(n), inverse, np.eye(n))
+    return StatePart("the system", data, StateSpaceData(J, inverse @ data.B, data.C), noise, np.eye(n), inverse, np.eye(n))
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,14 +170,6 @@ class DescriptorParts:
     infinite: InfinitePart
     evidence: tuple[Evidence, ...]
     notices: tuple[Notice, ...]
-
-
-def noisy_pencil(data: StateSpaceData, noise: tuple[np.ndarray, np.ndarray]) -> ScaledPencil:
-    """x' = A x + B u in scaled units, known up to this noise of A and B."""
-    pair = scaled_pencil(data)
-    A, B = pair.equation[:, None] * noise[0] * pair.state, pair.equation[:, None] * noise[1] * pair.input
-    known = [np.linalg.norm(A) / (np.linalg.norm(pair.A) or 1.0), *(np.linalg.norm(B, axis=0) / np.linalg.norm(pair.B, axis=0))]
-    return replace(pair, known=max(EPS, *map(float, known)))
 
 
 def descriptor_parts(data: StateSpaceData) -> DescriptorParts:
@@ -161,21 +186,15 @@ def descriptor_parts(data: StateSpaceData) -> DescriptorParts:
     try:
         pairs = system.polynomial_matrix().jordan_pairs()
     except SingularPolynomialMatrix as problem:
-        rank, text = int(np.linalg.matrix_rank(F)), str(problem)
-        raise NoNormalForm(
-            "no mechanical normal form: the descriptor matrix is singular and det(s F - A) is zero for every s, the equations do not "
-            f"determine the states: {text}",
-            condition="descriptor",
-            rank=rank,
-            needed=len(A),
-        ) from None
+        text = f"no mechanical normal form, A(s) = s F - A: {problem}"
+        raise NoNormalForm(text, condition="descriptor", rank=data.rank.rank, needed=len(A)) from None
     columns, rows, noisy_rows = _finite_bases(pairs)
     n = columns.shape[1]
     if n % 2:
         raise NoNormalForm(
-            f"no mechanical normal form: {n} of the {len(A)} states belong to the finite part of s F - A, the others follow the inputs at "
+            f"no mechanical normal form: the finite part of s F - A has {n} of the {counted(len(A), 'state')}, the others follow the inputs at "
             "once; a mechanical system has an even number of finite states, a displacement and a velocity for each coordinate. Work with "
-            "the first-order system as it is, mb.StateSpace, or reduce it",
+            "the first-order system as it is, mb.StateSpace",
             condition="descriptor",
             rank=n,
             needed=n + 1,
@@ -189,12 +208,12 @@ def descriptor_parts(data: StateSpaceData) -> DescriptorParts:
     mixed = _mixing(data, J.size, columns, rows, infinite) @ np.abs(infinite.input_matrix)
     C = None if data.C is None else data.C @ columns
     noise = J.noise, of_inputs.noise + mixed
-    finite = StatePart(data, StateSpaceData(J.data, of_inputs.data, C), noise, columns, rows, rows @ F)
+    finite = StatePart("the finite part", data, StateSpaceData(J.data, of_inputs.data, C), noise, columns, rows, rows @ F)
     inputs = finite.inputs
     if 2 * len(inputs) > n:
         raise NoNormalForm(
             f"no mechanical normal form: {counted(len(inputs), 'independent input')} for {counted(n, 'finite state')}; a mechanical system "
-            f"of {counted(n // 2, 'coordinate')} takes at most {n // 2} independent forces",
+            f"of {counted(n // 2, 'coordinate')} takes at most {counted(n // 2, 'independent force')}",
             condition="rank [B, A B]",
             rank=min(n, 2 * len(inputs)),
             needed=2 * len(inputs),
@@ -211,7 +230,8 @@ def descriptor_parts(data: StateSpaceData) -> DescriptorParts:
         Evidence("decoupling residual", residual, "largest relative residual of the decoupled finite and infinite part"),
         Evidence("decoupling condition", condition, "of [V, Q], x = V x_f + Q z, in the units of the states"),
     )
-    return DescriptorParts(finite, infinite, evidence, _doubts(pairs))
+    is_clear = infinite.size > 0 and all(decision.clear for decision in pairs.form.split.decisions)
+    return DescriptorParts(finite, infinite, evidence, () if is_clear else (DOUBT,))
 
 
 def _finite_bases(pairs: JordanPairs) -> tuple[np.ndarray, np.ndarray, Noisy]:
@@ -239,7 +259,7 @@ def _mixing(data: StateSpaceData, J: np.ndarray, columns: np.ndarray, rows: np.n
     return total
 
 
-def independent_inputs(B: Noisy) -> tuple[np.ndarray, Noisy]:
+def _independent_inputs(B: Noisy) -> tuple[np.ndarray, Noisy]:
     """R and B_1 with B = B_1 R, independent columns B_1 of B; inputs of one column of B_1 alone are exact."""
     compression, p = null_columns(B), B.data.shape[1]
     pivots = np.sort(compression.pivots)
@@ -257,13 +277,13 @@ def _infinite_part(data: StateSpaceData, system: StateEquations, pairs: JordanPa
     form, scaling = pairs.form, pairs.form.companion.scaling
     states, N = scaling.columns[:, None] * form.C2.cleaned(), form.nilpotent.cleaned() / scaling.time
     rows = form.B2.cleaned() * scaling.rows
-    index, m = max(pairs.structure.infinite_divisors), len(N)
-    terms = [through(system, order) for order in range(index)]
+    index, m = max(pairs.structure.infinite_divisors, default=0), len(N)
+    terms = [through(system, order) for order in range(max(index, 1))]
     while len(terms) > 1 and not terms[-1].any():
         terms.pop()
     return InfinitePart(
         nilpotent=N,
-        input_matrix=(-(form.B2 @ Noisy.rounded(scaling.rows[:, None] * data.B)).cleaned()).reshape(m, -1) + 0.0,
+        input_matrix=(-(form.B2 @ Noisy.rounded(scaling.rows[:, None] * data.B)).cleaned()).reshape(m, data.B.shape[1]) + 0.0,
         states=states,
         rows=rows @ data.A,
         index=index,
@@ -282,13 +302,3 @@ def _residual(left, matrix, right, wanted) -> float:
         value, size = value @ right, size @ np.abs(right)
     scale = np.maximum(size.max(axis=1, keepdims=True, initial=0.0), np.abs(wanted))
     return float((np.abs(value - wanted) / np.where(scale > 0, scale, 1.0)).max(initial=0.0))
-
-
-def _doubts(pairs: JordanPairs) -> tuple[Notice, ...]:
-    """A doubtful notice where rounding decides what belongs to the infinite part."""
-    if all(decision.clear for decision in pairs.form.split.decisions):
-        return ()
-    text = (
-        "rounding errors of F and A may decide which states belong to the infinite part; the normal form may be an artefact of them"
-    )
-    return (Notice(NoticeKind.RANK, text, doubtful=True),)

@@ -230,12 +230,66 @@ def test_reduction_refuses_what_it_cannot_divide_or_leave_out():
     for count, match in ((7, "at most 6"), (-1, "at least 0"), (1.5, "whole number")):
         with pytest.raises(mb.InputError, match=match):
             form.reduced(count)
-    growing = mb.mechanical_normal_form([[0.0, 1.0], [-4.0, 1.0]], None)
-    with pytest.raises(mb.InputError, match="does not decay"):
+    growing = mb.mechanical_normal_form(block_diag([[0.0, 1.0], [-1.0, -1.0]], [[0.0, 1.0], [-4.0, 1.0]]), None)
+    with pytest.raises(mb.InputError, match="grows; keep more"):
+        growing.reduced(1)
+    free = mb.mechanical_normal_form(block_diag([[0.0, 1.0], [0.0, 0.0]], [[-1.0]]), None, descriptor=np.diag([1.0, 1.0, 0.0]))
+    with pytest.raises(mb.InputError, match="is free; keep more"):
+        free.reduced(0)
+    with pytest.raises(mb.InputError, match="at least 1 for a system that has no infinite part"):
         growing.reduced(0)
     divided = mb.mechanical_normal_form(block_diag([[-1.0]], [[0.0, 9.0], [-9.0, -1.0]], [[-20.0]]), None)
     with pytest.raises(mb.InputError, match="possible are 0, 2"):
         divided.reduced(1)
+
+
+def test_the_truncation_does_not_depend_on_the_units_of_inputs_and_outputs():
+    given, values = chain().to_state_space(["m5", "m2"], ["m0", "m5 acceleration"]), []
+    for outputs, inputs in (([1.0, 1.0], [1.0, 1.0]), ([1e9, 1e-3], [1e-6, 1e6])):
+        form = mb.mechanical_normal_form(
+            given.A, given.B * inputs, np.diag(outputs) @ given.C, np.diag(outputs) @ given.D * inputs, descriptor=given.E
+        )
+        values += [item.value for item in form.reduced(2).evidence if item.name == "truncation"]
+    assert values[0] > 0 and values[1] == pytest.approx(values[0], rel=1e-9)
+
+
+def test_a_reduced_form_is_reduced_further():
+    given = chain().to_state_space(["m5"], ["m0"])
+    form = mb.mechanical_normal_form(given.A, given.B, given.C, given.D, descriptor=given.E)
+    once, twice = form.reduced(2), form.reduced(4).reduced(2)
+    assert twice.state_space()(0.3j) == pytest.approx(once.state_space()(0.3j), rel=1e-9)
+    assert [len(each.notices) for each in (once, twice)] == [1, 2]
+
+
+def test_conditions_of_the_finite_part_are_named_as_its_own():
+    A, F = block_diag([[0.0, 1.0], [0.0, 0.0]], np.eye(3)), np.diag([1.0, 1.0, 0.0, 0.0, 0.0])
+    for function in (mb.mechanical_normal_form, mb.exact.mechanical_normal_form):
+        with pytest.raises(mb.NoNormalForm, match=r"of the finite part, x' = A x \+ B u with 2 of 5 states: rank \[B, A B\] = 1"):
+            function(A, [[1.0], [0.0], [0.0], [0.0], [0.0]], descriptor=F)
+
+
+def test_more_inputs_than_states_are_refused_and_as_many_may_act_on_the_infinite_part():
+    with pytest.raises(mb.InputError, match="3 inputs for 2 states; at most 2 of them can be independent"):
+        mb.mechanical_normal_form(np.eye(2), np.eye(2, 3), descriptor=np.zeros((2, 2)))
+    form = mb.mechanical_normal_form(np.eye(2), np.eye(2), np.eye(2), descriptor=np.zeros((2, 2)))
+    assert (form.size, form.infinite.index, form.polynomial[0].tolist()) == (0, 1, [[-1.0, 0.0], [0.0, -1.0]])
+
+
+def test_a_descriptor_between_singular_and_regular_is_doubtful_or_refused():
+    """F of rank n to within rounding errors, in coordinates that do not show it: never a verdict without a doubt, never a traceback."""
+    for seed in (775, *range(60)):  # 775: singular in its own units, regular in those of the pencil
+        random = np.random.default_rng(seed)
+        n = int(random.integers(1, 7))
+        sizes = np.where(random.random(n) < 0.4, 10.0 ** random.uniform(-20, -11, n), 1.0)
+        W, Z = (np.linalg.qr(random.standard_normal((n, n)))[0] @ np.diag(10.0 ** random.uniform(-5, 5, n)) for _ in range(2))
+        F, A, B = W @ np.diag(sizes) @ Z, W @ random.integers(-2, 3, (n, n)) @ Z, W @ random.integers(-1, 2, (n, 1))
+        try:
+            form = mb.mechanical_normal_form(A, B, np.eye(n), descriptor=F)
+        except (mb.NoNormalForm, mb.InputError, mb.IllConditioned):
+            continue
+        wanted, found = np.linalg.solve(0.7 * F - A, B), form.state_space()(0.7)
+        error = np.abs(found - wanted).max() / np.abs(wanted).max()
+        assert any(notice.doubtful for notice in form.notices) or error <= 1e-6, seed
 
 
 @pytest.mark.parametrize(
@@ -248,8 +302,14 @@ def test_reduction_refuses_what_it_cannot_divide_or_leave_out():
         ({"A": np.eye(3), "B": None}, mb.InputError, "even number"),
         ({"A": [[0, 1], [0, 0]], "B": None, "descriptor": [[0, 1], [0, 0]]}, mb.NoNormalForm, "row 2"),
         ({"A": np.eye(2), "B": None, "descriptor": np.eye(3)}, mb.InputError, "expected shape 2 x 2"),
+        ({"A": np.eye(2), "B": [1, 1], "D": [[1]]}, mb.InputError, "feedthrough without outputs"),
     ],
 )
 def test_the_exact_form_checks_its_arguments(arguments, error, match):
     with pytest.raises(error, match=match):
         mb.exact.mechanical_normal_form(**arguments)
+
+
+def test_the_exact_form_takes_a_single_output_as_a_row():
+    form = mb.exact.mechanical_normal_form([[0, 1], [-4, -1]], [0, 1], [1, 0])
+    assert (form.output_matrix.tolist(), form.polynomial[0].tolist()) == ([[1, 0]], [[0]])

@@ -55,7 +55,7 @@ def test_without_outputs_there_are_none():
 
 def test_an_odd_finite_part_is_refused_with_its_size():
     F = np.diag([1.0, 2.0, 3.0, 0.0, 0.0])
-    with pytest.raises(mb.NoNormalForm, match="3 of the 5 states belong to the finite part") as caught:
+    with pytest.raises(mb.NoNormalForm, match="the finite part of s F - A has 3 of the 5 states") as caught:
         mb.mechanical_normal_form(np.diag(np.arange(1.0, 6.0)), None, descriptor=F)
     assert (caught.value.condition, caught.value.rank) == ("descriptor", 3)
 
