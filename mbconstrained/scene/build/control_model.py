@@ -296,6 +296,8 @@ def mechanical_scene(
     space, model, initial = control.system, table.model, table.initial
     lap("assemble the model")
     with at(file_name, "model.normal_form"):
+        if space.is_descriptor:
+            space.polynomial_matrix().jordan_pairs()  # where det(s E - A) is zero for every s they name the states of the scene
         try:
             form = mechanical_normal_form(space.A, space.B, space.C, space.D, descriptor=space.E if space.is_descriptor else None)
         except NoNormalForm as problem:
@@ -305,7 +307,7 @@ def mechanical_scene(
     with at(file_name, "model.coordinates"):
         if len(names) != form.size:
             which = "states" if form.infinite is None else "states of the finite part"
-            raise InputError(f"found {len(names)} names; expected {form.size}, half as many as {which}")
+            raise InputError(f"found {counted(len(names), 'name')}; expected {form.size}, half as many as {which}")
     massless = _massless_names(form, {*space.states, *space.inputs, *space.outputs, *names})
     units = {name: model.units.get(name, "m") for name in names} | dict.fromkeys(massless, "1")
     with at(file_name, "model.units"):
@@ -435,7 +437,7 @@ def _form_table(form: NormalForm) -> TextTable:
     choice = "there is no other" if form.is_unique else f"one of a family of {form.freedom} dimensions, of small condition"
     rows = [("transformation", f"{2 * form.size} states to {counted(form.size, 'displacement')} and as many velocities; {choice}")]
     if form.infinite is not None:
-        size, index = counted(form.infinite.size, "other"), form.infinite.index
-        rows.append(("infinite part", f"{size} of index {index}: massless coordinates, which follow the inputs at once"))
+        size, index = counted(form.infinite.size, "more state"), form.infinite.index
+        rows.append(("infinite part", f"{size}, index {index}: massless coordinates, which follow the inputs at once"))
     rows += [(item.name, f"{item.value:.2g}: {item.text}") for item in form.evidence]
     return TextTable("Mechanical normal form", ("what", "value"), tuple(rows))
