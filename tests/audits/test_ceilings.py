@@ -23,7 +23,7 @@ LINES = {
     "__main__": 8,
     "analyses": 10609,
     "cli": 976,
-    "control": 2495,
+    "control": 2496,
     "docs": 284,
     "exact": 6737,
     "exchange": 1386,
