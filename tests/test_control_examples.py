@@ -141,6 +141,15 @@ def test_a_scene_of_such_a_model_is_refused_with_the_same_words(tmp_path):
     assert isinstance(caught.value.__cause__, mb.NoNormalForm)
 
 
+def test_a_scene_with_a_singular_pencil_names_its_own_rows_and_states(tmp_path):
+    text = (EXAMPLES / "identified_descriptor.toml").read_text("utf-8")
+    (tmp_path / "scene.toml").write_text(
+        text.replace("    [-1, 0, 0, 0, 0, 0, 0],\n]\nB", "    [0, 0, 0, 0, 0, 0, 0],\n]\nB"), "utf-8"
+    )
+    with pytest.raises((mb.SceneError, mb.SingularPolynomialMatrix), match='zero for every s.*"row 7".*"s1"'):
+        read_scene(tmp_path / "scene.toml")
+
+
 @pytest.mark.parametrize("name", ["transfer_function", "identified", "identified_descriptor", "unseen_mass", "descriptor"])
 def test_transfer_functions_are_told_as_data(name):
     result = run(name)

@@ -647,14 +647,15 @@ def _of_part(part: StatePart, rows_of: Callable[[ScaledPencil], np.ndarray]) -> 
 def _reduced(form: NormalForm, coordinates: int) -> NormalForm:
     if coordinates > form.size:
         raise InputError(f"coordinates: found {coordinates}; expected at most {form.size}, which the form has")
-    if not coordinates and form.infinite is None:
+    least = 0 if form.infinite else 1
+    if coordinates < least:
         raise InputError("coordinates: found 0; expected at least 1 for a system that has no infinite part")
     part, modes = form.part, decoupled(form.part.explicit.A)
     rates = [eigenvalues(block) for block in modes.blocks]
     order = sorted(range(len(rates)), key=lambda place: float(np.abs(rates[place]).max()))
     sizes = np.cumsum([0, *(len(rates[place]) for place in order)])
     if 2 * coordinates not in sizes:
-        possible = ", ".join(str(size // 2) for size in sizes if not size % 2)
+        possible = ", ".join(str(size // 2) for size in sizes if not size % 2 and size >= 2 * least)
         raise InputError(
             f"coordinates: {coordinates} would divide a complex pair or a cluster of eigenvalues; possible are {possible}"
         )

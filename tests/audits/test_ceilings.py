@@ -30,7 +30,7 @@ LINES = {
     "frequency": 5325,
     "ground": 2071,
     "linalg": 4857,
-    "mechanics": 12019,
+    "mechanics": 12020,
     "models": 1337,
     "page": 4907,
     "polynomial": 2881,
