@@ -54,6 +54,11 @@ def rational(number) -> flint.fmpq:
     return flint.fmpq(exact.numerator, exact.denominator)
 
 
+def rational_matrix(array: np.ndarray) -> flint.fmpq_mat:
+    """The exact numbers of a matrix."""
+    return flint.fmpq_mat(*array.shape, [rational(entry) for entry in array.ravel().tolist()])
+
+
 @Rational.register
 class _InLowestTerms:
     """A rational number that Fraction accepts without computing a greatest common divisor, which is slow for long numbers."""

@@ -41,7 +41,8 @@ def normal_form(scene: SceneData) -> Decision:
     form = scene.equations.control.form
     if form is None:
         return False, "normal_form = false: the states as given"
-    return True, f"normal_form = true: {counted(form.size, 'displacement')} and as many velocities"
+    massless = f", {counted(form.infinite.size, 'massless coordinate')}" if form.infinite else ""
+    return True, f"normal_form = true: {counted(form.size, 'displacement')} and as many velocities{massless}"
 
 
 def robot_model(scene: SceneData) -> Decision:

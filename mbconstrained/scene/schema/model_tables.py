@@ -437,7 +437,9 @@ class StateSpaceTable(Table):
     outputs: list[Name] | None = Field(None, description="The names of the outputs; y1, y2, … when left out.")
     units: dict[Name, Unit] = Field({}, description='Units of states, inputs, outputs, e.g. { y1 = "m" }; "1" when left out.')
     normal_form: bool = Field(
-        False, description="true: transformed first to the mechanical normal form q'' + C q' + K q = B u with displacements q."
+        False,
+        description="true: transformed first to the mechanical normal form q'' + C q' + K q = B u with displacements q; of a singular descriptor "
+        "with massless coordinates z1, z2, … for the states that follow the inputs at once.",
     )
     coordinates: list[Name] | None = Field(None, description="The names of the displacements of the normal form; q1, q2, …")
 
