@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from ..ground.checks import counted, nearest, real_array
 from ..ground.display import Displayed, TextTable, notice_table

@@ -7,9 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from ..ground.tolerances import (
     DECOUPLING_LIMIT,
@@ -519,7 +517,7 @@ class Reduction:
         zeros = self.eigenvalues
         if not (zeros.real > noise_of(np.abs(zeros).max(initial=0.0))).any():
             return False
-        return connected_components(csr_array(self.generator), connection="strong")[0] > 1
+        return scipy.sparse.csgraph.connected_components(scipy.sparse.csr_array(self.generator), connection="strong")[0] > 1
 
     @property
     def is_free(self) -> bool:
@@ -631,7 +629,7 @@ class Reduction:
         """The states in uncoupled groups."""
         if isinstance(self.generator, np.ndarray):
             return coupled_rows(self.generator)
-        count, which = connected_components(self.generator, directed=False)
+        count, which = scipy.sparse.csgraph.connected_components(self.generator, directed=False)
         return [np.flatnonzero(which == group) for group in range(count)]
 
     @cached_property
@@ -775,7 +773,7 @@ class _Differences:
             self.factors: Matrix = np.zeros(shape)
             self.factors[self.row, range(shape[1])] = values[beyond]
         else:
-            self.factors = csr_array((values[beyond], (self.row, np.arange(shape[1]))), shape=shape)
+            self.factors = scipy.sparse.csr_array((values[beyond], (self.row, np.arange(shape[1]))), shape=shape)
         self.sums = exact_row_sums(matrix)
 
     def __call__(self, x: np.ndarray) -> np.ndarray:

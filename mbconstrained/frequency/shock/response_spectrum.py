@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from ...ground.checks import counted, nearest, optional_package, real_array, real_number
 from ...ground.display import Displayed
