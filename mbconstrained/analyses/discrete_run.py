@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +12,7 @@ import numpy as np
 from ..control.discrete_state_space import DiscreteStateSpaceResponse
 from ..control.state_space import StateSpace
 from ..exchange.trajectories import csv_of
-from ..ground.checks import counted
+from ..ground.checks import counted, listed
 from ..ground.display import TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind, distinct, doubts_of
@@ -26,11 +26,10 @@ from ..scene.run.drawing import drawing_of
 from ..scene.run.result import start_notices
 from ..scene.run.stages import is_animated
 from ..signals.inputs import power, step, zero
-from .base import Analysis, Answer
-from .run import RunAnswer, run_scene
+from .base import Answer
+from .run import RunAnswer
 
 if TYPE_CHECKING:
-    from ..scene.run.scene import Scene
     from ..signals.impulsive import ImpulsiveSmooth
 
 
@@ -171,8 +170,25 @@ class DiscreteRunAnswer(RunAnswer):
         at_rest = (
             () if moves else (Notice(NoticeKind.AT_REST, "all samples are equal: the start is one of rest, and no force changes"),)
         )
-        own = (*start, *self.sequence.notices, *at_rest, *doubts_of("the samples", self.error_estimate))
+        own = (*start, *self.sequence.notices, *self._aliasing_notices, *at_rest, *doubts_of("the samples", self.error_estimate))
         return distinct(self.scene.notices, own)
+
+    @cached_property
+    def _aliasing_notices(self) -> tuple[Notice, ...]:
+        """A notice where the continuous model vibrates above the Nyquist frequency."""
+        x = self.sequence
+        if not isinstance(x, DiscreteStateSpaceResponse):
+            return ()
+        nyquist = x.system.nyquist_hz
+        poles = x.system._continuous.polynomial_matrix().eigenvalues
+        above = sorted({f"{hz:.4g}" for hz in np.abs(poles.imag) / (2 * np.pi) if hz > nyquist * (1 + 1 / 2**26)}, key=float)
+        if not above:
+            return ()
+        text = (
+            f"the model vibrates at {listed(above)} Hz, above the Nyquist frequency of {number_text(nyquist)} Hz: the samples are "
+            f"right, but look like those of a lower frequency (aliasing); a step below {0.5 / float(above[-1]):.3g} s shows it"
+        )
+        return (Notice(NoticeKind.ALIASING, text),)
 
     @property
     def table_notices(self) -> tuple[Notice, ...]:
@@ -328,16 +344,4 @@ def _control(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceRes
 
 
 def _complex_text(z: complex) -> str:
-    return number_text(z.real) if not z.imag else f"{number_text(z.real)} ± {number_text(z.imag)} i"
-
-
-class Run(Analysis):
-    """The motion of a scene, or its samples in discrete time, by the stages of its plan."""
-
-    name = "run"
-
-    @classmethod
-    def answer(cls, scene: Scene, progress: Callable | None = None, *, folder: str | Path | None = None) -> RunAnswer:  # type: ignore[override]  # it has no settings
-        """The answer, written into a folder unless it is None."""
-        kind = DiscreteRunAnswer if scene.table.time.step_domain == "discrete" else RunAnswer
-        return run_scene(scene, None if folder is None else Path(folder), progress, kind)
+    return f"{z.real:.4g}" if not z.imag else f"{z.real:.4g} ± {z.imag:.4g} i"

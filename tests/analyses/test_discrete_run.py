@@ -71,6 +71,15 @@ def test_samples_of_the_quarter_car_lie_on_its_continuous_motion():
     assert answer.values == pytest.approx(motion.displacement(answer.times), abs=1e-12 * np.abs(answer.values).max())
 
 
+def test_vibrations_above_the_nyquist_frequency_are_reported():
+    # 11.28 Hz of the wheel, sampled at 20 Hz and at 25 Hz
+    path = EXAMPLES / "sampled_quarter_car.toml"
+    (notice,) = mb.read_scene(path).run().notices
+    assert "11.28 Hz, above the Nyquist frequency of 10 Hz" in notice.text
+    finer = mb.read_scene(path, {"time.step": "40 ms"}).run()
+    assert [notice.kind for notice in finer.notices] == ["override"]
+
+
 def test_a_linear_hold_is_exact_for_a_ramp(tmp_path):
     answer = scene(tmp_path, CART).run()
     t = answer.times

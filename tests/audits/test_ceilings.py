@@ -19,25 +19,25 @@ from tests.audits.source import FILES, MODULES, ROOT, expect_none, room, text, t
 #: studies of accuracy, stability and sweeps (7,241 lines in studies, 6,700 here), modes, frequency responses and sensitivities from scene and cli, plots
 #: of frequency responses from page and formulas from scene; control and mechanics the formulas of the papers (313 lines of the room papers).
 LINES = {
-    "__init__": 186,
+    "__init__": 199,
     "__main__": 8,
-    "analyses": 10271,
+    "analyses": 10641,
     "cli": 976,
-    "control": 1797,
+    "control": 2501,
     "docs": 284,
-    "exact": 5966,
+    "exact": 6504,
     "exchange": 1386,
     "frequency": 5325,
     "ground": 2070,
     "linalg": 4859,
-    "mechanics": 10593,
+    "mechanics": 10627,
     "models": 1337,
     "page": 4907,
     "polynomial": 2881,
-    "response": 5827,
+    "response": 6348,
     "robot": 8814,
-    "scene": 9194,
-    "signals": 1734,
+    "scene": 9254,
+    "signals": 1891,
 }
 
 #: So far may a room be below its ceiling before that must be lowered.
