@@ -10,7 +10,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
-import scipy
 
 from ..ground.checks import constant_zeros, counted, is_sparse, names_of, nearest, real_array, real_number
 from ..ground.coordinate_units import coordinate_units
