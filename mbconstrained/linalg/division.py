@@ -79,7 +79,7 @@ def is_semidefinite(matrix: Matrix) -> bool:
 
 
 def condition(matrix: Matrix, enough: float = GOOD_CONDITION) -> float:
-    """The condition (1-norm, estimated) of a square matrix, its rows and columns brought to one size where it is more than
+    """The condition (1-norm, estimated where it has many rows) of a square matrix, its rows and columns brought to one size where it is more than
     enough.
     """
     if not matrix.shape[0] or is_diagonal(matrix):
@@ -106,7 +106,17 @@ def definite_condition(matrix: np.ndarray) -> float:
     return 1 / reciprocal if reciprocal > 0 else np.inf
 
 
+#: Up to so many rows the condition is that of the inverse: scenes of few coordinates are checked without SciPy, which takes longer to import.
+FEW_ROWS = 10
+
+
 def _condition(matrix: np.ndarray) -> float:
+    if len(matrix) <= FEW_ROWS:
+        try:
+            result = math.prod(max(map(sum, np.abs(one).T.tolist())) for one in (matrix, np.linalg.inv(matrix)))
+        except np.linalg.LinAlgError:
+            return np.inf
+        return result if result > 0 else np.inf  # not a number where the entries are none
     factors, _, info = scipy.linalg.lapack.dgetrf(matrix)
     reciprocal = scipy.linalg.lapack.dgecon(factors, scipy.linalg.lapack.dlange("1", matrix))[0] if info == 0 else 0.0
     return 1 / reciprocal if reciprocal > 0 else np.inf

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, log2
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -14,7 +15,9 @@ from ..ground.tolerances import EPS, EXPONENTIAL_PRODUCTS, NARROW_PRODUCT, NEGLI
 from .arrays import Matrix, entries, entry_count, filled_columns, full, of_like_kind
 from .blocks import CHUNK_ENTRIES, BlockDiagonal, block_matrix, block_slices
 from .exponential import BlockGroups, block_states
-from .tree_modes import ResidueModes
+
+if TYPE_CHECKING:
+    from .tree_modes import ResidueModes
 
 # Linear recursions with a block diagonal exponential: from one time to the next, all blocks of a size at once.
 # The steps are taken in groups, the same step of all groups at once (a scan in two passes, Blelloch 1990): first every group from

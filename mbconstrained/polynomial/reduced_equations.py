@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -62,7 +63,9 @@ from ..linalg.division import (
 )
 from ..linalg.scaling import balancing_units, equilibration
 from ..linalg.symmetric import SymmetricModes, may_be_wide, modes_of_wide_spread, symmetric_modes
-from ..linalg.tree_modes import ResidueModes, SparseTopology, sparse_topology
+
+if TYPE_CHECKING:
+    from ..linalg.tree_modes import ResidueModes, SparseTopology
 
 # Zeros at s = 0 that follow exactly from A(s): rows without stiffness.
 # A row i of M x'' + C x' + K x with K_i = 0 conserves p_i = M_i x' + C_i x, and one with C_i = 0 too lets q_i = M_i x grow with it,
@@ -546,6 +549,8 @@ class Reduction:
         """Topology of a large model coupled like a chain, a tree, a ring or a ladder; None for any other."""
         if self.state_count < MANY_STATES or self.conserved is not None or not self.is_reciprocal:
             return None
+        from ..linalg.tree_modes import sparse_topology
+
         return sparse_topology(self.M, self.C, self.K)
 
     @cached_property
@@ -603,7 +608,7 @@ class Reduction:
             return self.wide_modes
         groups, modes = self._groups, self._topology_modes
         parts = assembled(groups, [own or self._decoupled(k) for k, own in enumerate(modes)])
-        return parts if self.is_symmetric or isinstance(parts, ResidueModes) else refined(self, parts)
+        return refined(self, parts) if isinstance(parts, BlockDiagonal) and not self.is_symmetric else parts
 
     @cached_property
     def wide_modes(self) -> SymmetricModes | BlockDiagonal | None:

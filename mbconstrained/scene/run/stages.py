@@ -92,9 +92,8 @@ def finite_pair(scene: SceneData) -> Decision:
     """Eigenvalues are always listed; the motion comes from the pair only where the chosen method uses pairs."""
     if _serves_reduced(scene):
         return False, "the modes have the eigenvalues"
-    if scene.method.name == PAIRS:
-        return True, "the motion for t > 0, and the eigenvalues"
-    return True, "the eigenvalues; the motion comes from the reduced equations"
+    only = "the eigenvalues; the motion comes from the reduced equations"
+    return True, lambda: "the motion for t > 0, and the eigenvalues" if scene.method.name == PAIRS else only
 
 
 def infinite_pair(scene: SceneData) -> Decision:
@@ -103,7 +102,7 @@ def infinite_pair(scene: SceneData) -> Decision:
     A = equations.polynomial_matrix
     if _serves_reduced(scene):
         return False, "the reduced equations, which have no infinite part, serve"
-    if not any(A.jordan_pairs().form.split.infinite_divisors):
+    if equations.has_regular_leading_coefficient or not any(A.jordan_pairs().form.split.infinite_divisors):
         return False, f"A_{A.degree} is nonsingular: there is no infinite part"
     if equations.is_free and equations.start_fits:
         return False, "no force and a start that fits: the infinite part stays zero"
@@ -112,7 +111,7 @@ def infinite_pair(scene: SceneData) -> Decision:
 
 def response(scene: SceneData) -> Decision:
     """The response, and the method that gives its values at the times of the scene."""
-    return True, f"from the values at 0-, with jumps and impulses; values {scene.method.reason}"
+    return True, lambda: f"from the values at 0-, with jumps and impulses; values {scene.method.reason}"
 
 
 def modes(scene: SceneData) -> Decision:
