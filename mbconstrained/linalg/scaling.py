@@ -15,7 +15,7 @@ import scipy
 
 from ..ground.errors import IllConditioned
 from ..ground.tolerances import BALANCE_RATIO, EPS, NOISE_SAFETY
-from .arrays import Matrix, compressed
+from .arrays import Matrix, compressed, full
 from .precise import is_precise, power_of_two
 
 #: Factors stay within 2^(+-this), where they and their inverses are normal numbers.
@@ -35,6 +35,9 @@ FEW_STATES = 40
 
 #: Number of rows from which the exponents of a sparse A(s) come from sparse equations.
 MANY_ROWS = 150
+
+#: Matrices of fewer entries times rows are written with their zeros: a product takes less time than a sparse one, and no import.
+LARGE_DESIGN = 50_000
 
 #: What makes a Laplace equation regular; a matrix with a tenth of its entries is solved as a full one.
 SLIGHT, FILLED = 1e-9, 10
@@ -262,12 +265,16 @@ def _log_fit(coefficients):
     places = np.concatenate([np.zeros_like(i), 1 + i, 1 + r + j])
     right = np.bincount(places, np.concatenate([-powers * logs, -logs, -logs]), 1 + 2 * r)
     each, ones = np.tile(np.arange(len(logs)), 3), np.ones(2 * len(logs))
-    design = scipy.sparse.csr_array((np.concatenate([powers, ones]), (each, places)), shape=(len(logs), 1 + 2 * r))
+    if len(logs) * r > LARGE_DESIGN:
+        design: Matrix = scipy.sparse.csr_array((np.concatenate([powers, ones]), (each, places)), shape=(len(logs), 1 + 2 * r))
+    else:
+        design = np.zeros((len(logs), 1 + 2 * r))
+        design[each, places] = np.concatenate([powers, ones])
     normal = design.T @ design  # whole numbers, and the sums in order: what is halfway between two powers stays so
     if r > MANY_ROWS and len(logs) * FILLED < r * r:
         fit = scipy.sparse.linalg.spsolve((normal + SLIGHT * scipy.sparse.eye_array(1 + 2 * r)).tocsc(), right)
     else:
-        fit = np.linalg.lstsq(normal.toarray(), right, rcond=None)[0]
+        fit = np.linalg.lstsq(full(normal), right, rcond=None)[0]
     return fit[0], fit[1 : 1 + r], fit[1 + r :]
 
 
