@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -28,11 +30,12 @@ from .extrema import extrema, falling_root
 #: Steps that differ by so many units in the last place of the last time are equal.
 EQUAL = 8.0
 
-#: So many steps of equal length are one product of matrices.
-BLOCK = 64
+#: So many steps of equal length are one product of matrices, and the ends of so many blocks another one.
+BLOCK, GROUP = 32, 64
 
-#: So many intervals are searched at once, those with the highest bounds first; then twice as many each time, up to the most.
-TOGETHER, MOST_TOGETHER = 64, 4096
+#: So many intervals of an oscillator are searched at once, those with the highest bounds first; then twice as many each time, up to the
+#: most. Oscillators are searched together once they have so many intervals.
+TOGETHER, MOST_TOGETHER, ALL_TOGETHER = 64, 4096, 1 << 17
 
 #: Up to this damping ratio the conjugate roots are so far from each other that u alone has y.
 LIGHT = 0.9
@@ -82,26 +85,48 @@ class ShockRecord:
 
     @cached_property
     def blocks(self) -> np.ndarray:
-        """The values of ``BLOCK`` intervals with both ends, shape (number, BLOCK + 1)."""
+        """The values of ``BLOCK`` intervals with both ends, and two columns for the start of the filter, shape (number, BLOCK + 3)."""
         count = -(-len(self.h) // BLOCK)
         padded = np.pad(self.values, (0, count * BLOCK + 1 - len(self.values)))
-        return np.column_stack([padded[:-1].reshape(count, BLOCK), padded[BLOCK::BLOCK]])
+        return np.column_stack([padded[:-1].reshape(count, BLOCK), padded[BLOCK::BLOCK], np.zeros((count, 2))])
 
-    def filtered(self, rate: complex, constant: complex, rising: complex) -> np.ndarray:
-        """Re z and Im z of z_(k+1) = e^(rate step) z_k + constant a_k + rising (a_(k+1) - a_k), z_0 = 0: blocks as products of matrices."""
+    def room(self, count: int) -> np.ndarray:
+        """Room for so many functions at the samples, and at those that fill the last block, shape (count, N or more)."""
+        return np.zeros((count, len(self.blocks) * BLOCK + 1))
+
+    def filtered(self, rate: complex, constant: complex, rising: complex, shares: np.ndarray, room: np.ndarray) -> np.ndarray:
+        """Sums shares @ (Re z, Im z) of z_(k+1) = e^(rate step) z_k + constant a_k + rising (a_(k+1) - a_k), z_0 = 0, in the room for them.
+
+        Blocks are products of matrices, and so are their starts.
+        """
         powers = np.exp(rate * self.step * np.arange(BLOCK + 1))
         # A sample adds rising at its own time, and from the next one on:
         later = (constant - rising + powers[1] * rising) * powers[:-2]
-        first = np.append(rising, np.zeros(BLOCK - 1))
-        gains = np.vstack([(constant - rising) * powers[:-1], scipy.linalg.toeplitz(first, np.append(rising, later)), powers[1:]])
-        ends = self.blocks[:-1] @ gains[:-1, [-1]].view(float)
-        starts = itertools.accumulate(ends.view(complex)[:, 0].tolist(), lambda z, end: powers[-1] * z + end, initial=0j)
-        inputs = np.hstack([self.blocks, np.array(list(starts)).view(float).reshape(-1, 2)])
-        parts = (np.vstack([gains.real, -gains.imag[-1:]]), np.vstack([gains.imag, gains.real[-1:]]))
-        z = np.zeros((2, len(self.values)))
-        for own, part in zip(z, parts):
-            own[1:] = (inputs @ part).reshape(-1)[: len(self.h)]
-        return z
+        gains = np.vstack([(constant - rising) * powers[:-1], _toeplitz(np.append(rising, later)), powers[1:]])
+        inputs = self.blocks
+        inputs[:, -2:] = _accumulated(rate * self.step * BLOCK, inputs[:, :-2] @ gains[:-1, [-1]].view(float)).view(float)
+        for own, (real, imaginary) in zip(room, shares):
+            part = complex(real, -imaginary) * gains
+            np.matmul(inputs, np.vstack([part.real, -part.imag[-1:]]), out=own[1:].reshape(len(inputs), BLOCK))
+        return room[: len(shares), : len(self.values)]
+
+
+def _toeplitz(row: np.ndarray) -> np.ndarray:
+    """The upper triangle with this first row and equal entries on each diagonal."""
+    places = np.arange(len(row))
+    return np.triu(row[places - places[:, None]])
+
+
+def _accumulated(rate: complex, ends: np.ndarray) -> np.ndarray:
+    """z_(k+1) = e^rate z_k + e_k, z_0 = 0, of complex e as real and imaginary parts (K, 2): all z but the last, shape (K, 1)."""
+    count = -(-len(ends) // GROUP)
+    groups = np.pad(ends, ((0, count * GROUP - len(ends)), (0, 0))).view(complex).reshape(count, GROUP)
+    powers = np.exp(rate * np.arange(GROUP + 1))
+    within = groups @ _toeplitz(powers[:-1])
+    starts = itertools.accumulate(within[:-1, -1].tolist(), lambda z, end: powers[-1] * z + end, initial=0j)
+    states = np.multiply.outer(np.array(list(starts)), powers[:-1])
+    states[:, 1:] += within[:, :-1]
+    return states.reshape(-1, 1)[: len(ends)]
 
 
 def _phi(order: int, x: np.ndarray) -> np.ndarray:
@@ -117,22 +142,26 @@ class Oscillator:
     """y'' + 2 z w y' + w^2 y = a.
 
     Attributes:
-        w: natural angular frequency in rad/s.
+        w: natural angular frequency in rad/s; of several oscillators an array.
         zeta: damping ratio.
     """
 
-    w: float
+    w: Any
     zeta: float
 
+    def __getitem__(self, places) -> Oscillator:
+        """Some of several oscillators."""
+        return Oscillator(self.w[places], self.zeta)
+
     @property
-    def roots(self) -> tuple[complex, complex]:
+    def roots(self) -> tuple[Any, Any]:
         """l1 and l2, without cancellation for heavy damping; of two real ones l2 is the slower."""
         w, z = self.w, self.zeta
         if z <= 1:
-            l1 = complex(-z * w, np.sqrt((1 - z) * (1 + z)) * w)
+            l1 = complex(-z, np.sqrt((1 - z) * (1 + z))) * w
             return l1, l1.conjugate()
         fast = -(z + np.sqrt((z - 1) * (z + 1))) * w
-        return complex(fast), complex(w**2 / fast)
+        return fast + 0j, w**2 / fast + 0j
 
     def steps(self, h: np.ndarray) -> np.ndarray:
         """The exponentials of steps h of (y, u, a, a'), complex, shape (H, 4, 4)."""
@@ -169,15 +198,16 @@ class Oscillator:
         result[:, 0, 3] = (1 / (l1 * l2) + more - ((e2 - 1) / l2 - h) / l2) / l1
         return result
 
-    def states(self, record: ShockRecord) -> tuple[np.ndarray, np.ndarray]:
-        """y and y' at the samples, from rest before the first."""
+    def states(self, record: ShockRecord, room: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """y and y' at the samples, from rest before the first; of an even record in the room for two functions."""
         (l1, l2), h, values = self.roots, record.h, record.values
         if record.step is not None:
-            E = self.steps(np.array([record.step]))[0]
-            real, imaginary = record.filtered(l1, E[1, 2], E[1, 3] / record.step)
+            E, room = self.steps(np.array([record.step]))[0], record.room(2) if room is None else room
             if self.zeta <= LIGHT:  # u = (d/dt - l2) y with l2 the conjugate of l1
-                y = imaginary / l1.imag
-                return y, real - self.zeta * self.w * y
+                shares = np.array([[0.0, 1 / l1.imag], [1.0, l1.real / l1.imag]])
+                y, v = record.filtered(l1, E[1, 2], E[1, 3] / record.step, shares, room)
+                return y, v
+            real, imaginary = record.filtered(l1, E[1, 2], E[1, 3] / record.step, np.eye(2), room)
             from scipy.signal import lfilter  # scipy.signal takes a second to import
 
             u, y = real + 1j * imaginary, np.zeros(len(values), dtype=complex)
@@ -202,7 +232,7 @@ class Oscillator:
         """y and y' at times tau after samples with y, v = y', a and the slope of a; all of shape (K,) or broadcast to it."""
         w, z = self.w, self.zeta
         if (
-            x := float(np.max(tau, initial=0.0)) * w * (1 + 2 * z)
+            x := float(np.max(tau * w, initial=0.0)) * (1 + 2 * z)
         ) < SHORT:  # Taylor's series, in which no particular solution cancels
             degree = next(n for n in range(5, DEGREE + 1) if x**n * math.factorial(DEGREE) <= math.factorial(n))
             terms = [y, v, a - 2 * z * w * v - w**2 * y]
@@ -241,43 +271,75 @@ class Oscillator:
         """(e^{l2 tau} - e^{l1 tau}) / (l2 - l1) of real roots."""
         l1, l2 = (root.real for root in self.roots)
         first, gap = np.exp(l2 * tau), l2 - l1
-        return first * -np.expm1(-gap * tau) / gap if gap else tau * first
+        return first * -np.expm1(-gap * tau) / gap if self.zeta > 1 else tau * first
 
-    def peaks(self, record: ShockRecord, output) -> tuple[float, float, float, float]:
-        """max and min of c_0 y + c_1 y' during the record, and after it."""
-        y, v = self.states(record)
+    def peaks(self, record: ShockRecord, output) -> np.ndarray:
+        """max and min of c_0 y + c_1 y' during the record, and after it, shape (4,); of F oscillators (4, F)."""
+        each = Oscillator(np.atleast_1d(self.w), self.zeta)
+        outputs = np.array([np.broadcast_to(one, each.w.shape) for one in output])
+        best, last = (
+            np.zeros((len(each.w), 2)),
+            np.zeros((2, len(each.w))),
+        )  # the largest values of r and of -r, and the last y and y'
+        room, waiting = record.room(4) if record.step is not None else None, []
+        for place, w in enumerate(each.w.tolist()):
+            own, c = Oscillator(w, self.zeta), outputs[:, place].tolist()
+            y, v = own.states(record, room)
+            last[:, place] = y[-1], v[-1]
+            waiting += own._candidates(record, y, v, c, best[place], 2 * place, room)
+            if sum(len(intervals.which) for intervals in waiting) > ALL_TOGETHER:
+                each._search(waiting, outputs, best)
+                waiting = []
+        each._search(waiting, outputs, best)
+        high, low = best.T
+        return np.array([high, -low, *each.residual(*last, outputs)]).reshape(4, *np.shape(self.w))
+
+    def _candidates(self, record: ShockRecord, y, v, output, best, which: int, room) -> list[_Intervals]:
+        """The intervals in which c_0 y + c_1 y' or its opposite may exceed the largest of their samples, which are put into ``best``."""
         c0, c1 = output
-        r = c0 * y + c1 * v if c1 else c0 * y
-        high, low = max(float(r.max()), 0.0), min(float(r.min()), 0.0)
+        if room is None or not c1:
+            r = c0 * y + c1 * v if c1 else c0 * y
+        else:
+            r = np.multiply(y, c0, out=room[2, : len(y)])
+            r += np.multiply(v, c1, out=room[3, : len(y)])
+        best[:] = max(float(r.max()), 0.0), max(-float(r.min()), 0.0)
         # A bound of the free motions in all intervals, by their energy; a curve leaves its chord by an eighth of its curvature times h^2.
         whole = (abs(c0) + abs(c1) * self.w) * (1 + 2 * self.zeta) ** 2
         speed, load = record.steepest / self.w**2, record.load / self.w**2
         far, fast = (max(one.max(), -one.min()) for one in (y, v))
         most = whole * (far + load + fast / self.w + (1 + 2 * self.zeta) * speed / self.w)
-        bend = most * min(2.0, (self.w * record.longest) ** 2 / 8)
-        for sign in (1.0, -1.0):
-            best, signed = high if sign > 0 else -low, (sign * c0, sign * c1)
-            near = np.flatnonzero(
-                r > best - bend if sign > 0 else r < bend - best
-            )  # an end of each interval that may exceed the best
-            chosen = np.unique(np.concatenate([near[near > 0] - 1, near[near < len(r) - 1]]))
+        bend, result = most * min(2.0, (self.w * record.longest) ** 2 / 8), []
+        for place, sign in enumerate((1.0, -1.0)):
+            near = r > best[place] - bend if sign > 0 else r < bend - best[place]
+            chosen = np.flatnonzero(near[:-1] | near[1:])  # an end of each interval may exceed the best
+            own = _Intervals.of(record, chosen, y, v, which + place)
             highest = np.maximum(sign * r[chosen], sign * r[chosen + 1])
-            y0, v0, a0, s0, own = (one[chosen] for one in (y, v, record.values, record.slopes, record.h))
-            limit = self._limits(y0, v0, a0, s0, own, highest, signed)
-            left, together = np.arange(len(limit)), TOGETHER
-            while len(left := left[limit[left] > best]):
-                now = left[np.argpartition(-limit[left], together)[:together]] if len(left) > together else left
-                is_short, is_long = own[now] * self.w * (1 + 2 * self.zeta) < SHORT, (own[now] * self.w > LONG) & (self.zeta < 1)
-                for at in (now[is_short], now[~is_short & ~is_long]):
-                    if len(at):
-                        best = self._highest(y0[at], v0[at], a0[at], s0[at], own[at], signed, best)
-                at = now[is_long]
-                for part in self._ends(y0[at], v0[at], a0[at], s0[at], own[at]) if len(at) else ():
-                    best = self._highest(*part, signed, best)
-                limit[now], together = -np.inf, min(2 * together, MOST_TOGETHER)
-            high, low = (best, low) if sign > 0 else (high, -best)
-        after = self.residual(y[-1], v[-1], output)
-        return high, low, *after
+            limit = self._limits(*own.start, own.h, highest, (sign * c0, sign * c1))
+            result.append(own.chosen(limit > best[place], limit))
+        return result
+
+    def _search(self, waiting: Sequence[_Intervals], outputs: np.ndarray, best: np.ndarray) -> None:
+        """Raise the largest values of r and of -r to those inside intervals, of each oscillator those with the highest limits first."""
+        if not waiting:
+            return
+        every, highest = _Intervals(*map(np.concatenate, zip(*waiting))), best.reshape(-1)
+        every = every.chosen(np.lexsort((-every.limit, every.which)))
+        oscillators, signed = self[every.which // 2], outputs[:, every.which // 2] * np.where(every.which % 2, -1.0, 1.0)
+        radians = every.h * oscillators.w
+        is_short, is_long = radians * (1 + 2 * self.zeta) < SHORT, (radians > LONG) & (self.zeta < 1)
+        left, limit, together = np.arange(len(every.which)), every.limit.copy(), TOGETHER
+        while len(left := left[limit[left] > highest[every.which[left]]]):
+            first = np.searchsorted(every.which[left], every.which[left])
+            now = left[np.arange(len(left)) - first < together]
+            for at in (now[is_short[now]], now[~is_short[now] & ~is_long[now]]):
+                if len(at):
+                    one = every.chosen(at)
+                    oscillators[at]._raise(*one.start, one.h, signed[:, at], highest, one.which)
+            if len(at := now[is_long[now]]):
+                one = every.chosen(at)
+                for start, h in oscillators[at]._ends(*one.start, one.h):
+                    oscillators[at]._raise(*start, h, signed[:, at], highest, one.which)
+            limit[now], together = -np.inf, min(2 * together, MOST_TOGETHER)
 
     def _rates(self, y, v, a, slope, output) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """The second and third derivative of y, and the first three of r = c_0 y + c_1 y', at one time."""
@@ -304,8 +366,8 @@ class Oscillator:
         line = start + np.maximum(c0 * s * h, 0.0) + self._most(c0 * y + c1 * v - start, rate - c0 * s)
         return np.minimum(line, highest + self._most(curve, turn) * h**2 / 8)
 
-    def _ends(self, y, v, a, slope, h) -> list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
-        """The parts of long intervals that have their extrema, as y, v, a, slope and length; zeta < 1.
+    def _ends(self, y, v, a, slope, h) -> list[tuple[tuple[np.ndarray, ...], np.ndarray]]:
+        """The parts of long intervals that have their extrema, as (y, v, a, slope) and length; zeta < 1.
 
         r = p + s tau + g, g a damped cosine. At a maximum r' = 0 >= r'', so that g >= 2 z s / w. From cycle to cycle s tau is even and a positive g
         convex: the largest of the values a cycle apart is the first or the last. A negative g, with s < 0, is smaller than what s tau gains one
@@ -316,7 +378,7 @@ class Oscillator:
         length = np.minimum(length * (1 + STEP_AGREEMENT), h)
         late = h - length
         y_late, v_late = self.inside(y, v, a, slope, late)
-        return [(y, v, a, slope, length), (y_late, v_late, a + slope * late, slope, length)]
+        return [((y, v, a, slope), length), ((y_late, v_late, a + slope * late, slope), length)]
 
     def _zero(self, g, rate) -> np.ndarray:
         """The first nonnegative time at which a free motion from g and g' is zero; infinity without one."""
@@ -325,52 +387,87 @@ class Oscillator:
             if self.zeta < 1:
                 return np.arctan2(-g * l1.imag, rate + self.zeta * self.w * g) % np.pi / l1.imag
             share, gap = -g / (rate - l2.real * g), (l2 - l1).real
-            return np.where((share >= 0) & (gap * share < 1), -np.log1p(-gap * share) / gap if gap else share, np.inf)
+            return np.where((share >= 0) & (gap * share < 1), -np.log1p(-gap * share) / gap if self.zeta > 1 else share, np.inf)
 
-    def _highest(self, y, v, a, slope, h, output, best: float) -> float:
-        """The largest value of r = c_0 y + c_1 y' inside these intervals, or a known larger one.
+    def _raise(self, y, v, a, slope, h, output, highest: np.ndarray, which: np.ndarray) -> None:
+        """Raise the highest known values to those of r = c_0 y + c_1 y' inside these intervals.
 
         The curvature r'' is a free motion, whose zeros are known. Between them r' is monotone: r has one maximum at most there, where r' falls from
         positive to negative, and lies below the tangents at both ends.
         """
         c0, c1 = output
         bend, twist, _, *curvature = self._rates(y, v, a, slope, output)
-        zero = self._zero(*curvature)
-        more, turning = np.zeros(1), self.roots[0].imag
+        zero, more = self._zero(*curvature)[:, None], np.zeros((len(h), 1))
         if self.zeta < 1:
-            more = np.pi / turning * np.arange(np.ceil(h.max() * turning / np.pi))
-        grid = np.minimum(np.column_stack([np.zeros(len(h)), zero[:, None] + more, h]), h[:, None])
+            half = np.pi / self.roots[0].imag
+            more = half[:, None] * np.arange(np.ceil((h / half).max()))
+        grid = np.minimum(np.hstack([0 * zero, zero + more, h[:, None]]), h[:, None])
 
         def curve(row, tau):
             """r and r'; y'' is a free motion as well."""
-            now_y, now_v = self.inside(y[row], v[row], a[row], slope[row], tau)
-            now_bend = self.free(bend[row], twist[row], tau)[0] if c1 else 0.0
-            return c0 * now_y + c1 * now_v, c0 * now_v + c1 * now_bend
+            now_y, now_v = self[row].inside(y[row], v[row], a[row], slope[row], tau)
+            now_bend = self[row].free(bend[row], twist[row], tau)[0] if c1.any() else 0.0
+            return c0[row] * now_y + c1[row] * now_v, c0[row] * now_v + c1[row] * now_bend
 
         values, rates = curve(np.arange(len(h))[:, None], grid)
-        best, length = max(best, float(values.max())), np.diff(grid, axis=1)
+        np.maximum.at(highest, which, values.max(axis=1))
+        length, best = np.diff(grid, axis=1), highest[which][:, None]
         reach = np.minimum(values[:, :-1] + rates[:, :-1] * length, values[:, 1:] - rates[:, 1:] * length)
         row, place = np.nonzero((rates[:, :-1] > 0) & (rates[:, 1:] < 0) & (reach > best))
         if not len(row):
-            return best
+            return
         top = falling_root(
             lambda tau: curve(row, tau)[1],
             grid[row, place],
             grid[row, place + 1],
             rates[row, place],
             rates[row, place + 1],
-            lambda now, width: (np.abs(now) * width).max() <= EPS * abs(best),  # no more is left to gain
+            lambda now, width: (np.abs(now) * width <= EPS * best[row, 0]).all(),  # no more is left to gain
         )
-        return max(best, float(curve(row, top)[0].max()))
+        np.maximum.at(highest, which[row], curve(row, top)[0])
 
-    def residual(self, y: float, v: float, output) -> tuple[float, float]:
+    def residual(self, y, v, output) -> tuple[np.ndarray, np.ndarray]:
         """The extrema of the free motion after the record: at its start or where its rate is zero, the first two times."""
         c0, c1 = output
-        first = self._zero(*self._rates(np.float64(y), v, 0.0, 0.0, output)[2:4])
-        times = np.array([0.0, first, first + np.pi / self.roots[0].imag if self.zeta < 1 else 0.0])
+        first = self._zero(*self._rates(np.asarray(y, dtype=float), v, 0.0, 0.0, output)[2:4])
+        times = np.array([0.0 * first, first, first + np.pi / self.roots[0].imag if self.zeta < 1 else 0.0 * first])
         later_y, later_v = self.free(y, v, np.where(np.isfinite(times), times, 0.0))
         values = c0 * later_y + c1 * later_v
-        return max(float(values.max()), 0.0), min(float(values.min()), 0.0)
+        return np.maximum(values.max(axis=0), 0.0), np.minimum(values.min(axis=0), 0.0)
+
+
+class _Intervals(NamedTuple):
+    """Intervals of a record with the motions of oscillators at their starts.
+
+    Attributes:
+        which: twice the place of the oscillator, and one more for the opposite of its function, shape (K,).
+        y, v, a, slope: y and y', the value of the record and its slope.
+        h: length of the intervals.
+        limit: bound of the function inside.
+    """
+
+    which: np.ndarray
+    y: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    slope: np.ndarray
+    h: np.ndarray
+    limit: np.ndarray
+
+    @staticmethod
+    def of(record: ShockRecord, chosen: np.ndarray, y: np.ndarray, v: np.ndarray, which: int) -> _Intervals:
+        """Some intervals of a record, without limits."""
+        parts = (one[chosen] for one in (y, v, record.values, record.slopes, record.h))
+        return _Intervals(np.full(len(chosen), which), *parts, np.full(len(chosen), np.inf))
+
+    @property
+    def start(self) -> tuple[np.ndarray, ...]:
+        return self[1:5]
+
+    def chosen(self, places: np.ndarray, limit: np.ndarray | None = None) -> _Intervals:
+        """Some of the intervals."""
+        own = self if limit is None else self._replace(limit=limit)
+        return _Intervals(*(one[places] for one in own))
 
 
 # Shock response spectra: the peaks of single oscillators on a base that follows a signal, over their natural frequency.
@@ -523,12 +620,13 @@ def shock_response_spectrum(
         else:
             text = 'the record is read as linear between its samples; interpolation="band-limited" reads it without frequencies above half of its rate'
         notices.append(Notice(NoticeKind.ACCURACY, text))
-    rows, record = [], None if samples is None else ShockRecord(times, values)
-    for own in f:
-        oscillator = Oscillator(2 * np.pi * float(own), zeta)
-        output = QUANTITIES[quantity](oscillator)
-        rows.append(_closed_form_peaks(signal, oscillator, output) if record is None else oscillator.peaks(record, output))
-    high, low, after_high, after_low = np.array(rows).reshape(-1, 4).T
+    if samples is None:
+        each = [Oscillator(2 * np.pi * own, zeta) for own in f.tolist()]
+        peaks = np.array([_closed_form_peaks(signal, one, QUANTITIES[quantity](one)) for one in each]).reshape(-1, 4).T
+    else:
+        oscillators = Oscillator(2 * np.pi * f, zeta)
+        peaks = oscillators.peaks(ShockRecord(times, values), QUANTITIES[quantity](oscillators))
+    high, low, after_high, after_low = peaks
     return ShockResponseSpectrum(f, zeta, quantity, high, 0.0 - low, after_high, 0.0 - after_low, tuple(notices))
 
 
