@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import scipy
@@ -52,7 +52,8 @@ CLOSE = 0.1
 #: Up to this damping ratio the extrema of successive cycles are ordered.
 ORDERED = 0.35
 
-#: Steps shorter than this, in units of the fastest rate, take Taylor's series of so many terms at most: 1 / 20! is below rounding error.
+#: Steps shorter than this, in units of the fastest rate, take Taylor's series, after the slope of so many terms at most: 1 / 20! is below
+#: rounding error.
 SHORT, DEGREE = 1.0, 20
 
 
@@ -90,9 +91,10 @@ class ShockRecord:
         padded = np.pad(self.values, (0, count * BLOCK + 1 - len(self.values)))
         return np.column_stack([padded[:-1].reshape(count, BLOCK), padded[BLOCK::BLOCK], np.zeros((count, 2))])
 
-    def room(self, count: int) -> np.ndarray:
-        """Room for so many functions at the samples, and at those that fill the last block, shape (count, N or more)."""
-        return np.zeros((count, len(self.blocks) * BLOCK + 1))
+    @property
+    def room(self) -> np.ndarray:
+        """Room for two functions at the samples, and at those that fill the last block, shape (2, N or more)."""
+        return np.zeros((2, len(self.blocks) * BLOCK + 1))
 
     def filtered(self, rate: complex, constant: complex, rising: complex, shares: np.ndarray, room: np.ndarray) -> np.ndarray:
         """Sums shares @ (Re z, Im z) of z_(k+1) = e^(rate step) z_k + constant a_k + rising (a_(k+1) - a_k), z_0 = 0, in the room for them.
@@ -108,7 +110,7 @@ class ShockRecord:
         for own, (real, imaginary) in zip(room, shares):
             part = complex(real, -imaginary) * gains
             np.matmul(inputs, np.vstack([part.real, -part.imag[-1:]]), out=own[1:].reshape(len(inputs), BLOCK))
-        return room[: len(shares), : len(self.values)]
+        return room[:, : len(self.values)]
 
 
 def _toeplitz(row: np.ndarray) -> np.ndarray:
@@ -120,7 +122,8 @@ def _toeplitz(row: np.ndarray) -> np.ndarray:
 def _accumulated(rate: complex, ends: np.ndarray) -> np.ndarray:
     """z_(k+1) = e^rate z_k + e_k, z_0 = 0, of complex e as real and imaginary parts (K, 2): all z but the last, shape (K, 1)."""
     count = -(-len(ends) // GROUP)
-    groups = np.pad(ends, ((0, count * GROUP - len(ends)), (0, 0))).view(complex).reshape(count, GROUP)
+    groups = np.zeros((count, GROUP), dtype=complex)
+    groups.view(float).reshape(-1, 2)[: len(ends)] = ends
     powers = np.exp(rate * np.arange(GROUP + 1))
     within = groups @ _toeplitz(powers[:-1])
     starts = itertools.accumulate(within[:-1, -1].tolist(), lambda z, end: powers[-1] * z + end, initial=0j)
@@ -164,24 +167,23 @@ class Oscillator:
         return fast + 0j, w**2 / fast + 0j
 
     def steps(self, h: np.ndarray) -> np.ndarray:
-        """The exponentials of steps h of (y, u, a, a'), complex, shape (H, 4, 4)."""
-        l1, l2 = self.roots
+        """The exponentials of steps h of (y, u, a, a'), complex, shape (H, 4, 4); of several oscillators one each."""
+        unit, radians = Oscillator(1.0, self.zeta), np.atleast_1d(h * self.w)
+        units = np.power.outer(self.w * np.ones(len(radians)), np.arange(4.0))  # y w^2, u w, a, a' / w have one size
+        l1, l2 = unit.roots
         J = np.array([[l2, 1, 0, 0], [0, l1, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]], dtype=complex)
-        units = np.array([1.0, self.w, self.w**2, self.w**3])  # y w^2, u w, a, a' / w have one size
-        is_long = np.asarray(h) * self.w > CLOSED
-        close = abs(l1 - l2) < CLOSE * self.w
+        is_long, close = radians > CLOSED, abs(l1 - l2) < CLOSE
         if close:  # SciPy takes differences of the diagonal of a triangle: (y, y', a, a') has none
-            J = np.array([[0, 1, 0, 0], [-(self.w**2), -2 * self.zeta * self.w, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]], dtype=float)
-        scaled = np.multiply.outer(np.where(is_long, 0.0, h), J * units / units[:, None])
-        result = scipy.linalg.expm(scaled) * units[:, None] / units
+            J = np.array([[0, 1, 0, 0], [-1, -2 * self.zeta, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]], dtype=float)
+        result = scipy.linalg.expm(np.multiply.outer(np.where(is_long, 0.0, radians), J)).astype(complex)
         if close:
             change = np.eye(4, dtype=complex)
             change[1, 0] = -l2
             result = change @ result @ (2 * np.eye(4) - change)
             result[:, 1, 0] = 0.0  # u' = l1 u + a is without y: what the change of variables leaves there is rounding error
         if is_long.any():
-            result[is_long] = self._long_steps(h[is_long])
-        return result
+            result[is_long] = unit._long_steps(radians[is_long])
+        return result * units[:, :, None] / units[:, None, :]
 
     def _long_steps(self, h: np.ndarray) -> np.ndarray:
         """Exponentials of long steps in closed form: squaring loses the phase, SciPy's recurrence loses values near underflow."""
@@ -198,16 +200,24 @@ class Oscillator:
         result[:, 0, 3] = (1 / (l1 * l2) + more - ((e2 - 1) / l2 - h) / l2) / l1
         return result
 
-    def states(self, record: ShockRecord, room: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """y and y' at the samples, from rest before the first; of an even record in the room for two functions."""
+    def states(self, record: ShockRecord) -> tuple[np.ndarray, np.ndarray]:
+        """y and y' at the samples, from rest before the first."""
+        y, v = self.combinations(record, np.eye(2))
+        return y, v
+
+    def combinations(self, record: ShockRecord, weights: np.ndarray, step=None, room: np.ndarray | None = None) -> np.ndarray:
+        """Two sums weights @ (y, y') at the samples, shape (2, N); those of an even record, whose exponential may be given, in the room for them."""
+        if record.step is None or self.zeta > LIGHT:
+            return weights @ self._states(record)
+        l1, E = self.roots[0], self.steps(np.array([record.step]))[0] if step is None else step
+        shares = np.array([[0.0, 1 / l1.imag], [1.0, l1.real / l1.imag]])  # u = (d/dt - l2) y with l2 the conjugate of l1
+        return record.filtered(l1, E[1, 2], E[1, 3] / record.step, weights @ shares, record.room if room is None else room)
+
+    def _states(self, record: ShockRecord) -> np.ndarray:
         (l1, l2), h, values = self.roots, record.h, record.values
         if record.step is not None:
-            E, room = self.steps(np.array([record.step]))[0], record.room(2) if room is None else room
-            if self.zeta <= LIGHT:  # u = (d/dt - l2) y with l2 the conjugate of l1
-                shares = np.array([[0.0, 1 / l1.imag], [1.0, l1.real / l1.imag]])
-                y, v = record.filtered(l1, E[1, 2], E[1, 3] / record.step, shares, room)
-                return y, v
-            real, imaginary = record.filtered(l1, E[1, 2], E[1, 3] / record.step, np.eye(2), room)
+            E = self.steps(np.array([record.step]))[0]
+            real, imaginary = record.filtered(l1, E[1, 2], E[1, 3] / record.step, np.eye(2), record.room)
             from scipy.signal import lfilter  # scipy.signal takes a second to import
 
             u, y = real + 1j * imaginary, np.zeros(len(values), dtype=complex)
@@ -226,15 +236,16 @@ class Oscillator:
                 ys.append(now_y)
                 us.append(now_u)
             y, u = np.array(ys), np.array(us)
-        return y.real, (l2 * y + u).real
+        return np.array([y.real, (l2 * y + u).real])
 
     def inside(self, y, v, a, slope, tau) -> tuple[np.ndarray, np.ndarray]:
         """y and y' at times tau after samples with y, v = y', a and the slope of a; all of shape (K,) or broadcast to it."""
         w, z = self.w, self.zeta
-        if (
-            x := float(np.max(tau * w, initial=0.0)) * (1 + 2 * z)
-        ) < SHORT:  # Taylor's series, in which no particular solution cancels
-            degree = next(n for n in range(5, DEGREE + 1) if x**n * math.factorial(DEGREE) <= math.factorial(n))
+        x = float(np.max(tau * w, initial=0.0)) * (1 + 2 * z)
+        if x < SHORT:  # Taylor's series, in which no particular solution cancels
+            degree = 3 + next(
+                n for n in range(2, DEGREE + 1) if x**n * math.factorial(DEGREE) <= math.factorial(n)
+            )  # a slope begins at t^3
             terms = [y, v, a - 2 * z * w * v - w**2 * y]
             terms.append(slope - 2 * z * w * terms[2] - w**2 * v)
             while len(terms) < degree:
@@ -277,68 +288,64 @@ class Oscillator:
         """max and min of c_0 y + c_1 y' during the record, and after it, shape (4,); of F oscillators (4, F)."""
         each = Oscillator(np.atleast_1d(self.w), self.zeta)
         outputs = np.array([np.broadcast_to(one, each.w.shape) for one in output])
-        best, last = (
-            np.zeros((len(each.w), 2)),
-            np.zeros((2, len(each.w))),
-        )  # the largest values of r and of -r, and the last y and y'
-        room, waiting = record.room(4) if record.step is not None else None, []
+        best, last = np.zeros((len(each.w), 2)), np.zeros((2, len(each.w)))  # the largest known r and -r, and the last y and y'
+        is_even, waiting = record.step is not None, []
+        room, steps = (record.room, each.steps(record.step)) if is_even else (None, [None] * len(each.w))
         for place, w in enumerate(each.w.tolist()):
-            own, c = Oscillator(w, self.zeta), outputs[:, place].tolist()
-            y, v = own.states(record, room)
-            last[:, place] = y[-1], v[-1]
-            waiting += own._candidates(record, y, v, c, best[place], 2 * place, room)
-            if sum(len(intervals.which) for intervals in waiting) > ALL_TOGETHER:
+            c0, c1 = outputs[:, place].tolist()
+            weights = np.array([[c0, c1], [0.0, 1.0] if c0 else [1.0, 0.0]])  # r, and what is not in it
+            own, back = Oscillator(w, self.zeta), np.linalg.inv(weights)
+            both = own.combinations(record, weights, steps[place], room)
+            last[:, place] = back @ both[:, -1]
+            waiting += own._candidates(record, both, back, (c0, c1), best[place], 2 * place)
+            if sum(map(len, waiting)) > ALL_TOGETHER:
                 each._search(waiting, outputs, best)
                 waiting = []
         each._search(waiting, outputs, best)
         high, low = best.T
-        return np.array([high, -low, *each.residual(*last, outputs)]).reshape(4, *np.shape(self.w))
+        return np.array([high, -low, *each.residual(last[0], last[1], outputs)]).reshape(4, *np.shape(self.w))
 
-    def _candidates(self, record: ShockRecord, y, v, output, best, which: int, room) -> list[_Intervals]:
-        """The intervals in which c_0 y + c_1 y' or its opposite may exceed the largest of their samples, which are put into ``best``."""
-        c0, c1 = output
-        if room is None or not c1:
-            r = c0 * y + c1 * v if c1 else c0 * y
-        else:
-            r = np.multiply(y, c0, out=room[2, : len(y)])
-            r += np.multiply(v, c1, out=room[3, : len(y)])
-        best[:] = max(float(r.max()), 0.0), max(-float(r.min()), 0.0)
+    def _candidates(
+        self, record: ShockRecord, both: np.ndarray, back: np.ndarray, output, best: np.ndarray, which: int
+    ) -> list[_Intervals]:
+        """The intervals in which r = c_0 y + c_1 y' or -r may exceed its largest sample, which is put into ``best``.
+
+        y and y' are back @ both, the first of which is r.
+        """
+        (c0, c1), r = output, both[0]
+        largest, least = both.max(axis=1), both.min(axis=1)
+        best[:] = max(largest[0], 0.0), max(-least[0], 0.0)
         # A bound of the free motions in all intervals, by their energy; a curve leaves its chord by an eighth of its curvature times h^2.
         whole = (abs(c0) + abs(c1) * self.w) * (1 + 2 * self.zeta) ** 2
         speed, load = record.steepest / self.w**2, record.load / self.w**2
-        far, fast = (max(one.max(), -one.min()) for one in (y, v))
+        far, fast = np.abs(back) @ np.maximum(largest, -least)
         most = whole * (far + load + fast / self.w + (1 + 2 * self.zeta) * speed / self.w)
         bend, result = most * min(2.0, (self.w * record.longest) ** 2 / 8), []
         for place, sign in enumerate((1.0, -1.0)):
             near = r > best[place] - bend if sign > 0 else r < bend - best[place]
             chosen = np.flatnonzero(near[:-1] | near[1:])  # an end of each interval may exceed the best
-            own = _Intervals.of(record, chosen, y, v, which + place)
-            highest = np.maximum(sign * r[chosen], sign * r[chosen + 1])
-            limit = self._limits(*own.start, own.h, highest, (sign * c0, sign * c1))
-            result.append(own.chosen(limit > best[place], limit))
+            (y, v), a, slope, h = back @ both[:, chosen], record.values[chosen], record.slopes[chosen], record.h[chosen]
+            limit = self._limits(y, v, a, slope, h, np.maximum(sign * r[chosen], sign * r[chosen + 1]), (sign * c0, sign * c1))
+            result.append(_Intervals(np.full(len(h), which + place), y, v, a, slope, h, limit)[limit > best[place]])
         return result
 
     def _search(self, waiting: Sequence[_Intervals], outputs: np.ndarray, best: np.ndarray) -> None:
         """Raise the largest values of r and of -r to those inside intervals, of each oscillator those with the highest limits first."""
         if not waiting:
             return
-        every, highest = _Intervals(*map(np.concatenate, zip(*waiting))), best.reshape(-1)
-        every = every.chosen(np.lexsort((-every.limit, every.which)))
+        every, highest = _Intervals(*map(np.concatenate, zip(*(vars(one).values() for one in waiting)))), best.reshape(-1)
+        every = every[np.lexsort((-every.limit, every.which))]
         oscillators, signed = self[every.which // 2], outputs[:, every.which // 2] * np.where(every.which % 2, -1.0, 1.0)
         radians = every.h * oscillators.w
         is_short, is_long = radians * (1 + 2 * self.zeta) < SHORT, (radians > LONG) & (self.zeta < 1)
-        left, limit, together = np.arange(len(every.which)), every.limit.copy(), TOGETHER
+        left, limit, together = np.arange(len(every)), every.limit.copy(), TOGETHER
         while len(left := left[limit[left] > highest[every.which[left]]]):
-            first = np.searchsorted(every.which[left], every.which[left])
-            now = left[np.arange(len(left)) - first < together]
-            for at in (now[is_short[now]], now[~is_short[now] & ~is_long[now]]):
-                if len(at):
-                    one = every.chosen(at)
-                    oscillators[at]._raise(*one.start, one.h, signed[:, at], highest, one.which)
-            if len(at := now[is_long[now]]):
-                one = every.chosen(at)
-                for start, h in oscillators[at]._ends(*one.start, one.h):
-                    oscillators[at]._raise(*start, h, signed[:, at], highest, one.which)
+            now = left[np.arange(len(left)) - np.searchsorted(every.which[left], every.which[left]) < together]
+            for kind in (is_short, ~is_short & ~is_long, is_long):
+                if len(at := now[kind[now]]):
+                    own, one = oscillators[at], every[at]
+                    for motion in own._ends(*one.motion) if kind is is_long else (one.motion,):
+                        own._raise(*motion, signed[:, at], highest, one.which)
             limit[now], together = -np.inf, min(2 * together, MOST_TOGETHER)
 
     def _rates(self, y, v, a, slope, output) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -366,8 +373,8 @@ class Oscillator:
         line = start + np.maximum(c0 * s * h, 0.0) + self._most(c0 * y + c1 * v - start, rate - c0 * s)
         return np.minimum(line, highest + self._most(curve, turn) * h**2 / 8)
 
-    def _ends(self, y, v, a, slope, h) -> list[tuple[tuple[np.ndarray, ...], np.ndarray]]:
-        """The parts of long intervals that have their extrema, as (y, v, a, slope) and length; zeta < 1.
+    def _ends(self, y, v, a, slope, h) -> list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
+        """The parts of long intervals that have their extrema, as y, v, a, slope and length; zeta < 1.
 
         r = p + s tau + g, g a damped cosine. At a maximum r' = 0 >= r'', so that g >= 2 z s / w. From cycle to cycle s tau is even and a positive g
         convex: the largest of the values a cycle apart is the first or the last. A negative g, with s < 0, is smaller than what s tau gains one
@@ -378,7 +385,7 @@ class Oscillator:
         length = np.minimum(length * (1 + STEP_AGREEMENT), h)
         late = h - length
         y_late, v_late = self.inside(y, v, a, slope, late)
-        return [((y, v, a, slope), length), ((y_late, v_late, a + slope * late, slope), length)]
+        return [(y, v, a, slope, length), (y_late, v_late, a + slope * late, slope, length)]
 
     def _zero(self, g, rate) -> np.ndarray:
         """The first nonnegative time at which a free motion from g and g' is zero; infinity without one."""
@@ -401,7 +408,7 @@ class Oscillator:
         if self.zeta < 1:
             half = np.pi / self.roots[0].imag
             more = half[:, None] * np.arange(np.ceil((h / half).max()))
-        grid = np.minimum(np.hstack([0 * zero, zero + more, h[:, None]]), h[:, None])
+        grid = np.minimum(np.hstack([np.zeros((len(h), 1)), zero + more, h[:, None]]), h[:, None])
 
         def curve(row, tau):
             """r and r'; y'' is a free motion as well."""
@@ -430,13 +437,15 @@ class Oscillator:
         """The extrema of the free motion after the record: at its start or where its rate is zero, the first two times."""
         c0, c1 = output
         first = self._zero(*self._rates(np.asarray(y, dtype=float), v, 0.0, 0.0, output)[2:4])
-        times = np.array([0.0 * first, first, first + np.pi / self.roots[0].imag if self.zeta < 1 else 0.0 * first])
+        start = np.zeros(np.shape(first))
+        times = np.array([start, first, first + np.pi / self.roots[0].imag if self.zeta < 1 else start])
         later_y, later_v = self.free(y, v, np.where(np.isfinite(times), times, 0.0))
         values = c0 * later_y + c1 * later_v
         return np.maximum(values.max(axis=0), 0.0), np.minimum(values.min(axis=0), 0.0)
 
 
-class _Intervals(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class _Intervals:
     """Intervals of a record with the motions of oscillators at their starts.
 
     Attributes:
@@ -454,20 +463,16 @@ class _Intervals(NamedTuple):
     h: np.ndarray
     limit: np.ndarray
 
-    @staticmethod
-    def of(record: ShockRecord, chosen: np.ndarray, y: np.ndarray, v: np.ndarray, which: int) -> _Intervals:
-        """Some intervals of a record, without limits."""
-        parts = (one[chosen] for one in (y, v, record.values, record.slopes, record.h))
-        return _Intervals(np.full(len(chosen), which), *parts, np.full(len(chosen), np.inf))
+    def __len__(self) -> int:
+        return len(self.which)
+
+    def __getitem__(self, places: np.ndarray) -> _Intervals:
+        return _Intervals(*(one[places] for one in vars(self).values()))
 
     @property
-    def start(self) -> tuple[np.ndarray, ...]:
-        return self[1:5]
-
-    def chosen(self, places: np.ndarray, limit: np.ndarray | None = None) -> _Intervals:
-        """Some of the intervals."""
-        own = self if limit is None else self._replace(limit=limit)
-        return _Intervals(*(one[places] for one in own))
+    def motion(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """y, v, a, slope and h."""
+        return self.y, self.v, self.a, self.slope, self.h
 
 
 # Shock response spectra: the peaks of single oscillators on a base that follows a signal, over their natural frequency.
@@ -684,5 +689,5 @@ def _closed_form_peaks(signal: ImpulsiveSmooth, oscillator: Oscillator, output) 
     c0, c1 = output
     peaks = extrema(x.function.differential(np.array([[c0]]), np.array([[c1]])), 0.0, end)
     last = float(x(np.array([end]))[0, 0]), float(x.derivative(1)(np.array([end]))[0, 0])
-    after = oscillator.residual(*last, output)
-    return max(float(peaks.maximum[0]), 0.0), min(float(peaks.minimum[0]), 0.0), *after
+    high, low = oscillator.residual(*last, output)
+    return max(float(peaks.maximum[0]), 0.0), min(float(peaks.minimum[0]), 0.0), float(high), float(low)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from ...robot.robot import Robot
     from ...robot.statics import Posture
 
-Decision = tuple[bool, str | Callable[[], str]]  # whether a stage runs, and the reason, or a function that returns it
+Decision = tuple[bool, str]  # whether a stage runs, and the reason
 
 
 class ModelTables(NamedTuple):

@@ -93,7 +93,7 @@ def _default(entry: Entry, is_replaced: bool) -> Any:
 
 
 @cache
-def table_of(key: str, element: type[Element]) -> Any:
+def table_of(key: str, element: Any) -> Any:
     """The table of a class of elements."""
     entries, spellings = entries_of(element), element.spellings
     replaced = {name for targets in spellings.values() for name in targets}
@@ -142,9 +142,10 @@ def lumped_table() -> Any:
     """The table of lumped models, with a list of each class of elements."""
     from ...models.lumped import ELEMENTS
 
+    elements: dict[str, Any] = {**ELEMENTS}
     lists: dict[str, Any] = {
         key: (list[table_of(key, element)], Field([], description=f"{element.kind.capitalize()}s."))
-        for key, element in ELEMENTS.items()
+        for key, element in elements.items()
     }
     return create_model("LumpedTable", __base__=_Lumped, __doc__=_Lumped.__doc__, **lists)
 
