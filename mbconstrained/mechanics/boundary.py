@@ -105,7 +105,15 @@ class BoundaryResponse(Response):
         Returns:
             Relative to the largest value at these times.
         """
-        return _error_estimate(self, times, order)
+        order, times = whole_number(order, "order"), np.atleast_1d(evaluation_times(times))
+        parts = [
+            one.derivative(order) if order else one for one in (self.function, self.forced.function, self.boundary.free_motion)
+        ]
+        total, *summands = (float(np.abs(one(times)).max(initial=0.0)) for one in parts)
+        if not total:
+            return self.boundary.error
+        # the error of c, and that of a forced motion that grows and is cancelled, relative to the values
+        return max(self.boundary.error, self.forced.error_estimate(times)) * max(1.0, max(summands) / total)
 
     @property
     def notices(self) -> tuple[Notice, ...]:
@@ -114,21 +122,8 @@ class BoundaryResponse(Response):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class BoundaryMotion(Motion):
-    """A ``Motion`` of which values at both ends were given; t = 0 means 0+. Beyond T it goes on as the same solution.
-
-    Attributes:
-        boundary: the conditions with their evidence.
-        forced: the solution from rest under the force.
-    """
-
-    boundary: Boundary
-    forced: Response
-
-    @cached_property
-    def function(self) -> BohlFunction:
-        """x_p(t) + C e^{J t} c."""
-        return FunctionSum((self.forced.function, self.boundary.free_motion))
+class BoundaryMotion(BoundaryResponse, Motion):
+    """A ``Motion`` of which values at both ends were given: a ``BoundaryResponse`` with velocities, reactions and energy."""
 
     def error_estimate(
         self, times, of: Literal["displacement", "velocity", "acceleration", "reaction"] = "displacement", *, order: int = 0
@@ -143,24 +138,9 @@ class BoundaryMotion(Motion):
         Returns:
             Relative to the largest value at these times.
         """
-        if of == "reaction" or of not in ORDERS:
-            return super().error_estimate(times, of, order=order)
-        return _error_estimate(self, times, order + ORDERS.index(of))
-
-    @property
-    def notices(self) -> tuple[Notice, ...]:
-        """Notices of the boundary values and of the motion."""
-        return (*self.boundary.notices, *super().notices)
-
-
-def _error_estimate(x, times, order: int) -> float:
-    """The error of c, and that of a forced motion that grows and is cancelled, relative to the values."""
-    order, times = whole_number(order, "order"), np.atleast_1d(evaluation_times(times))
-    parts = [one.derivative(order) if order else one for one in (x.function, x.forced.function, x.boundary.free_motion)]
-    total, *summands = (float(np.abs(one(times)).max(initial=0.0)) for one in parts)
-    if not total:
-        return x.boundary.error
-    return max(x.boundary.error, x.forced.error_estimate(times)) * max(1.0, max(summands) / total)
+        if of not in ORDERS:
+            return Motion.error_estimate(self, times, of, order=order)
+        return super().error_estimate(times, order=whole_number(order, "order") + ORDERS.index(of))
 
 
 def boundary_solve(

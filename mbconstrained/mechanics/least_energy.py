@@ -146,8 +146,8 @@ def least_energy_input(
         force = signal.mapped(directions.T)
         motion = system.solve(first[0], first[1], force)
         reached = np.array([motion.displacement(T), motion.velocity(T)])
-        way = np.linspace(0.0, T, 33)
-        sizes = [np.abs(one(way)).max(initial=0.0) for one in (motion.displacement, motion.velocity)]
+        between = np.linspace(0.0, T, 33)
+        sizes = [np.abs(one(between)).max(initial=0.0) for one in (motion.displacement, motion.velocity)]
         errors = np.abs(reached - last).max(axis=1, initial=0.0)
     error = float(max((error / size if size else 0.0) for error, size in zip(errors, sizes)))
     condition = float(values[0] / values[rank - 1]) if rank else 1.0

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
+from tests.scene.scenes import CART_ON_SPRING, scene_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -24,18 +25,7 @@ step = "1 s"
 end = "10 s"
 """
 
-CART = """
-[model]
-kind = "lumped"
-
-[[model.mass]]
-name = "cart"
-mass = "2 kg"
-
-[[model.spring]]
-between = ["ground", "cart"]
-stiffness = "8 N/m"
-
+CART = f"""{CART_ON_SPRING}
 [[force]]
 coordinate = "cart"
 kind = "ramp"
@@ -49,9 +39,7 @@ end = "6 s"
 
 
 def scene(tmp_path, text: str, **changes) -> mb.Scene:
-    path = tmp_path / "own.toml"
-    path.write_text(text, encoding="utf-8")
-    return mb.read_scene(path, changes or None)
+    return scene_of(tmp_path, text, "own.toml", changes or None)
 
 
 def test_vibrations_above_the_nyquist_frequency_are_reported():

@@ -138,7 +138,7 @@ class RefinedModes:
             step += 1
             if (size <= LAST_CORRECTION * largest).all():
                 break
-            if size[at].max() > LARGE_CORRECTION:
+            if size[at].max(initial=0.0) > LARGE_CORRECTION:
                 left = left + _paired(corrections[:, at], leading[at], own.pairs, conjugate) @ left
                 parts, sizes, _, noise = divided_by_masses(left, reduction)
         signed, bound = equations.residual(shapes, poles, leading)
