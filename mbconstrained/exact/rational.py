@@ -20,7 +20,7 @@ from weakref import WeakKeyDictionary
 
 import flint
 import numpy as np
-from scipy.linalg import block_diag
+import scipy
 
 from ..ground.checks import whole_number
 from ..ground.errors import SingularPolynomialMatrix
@@ -219,7 +219,7 @@ class RationalRing:
         return np.concatenate(matrices, axis)
 
     def diagonal(self, matrices: Sequence[np.ndarray]) -> np.ndarray:
-        return block_diag(*matrices) + Fraction(0)
+        return scipy.linalg.block_diag(*matrices) + Fraction(0)
 
     def finite_zeros(self, divisors) -> tuple[FiniteZero, ...]:
         """The nearest float64 numbers, in the order of the numeric engine."""

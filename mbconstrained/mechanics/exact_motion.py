@@ -6,11 +6,10 @@ as they are, and the multipliers are part of the answer.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from ..exact.enclosure.exact_response import ExactResponse
-from ..exact.enclosure.exact_sources import sources_of
-from ..exact.rational import RationalMatrix, regular
 from ..ground.tolerances import EPS
 from ..linalg.arrays import full
 from ..linalg.double_double import DOUBLED_EPS, DoubleDouble
@@ -22,9 +21,16 @@ from .constraints import with_multipliers, with_right_sides
 from .element_matrix import ElementMatrix
 from .equations import EquationsOfMotion
 
+if TYPE_CHECKING:
+    from ..exact.enclosure.exact_response import ExactResponse
+
 
 def exact_motion(system: EquationsOfMotion, initial: np.ndarray, applied: ImpulsiveSmooth) -> ExactResponse:
     """The exact motion x, n rows, followed by the rows of its k multipliers."""
+    from ..exact.enclosure.exact_response import ExactResponse
+    from ..exact.enclosure.exact_sources import sources_of
+    from ..exact.rational import RationalMatrix, regular
+
     n, k = system.size, len(system.rows)
     start = np.hstack([initial, np.zeros((len(initial), k))])
     force = with_right_sides(applied, system.rows)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from ..ground.checks import counted, nearest, real_array, whole_number
 from ..ground.display import Displayed, TextTable, notice_table

@@ -22,8 +22,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from ..ground.checks import counted, real_array
 from ..ground.errors import InputError, NoNormalForm
@@ -218,7 +217,7 @@ def _is_rounding(both) -> np.ndarray:
 
 def _on_no_cycle(A) -> np.ndarray:
     """Which entries couple parts of A in one direction only."""
-    part = connected_components(A != 0, directed=True, connection="strong")[1]
+    part = scipy.sparse.csgraph.connected_components(A != 0, directed=True, connection="strong")[1]
     return part[:, None] != part
 
 

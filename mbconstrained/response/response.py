@@ -24,7 +24,6 @@ from .choose import PAIRS, Method, Request, choose, unproved
 from .estimate import TRIALS, error_estimate, errors_at
 from .events import Event, kinks_of
 from .methods.defect import Defect, Rounding
-from .methods.pair_solution import PairSolution
 from .methods.proved import ProvedFunction, proved_event
 from .methods.reduced_solution import ReducedSolution
 from .methods.refined import RefinedDefect
@@ -34,6 +33,7 @@ from .response_notices import response_notices, unsatisfied
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
     from ..exact.enclosure.intervals import Enclosure
+    from .methods.pair_solution import PairSolution
 
 #: Number of coordinates named where a response is shown in one line.
 MOST_NAMES = 6
@@ -73,6 +73,8 @@ class Response(Exported, Presented):
             method = choose(problem, request)
             if method.flow is not None:
                 return Response(problem, ReducedSolution.of(method))
+            from .methods.pair_solution import PairSolution
+
             return Response(problem, PairSolution.of(problem, method, A.jordan_pairs(problem.rank_tolerance)))
 
     @classmethod
@@ -87,6 +89,8 @@ class Response(Exported, Presented):
         Returns:
             A ``Response``.
         """
+        from .methods.pair_solution import PairSolution
+
         problem = Problem(cast(PolynomialMatrix, pairs.polynomial_matrix), initial, force, pairs.rank_tolerance)
         with within_float64():
             return Response(problem, PairSolution.of(problem, Method(PAIRS, "by the Jordan pairs, which were given"), pairs))

@@ -14,7 +14,7 @@ from typing import Literal, TypeAlias
 
 import flint
 import numpy as np
-import scipy.linalg
+import scipy
 
 from ..rational import rational, rational_matrix, working_precision
 
