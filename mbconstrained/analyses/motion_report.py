@@ -41,6 +41,7 @@ def tables_of(result: Result, certificate: Certificate | None, frequency: Freque
     impulses = tuple((impulse.name, f"δ{_primes(impulse.order)}", impulse.size) for impulse in result.impulses)
     answers = [
         *of_model.first,
+        *(end.table(equations.coordinates) for end in equations.ends),
         *([frequency.peak_table()] if frequency else []),
         *([_output_table(equations.original)] if equations.original else []),
         TextTable("Jumps at t = 0", ("coordinate", "of its", "before", "after", "jump"), jumps),

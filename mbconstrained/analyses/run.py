@@ -217,6 +217,7 @@ class RunAnswer(Result, Answer):
         return {
             "source": self.source,
             **equations.to_dict(self),
+            **{end.key: end.to_dict() for end in equations.ends},
             "coordinates": equations.coordinates.to_list(),
             "constraints": [
                 {"name": row.name, "level": row.level, "value": row.value if row.signal is None else "prescribed"}
