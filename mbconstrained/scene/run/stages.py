@@ -225,8 +225,6 @@ def is_animated(scene: SceneData) -> bool:
 
 def _has_places(scene: SceneData) -> bool:
     drawing = scene.table.drawing
-    if scene.table.time.step_domain == "discrete" and scene.equations.robot_scene is not None:
-        return False  # its loops are closed along the motion
     return not scene.equations.has_outputs_among_coordinates or (drawing is not None and drawing.is_own)
 
 
