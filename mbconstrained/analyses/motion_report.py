@@ -177,12 +177,12 @@ def share_entries(shares: Mapping[str, float] | None, most: int = MOST_SHARES) -
     """
     if shares is None:
         return ["none"]
-    least = max(
-        np.sort(np.abs(list(shares.values())))[-most:].min(initial=np.inf) * 0.999, LEAST_SHARE
-    )  # the order of texts takes long
-    large = [entry for entry in shares.items() if abs(entry[1]) >= least]
+    names, numbers = list(shares), list(shares.values())
+    sizes = np.abs(numbers)
+    least = max(np.sort(sizes)[-most:].min(initial=np.inf) * 0.999, LEAST_SHARE)  # the order of texts takes long
+    large = [(names[k], numbers[k]) for k in np.flatnonzero(sizes >= least)]
     listed = dict(sorted(large, key=lambda entry: descending(entry[1]))[:most])
-    rest = [share for name, share in shares.items() if name not in listed]
+    rest = [share for name, share in zip(names, numbers) if name not in listed]
     others = [(f"{len(rest)} more", sum(rest))] if np.abs(rest).sum() >= LEAST_SHARE else []
     return [f"{name} {round(100 * share, 1) + 0.0:.1f} %" for name, share in [*listed.items(), *others]]
 

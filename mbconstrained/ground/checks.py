@@ -229,6 +229,12 @@ class ReadOnly(Mapping):
     def __len__(self) -> int:
         return len(self._entries)
 
+    def values(self):  # Mapping's own looks up every name
+        return self._entries.values()
+
+    def items(self):
+        return self._entries.items()
+
     def __repr__(self) -> str:
         return repr(self._entries)
 
