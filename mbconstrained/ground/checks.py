@@ -7,6 +7,7 @@ import importlib
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
+from operator import attrgetter
 from types import ModuleType
 
 import numpy as np
@@ -229,11 +230,7 @@ class ReadOnly(Mapping):
     def __len__(self) -> int:
         return len(self._entries)
 
-    def values(self):  # Mapping's own looks up every name
-        return self._entries.values()
-
-    def items(self):
-        return self._entries.items()
+    values = property(attrgetter("_entries.values"))  # Mapping's own looks up every name
 
     def __repr__(self) -> str:
         return repr(self._entries)

@@ -3,8 +3,8 @@
 import mpmath
 import numpy as np
 import pytest
-import scipy.sparse
 import scipy.linalg
+import scipy.sparse
 
 from mbconstrained.ground.tolerances import EPS
 from mbconstrained.linalg.recursion import Propagator, values_by_series
