@@ -54,12 +54,19 @@ if TYPE_CHECKING:
     from .ground.errors import SingularPolynomialMatrix as SingularPolynomialMatrix
     from .ground.notices import Notice as Notice
     from .ground.notices import NoticeKind as NoticeKind
+    from .mechanics.boundary import BoundaryMotion as BoundaryMotion
+    from .mechanics.boundary import BoundaryResponse as BoundaryResponse
+    from .mechanics.boundary import boundary_solve as boundary_solve
     from .mechanics.constraints import Constraint as Constraint
     from .mechanics.element_matrix import ElementMatrix as ElementMatrix
     from .mechanics.energy import EnergyParts as EnergyParts
     from .mechanics.family import Family as Family
     from .mechanics.family import family as family
     from .mechanics.harmonic_response import SteadyState as SteadyState
+    from .mechanics.input_shaper import InputShaper as InputShaper
+    from .mechanics.input_shaper import input_shaper as input_shaper
+    from .mechanics.least_energy import LeastEnergyInput as LeastEnergyInput
+    from .mechanics.least_energy import least_energy_input as least_energy_input
     from .mechanics.modes import Modes as Modes
     from .mechanics.motion import Motion as Motion
     from .mechanics.motions import Motions as Motions
@@ -140,11 +147,14 @@ _NAMES = {
     "frequency.shock.response_spectrum": "ShockResponseSpectrum shock_response_spectrum",
     "ground.errors": "ContradictoryConstraints IllConditioned InputError MbconstrainedError MissingPackage NoNormalForm NotUnique Overflow SceneError SingularPolynomialMatrix",
     "ground.notices": "Notice NoticeKind",
+    "mechanics.boundary": "BoundaryMotion BoundaryResponse boundary_solve",
     "mechanics.constraints": "Constraint",
     "mechanics.element_matrix": "ElementMatrix",
     "mechanics.energy": "EnergyParts",
     "mechanics.family": "Family family",
     "mechanics.harmonic_response": "SteadyState",
+    "mechanics.input_shaper": "InputShaper input_shaper",
+    "mechanics.least_energy": "LeastEnergyInput least_energy_input",
     "mechanics.modes": "Modes",
     "mechanics.motion": "Motion",
     "mechanics.motions": "Motions",

@@ -262,6 +262,21 @@ def test_pitch_and_bounce():
     assert nothing_happens_at_zero(result.motion) and result.is_trusted
 
 
+def test_reservoirs_follow_their_recursion():
+    result = run("reservoirs")
+    upper, lower = 2.0, 0.0
+    for k in result.numbers:
+        assert result.values[:, k] == pytest.approx([upper, lower, upper + lower], rel=1e-13, abs=1e-14)
+        upper, lower = 0.8 * upper + np.cos(0.1 * np.pi * k), 0.1 * upper + 0.9 * lower
+    assert result.is_trusted and result.error_estimate < 1e-15
+
+
+def test_samples_of_the_quarter_car_lie_on_its_continuous_motion():
+    result = run("sampled_quarter_car")
+    motion = result.scene.equations.solve()
+    assert result.values == pytest.approx(motion.displacement(result.times), abs=1e-12 * np.abs(result.values).max())
+
+
 def test_every_scene_has_a_thumbnail_in_the_index():
     names = {path.stem for path in EXAMPLES.glob("*.toml")}
     pictures = {path.stem: path.read_bytes() for path in (EXAMPLES / "thumbnails").glob("*")}

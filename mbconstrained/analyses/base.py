@@ -242,7 +242,7 @@ class Analysis:
     @classmethod
     def answer(cls, scene: Any, progress: Callable | None = None, **given) -> Answer:
         """The answer of a scene with some settings in the place of those in its table, by the names of its entries."""
-        if scene.table.time.step_domain == "discrete" and scene.equations.system is None and scene.equations.control is None:
+        if scene.table.time.step_domain == "discrete" and scene.equations.are_bare:
             with at(scene.file_name, "time.step_domain"):
                 raise InputError(
                     f"{cls.name}: the coefficients are those of the shift in discrete time, not of d/dt; only a run has them"

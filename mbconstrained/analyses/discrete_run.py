@@ -2,40 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..control.discrete_state_space import DiscreteStateSpaceResponse
 from ..control.state_space import StateSpace
 from ..exchange.trajectories import csv_of
-from ..ground.checks import counted
+from ..ground.checks import counted, listed
 from ..ground.display import TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind, distinct, doubts_of
+from ..ground.tolerances import EPS
+from ..mechanics.constraints import with_right_sides
 from ..page.animation import MOST_FRAMES, Animation
-from ..page.content import Curve, Marks, PageContent, Plot
+from ..page.content import Curve, Marks, Plot
 from ..response.discrete import DiscreteResponse, discrete_force, from_start
 from ..scene.build.model import Equations
 from ..scene.file import at
 from ..scene.quantities.coordinates import Coordinates
 from ..scene.run.drawing import drawing_of
 from ..scene.run.result import start_notices
-from ..scene.run.stages import is_animated
-from ..signals.inputs import power, step, zero
-from .base import Analysis, Answer
-from .run import RunAnswer, run_scene
-
-if TYPE_CHECKING:
-    from ..scene.run.scene import Scene
-    from ..signals.impulsive import ImpulsiveSmooth
-
+from ..signals.inputs import power, zero
+from .base import Answer
+from .run import RunAnswer
 
 #: The part of a step in which the animation shows a sample; then it jumps to the next one.
-HELD = 0.98
+SHOWN_PART = 0.98
 
 
 class DiscreteRunAnswer(RunAnswer):
@@ -73,15 +69,10 @@ class DiscreteRunAnswer(RunAnswer):
     @property
     def domain_text(self) -> str:
         """Text on the origin of the discrete equations."""
-        if self.is_difference:
+        if self.scene.equations.are_bare:
             return f"difference equations, sigma the shift by one sample, degree {self.scene.equations.polynomial_matrix.degree}"
         hold = self.scene.table.time.hold
         return f"discretized exactly, forces {'linear' if hold else 'constant'} between samples (hold = {hold})"
-
-    @property
-    def is_difference(self) -> bool:
-        """Whether the equations are coefficients of the shift."""
-        return self.scene.equations.system is None and self.scene.equations.control is None
 
     @cached_property
     def numbers(self) -> np.ndarray:
@@ -109,7 +100,7 @@ class DiscreteRunAnswer(RunAnswer):
         """The sequence in closed form."""
         with at(self.scene.file_name, "time.step_domain"):
             time, equations = self.scene.table.time, self.scene.equations
-            if self.is_difference:
+            if self.scene.equations.are_bare:
                 A = equations.polynomial_matrix
                 force = zero(A.size) if equations.force is None else equations.force
                 return from_start(
@@ -150,7 +141,7 @@ class DiscreteRunAnswer(RunAnswer):
                     _complex_text(z),
                     number_text(abs(z)),
                     hz,
-                    "grows" if abs(z) > 1 + 1 / 2**26 else "stays" if abs(z) > 1 - 1 / 2**26 else "decays",
+                    "grows" if abs(z) > 1 + EPS**0.5 else "stays" if abs(z) > 1 - EPS**0.5 else "decays",
                 )
             )
         shown = self._coordinates.shown
@@ -166,13 +157,30 @@ class DiscreteRunAnswer(RunAnswer):
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
         """Notices on the answer, and doubts about it."""
-        start = () if self.is_difference else start_notices(self.scene.equations)
+        start = () if self.scene.equations.are_bare else start_notices(self.scene.equations)
         moves = np.ptp(self.values, axis=1).any()
         at_rest = (
             () if moves else (Notice(NoticeKind.AT_REST, "all samples are equal: the start is one of rest, and no force changes"),)
         )
-        own = (*start, *self.sequence.notices, *at_rest, *doubts_of("the samples", self.error_estimate))
+        own = (*start, *self.sequence.notices, *self._aliasing_notices, *at_rest, *doubts_of("the samples", self.error_estimate))
         return distinct(self.scene.notices, own)
+
+    @cached_property
+    def _aliasing_notices(self) -> tuple[Notice, ...]:
+        """A notice where the continuous model vibrates above the Nyquist frequency."""
+        x = self.sequence
+        if not isinstance(x, DiscreteStateSpaceResponse):
+            return ()
+        nyquist = x.system.nyquist_hz
+        poles = x.system._continuous.polynomial_matrix().eigenvalues
+        above = sorted({f"{hz:.4g}" for hz in np.abs(poles.imag) / (2 * np.pi) if hz > nyquist * (1 + EPS**0.5)}, key=float)
+        if not above:
+            return ()
+        text = (
+            f"the model vibrates at {listed(above)} Hz, above the Nyquist frequency of {number_text(nyquist)} Hz: the samples are "
+            f"right, but look like those of a lower frequency (aliasing); a step below {0.5 / float(above[-1]):.3g} s shows it"
+        )
+        return (Notice(NoticeKind.ALIASING, text),)
 
     @property
     def table_notices(self) -> tuple[Notice, ...]:
@@ -186,7 +194,7 @@ class DiscreteRunAnswer(RunAnswer):
             "source": self.source,
             "step_domain": "discrete",
             "step": self.scene.table.time.step,
-            "hold": None if self.is_difference else self.scene.table.time.hold,
+            "hold": None if self.scene.equations.are_bare else self.scene.table.time.hold,
             "coordinates": self._coordinates.to_list(),
             "eigenvalues": [{"real": z.real, "imaginary": z.imag, "modulus": abs(z)} for z in self._eigenvalues_z],
             "samples": self.numbers,
@@ -234,21 +242,8 @@ class DiscreteRunAnswer(RunAnswer):
         scales = {key: getattr(table, key) for key in ("scale", "turn_scale") if table and key in table.model_fields_set}
         values, times = self.values[:, :count], self.times[:count]
         frames = np.repeat(values, 2, axis=1)
-        moments = np.column_stack([times, times + HELD * h]).ravel()
+        moments = np.column_stack([times, times + SHOWN_PART * h]).ravel()
         return Animation(drawing_of(scene, self.values, **scales), self._coordinates.names, moments, frames, 0.0 * frames)
-
-    def page(self) -> PageContent:
-        """The model from sample to sample, plots of the samples, tables, notices and facts."""
-        return PageContent(
-            title=self.title,
-            source=self.source,
-            animation=self.animation if is_animated(self.scene) else None,
-            plots=tuple(self.plots()),
-            frequencies=self.tables[0],
-            tables=(*self.tables[1:], self.scene.plan().page_table()),
-            notices=self.notices,
-            facts=self.facts,
-        )
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Sample numbers, times, names and values in SI, for NumPy; the matrices of a discretized model."""
@@ -288,31 +283,20 @@ class DiscreteRunAnswer(RunAnswer):
 
 
 def _mechanical(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceResponse:
-    """Displacements under all forces and prescribed motions, held between samples."""
+    """Displacements under all forces and prescribed motions, with a hold between samples."""
     system = equations.system
     rows = [f"value of {row.name}" for row in system.rows]
     forces = [f"force on {name}" for name in system.names]
     space = system.to_state_space([*forces, *rows], list(system.names))
-    n, count = system.size, system.size + len(rows)
-    applied = system.force if equations.force is None else system.force + equations.force
-    u = applied.mapped(np.eye(count)[:, :n])
-    for place, row in enumerate(system.rows, n):
-        u = u + sum(_values_of(row), zero(1)).mapped(np.eye(count)[:, [place]])
+    n = system.size
+    u = with_right_sides(system.force if equations.force is None else system.force + equations.force, system.rows)
     start = np.zeros(len(space.A))
     start[: 2 * n] = np.concatenate([equations.initial[0], equations.initial[1]])
     return space.discretize(h, hold).solve(start, u)
 
 
-def _values_of(row) -> Iterator[ImpulsiveSmooth]:
-    """The right-hand side of a constraint row."""
-    if row.value:
-        yield step([row.value])
-    if row.signal is not None:
-        yield row.signal
-
-
 def _control(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceResponse:
-    """Outputs, or else states, of a transfer function or state space under its held input."""
+    """Outputs, or else states, of a transfer function or state space under a hold of its input."""
     control = equations.control
     if control.transfer_function is None:
         given = control.system
@@ -328,16 +312,4 @@ def _control(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceRes
 
 
 def _complex_text(z: complex) -> str:
-    return number_text(z.real) if not z.imag else f"{number_text(z.real)} ± {number_text(z.imag)} i"
-
-
-class Run(Analysis):
-    """The motion of a scene, or its samples in discrete time, by the stages of its plan."""
-
-    name = "run"
-
-    @classmethod
-    def answer(cls, scene: Scene, progress: Callable | None = None, *, folder: str | Path | None = None) -> RunAnswer:  # type: ignore[override]  # it has no settings
-        """The answer, written into a folder unless it is None."""
-        kind = DiscreteRunAnswer if scene.table.time.step_domain == "discrete" else RunAnswer
-        return run_scene(scene, None if folder is None else Path(folder), progress, kind)
+    return f"{z.real:.4g}" if not z.imag else f"{z.real:.4g} ± {z.imag:.4g} i"

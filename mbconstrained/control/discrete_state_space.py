@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..ground.checks import counted, names_of, nearest, optional_package, places_of, real_array, real_number
+from ..ground.checks import counted, names_of, optional_package, real_array, real_number
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.notices import Notice
@@ -21,7 +21,7 @@ from ..response.discrete import DiscreteResponse, discrete_force, from_start, gr
 from ..signals.sequences import sample_numbers
 from .conversions import arguments_of
 from .sampling import SampledEquations, sampled_equations
-from .state_equations import StateEquations, _place, roots_of, transfer_of
+from .state_equations import StateEquations, channel_place, channel_places, roots_of, state_values, transfer_of
 
 if TYPE_CHECKING:
     from ..response.discrete import Force
@@ -212,8 +212,8 @@ class DiscreteStateSpace(Displayed):
     def _start(self, initial, first: np.ndarray) -> np.ndarray:
         given = self._sampled
         if given is None:
-            return _named_values(initial, self.states)
-        values = _named_values(initial, self._continuous.states if self._continuous is not None else self.states)
+            return state_values(initial, self.states)
+        values = state_values(initial, self._continuous.states if self._continuous is not None else self.states)
         start = np.zeros(len(self.A))
         start[: len(given.start_map)] = given.start_map @ values
         return start + given.matrices.start_input @ first
@@ -245,7 +245,7 @@ class DiscreteStateSpace(Displayed):
                 f"frequencies_hz: found {f.max():g} Hz; with a step of {self.step:g} s the Nyquist frequency is {self.nyquist_hz:g} Hz, "
                 "and samples cannot tell oscillations above it from slower ones"
             )
-        rows, columns = _places(outputs, self.outputs, "output"), _places(inputs, self.inputs, "input")
+        rows, columns = channel_places(outputs, self.outputs, "output"), channel_places(inputs, self.inputs, "input")
         values = np.zeros((len(rows), len(columns), len(f)), dtype=complex)
         errors = np.zeros(values.shape)
         B, C, D = self.B[:, columns], self.C[rows], self.D[np.ix_(rows, columns)]
@@ -283,17 +283,17 @@ class DiscreteStateSpace(Displayed):
         >>> [(round(zero.value.real, 9), zero.origin) for zero in double.zeros()]
         [(-1.0, 'sampling')]
         """
-        output, input = _place(output, self.outputs, "output"), _place(input, self.inputs, "input")
+        output, input = channel_place(output, self.outputs, "output"), channel_place(input, self.inputs, "input")
         if not len(self.A):
             return ()
-        found = [(complex(zero.value), zero.multiplicity) for zero in transfer_of(self._equations, output, input).zeros]
+        own = [(complex(zero.value), zero.multiplicity) for zero in transfer_of(self._equations, output, input).zeros]
         if self._continuous is None:
-            return tuple(SampledZero(value, count, "", None) for value, count in found)
+            return tuple(SampledZero(value, count, "", None) for value, count in own)
         plant = transfer_of(self._continuous, output, input)
         values = roots_of(plant.zeros)
         images = list(np.exp(values[values.imag >= 0] * self.step))
         excess = len(roots_of(plant.poles)) - len(values)
-        single = [value for value, count in found for _ in range(count)]
+        single = [value for value, count in own for _ in range(count)]
         near: dict[int, complex] = {}
         while images and len(near) < len(single):
             distances = {(i, j): abs(z - e) for i, z in enumerate(single) if i not in near for j, e in enumerate(images)}
@@ -391,38 +391,10 @@ class DiscreteStateSpace(Displayed):
         return cls.from_scipy(system, step)
 
 
-def discretize(
-    system: StateEquations, step: float, hold: int | str = 1, *, delays: Mapping[str, float] | None = None
+def discretized_state_space(
+    system: StateEquations, step: float, hold: int | str, delays: Mapping[str, float] | None
 ) -> DiscreteStateSpace:
-    """Discretize exactly: the states and outputs at t = k step of the continuous system under a held input.
-
-        x_(k+1) = Phi x_k + integral over a step of e^(A (h - s)) B u(k h + s) ds
-
-    by exponentials of matrices in ball arithmetic. A singular E (massless coordinates, constraints): the finite Jordan pair is
-    discretized, the constant of the polynomial part of G(s) goes into D, jumps of an inconsistent start into the map of the start; a
-    part that follows the derivative of an input needs hold=1, where it is the slope of the interval before the sample.
-
-    Args:
-        system: the state space.
-        step: h in s.
-        hold: how the input continues between samples: 0 constant, 1 linear (then states are those of the continuous system less a
-            multiple of the input, as in ``scipy.signal.cont2discrete``), "impulse" for Dirac impulses of size u_k at the samples, y_k
-            just after them.
-        delays: delays of inputs in s by name: multiples of the step and parts of it, as exact extra states. A delayed linear hold
-            begins with its rise from u_-1 = 0 to u_0.
-
-    Returns:
-        A ``DiscreteStateSpace`` with the names of inputs and outputs.
-
-    Raises:
-        InputError: a step that is not positive, an unknown hold or input, an output that would have Dirac impulses.
-
-    >>> from mbconstrained import StateSpace
-    >>> double = StateSpace([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]], [[1.0, 0.0]])
-    >>> zero_order = double.discretize(0.5, hold=0)
-    >>> zero_order.A.tolist(), zero_order.B.tolist()
-    ([[1.0, 0.5], [0.0, 1.0]], [[0.125], [0.5]])
-    """
+    """The states and outputs of a continuous system at t = k step under a hold of its input (``StateSpace.discretize``)."""
     form = sampled_equations(system, step, hold, delays)
     matrices = form.matrices
     count = len(matrices.A) - len(matrices.delayed)
@@ -466,18 +438,3 @@ def _line(A, B, C, D, half_turns: float) -> tuple[np.ndarray, np.ndarray]:
     size = np.abs(C) @ sensitivity + np.abs(D)
     errors = np.divide(4 * EPS * (len(A) + 1) * size, np.abs(values), out=np.full(D.shape, np.inf), where=values != 0)
     return values, np.where(size == 0, 0.0, errors)
-
-
-def _places(chosen, names: Sequence[str], what: str) -> list[int]:
-    if chosen is None:
-        return list(range(len(names)))
-    return places_of([chosen] if isinstance(chosen, (str, int)) else chosen, names, what)
-
-
-def _named_values(initial, states: Sequence[str]) -> np.ndarray:
-    if not isinstance(initial, Mapping):
-        return np.zeros(len(states)) if initial is None else real_array(initial, "initial", shape=(len(states),))
-    for name in initial:
-        if name not in states:
-            raise InputError(f'initial: there is no state "{name}"{nearest(name, states)}')
-    return np.array([real_number(initial.get(name, 0.0), f"initial {name}") for name in states])

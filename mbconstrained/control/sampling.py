@@ -1,4 +1,4 @@
-"""Exact discretization of state spaces with E singular or not: what of them can be held between samples, and how."""
+"""Exact discretization of state spaces with E singular or not: which inputs may be constant or linear between samples."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..exact.enclosure.held_inputs import HeldSystem, held_system
+from ..exact.enclosure.discretization import DiscretizedSystem, discretized
 from ..ground.checks import nearest, real_number
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
@@ -31,7 +31,7 @@ class SampledEquations:
         notices: remarks.
     """
 
-    matrices: HeldSystem
+    matrices: DiscretizedSystem
     start_map: np.ndarray
     notices: tuple[Notice, ...]
 
@@ -48,14 +48,14 @@ def sampled_equations(system: StateEquations, step, hold=1, delays: Mapping[str,
     if pairs is None or not any(pairs.structure.infinite_divisors):
         _refuse_feedthrough(system, system.D, hold)
         E = None if is_ordinary else system.E
-        return SampledEquations(held_system(system.A, system.B, system.C, system.D, nothing, late, step, hold, E), np.eye(n), ())
+        return SampledEquations(discretized(system.A, system.B, system.C, system.D, nothing, late, step, hold, E), np.eye(n), ())
     polynomial = [through(system, order) for order in range(pairs.structure.highest_impulse + 1)] or [nothing]
     for order in range(len(polynomial) - 1, 0, -1):
         _refuse_impulses(system, polynomial[order], order, hold)
     D, slopes = system.D + polynomial[0], polynomial[1] if len(polynomial) > 1 else nothing
     _refuse_feedthrough(system, D, hold)
     finite = pairs.finite
-    matrices = held_system(finite.J, finite.B @ system.B, system.C @ finite.C, D, slopes, late, step, hold)
+    matrices = discretized(finite.J, finite.B @ system.B, system.C @ finite.C, D, slopes, late, step, hold)
     texts = (
         f'{system.outputs[i]}: the part that follows the derivative of "{system.inputs[j]}" is that just before each sample'
         for i, j in np.argwhere(slopes)

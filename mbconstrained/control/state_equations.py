@@ -10,7 +10,7 @@ from numbers import Number
 
 import numpy as np
 
-from ..ground.checks import counted, names_of, nearest, real_array
+from ..ground.checks import counted, names_of, nearest, places_of, real_array
 from ..ground.display import Displayed
 from ..ground.errors import IllConditioned, InputError, SingularPolynomialMatrix
 from ..ground.tolerances import GAIN_AGREEMENT, noise_of
@@ -104,12 +104,7 @@ class StateEquations(Displayed):
 
     def start(self, initial) -> np.ndarray:
         """x(0-), shape (n,), from an array, a mapping from names, or None for zeros."""
-        if not isinstance(initial, Mapping):
-            return np.zeros(len(self.A)) if initial is None else real_array(initial, "initial", shape=(len(self.A),))
-        for name in initial:
-            if name not in self.states:
-                raise InputError(f'initial: there is no state "{name}"{nearest(name, self.states)}')
-        return np.array([float(real_array(initial.get(name, 0.0), f"initial {name}", shape=())) for name in self.states])
+        return state_values(initial, self.states)
 
     def start_with_outputs(self, start: np.ndarray) -> np.ndarray:
         """[x(0-); C x(0-)] as the only row, shape (1, n + q), the sums rounded once."""
@@ -120,6 +115,23 @@ class StateEquations(Displayed):
     def force_with_outputs(self, u: ImpulsiveSmooth) -> ImpulsiveSmooth:
         """[B; D] u, n + q rows."""
         return u.mapped(np.vstack([self.B, self.D]))
+
+
+def state_values(initial, states: Sequence[str]) -> np.ndarray:
+    """The values of states, from an array, a mapping from names, zero for the others, or None for zeros."""
+    if not isinstance(initial, Mapping):
+        return np.zeros(len(states)) if initial is None else real_array(initial, "initial", shape=(len(states),))
+    for name in initial:
+        if name not in states:
+            raise InputError(f'initial: there is no state "{name}"{nearest(name, states)}')
+    return np.array([float(real_array(initial.get(name, 0.0), f"initial {name}", shape=())) for name in states])
+
+
+def channel_places(chosen, names: Sequence[str], what: str) -> list[int]:
+    """The indices of inputs or outputs that are chosen by name or number; None for all."""
+    if chosen is None:
+        return list(range(len(names)))
+    return places_of([chosen] if isinstance(chosen, (str, int)) else chosen, names, what)
 
 
 def _fixed(matrix: np.ndarray) -> np.ndarray:
@@ -182,7 +194,7 @@ def roots_of(zeros: Sequence[FiniteZero]) -> np.ndarray:
 def transfer_of(system: StateEquations, output: int | str = 0, input: int | str = 0) -> Transfer:
     """Zeros, poles and gain from one input to one output."""
     poles = system.polynomial_matrix().jordan_pairs().structure.finite_zeros
-    channel = _Channel(system, _place(output, system.outputs, "output"), _place(input, system.inputs, "input"))
+    channel = _Channel(system, channel_place(output, system.outputs, "output"), channel_place(input, system.inputs, "input"))
     samples = _samples(channel, roots_of(poles))
     try:
         pairs = channel.polynomial_matrix().jordan_pairs()
@@ -197,7 +209,7 @@ def transfer_of(system: StateEquations, output: int | str = 0, input: int | str 
     return Transfer(zeros, poles, gain, _value_at_zero(channel, zeros, poles, gain))
 
 
-def _place(key, names: Sequence[str], what: str) -> int:
+def channel_place(key, names: Sequence[str], what: str) -> int:
     if isinstance(key, str) and key in names:
         return names.index(key)
     if isinstance(key, (int, np.integer)) and not isinstance(key, bool) and 0 <= key < len(names):

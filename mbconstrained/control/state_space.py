@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -11,7 +11,6 @@ import numpy as np
 
 from ..frequency.frequency_response import FrequencyResponse, evaluated
 from ..frequency.harmonic import Harmonic
-from ..ground.checks import places_of
 from ..ground.display import TextTable
 from ..ground.notices import Notice
 from ..response.estimate import error_estimate
@@ -22,13 +21,13 @@ from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
 from .conversions import factored_realization, ordinary_form, rational_realization, realization_of, to_control, to_scipy
-from .discrete_state_space import discretize
 from .matrix_fraction import checked_input
-from .state_equations import StateEquations, transfer_of
+from .state_equations import StateEquations, channel_places, transfer_of
 
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
     from ..exact.enclosure.intervals import Enclosure
+    from .discrete_state_space import DiscreteStateSpace
 
 
 # The response of a state space: its states, and its outputs with their own jumps and impulses.
@@ -192,9 +191,8 @@ class StateSpace(StateEquations):
         >>> lag.frequency_response([1 / np.pi]).values.item()
         (0.5-0.5j)
         """
-        own_inputs = self.inputs if inputs is None else [self.inputs[i] for i in _places(inputs, self.inputs, "input")]
-        own_outputs = self.outputs if outputs is None else [self.outputs[i] for i in _places(outputs, self.outputs, "output")]
-        columns, rows = [self.inputs.index(name) for name in own_inputs], [self.outputs.index(name) for name in own_outputs]
+        columns, rows = channel_places(inputs, self.inputs, "input"), channel_places(outputs, self.outputs, "output")
+        own_inputs, own_outputs = [self.inputs[j] for j in columns], [self.outputs[i] for i in rows]
         n, q = len(self.A), len(self.C)
         B, C = np.vstack([self.B, self.D])[:, columns], np.eye(n + q)[n:][rows]
         units = [[_unit_ratio(self.units[output], self.units[input]) for input in own_inputs] for output in own_outputs]
@@ -206,7 +204,38 @@ class StateSpace(StateEquations):
     ordinary = ordinary_form
     to_scipy = to_scipy
     to_control = to_control
-    discretize = discretize
+
+    def discretize(self, step: float, hold: int | str = 1, *, delays: Mapping[str, float] | None = None) -> DiscreteStateSpace:
+        """Discretize exactly: the states and outputs at t = k step of the continuous system under a hold of its input.
+
+            x_(k+1) = Phi x_k + integral over a step of e^(A (h - s)) B u(k h + s) ds
+
+        by exponentials of matrices in ball arithmetic. A singular E (massless coordinates, constraints): the finite Jordan pair is
+        discretized, the constant of the polynomial part of G(s) goes into D, jumps of an inconsistent start into the map of the start; a
+        part that follows the derivative of an input needs hold=1, where it is the slope of the interval before the sample.
+
+        Args:
+            step: h in s.
+            hold: how the input continues between samples: 0 constant, 1 linear (then states are those of the continuous system less a
+                multiple of the input, as in ``scipy.signal.cont2discrete``), "impulse" for Dirac impulses of size u_k at the samples, y_k
+                just after them.
+            delays: delays of inputs in s by name: multiples of the step and parts of it, as exact extra states. A delayed linear hold
+                begins with its rise from u_-1 = 0 to u_0.
+
+        Returns:
+            A ``DiscreteStateSpace`` with the names of inputs and outputs.
+
+        Raises:
+            InputError: a step that is not positive, an unknown hold or input, an output that would have Dirac impulses.
+
+        >>> double = StateSpace([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]], [[1.0, 0.0]])
+        >>> zero_order = double.discretize(0.5, hold=0)
+        >>> zero_order.A.tolist(), zero_order.B.tolist()
+        ([[1.0, 0.5], [0.0, 1.0]], [[0.125], [0.5]])
+        """
+        from .discrete_state_space import discretized_state_space  # balls, which nothing else here needs
+
+        return discretized_state_space(self, step, hold, delays)
 
     def to_dict(self) -> dict:
         """A, B, C, D, E, and lists of states, inputs, outputs and their units, as plain data.
@@ -277,10 +306,6 @@ class StateSpace(StateEquations):
     def from_control(cls, system) -> StateSpace:
         """Return the state space of a python-control ``StateSpace`` or ``TransferFunction`` with its names, as ``from_scipy``."""
         return cls(**realization_of(system))
-
-
-def _places(chosen, names: Sequence[str], what: str) -> list[int]:
-    return places_of([chosen] if isinstance(chosen, (str, int)) else chosen, names, what)
 
 
 def _unit_ratio(above: str, below: str) -> str:

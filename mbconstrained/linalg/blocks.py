@@ -298,7 +298,10 @@ def _by_eigenvectors(matrix: Matrix) -> BlockDiagonal | None:
     inverse = lapack.dgetri(factors, pivots, lwork=room, overwrite_lu=1)[0]
     single, upper = (imaginary == 0).nonzero()[0], (imaginary > 0).nonzero()[0]
     worst = _worst_condition(basis, inverse, single, upper)
-    if not (worst <= DECOUPLING_LIMIT and _largest_mode(basis, inverse) <= MODE_AMPLIFICATION):
+    if not worst <= DECOUPLING_LIMIT:
+        return None
+    ratios = np.einsum("ij,ij->j", basis, basis) * np.einsum("ij,ij->i", inverse, inverse)  # of modes to their summands, squared
+    if not np.sqrt(ratios.max()) <= MODE_AMPLIFICATION:
         return None
     result: dict[int, np.ndarray] = {}
     for at in _some(single):  # y S x of real x, y
@@ -331,11 +334,6 @@ def _worst_condition(basis, inverse, single, upper) -> float:
 def _sums(columns, rows) -> np.ndarray:
     """Inner products of columns and rows with the same index."""
     return (columns * rows.T).sum(axis=0)
-
-
-def _largest_mode(basis, inverse) -> float:
-    """The largest ratio of a mode to the states that it is a sum of."""
-    return float(np.sqrt((np.einsum("ij,ij->j", basis, basis) * np.einsum("ij,ij->i", inverse, inverse)).max()))
 
 
 def _some(columns: np.ndarray) -> list[np.ndarray]:

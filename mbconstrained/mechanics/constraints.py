@@ -199,6 +199,16 @@ def right_sides(rows: Sequence[ConstraintRow]) -> ImpulsiveSmooth | None:
     return sum(varying[1:], varying[0]) if varying else None
 
 
+def with_right_sides(force: ImpulsiveSmooth, rows: Sequence[ConstraintRow]) -> ImpulsiveSmooth:
+    """[f; b]: the force, n rows, and the right-hand sides of the k rows."""
+    n, k = force.size, len(rows)
+    result, values = force.mapped(np.eye(n + k)[:, :n]), np.array([row.value for row in rows])
+    if values.any():
+        result = result + step(np.append(np.zeros(n), values))
+    varying = right_sides(rows)
+    return result if varying is None else result + varying.mapped(np.eye(n + k)[:, n:])
+
+
 def with_multipliers(matrices: Sequence[np.ndarray], rows: np.ndarray, orders: Sequence[int], sign: int = -1) -> list[np.ndarray]:
     """[M s^2 + C s + K, sign A^T; A s^order, 0] from K, C, M: each row in the matrix of its order, the forces of the rows next to K."""
     k, n = rows.shape

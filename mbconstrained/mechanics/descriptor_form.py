@@ -103,7 +103,7 @@ def discretize(
     *,
     delays: Mapping[str, float] | None = None,
 ) -> DiscreteStateSpace:
-    """Discretize the equations exactly: outputs at t = k step under inputs that are held between samples.
+    """Discretize the equations exactly: outputs at t = k step under a hold of the inputs between samples.
 
     ``system.to_state_space(inputs, outputs).discretize(step, hold)``; massless coordinates and constraints are no obstacle.
 

@@ -203,7 +203,9 @@ class CoordinateParts(EnergyParts):
     """
 
     def __init__(self, names: Sequence[str], mass: EnergyPart, stiffness: EnergyPart):
-        products = tuple(_CoordinateProducts.of(tuple(names), whole) for whole in (mass, stiffness))
+        sizes = [whole.constants if isinstance(whole, ElementMatrix) else whole for whole in (mass, stiffness)]
+        units = [int(np.frexp(np.abs(size).max(initial=0.0))[1]) for size in sizes]
+        products = tuple(_CoordinateProducts(tuple(names), whole, unit) for whole, unit in zip((mass, stiffness), units))
         self.__dict__.update(kinetic={}, strain={}, _products=products)
 
     @property
@@ -217,11 +219,6 @@ class _CoordinateProducts(NamedTuple):
     names: tuple[str, ...]
     whole: EnergyPart
     unit: int
-
-    @classmethod
-    def of(cls, names: tuple[str, ...], whole: EnergyPart) -> _CoordinateProducts:
-        sizes = whole.constants if isinstance(whole, ElementMatrix) else whole
-        return cls(names, whole, int(np.frexp(np.abs(sizes).max(initial=0.0))[1]))
 
     def energies(self, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         size = np.abs(shapes)

@@ -17,8 +17,8 @@ from ..linalg.double_double import DOUBLED_EPS, DoubleDouble
 from ..polynomial.coefficients import Factors
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.methods.defect import UNIT, Extended, Rounding
-from ..signals.inputs import ImpulsiveSmooth, step
-from .constraints import right_sides, with_multipliers
+from ..signals.inputs import ImpulsiveSmooth
+from .constraints import with_multipliers, with_right_sides
 from .element_matrix import ElementMatrix
 from .equations import EquationsOfMotion
 
@@ -27,13 +27,7 @@ def exact_motion(system: EquationsOfMotion, initial: np.ndarray, applied: Impuls
     """The exact motion x, n rows, followed by the rows of its k multipliers."""
     n, k = system.size, len(system.rows)
     start = np.hstack([initial, np.zeros((len(initial), k))])
-    force = applied.mapped(np.eye(n + k)[:, :n])
-    values = np.array([row.value for row in system.rows])
-    if values.any():
-        force = force + step(np.append(np.zeros(n), values))
-    prescribed = right_sides(system.rows)
-    if prescribed is not None:
-        force = force + prescribed.mapped(np.eye(n + k)[:, n:])
+    force = with_right_sides(applied, system.rows)
     equations = [*(f"motion of {name}" for name in system.names), *(f"constraint {row.name}" for row in system.rows)]
     coordinates = [*system.names, *(f"force of {row.name}" for row in system.rows)]
     exact, rows = PolynomialMatrix(system.given).exact_coefficients, system.constraint_matrix.astype(object)

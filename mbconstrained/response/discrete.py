@@ -13,6 +13,7 @@ AR-representations over a finite time interval", Kybernetika 34, 1998).
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -101,10 +102,10 @@ def discrete_force(force, size: int, what: str = "force", step: float = 1.0) -> 
     if values.ndim == 1 and size == 1:
         values = values[:, None]
     if values.ndim != 2 or values.shape[1] != size:
-        found = " x ".join(map(str, values.shape)) or "a single number"
+        shape = " x ".join(map(str, values.shape)) or "a single number"
         hint = "; give its transpose, one row for each k" if values.ndim == 2 and values.shape[0] == size else ""
         constant = f"; a constant is mb.geometric([…], 1) of {size} numbers" if values.shape == (size,) else ""
-        raise InputError(f"{what}: expected f_0, f_1, ... as rows, shape any x {size}, found {found}{hint}{constant}")
+        raise InputError(f"{what}: expected f_0, f_1, ... as rows, shape any x {size}, found {shape}{hint}{constant}")
     return DiscreteForce(size, None, lambda k: values[k], len(values))
 
 
@@ -168,13 +169,13 @@ class ExactInverse:
         return max(max((len(column.impulses) for column in self.columns), default=1) - 1, 0)
 
 
-class DiscreteFunction(Displayed):
+class DiscreteFunction(Displayed, ABC):
     """A sequence in closed form, a function of whole numbers k >= 0 alone."""
 
-    @cached_property
+    @property
+    @abstractmethod
     def notices(self) -> tuple[Notice, ...]:
         """Notices of the solution."""
-        raise NotImplementedError
 
     def __call__(self, k) -> np.ndarray:
         """x_k for a whole number k >= 0 (-> shape (r,)) or for numbers (T,) (-> (r, T)), up to the horizon.
@@ -191,7 +192,7 @@ class DiscreteFunction(Displayed):
         return values if indices.ndim else values[:, 0]
 
     def error_estimate(self, k) -> float:
-        """An estimate of max |error| / max |x_k| over the numbers k, the rounding to float64 included.
+        """An estimate of max |error| / max |x_k| over the numbers k, rounding errors of float64 included.
 
         For exact numbers it bounds the error; where rank decisions on rounded data changed the structure, the rounding errors of
         the Jordan pairs count as many times as they act up to k.
@@ -221,14 +222,14 @@ class DiscreteFunction(Displayed):
         return rounded_values([self._closed], self._sums, indices.reshape(-1).tolist())
 
     @property
+    @abstractmethod
     def _closed(self) -> RationalResponse:
         """The response to the start and to a force in closed form."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def _sums(self) -> tuple[ForceSums, ...]:
         """The response to a force that is given by its values."""
-        raise NotImplementedError
 
     @property
     def _pair_error(self) -> float:
@@ -277,9 +278,8 @@ class DiscreteResponse(DiscreteFunction):
 
     def _evaluated(self, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values (r, T) and bounds of their relative errors."""
-        asked = indices.reshape(-1).tolist()
         values, errors = super()._evaluated(indices)
-        for column, k in enumerate(asked):
+        for column, k in enumerate(indices.reshape(-1).tolist()):
             if self._backward and self.horizon - k < len(self._backward):
                 added = self._backward[self.horizon - k]
                 values[:, column] += added
@@ -518,6 +518,6 @@ def _rows(value, q: int, r: int, what: str) -> np.ndarray:
     if rows.shape != (q, r) and rows.ndim < 2 and 1 in (q, r) and rows.size == q * r:
         rows = rows.reshape(q, r)
     if rows.shape != (q, r) and not (q == 0 and not rows.size):
-        found = " x ".join(map(str, rows.shape)) or "a single number"
-        raise InputError(f"{what}: expected shape {q} x {r}, one row for each of {q} samples, found {found}")
+        shape = " x ".join(map(str, rows.shape)) or "a single number"
+        raise InputError(f"{what}: expected shape {q} x {r}, one row for each of {q} samples, found {shape}")
     return rows.reshape(q, r)

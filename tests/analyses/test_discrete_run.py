@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.analyses.discrete_run import DiscreteRunAnswer
+from tests.scene.scenes import CART_ON_SPRING, scene_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -25,18 +25,7 @@ step = "1 s"
 end = "10 s"
 """
 
-CART = """
-[model]
-kind = "lumped"
-
-[[model.mass]]
-name = "cart"
-mass = "2 kg"
-
-[[model.spring]]
-between = ["ground", "cart"]
-stiffness = "8 N/m"
-
+CART = f"""{CART_ON_SPRING}
 [[force]]
 coordinate = "cart"
 kind = "ramp"
@@ -50,25 +39,16 @@ end = "6 s"
 
 
 def scene(tmp_path, text: str, **changes) -> mb.Scene:
-    path = tmp_path / "own.toml"
-    path.write_text(text, encoding="utf-8")
-    return mb.read_scene(path, changes or None)
+    return scene_of(tmp_path, text, "own.toml", changes or None)
 
 
-def test_reservoirs_follow_their_recursion():
-    answer = mb.read_scene(EXAMPLES / "reservoirs.toml").run()
-    assert isinstance(answer, DiscreteRunAnswer)
-    upper, lower = 2.0, 0.0
-    for k in answer.numbers:
-        assert answer.values[:, k] == pytest.approx([upper, lower, upper + lower], rel=1e-13, abs=1e-14)
-        upper, lower = 0.8 * upper + np.cos(0.1 * np.pi * k), 0.1 * upper + 0.9 * lower
-    assert answer.is_trusted and answer.error_estimate < 1e-15
-
-
-def test_samples_of_the_quarter_car_lie_on_its_continuous_motion():
-    answer = mb.read_scene(EXAMPLES / "sampled_quarter_car.toml").run()
-    motion = answer.scene.equations.solve()
-    assert answer.values == pytest.approx(motion.displacement(answer.times), abs=1e-12 * np.abs(answer.values).max())
+def test_vibrations_above_the_nyquist_frequency_are_reported():
+    # 11.28 Hz of the wheel, sampled at 20 Hz and at 25 Hz
+    path = EXAMPLES / "sampled_quarter_car.toml"
+    (notice,) = mb.read_scene(path).run().notices
+    assert "11.28 Hz, above the Nyquist frequency of 10 Hz" in notice.text
+    finer = mb.read_scene(path, {"time.step": "40 ms"}).run()
+    assert [notice.kind for notice in finer.notices] == ["override"]
 
 
 def test_a_linear_hold_is_exact_for_a_ramp(tmp_path):

@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from mbconstrained.ground.tolerances import DECOUPLING_LIMIT
-from mbconstrained.linalg.blocks import block_diagonalize, block_eigenvalues, coupled, eigenvalues
+from mbconstrained.linalg.blocks import block_diagonalize, block_eigenvalues, coupled
 
 
 def schur(eigenvalue_list, coupling=1.0, seed=0) -> np.ndarray:
@@ -43,22 +42,6 @@ def test_blocks_are_similar_to_the_schur_form(name, coupling):
     size = np.abs(result.inverse) @ np.abs(T) @ np.abs(result.basis)
     assert (np.abs(result.inverse @ T @ result.basis - J) <= 1e-13 * (size.max(initial=0.0))).all()
     assert np.allclose(result.inverse @ result.basis, np.eye(len(T)), atol=1e-12 * max(1.0, result.coupling**2))
-
-
-@pytest.mark.parametrize("name", ZEROS)
-def test_decoupling_is_bounded_and_the_zeros_survive(name):
-    T = schur(ZEROS[name])
-    result = block_diagonalize(T)
-    assert result.coupling <= DECOUPLING_LIMIT
-    found = np.concatenate([[], *(eigenvalues(block) for block in result.blocks)])
-    known = eigenvalues(T)
-    assert len(found) == len(known)
-    for value in known:
-        assert np.abs(found - value).min() <= 1e-3 * max(abs(value), 1e-12) + 1e-9
-
-
-def test_well_separated_zeros_get_blocks_of_their_own():
-    assert sorted(len(b) for b in block_diagonalize(schur(ZEROS["apart"])).blocks) == [1, 1, 1, 1, 2]
 
 
 def test_coupled_equal_zeros_share_a_block_even_from_afar():

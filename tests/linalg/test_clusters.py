@@ -61,26 +61,6 @@ def test_each_agrees_with_eighty_digits_whatever_stands_beside_it(size):
             assert np.abs(state - known).max() <= 2e-15 * (4 + rate * time) * np.abs(known).max()
 
 
-@pytest.mark.parametrize("size", STACKS)
-def test_those_together_are_those_alone_to_rounding(size):
-    """With a start of its own for every time, some of them zero: where a block does not start it is exactly zero."""
-    blocks = STACKS[size]
-    start = np.multiply.outer(starts(size, len(blocks)), np.linspace(0.5, 2.0, len(TIMES)))
-    for number in range(len(blocks)):
-        start[number * size : (number + 1) * size, : number % 4] = 0.0
-    together = block_states(blocks, start, TIMES).reshape(-1, size, len(TIMES))
-    for number, (block, own) in enumerate(zip(blocks, start.reshape(-1, size, len(TIMES)))):
-        alone, turned = block_states([block], own, TIMES), np.abs(block).sum(axis=1).max() * TIMES
-        assert not together[number][:, : number % 4].any()
-        assert (np.abs(together[number] - alone).max(axis=0) <= 1e-15 * (4 + turned) * np.abs(alone).max(axis=0)).all()
-
-
-def test_what_does_not_start_is_zero_beside_what_does_however_fast_it_would_grow():
-    found = block_states([chain(1e3, 1.0, 3), chain(-1.0, 1.0, 3)], np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0]), np.array([1e6, 2.0]))
-    assert not found[:3].any()
-    assert np.allclose(found[3:, 1], np.exp(-2.0) * np.array([5.0, 3.0, 1.0]), rtol=1e-15)
-
-
 def test_one_too_fast_beside_the_others_is_told():
     blocks = [chain(-1.0, 1.0, 3), chain(-1.0, 1e200, 3)]
     with pytest.raises(IllConditioned, match="by more than 150 powers of ten"):

@@ -3,7 +3,6 @@
 import mpmath
 import numpy as np
 import pytest
-import scipy.linalg
 
 from mbconstrained.ground.tolerances import DECOUPLING_LIMIT, EPS
 from mbconstrained.linalg.blocks import block_matrix, decoupled
@@ -33,12 +32,6 @@ def test_any_matrix_is_decoupled(size):
     check(np.random.default_rng(size).normal(size=(size, size)))
 
 
-def test_pairs_are_one_block_and_real_zeros_one_each():
-    blocks = decoupled(scipy.linalg.block_diag([[-1.0]], [[-0.5, 2.0], [-2.0, -0.5]], [[3.0]])).blocks
-    assert sorted(len(block) for block in blocks) == [1, 1, 2]
-    assert sorted(np.round(zeros(blocks), 12), key=lambda z: (z.real, z.imag)) == [-1, -0.5 - 2j, -0.5 + 2j, 3]
-
-
 @pytest.mark.parametrize(
     "S",
     [np.eye(4, k=1), np.array([[0.0, 1.0], [-1.0, -2.0]]), np.kron(np.eye(2), [[0.0, 1.0], [-4.0, 0.0]]) + np.eye(4, k=2)],
@@ -49,14 +42,6 @@ def test_a_defective_matrix_falls_back_to_clusters(S):
     assert max(len(block) for block in found.blocks) >= len(S) // 2
     assert found.coupling <= DECOUPLING_LIMIT
     check(S)
-
-
-def test_no_zeros_at_all_and_repeated_zeros_that_are_not_defective():
-    assert decoupled(np.zeros((3, 3))).blocks == (np.zeros((1, 1)),) * 3
-    ring = 2 * np.eye(6) - np.roll(np.eye(6), 1, 0) - np.roll(np.eye(6), -1, 0) + np.eye(6)
-    S = np.block([[np.zeros((6, 6)), np.eye(6)], [-ring, np.zeros((6, 6))]])
-    check(S)
-    assert max(len(block) for block in decoupled(S).blocks) == 2
 
 
 def test_quotients_are_nearer_to_the_zeros_than_what_the_qr_algorithm_gives():

@@ -94,38 +94,12 @@ def test_stiff_decay_ends_in_zero_without_a_warning(time):
         assert not block_states([block], START[: len(block)], np.array([time])).any()
 
 
-@pytest.mark.parametrize("size", [1, 2, 3])
-def test_a_zero_start_stays_zero_however_fast_the_growth(size):
-    assert not block_states([triangle([1e3] * size)], np.zeros(size), np.array([1e6])).any()
-
-
 def test_growth_beyond_float64_is_not_finite_and_the_rest_is_untouched():
     with np.errstate(over="ignore"):
         states = block_states([np.array([[1.0]]), np.array([[-1.0]])], np.ones(2), np.array([800.0, 1.0]))
     assert not np.isfinite(states[0, 0])
     assert np.allclose(states[1], np.exp([-800.0, -1.0]))
     assert states[0, 1] == pytest.approx(np.e)
-
-
-@pytest.mark.parametrize("pairs", [1, 2])
-def test_a_million_periods_leave_eight_digits_and_more(pairs):
-    """The phase w t is known to eps w t; a defective pair has the secular term t on top."""
-    time = 2e6 * np.pi
-    states = block_states([rotation_chain(0.0, 1.0, pairs=pairs)], np.eye(2 * pairs)[-1], np.array([time]))[:, 0]
-    known = reference_rotation(time, pairs)
-    assert np.abs(states - known).max() <= 1e-8 * np.abs(known).max()
-
-
-def reference_rotation(time, pairs) -> np.ndarray:
-    """The last column of e^{J t}: t^k/k! (sin t, cos t), k from pairs - 1 down to 0."""
-    with mpmath.workdps(40):
-        sine, cosine = float(mpmath.sin(mpmath.mpf(time))), float(mpmath.cos(mpmath.mpf(time)))
-    return np.concatenate([time**k * np.array([sine, cosine]) for k in reversed(range(pairs))])
-
-
-def test_no_blocks_and_no_times():
-    assert block_states([], np.zeros(0), np.array([1.0, 2.0])).shape == (0, 2)
-    assert block_states([NILPOTENT], START, np.zeros(0)).shape == (6, 0)
 
 
 @pytest.mark.parametrize("w", [3e-9, 1e-6, 1e-3, 0.3])

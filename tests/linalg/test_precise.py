@@ -7,11 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbconstrained.ground.tolerances import PRECISE_DIGITS
 from mbconstrained.linalg.precise import (
     floats,
     inverse,
-    is_precise,
     magnitude,
     power_of_two,
     precise,
@@ -26,31 +24,6 @@ def exact(value) -> Fraction:
     """The midpoint of a precise number."""
     mantissa, exponent = value.mid().man_exp()
     return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
-
-
-def test_floats_become_the_same_numbers():
-    """No digit of 0.1 = 3602879701896397 / 2^55 is lost."""
-    with precise_arithmetic():
-        found = precise(np.array([0.1, -0.0, 1e-300, 2.0**60 + 2.0**10]))
-        assert [exact(value) for value in found] == [Fraction(0.1), 0, Fraction(1e-300), 2**60 + 2**10]
-
-
-def test_fractions_become_all_digits():
-    with precise_arithmetic():
-        assert abs(exact(precise(np.array([Fraction(1, 3)], dtype=object))[0]) - Fraction(1, 3)) < Fraction(10) ** -(PRECISE_DIGITS)
-
-
-def test_powers_of_two_beyond_float64():
-    with precise_arithmetic():
-        assert abs(exact(power_of_two(np.array([1500.0]))[0]) / 2**1500 - 1) < Fraction(10) ** (1 - PRECISE_DIGITS)
-        assert exact(power_of_two(np.array([-3.0]))[0]) == Fraction(1, 8)
-
-
-def test_arrays_without_entries():
-    with precise_arithmetic():
-        empty = precise(np.zeros((0, 3)))
-    assert is_precise(empty) and empty.shape == (0, 3) and magnitude(empty).shape == (0, 3)
-    assert not is_precise(floats(empty))
 
 
 @given(st.integers(0, 10**6), st.integers(1, 5))

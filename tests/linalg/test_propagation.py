@@ -59,20 +59,6 @@ def test_a_slow_motion_beside_a_fast_one_keeps_its_digits():
     assert np.abs(found / np.exp(slow * times) - 1).max() <= 1e-13
 
 
-@pytest.mark.parametrize("rate", [-3.0, 3.0])
-def test_decay_and_growth(rate):
-    times = 0.25 * np.arange(200)
-    found = Propagator(np.array([[rate]]), 0.25).values(np.eye(1), np.ones(1), 200)[0]
-    assert np.abs(found / np.exp(rate * times) - 1).max() <= 1e-12
-
-
-def test_a_nilpotent_matrix_gives_polynomials():
-    times = 0.5 * np.arange(33)
-    found = Propagator(np.eye(4, k=1), 0.5).values(np.eye(4), np.array([0.0, 0.0, 0.0, 1.0]), 33)
-    expected = np.array([times**3 / 6, times**2 / 2, times, np.ones(33)])
-    assert np.allclose(found, expected, rtol=1e-13, atol=1e-15)
-
-
 @pytest.mark.parametrize("unit", [1e-9, 1e-3, 1e6])
 def test_other_units_of_the_states_give_the_same_digits(unit):
     S, start = chain(6), np.random.default_rng(2).normal(size=12)
@@ -81,22 +67,6 @@ def test_other_units_of_the_states_give_the_same_digits(unit):
     found = Propagator(other, 0.4).values(np.eye(12), start / units, 70) * units[:, None]
     expected = Propagator(S, 0.4).values(np.eye(12), start, 70)
     assert np.abs(found - expected).max() <= 1e-13 * np.abs(expected).max()
-
-
-def test_a_large_chain_in_any_order_of_its_states():
-    """Against the modes of the chain, sines."""
-    masses, step, count = 201, 0.5, 40
-    random = np.random.default_rng(3)
-    order = random.permutation(2 * masses)
-    S, start = chain(masses), random.normal(size=2 * masses)
-    found = Propagator(S[np.ix_(order, order)], step).values(np.eye(2 * masses)[:masses][:, order], start[order], count)
-    number = np.arange(1, masses + 1)
-    shapes = np.sqrt(2 / (masses + 1)) * np.sin(np.pi * np.outer(number, number) / (masses + 1))
-    w, times = 2 * np.sin(np.pi * number / (2 * (masses + 1))), step * np.arange(count)
-    x, v = shapes @ start[:masses], shapes @ start[masses:]
-    angle = np.outer(w, times)
-    expected = shapes @ (x[:, None] * np.cos(angle) + (v / w)[:, None] * np.sin(angle))
-    assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
 def test_a_motion_that_grows_leaves_others_alone():

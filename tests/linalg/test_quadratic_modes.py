@@ -158,15 +158,6 @@ def test_equal_branches_are_refused_or_right():
         check(found, *model, accuracy=1e-7)
 
 
-@pytest.mark.parametrize("damping", [1.5, 5.0])
-def test_very_heavy_damping_is_refused_or_right(damping):
-    """Many zeros are real then, and close together."""
-    model = chain_between_walls(MANY, damping)
-    found = quadratic_modes(*model)
-    if found is not None:
-        check(found, *model)
-
-
 def test_a_double_zero_is_refused():
     """Critically damped, one by one: vectors that are one vector."""
     mass = np.ones(2)

@@ -6,8 +6,7 @@ from flint import arb, arb_mat, ctx, fmpq
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mbconstrained.linalg.blocks import decoupled, weakly_coupled_groups
-from mbconstrained.linalg.division import is_symmetric
+from mbconstrained.linalg.blocks import decoupled
 from mbconstrained.linalg.exponential import block_states
 
 
@@ -81,20 +80,3 @@ def test_like_parts_coupled_backward_by_a_tiny_entry_stay_together():
     S = generator(K, 0.1 * np.eye(2))
     assert [len(block) for block in decoupled(S).blocks] == [4]
     assert errors(S, np.array([-0.2, 0.05, 0.3, -0.1]), [0.1, 1.0, 10.0], [[0], [1]]) <= 1e-13
-
-
-def test_groups():
-    K = np.diag([1.0, 2.0, 3.0])
-    K[0, 1] = K[1, 0] = 0.5
-    K[2, 0] = 1e-9
-    assert [group.tolist() for group in weakly_coupled_groups(K)] in ([[0, 1], [2]], [[2], [0, 1]])
-    assert len(weakly_coupled_groups(K[:2, :2])) == 1
-
-
-def test_what_couples_parts_that_nothing_else_couples_is_no_asymmetry_of_rounding_errors():
-    K = np.kron(np.eye(2), spring_chain(3))
-    rounded = K.copy()
-    rounded[0, 1] += 2e-16
-    one_way = K.copy()
-    one_way[3, 2] = 1e-30
-    assert is_symmetric(K) and is_symmetric(rounded) and not is_symmetric(one_way)

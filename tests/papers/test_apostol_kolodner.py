@@ -54,9 +54,3 @@ def test_the_sign_of_the_infinite_start():
     x = apostol_kolodner(A, [[0.0, 1.0]])
     np.testing.assert_allclose(x.impulses, [[-1.0, 0.0]])
     assert np.array_equal(mb.solve(A, [[0.0, 1.0]]).impulses, [[-1.0, 0.0]])
-
-
-@pytest.mark.parametrize(("coefficients", "found"), [([[[1.0]], [[2.0]], [[1.0]]], r"terms in s\^1"), ([[[1.0]]], "degree 0")])
-def test_other_forms_are_refused(coefficients, found):
-    with pytest.raises(mb.InputError, match=found):
-        apostol_kolodner(mb.PolynomialMatrix(coefficients), np.zeros((len(coefficients) - 1, 1)))

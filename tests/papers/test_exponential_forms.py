@@ -60,12 +60,6 @@ def test_a_real_block_of_a_pair_is_that_of_the_engine(a, b, size):
     np.testing.assert_allclose(engine, block.real, rtol=0, atol=1e-13)
 
 
-def test_interpolation_needs_no_jordan_form():
-    """A companion matrix of (s + 1)^2 (s + 2)."""
-    J = np.array([[0.0, 1, 0], [0, 0, 1], [-2, -5, -4]])
-    np.testing.assert_allclose(numbers(exponential_by_interpolation(J, {-1: 2, -2: 1}, 1.5)), known(J, 1.5), atol=1e-13)
-
-
 def test_close_zeros_do_not_matter_to_the_engine():
     J = np.diag([-1.0, -1.0 - 1e-7, -1.0 - 2e-7]) + np.eye(3, k=1)
     engine = np.stack([block_states([J], column, np.array([1.0]))[:, 0] for column in np.eye(3)], axis=1)

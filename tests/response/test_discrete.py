@@ -97,7 +97,10 @@ def test_free_and_forced_values_agree_with_the_exact_recursion(seed):
 
 def _recursion_of_fractions(A, initial, force, count):
     q = A.degree
-    number = lambda v: flint.fmpq(Fraction(v).numerator, Fraction(v).denominator)  # noqa: E731
+
+    def number(value):
+        return flint.fmpq(*Fraction(value).as_integer_ratio())
+
     parts = [flint.fmpq_mat([[number(float(v)) for v in row] for row in part]) for part in A.coefficients]
     x = [flint.fmpq_mat([[number(float(v))] for v in row]) for row in initial]
     inverse = parts[-1].inv()
@@ -145,9 +148,9 @@ def test_a_nilpotent_leading_coefficient_looks_ahead_and_refuses_nothing():
     A = mb.PolynomialMatrix([np.eye(3), -N])  # x = f + N f_(k+1) + N^2 f_(k+2)
     f = np.arange(12.0).reshape(4, 3)
     y = mb.solve_discrete(A, force=f)
-    shifted = lambda k: np.vstack([f, np.zeros((3, 3))])[k]  # noqa: E731
+    shifted = np.vstack([f, np.zeros((3, 3))])
     for k in range(4):
-        assert np.array_equal(y(k), shifted(k) + N @ shifted(k + 1) + N @ N @ shifted(k + 2))
+        assert np.array_equal(y(k), shifted[k] + N @ shifted[k + 1] + N @ N @ shifted[k + 2])
     assert not y(7).any()
 
 

@@ -96,6 +96,15 @@ def test_stiffness_that_rounding_took_away_is_not_taken_for_none():
     assert isinstance(mb.PolynomialMatrix([K, 0 * K, np.diag([1.0, 0.0])]).reduction, NotReducible)
 
 
+def test_a_spring_without_mass_follows_its_force_without_modes():
+    t = np.array([0.0, 1.0, 2.0])
+    force = mb.step([1.0]) + mb.harmonic([1.0], angular_frequency=2.0)
+    x = mb.MechanicalSystem([[0.0]], stiffness=[[1.0]]).solve(force=force)
+    assert x(t)[0] == pytest.approx(1 + np.cos(2 * t), rel=1e-14)
+    assert x.velocity(t)[0] == pytest.approx(-2 * np.sin(2 * t), rel=1e-14)
+    assert x.acceleration(t)[0] == pytest.approx(-4 * np.cos(2 * t), rel=1e-14)
+
+
 def test_a_free_mass_moves_on_for_ever():
     """Its zeros are 0 exactly, beside oscillations: x = x0 + v0 t to a rounding after 1e9 seconds."""
     x = mb.solve(mb.PolynomialMatrix([np.diag([1.0, 0.0]), np.zeros((2, 2)), np.eye(2)]), [[1.0, 3.0], [0.0, 2.0]])

@@ -6,7 +6,7 @@ from mbconstrained.scene.run.scene import Scene, read_scene
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
-OSCILLATOR = """
+CART_ON_SPRING = """
 [model]
 kind = "lumped"
 
@@ -17,9 +17,11 @@ mass = "2 kg"
 [[model.spring]]
 between = ["ground", "cart"]
 stiffness = "8 N/m"
+"""
 
+OSCILLATOR = f"""{CART_ON_SPRING}
 [initial]
-displacement = { cart = 0.1 }
+displacement = {{ cart = 0.1 }}
 
 [time]
 end = "5 s"
@@ -76,11 +78,11 @@ points = {points}
 """
 
 
-def scene_of(folder: Path, text: str, name: str = "scene.toml") -> Scene:
+def scene_of(folder: Path, text: str, name: str = "scene.toml", settings: dict | None = None) -> Scene:
     """The scene of a text, written into a folder."""
     path = folder / name
     path.write_text(text, encoding="utf-8")
-    return read_scene(path)
+    return read_scene(path, settings)
 
 
 #: An engine at 1500 rpm with a torque of 62.5 Hz on a damped chain of wheels: 125 periods, 3.2 of 401 even times in each.

@@ -66,7 +66,7 @@ def stacked_samples(scene: Scene, rows: Sequence[Mapping[str, Any]]) -> tuple[np
 
     Its coordinates are those that the constraint rows leave free. The scene is a sample as well, whose matrices must be those that it
     has. None where a parameter enters something else, such as a constraint row or a force; samples with numbers
-    that an element could refuse, or so far apart that they need more digits, are left out.
+    that an element could refuse, or of such a spread that they need more digits, are left out.
     """
     model, system, parameters = scene.equations.model, scene.equations.system, scene.parameters
     places = [place for place, names in parameters.places.items() if names & rows[0].keys()]

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.sequences import GeometricSequence, GeometricTerm, stirling_numbers
-from ..rational import RationalMatrix, rational, working_precision
+from ..rational import RationalMatrix, exact_value, rational, working_precision
 from .exact_response import MOST_BITS, ROUNDED_BITS, SMALLEST_EXPONENT, Inverse, RationalResponse
 from .exact_sources import ball, phase_factors
 
@@ -157,13 +157,12 @@ def _phase(term: GeometricTerm) -> tuple[flint.fmpq, flint.fmpq]:
     if not term.phase:
         return flint.fmpq(1), flint.fmpq(0)
     with working_precision(RATIO_BITS):
-        return tuple(factor if isinstance(factor, flint.fmpq) else _middle(ball(factor)) for factor in phase_factors(term.phase))  # type: ignore[return-value]
+        cosine, sine = (_middle(ball(factor)) for factor in phase_factors(term.phase))
+        return cosine, sine
 
 
 def _middle(ball: flint.arb) -> flint.fmpq:
-    mantissa, exponent = ball.mid().man_exp()
-    power = flint.fmpz(2) ** abs(int(exponent))
-    return flint.fmpq(mantissa * power) if exponent >= 0 else flint.fmpq(mantissa, power)
+    return rational(exact_value(ball.mid()))
 
 
 # Values at sample numbers, at the working precision.
@@ -298,13 +297,13 @@ def rounded_values(closed: Sequence[RationalResponse], sums: Sequence[ForceSums]
     values, errors = np.zeros((size, len(indices))), np.zeros(len(indices))
     pending, precision = sorted(range(len(indices)), key=indices.__getitem__), FIRST_BITS
     while pending and size:
-        asked = [indices[place] for place in pending]
+        numbers = [indices[place] for place in pending]
         with working_precision(precision):
-            rows, bounds = [[flint.arb(0)] * size for _ in asked], [flint.arb(0)] * len(asked)
+            rows, bounds = [[flint.arb(0)] * size for _ in numbers], [flint.arb(0)] * len(numbers)
             for one in closed:
-                rows = [[a + b for a, b in zip(*both)] for both in zip(rows, closed_values(one, asked))]
+                rows = [[a + b for a, b in zip(*both)] for both in zip(rows, closed_values(one, numbers))]
             for own in sums:
-                more, error = own.at(asked)
+                more, error = own.at(numbers)
                 rows = [[a + b for a, b in zip(*both)] for both in zip(rows, more)]
                 bounds = [a + b for a, b in zip(bounds, error)]
             left = []

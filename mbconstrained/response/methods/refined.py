@@ -140,7 +140,7 @@ class RefinedModes:
             step += 1
             if (size <= LAST_CORRECTION * largest).all():
                 break
-            if size[at].max() > LARGE_CORRECTION:
+            if size[at].max(initial=0.0) > LARGE_CORRECTION:
                 left = left + _paired(corrections[:, at], leading[at], own.pairs, conjugate) @ left
                 parts, sizes, _, noise = divided_by_masses(left, reduction)
         signed, bound = equations.residual(shapes, poles, leading)
@@ -236,7 +236,10 @@ class _Separated:
 
     @classmethod
     def of(cls, blocks: Sequence[np.ndarray]) -> _Separated | None:
-        if any(len(block) > 2 or (len(block) == 2 and not _discriminant(block) > 0) for block in blocks):
+        if any(
+            len(block) > 2 or (len(block) == 2 and not -block[0, 1] * block[1, 0] > ((block[0, 0] - block[1, 1]) / 2) ** 2)
+            for block in blocks
+        ):
             return cls._by_eigenvectors(blocks)
         sizes = np.array([len(block) for block in blocks], dtype=int)
         starts, count = np.cumsum(sizes) - sizes, int(sizes.sum())
@@ -277,11 +280,6 @@ class _Separated:
             begin += len(block)
         turn = scipy.linalg.block_diag(*turns)
         return cls(np.concatenate(poles), np.concatenate(pairs), turn, scipy.linalg.block_diag(*map(np.linalg.inv, turns)))
-
-
-def _discriminant(block: np.ndarray) -> float:
-    (a, b), (c, d) = block.tolist()
-    return -b * c - ((a - d) / 2) ** 2
 
 
 def _mixed(change: np.ndarray, distance: np.ndarray, poles: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:

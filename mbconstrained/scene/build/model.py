@@ -87,6 +87,11 @@ class Equations:
         return force if self.system is None else self.system.constrained_form().force(self.system.force + force)
 
     @property
+    def are_bare(self) -> bool:
+        """Whether A(s) was given itself, without a mechanical system, transfer function or state space."""
+        return self.system is None and self.control is None
+
+    @property
     def is_free(self) -> bool:
         """Whether the right-hand side is zero."""
         return self.right_hand_side.is_zero

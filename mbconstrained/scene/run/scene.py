@@ -337,6 +337,6 @@ def check_discrete(table, equations: Equations, file_name: str) -> None:
     with at(file_name, "output.plots"):
         if others := [name for name in table.output.plots if name not in SAMPLED]:
             raise InputError(f'found {", ".join(others)}; step_domain = "discrete" has plots of {" and ".join(SAMPLED)}')
-    if equations.system is None and equations.control is None and "hold" in table.time.model_fields_set:
+    if equations.are_bare and "hold" in table.time.model_fields_set:
         with at(file_name, "time.hold"):
             raise InputError("coefficients of the shift are no continuous model that could be discretized; leave hold out")

@@ -55,27 +55,6 @@ def rounding_of_exponentials(found) -> float:
     return len(S) * EPS * np.linalg.norm(S, 2) * found.times[-1]
 
 
-def test_springs_that_are_lost_when_the_stiffness_is_added_up_are_lost_to_it():
-    """Twelve orders of magnitude between the springs: S is a matrix of float64, whatever it is made from."""
-    found = problem_of(mb.read_scene("examples/stiff_stack.toml"))
-    values, closed = answer(STEPS, found), found.solve()(found.times)
-    assert np.abs(values - closed).max() > 1e-2 * np.abs(closed).max()
-
-
-def test_one_exponential_serves_even_times_with_rounded_steps(monkeypatch):
-    import scipy.linalg
-
-    made, expm = [], scipy.linalg.expm
-    monkeypatch.setattr(scipy.linalg, "expm", lambda matrix: made.append(matrix) or expm(matrix))
-    STEPS.prepare(problem("regular mass", "harmonic", np.linspace(0.0, 0.7, 1001)), None)
-    assert len(made) == 1
-
-
-def test_a_single_time():
-    found = problem("regular mass", "step", np.array([0.0]))
-    np.testing.assert_array_equal(answer(STEPS, found)[:, 0], [0.3, 0.0, -0.2])
-
-
 def test_refusals():
     assert EACH.refusal(problem("tied", "pulse")) == (
         "the force starts, stops, changes or has an impulse on the way; one exponential from t = 0 does not include it"

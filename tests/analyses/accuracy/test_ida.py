@@ -9,7 +9,7 @@ import mbconstrained as mb
 from mbconstrained.analyses.accuracy import methods as ida
 from mbconstrained.analyses.accuracy.methods import IDA_FORMS as METHODS
 from mbconstrained.analyses.accuracy.methods import Failure, descriptor
-from mbconstrained.analyses.study_problem import StudyProblem, mechanical_problem
+from mbconstrained.analyses.study_problem import mechanical_problem
 from tests.analyses.accuracy.problems import FORCES, TIMES, answer, chain, error, problem
 
 INDEX_1, INDEX_2, INDEX_3, PLAIN = METHODS
@@ -60,12 +60,6 @@ def test_errors_fall_with_the_tolerance():
     found = problem("tied", "harmonic")
     errors = [error(found, answer(INDEX_1, found, rtol)) for rtol in (1e-4, 1e-7, 1e-10)]
     assert errors[1] < errors[0] / 10 and errors[2] < errors[1] / 10 and errors[2] < 1e-6
-
-
-@needs_sundae
-def test_no_states_is_no_obstacle():
-    at_once = StudyProblem("at once", mb.PolynomialMatrix([[[2.0]]]), np.zeros((0, 1)), mb.ramp([1.0]), TIMES)
-    np.testing.assert_allclose(answer(PLAIN, at_once, 1e-8), [TIMES / 2], atol=1e-8)
 
 
 @needs_sundae

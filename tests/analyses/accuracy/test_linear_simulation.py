@@ -11,7 +11,7 @@ from mbconstrained.analyses.accuracy import methods as linear_simulation
 from mbconstrained.analyses.accuracy.methods import SIMULATIONS as METHODS
 from mbconstrained.analyses.accuracy.methods import Failure
 from mbconstrained.analyses.study_problem import StudyProblem
-from tests.analyses.accuracy.problems import TIMES, V, answer, error, problem
+from tests.analyses.accuracy.problems import TIMES, answer, error, problem
 
 LSIM, FORCED_RESPONSE = METHODS
 
@@ -49,15 +49,6 @@ def test_a_jump_between_the_times_is_smeared_over_a_step():
     assert [setting.value for setting in LSIM.settings_for(found)] == [1, 4, 16, 64]
     coarse, fine = (error(found, answer(LSIM, found, refinement)) for refinement in (1, 64))
     assert 1e-4 < coarse < 1e-1 and fine < coarse / 10
-
-
-@BOTH
-@pytest.mark.parametrize("size", [1e-9, 1e9])
-def test_units_of_the_force_do_not_matter(method, size):
-    found = problem("regular mass", "none")
-    force = mb.sampled([0.0, 1.0, 4.0], np.outer(V, [0.0, size, 0.0]))
-    pushed = StudyProblem(f"pushed by {size}", found.polynomial_matrix, 0 * found.initial, force, TIMES)
-    assert error(pushed, answer(method, pushed, 1)) < 1e-11
 
 
 def test_refusals(monkeypatch):

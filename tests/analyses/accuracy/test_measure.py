@@ -18,7 +18,6 @@ from mbconstrained.analyses.accuracy.measure import measure as measured
 from mbconstrained.analyses.accuracy.measure import reference_solution
 from mbconstrained.analyses.accuracy.methods import OURS, ComparedMethod, Failure, MethodSetting
 from mbconstrained.analyses.study_problem import mechanical_problem
-from mbconstrained.analyses.timing import Clock
 
 TIMES = np.linspace(0.0, 3.0, 11)
 PROBLEM = mechanical_problem("oscillator", mb.MechanicalSystem([[1.0]], stiffness=[[4.0]]), TIMES, [1.0])
@@ -83,28 +82,6 @@ def test_what_takes_too_long_is_broken_off_and_finer_settings_are_not_tried():
     assert untried.failure == "not run: a coarser setting exceeds the time limit" and 3.0 not in ran
 
 
-def test_a_refusal_is_told_and_nothing_runs():
-    (found,) = one(ComparedMethod("theirs", raising(AssertionError("ran")), refusal=lambda problem: "needs even times"))
-    assert found.failure == "needs even times"
-
-
-def test_what_only_the_first_run_does_is_in_no_time(monkeypatch):
-    """Such as loading a library: however long it takes, the runs after it are counted and no fewer of them."""
-    ticks = iter(range(1000))
-    monkeypatch.setattr(measure, "suitable_clock", lambda states: Clock("ticks", lambda: float(next(ticks))))
-    monkeypatch.setattr(measure, "REPEATED_SECONDS", 100.0)
-    ran = []
-
-    def prepare(problem, value):
-        for _ in range(500 if not ran else 0):
-            next(ticks)
-        ran.append(value)
-        return lambda: EXACT
-
-    (found,) = one(ComparedMethod("theirs", prepare))
-    assert found.set_up.seconds == (1.0,) * measure.REPEATS
-
-
 def test_a_library_is_loaded_before_its_first_run():
     missing, there = one(
         ComparedMethod("missing", off_by(0.0), library="no_such_library"), ComparedMethod("there", off_by(0.0), library="json")
@@ -138,16 +115,6 @@ def test_each_method_of_the_closed_form_is_right_where_it_applies(method):
     assert method.concerns(problem)
     (found,) = measured(problem, truth, [method])
     assert not found.failure and found.error < 1e-9
-
-
-def test_methods_of_the_closed_form_are_left_out_where_they_do_not_apply():
-    damped = mechanical_problem("damped", mb.MechanicalSystem([[1.0]], [[0.5]], [[4.0]]), TIMES, [1.0])
-    pushed = mechanical_problem("pushed", mb.MechanicalSystem([[1.0]], force=[1.0]), TIMES)
-    general = ["closed form", "exact arithmetic, 15 digits"]
-    for problem in (damped, pushed):
-        assert [method.name for method in OURS if method.concerns(problem)] == general
-    free = [method.name for method in OURS if method.concerns(PROBLEM)]
-    assert free == ["closed form", "closed form, Eqs. (73)-(76)", "exact arithmetic, 15 digits"]
 
 
 def report(*methods: ComparedMethod) -> AccuracyReport:

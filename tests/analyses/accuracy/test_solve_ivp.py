@@ -9,7 +9,6 @@ import mbconstrained as mb
 from mbconstrained.analyses.accuracy.first_order import intervals
 from mbconstrained.analyses.accuracy.methods import INTEGRATORS as METHODS
 from mbconstrained.analyses.accuracy.methods import Failure
-from mbconstrained.analyses.study_problem import StudyProblem
 from tests.analyses.accuracy.problems import FORCES, answer, error, problem
 
 DOP853, LSODA, ODEINT, RADAU, BDF = METHODS
@@ -35,26 +34,6 @@ def test_errors_fall_with_the_tolerance(method, factor, system):
     found = problem(system, "two forces")
     for rtol in (1e-3, 1e-5, 1e-7):
         assert error(found, answer(method, found, rtol)) < factor * rtol
-
-
-def test_implicit_methods_are_given_the_jacobian(monkeypatch):
-    import scipy.integrate
-
-    asked, solve_ivp = [], scipy.integrate.solve_ivp
-    monkeypatch.setattr(scipy.integrate, "solve_ivp", lambda *args, **options: asked.append(options) or solve_ivp(*args, **options))
-    found = problem("regular mass", "none")
-    for method in METHODS:
-        answer(method, found, 1e-3)
-    assert ["jac" in options for options in asked] == [False, True, True, True]
-    for options in asked:  # one absolute tolerance for all coordinates, one for all velocities
-        first, second = options["atol"].reshape(2, 3)
-        assert len(set(first)) == len(set(second)) == 1 and first[0] != second[0]
-
-
-def test_nothing_to_step_is_refused():
-    at_once = StudyProblem("at once", mb.PolynomialMatrix([[[2.0]]]), np.zeros((0, 1)), mb.ramp([1.0]), np.array([0.0, 1.0]))
-    for method in METHODS:
-        assert method.refusal(at_once) == "there are no states: x depends on the force at the same time only"
 
 
 @pytest.mark.parametrize("force", [force for force in FORCES if force != "none"])

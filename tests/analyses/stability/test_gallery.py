@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from dataclasses import replace
 from functools import cache
 
@@ -12,7 +10,7 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.analyses.stability import problems
-from mbconstrained.analyses.stability.gallery import GALLERY, PROPERTIES, THEMES, System, broken_promises, system
+from mbconstrained.analyses.stability.gallery import GALLERY, System, broken_promises, system
 from mbconstrained.analyses.stability.point import point_of, points_of
 
 #: Wrong without a warning, and why. Empty is the goal.
@@ -56,45 +54,6 @@ def points(name: str):
 # --- the catalogue
 
 
-def test_the_gallery_is_listed_by_themes():
-    assert len(set(names)) == len(names) == 49
-    assert [one.theme for one in GALLERY] == sorted((one.theme for one in GALLERY), key=THEMES.index)
-    assert {one.theme for one in GALLERY} == set(THEMES)
-
-
-@everywhere
-def test_a_system_tells_what_is_hard_and_where_it_is_from(name):
-    one = system(name)
-    assert one.difficulty.endswith(".") and one.title and one.source and one.parameter
-    assert name == name.lower() and " " not in name
-    assert 5 <= len(one.values) <= 17 and len(set(one.values)) == len(one.values)
-    limits = [value for value in one.values if value]
-    assert limits == sorted(limits) or limits == sorted(limits, reverse=True)
-    assert one.declared and {*one.declared, *one.declared_by_value} <= set(PROPERTIES)
-    assert all(len(each) == len(one.values) for each in one.declared_by_value.values())
-
-
-def test_every_property_is_declared_somewhere():
-    assert {name for one in GALLERY for name in (*one.declared, *one.declared_by_value)} == set(PROPERTIES)
-
-
-def test_a_wrong_name_is_answered_with_the_nearest():
-    with pytest.raises(mb.InputError, match=r"no system 'penalty_lnk'.*penalty_link"):
-        system("penalty_lnk")
-
-
-def test_importing_the_gallery_loads_nothing_heavy():
-    script = "import mbconstrained.analyses.stability.gallery, sys; print(*{name.split('.')[0] for name in sys.modules})"
-    loaded = set(subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split())
-    assert not loaded & {"flint", "sympy", "pydantic", "typer", "rich", "matplotlib", "pinocchio", "meshcat"}
-
-
-def test_building_is_reproducible_and_solves_nothing():
-    one, other = (system("stiff_chain").build(1e4) for _ in range(2))
-    assert np.array_equal(one.polynomial_matrix.coefficients, other.polynomial_matrix.coefficients)
-    assert np.array_equal(one.times, other.times) and not one.polynomial_matrix._pairs
-
-
 # --- promises
 
 
@@ -121,11 +80,6 @@ def test_a_problem_without_an_answer_keeps_no_promise_and_stops_nothing(monkeypa
 
     monkeypatch.setattr(problems, "damping_ratio", damping_ratio)
     assert broken_promises(system("damping_ratio"), 1.0) == ("damping_ratio at 1: there is no problem (nothing to build)",)
-
-
-def test_an_unknown_property_is_an_error():
-    with pytest.raises(KeyError, match="colour"):
-        broken_promises(replace(system("damping_ratio"), declared={"colour": "red"}), 1.0)
 
 
 # --- answers
@@ -158,15 +112,6 @@ def test_the_condition_tells_elements_from_matrices(name, digits):
     """At a ratio of 1e14 the elements determine all digits, the matrices none."""
     expected = point_of(system(name).build(1e14)).expected
     assert expected > digits if name == "stiff_chain" else expected < digits
-
-
-def test_a_problem_that_cannot_be_built_is_refused():
-    def build(parameter):
-        rows = [mb.Constraint([1.0, 0.0], value=0.0), mb.Constraint([1.0, 0.0], value=parameter)]
-        return mb.MechanicalSystem(np.eye(2), constraints=rows)
-
-    (point,) = points_of(build, [1.0])
-    assert point.verdict == "refused" and "has the value" in point.refused
 
 
 # --- units

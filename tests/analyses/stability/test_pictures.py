@@ -36,20 +36,6 @@ def test_the_three_curves_have_the_digits():
     assert plot.axes[1].low <= 0 and plot.axes[1].high >= 16
 
 
-def test_each_verdict_has_a_mark_of_its_own_at_its_place():
-    (plot,) = digit_plots([MIXED])
-    marks = {mark.name: (mark.shape, mark.points.tolist()) for mark in plot.marks}
-    assert marks == {
-        "with a warning": ("circle", [[1e2, pytest.approx(5.0)]]),
-        "refused": ("diamond", [[1e6, 0.0]]),
-        "not judged": ("diamond", [[1e8, 0.0]]),
-        "wrong without a warning": ("cross", [[1e4, pytest.approx(1.0)]]),
-    }
-    assert plot.marks[0].texts == ("a warning",)
-    right = plot.curves[0]
-    assert right.drawn.tolist() == [True] * 4 + [False] * 2  # where there is no answer there is no curve
-
-
 @pytest.mark.parametrize(
     "points",
     [
@@ -65,10 +51,6 @@ def test_each_verdict_has_a_mark_of_its_own_at_its_place():
 def test_odd_sweeps_are_drawn(points):
     for plot in digit_plots([sweep("odd", *points)]):
         assert plot_image(plot, "png")[1:4] == b"PNG"
-
-
-def test_nothing_measured_has_no_plots():
-    assert list(digit_plots([])) == [] == list(overview_plot([sweep("b")]))
 
 
 def test_all_sweeps_together_have_their_digits_and_marks():

@@ -42,20 +42,6 @@ WRONG = report(
 )
 
 
-def test_the_verdict_in_words():
-    assert CALM.sentences == (
-        "None of 2 answers compared with exact arithmetic is wrong without a warning.",
-        "2 answers had the digits that the estimate claims.",
-        "Fewest digits without a warning: 12.0 right, 12.0 claimed, 12.3 determined by the data (The spring, stiffness in N/m = 10).",
-        "The declared properties of the systems hold, by exact arithmetic.",
-    )
-    assert WRONG.sentences[:2] == (
-        "1 of 3 answers compared with exact arithmetic is wrong without a warning.",
-        "1 answer had the digits that the estimate claims, 1 came with a warning, 1 refused with a reason, "
-        "1 not judged by exact arithmetic.",
-    )
-
-
 def test_what_is_wrong_without_a_warning_is_not_trusted_and_nothing_else_is():
     assert CALM.is_trusted and not WRONG.is_trusted
     assert report(spring(WRONG.sweeps[0].points[2], WRONG.sweeps[0].points[3])).is_trusted
@@ -85,11 +71,6 @@ def test_tables_count_and_name():
     assert titles["Not judged"] == (("spring", "1e+08", "took more than 30 s"),)
     assert reason_tables(CALM) == []
     assert gallery_table(CALM).rows == (("spring", "The spring", "stiffness in N/m", "it is stiff", "made for this gallery"),)
-
-
-def test_themes_stand_once():
-    rows = digit_table(report(spring(point(1.0)), spring(point(1.0), name="other"), spring(point(1.0), theme="mass"))).rows
-    assert [row[0] for row in rows] == ["stiffness", "", "mass"]
 
 
 def test_nothing_answered_at_all():

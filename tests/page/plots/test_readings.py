@@ -98,7 +98,10 @@ def test_rounding_to_whole_steps_stays_below_the_bounds(degree):
 @pytest.mark.parametrize("path", ALL_EXAMPLES)
 def test_readings_of_example_pages_are_those_of_the_solver(path):
     """At 200 random times: no digit is off by more than half, and at least three are shown but next to zero."""
-    plots = plots_of(read_scene(path).run())
+    scene = read_scene(path)
+    if scene.table.time.step_domain == "discrete":
+        pytest.skip("samples have no curves between them")
+    plots = plots_of(scene.run())
     times = np.sort(np.random.default_rng(19).uniform(plots[0].times[0], plots[0].times[-1], 200))
     functions, found = PlotFunctions(plots), []
     sets = functions_of_data(functions.as_data())

@@ -1,4 +1,4 @@
-"""Exponentials of matrices in balls: x' = A x + B u from sample to sample under inputs that are held and delayed.
+"""Exponentials of matrices in balls: x' = A x + B u from sample to sample under a hold of the inputs and delays.
 
 Between samples the input is v + m s, s the time since the sample. The exponential of [[A, B, 0], [0, 0, I], [0, 0, 0]] t has
 Phi(t) = e^(A t), Gamma_1 = integral of Phi(t - s) B ds and Gamma_2 = integral of Phi(t - s) B s ds in its first row (Van Loan 1978).
@@ -28,7 +28,7 @@ SAME_SAMPLE = Fraction(1, 2**44)
 
 
 @dataclass(frozen=True, eq=False)
-class HeldSystem:
+class DiscretizedSystem:
     """x_(k+1) = A x_k + B u_k, y_k = C x_k + D u_k, rounded to float64; the first states are those given, less a multiple of u.
 
     Attributes:
@@ -79,9 +79,9 @@ class _Continuous:
         return _Continuous(self.A, B, self.C, D)
 
 
-def held_system(
+def discretized(
     A, B, C, D, slopes, delays: Sequence[Fraction], step: Fraction, hold: Hold, descriptor: np.ndarray | None = None
-) -> HeldSystem:
+) -> DiscretizedSystem:
     """Discretize E x' = A x + B u, y = C x + D u + slopes u' exactly.
 
     Args:
@@ -121,10 +121,11 @@ def _in_balls(A, B, descriptor) -> tuple[flint.arb_mat, flint.arb_mat]:
     E = flint.fmpq_mat([[rational(v) for v in row] for row in descriptor.tolist()])
     right = flint.fmpq_mat([[rational(v) for v in row] for row in np.hstack([A, B]).tolist()])
     solution = E.solve(right)
-    return tuple(
+    states, inputs = (
         flint.arb_mat(n, end - begin, [flint.arb(solution[i, j]) for i in range(n) for j in range(begin, end)])
         for begin, end in ((0, n), (n, n + p))
-    )  # type: ignore[return-value]
+    )
+    return states, inputs
 
 
 def _pieces(one: _Continuous, rho: Fraction, step: Fraction, hold: Hold) -> tuple[flint.arb_mat, ...]:
@@ -141,7 +142,7 @@ def _pieces(one: _Continuous, rho: Fraction, step: Fraction, hold: Hold) -> tupl
     return nothing, Phi * one.B, nothing, none, none if rho else one.C * one.B
 
 
-def _joined(Phi, C, columns, memories: Sequence[bool], counts: Sequence[int]) -> HeldSystem:
+def _joined(Phi, C, columns, memories: Sequence[bool], counts: Sequence[int]) -> DiscretizedSystem:
     """All inputs together, with chains of delays and the states u_(k-1)."""
     (q, n), p = C.shape, len(columns)
     N = n + sum(counts) + sum(memories)
@@ -161,7 +162,7 @@ def _joined(Phi, C, columns, memories: Sequence[bool], counts: Sequence[int]) ->
         if memory:
             into[place + count, at] = 1.0
             A[:n, place + count], outputs[:, place + count] = before[:, 0], direct_before[:, 0]
-    return HeldSystem(A, B, outputs, D, start_input, tuple(delayed))
+    return DiscretizedSystem(A, B, outputs, D, start_input, tuple(delayed))
 
 
 def _ball(number: Fraction) -> flint.arb:
