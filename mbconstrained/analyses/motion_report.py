@@ -180,11 +180,10 @@ def share_entries(shares: Mapping[str, float] | None, most: int = MOST_SHARES) -
     names, numbers = list(shares), list(shares.values())
     sizes = np.abs(numbers)
     least = max(np.sort(sizes)[-most:].min(initial=np.inf) * 0.999, LEAST_SHARE)  # the order of texts takes long
-    large = [(names[k], numbers[k]) for k in np.flatnonzero(sizes >= least)]
-    listed = dict(sorted(large, key=lambda entry: descending(entry[1]))[:most])
-    rest = [share for name, share in zip(names, numbers) if name not in listed]
+    listed = sorted(np.flatnonzero(sizes >= least).tolist(), key=lambda k: descending(numbers[k]))[:most]
+    rest = np.delete(numbers, listed).tolist()
     others = [(f"{len(rest)} more", sum(rest))] if np.abs(rest).sum() >= LEAST_SHARE else []
-    return [f"{name} {round(100 * share, 1) + 0.0:.1f} %" for name, share in [*listed.items(), *others]]
+    return [f"{name} {round(100 * share, 1) + 0.0:.1f} %" for name, share in [*((names[k], numbers[k]) for k in listed), *others]]
 
 
 def descending(value: complex) -> float:
