@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, log2
@@ -315,28 +315,49 @@ SERIES_STATES = 400
 LONGEST_SERIES = 1.0
 
 
-def values_by_series(generator: Matrix, step: float, output: Matrix, start: np.ndarray, count: int) -> np.ndarray:
-    """output @ e^{S k h} start for k = 0 ... count - 1 of a sparse S, by products of S with vectors (Al-Mohy and Higham 2011).
+class Series:
+    """e^{S k h} v for k = 0 ... count - 1 of a sparse S, by products of S with vectors (Al-Mohy and Higham 2011).
 
-    In the units that balance S each step sums e^{S h} z = z + S h (z + S h / 2 (z + ...)) by Horner's scheme.
+    In the units that balance S each step sums e^{S h} z = z + S h (z + S h / 2 (z + ...)) by Horner's scheme. Vectors at few times are kept.
+
+    Args:
+        generator: S, shape (n, n), in 1/s, dense or sparse.
+        step: h, in s.
+        start: v, shape (n,).
+        count: number of times.
     """
-    units = balancing_units(generator)
-    parts, terms = _series(balanced_norm(generator) * step)
-    matrix = csr_array(of_like_kind(generator * units / units[:, None], generator)) * (step / parts)
-    z, rows = (start.T / units).T, csr_array(of_like_kind(output * units, output))
-    values = np.empty((output.shape[0], count, *start.shape[1:]))
-    for begin in range(0, count, CHUNK):
-        part = values[:, begin : begin + CHUNK]
-        states = np.empty((len(z), *part.shape[1:]))
-        for k in range(part.shape[1]):
-            states[:, k] = z
-            for _ in range(parts):
-                total = z
-                for order in range(terms, 0, -1):
-                    total = z + (matrix @ total) / order
-                z = total
-        part[...] = (rows @ states.reshape(len(z), -1)).reshape(part.shape)
-    return values
+
+    def __init__(self, generator: Matrix, step: float, start: np.ndarray, count: int):
+        self._units = units = balancing_units(generator)
+        self._parts, self._terms = _series(balanced_norm(generator) * step)
+        self._matrix = csr_array(of_like_kind(generator * units / units[:, None], generator)) * (step / self._parts)
+        self._start, self._count = start / units, count
+
+    def values(self, output: Matrix) -> np.ndarray:
+        """output @ e^{S k h} v, shape (r, count)."""
+        rows = csr_array(of_like_kind(output * self._units, output))
+        values, begin = np.empty((output.shape[0], self._count)), 0
+        for states in self._few if self._count <= CHUNK else self._states():
+            values[:, begin : begin + states.shape[1]] = rows @ states
+            begin += states.shape[1]
+        return values
+
+    @cached_property
+    def _few(self) -> list[np.ndarray]:
+        return list(self._states())
+
+    def _states(self) -> Iterator[np.ndarray]:
+        z = self._start
+        for begin in range(0, self._count, CHUNK):
+            states = np.empty((len(z), min(CHUNK, self._count - begin)))
+            for k in range(states.shape[1]):
+                states[:, k] = z
+                for _ in range(self._parts):
+                    total = z
+                    for order in range(self._terms, 0, -1):
+                        total = z + (self._matrix @ total) / order
+                    z = total
+            yield states
 
 
 def _series(turned: float) -> tuple[int, int]:

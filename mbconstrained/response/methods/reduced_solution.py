@@ -16,7 +16,7 @@ from ...ground.notices import Evidence, Notice, NoticeKind
 from ...ground.tolerances import EPS, ROUNDED_FREE, noise_of, rounding_radius
 from ...linalg.arrays import Matrix, full, of_like_kind
 from ...linalg.exponential import BlockGroups, block_states
-from ...linalg.recursion import ModalBasis, advance, powers, scanned, shared_gaps, values_by_series, values_of_steps
+from ...linalg.recursion import ModalBasis, advance, powers, scanned, shared_gaps, values_of_steps
 from ...signals.bohl import BohlFunction, as_slice
 from ..choose import MODES, POWERS, STEPS, Evaluations, Method, Request, evaluation_method, is_by_series
 from ..events import Event
@@ -518,7 +518,7 @@ class FlowFunction(BohlFunction):
     def _by_powers(self, times: np.ndarray) -> np.ndarray:
         step = float(times[-1]) / (len(times) - 1)
         if is_by_series(self.flow, times):
-            return values_by_series(self.flow.generator, step, self.output, self.flow.start_with_force, len(times))
+            return self.flow.series(step, len(times)).values(self.output)
         propagator = self.flow.propagator(step)
         return propagator.values(self.output, self.flow.start_with_force, len(times))
 
