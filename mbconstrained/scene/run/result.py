@@ -337,7 +337,7 @@ def _parts(angular: np.ndarray, share: np.ndarray, length: float) -> np.ndarray:
 def visible(values: np.ndarray, units: tuple[str, ...]) -> np.ndarray:
     """Range of the coordinates by unit, which decides what is visible."""
     reach = np.ptp(values, axis=1)
-    furthest = {unit: max(own for own, other in zip(reach, units) if other == unit) for unit in units}
+    furthest = {unit: reach[[other == unit for other in units]].max() for unit in dict.fromkeys(units)}
     return np.array([max(furthest[unit] / 2, NOT_DRAWN * np.abs(values).max()) for unit in units])[:, None]
 
 
