@@ -24,6 +24,7 @@ from .choose import PAIRS, Method, Request, choose, unproved
 from .estimate import TRIALS, error_estimate, errors_at
 from .events import Event, kinks_of
 from .methods.defect import Defect, Rounding
+from .methods.method_of_steps import Steps, StepsSolution, past_force
 from .methods.pair_solution import PairSolution
 from .methods.proved import ProvedFunction, proved_event
 from .methods.reduced_solution import ReducedSolution
@@ -52,7 +53,7 @@ class Response(Exported, Presented):
     """
 
     problem: Problem
-    solution: PairSolution | ReducedSolution
+    solution: PairSolution | ReducedSolution | StepsSolution
 
     @classmethod
     def _solved(cls, problem: Problem, request: Request = Request()) -> Response:
@@ -73,6 +74,8 @@ class Response(Exported, Presented):
             method = choose(problem, request)
             if method.flow is not None:
                 return Response(problem, ReducedSolution.of(method))
+            if problem.delayed:
+                return Response(problem, StepsSolution(method, Steps(problem, A.jordan_pairs(problem.rank_tolerance))))
             return Response(problem, PairSolution.of(problem, method, A.jordan_pairs(problem.rank_tolerance)))
 
     @classmethod
@@ -304,6 +307,11 @@ class Response(Exported, Presented):
     @cached_property
     def exact(self) -> ExactResponse:
         """The exact solution for the same data taken as exact numbers: impulses, values at 0+, intervals."""
+        if delayed := self.problem.delayed:
+            from ..exact.enclosure.delayed_response import ExactDelayedResponse
+
+            force = self.force + past_force(self.problem)
+            return ExactDelayedResponse(self.polynomial_matrix, delayed, self.initial, force)
         from ..exact.enclosure.exact_response import exact_response
 
         return exact_response(self.polynomial_matrix, self.initial, self.force)

@@ -1,0 +1,75 @@
+"""Terms with dead time in the equations A(d/dt) x + sum of A_j(d/dt) x(t - delay_j) = f."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+
+from ..ground.checks import real_array, real_number
+from ..ground.errors import InputError
+from .coefficients import PolynomialCoefficients
+
+
+@dataclass(frozen=True, eq=False)
+class DelayedTerm:
+    """coefficients[0] x(t - delay) + coefficients[1] x'(t - delay) + ...
+
+    Attributes:
+        delay: in s, positive.
+        coefficients: shape (k, r, r).
+    """
+
+    delay: float
+    coefficients: np.ndarray
+
+    def __call__(self, s: complex) -> np.ndarray:
+        """e^(-s delay) A_j(s), shape (r, r)."""
+        total = sum(matrix * s**power for power, matrix in enumerate(self.coefficients))
+        return np.exp(-s * self.delay) * total
+
+    @property
+    def decimal(self) -> Fraction:
+        """The delay as the decimal number that it was written as: three times 0.1 s are 0.3 s."""
+        return Fraction(repr(self.delay))
+
+    def mapped(self, left: np.ndarray) -> DelayedTerm:
+        """The term with its equations multiplied from the left."""
+        return replace(self, coefficients=np.array([left @ matrix for matrix in self.coefficients]))
+
+    @property
+    def sizes(self) -> np.ndarray:
+        """The moduli of the coefficients, added up, shape (r, r)."""
+        return np.abs(self.coefficients).sum(axis=0)
+
+
+def delayed_terms(given: Mapping | None, size: int) -> tuple[DelayedTerm, ...]:
+    """The terms of a mapping from delays to A_j(s), ascending by delay, those that are zero left out.
+
+    A_j(s) is a polynomial matrix, a list of its coefficients, or one matrix.
+
+    >>> [(term.delay, term.coefficients.shape) for term in delayed_terms({0.5: [[2.0]], 0.1: [[[0.0]], [[1.0]]]}, 1)]
+    [(0.1, (2, 1, 1)), (0.5, (1, 1, 1))]
+    """
+    if given is None:
+        return ()
+    if not isinstance(given, Mapping):
+        raise InputError(
+            f"delayed: found {type(given).__name__}; expected a mapping from delays in s to matrices, such as {{0.1: [[2.0]]}}"
+        )
+    terms = []
+    for delay, value in given.items():
+        delay = real_number(delay, "delayed: delay", minimum=0.0)
+        what = f"delayed: matrix at {delay:g} s"
+        if not delay:
+            raise InputError("delayed: found a delay of 0 s; what acts at once belongs to A(s)")
+        matrices = value.coefficients if isinstance(value, PolynomialCoefficients) else real_array(value, what)
+        matrices = matrices[None] if matrices.ndim == 2 else matrices
+        if matrices.ndim != 3 or matrices.shape[1:] != (size, size):
+            shape = " x ".join(map(str, matrices.shape))
+            raise InputError(f"{what}: expected {size} x {size}, or a list of such matrices, found shape {shape}")
+        if matrices.any():
+            terms.append(DelayedTerm(delay, matrices[: int(np.flatnonzero(matrices.any(axis=(1, 2))).max()) + 1]))
+    return tuple(sorted(terms, key=lambda term: term.delay))
