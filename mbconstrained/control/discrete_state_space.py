@@ -75,14 +75,15 @@ class DiscreteFrequencyResponse(Displayed):
         frequencies_hz: shape (F,).
         values: complex, shape (outputs, inputs, F); at a pole on the unit circle infinite.
         error_estimate: relative error of each value, of the same shape.
-        inputs, outputs: names.
         nyquist_hz: half of the sampling frequency.
     """
 
     frequencies_hz: np.ndarray
     values: np.ndarray
     error_estimate: np.ndarray
+    #: Names of the inputs.
     inputs: tuple[str, ...]
+    #: Names of the outputs.
     outputs: tuple[str, ...]
     nyquist_hz: float
 
