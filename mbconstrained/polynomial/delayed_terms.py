@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -10,7 +10,9 @@ import numpy as np
 
 from ..ground.checks import real_array, real_number
 from ..ground.errors import InputError
+from ..ground.tolerances import noise_of
 from .coefficients import PolynomialCoefficients
+from .jordan_pairs import JordanPairs
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,3 +75,47 @@ def delayed_terms(given: Mapping | None, size: int) -> tuple[DelayedTerm, ...]:
         if matrices.any():
             terms.append(DelayedTerm(delay, matrices[: int(np.flatnonzero(matrices.any(axis=(1, 2))).max()) + 1]))
     return tuple(sorted(terms, key=lambda term: term.delay))
+
+
+# The delayed terms by the states w of the Jordan pairs: w' = J w + B u, x = C w + sum of H_k u^(k), u = f - sum of A_j(d/dt) x(t - delay_j).
+
+
+def measured_states(pairs: JordanPairs, terms: Sequence[DelayedTerm]) -> list[np.ndarray]:
+    """C_j of A_j(d/dt) x = C_j w + ..., the sum of A_ji C J^i, shape (r, n)."""
+    rates = [np.asarray(pairs.finite.C, dtype=float)]
+    for _ in range(max(len(term.coefficients) for term in terms) - 1):
+        rates.append(rates[-1] @ pairs.finite.J)
+    return [sum(matrix @ rate for matrix, rate in zip(term.coefficients, rates)) for term in terms]
+
+
+def feedthrough(pairs: JordanPairs, term: DelayedTerm, order: int) -> np.ndarray:
+    """The factor of u^(order) in A_j(d/dt) x, the polynomial part of A_j(s) A(s)^-1, shape (r, r)."""
+    return sum(matrix @ pairs.laurent(order - power) for power, matrix in enumerate(term.coefficients))
+
+
+def check_retarded(pairs: JordanPairs, terms: Sequence[DelayedTerm]) -> None:
+    """Raise an InputError for terms of neutral or advanced type: what they measure follows what they act on without any delay of its own."""
+    A, highest = pairs.polynomial_matrix, pairs.form.highest_impulse
+    for measuring in terms:
+        for order in range(highest + len(measuring.coefficients)):
+            D = feedthrough(pairs, measuring, order)
+            for acting in terms:
+                for matrix in acting.coefficients:
+                    product, size = D @ matrix, np.abs(D) @ np.abs(matrix)
+                    if (np.abs(product) > noise_of(size, len(D))).any():
+                        raise InputError(_neutral(A, measuring, acting, order))
+
+
+def _neutral(A: PolynomialCoefficients, measuring: DelayedTerm, acting: DelayedTerm, order: int) -> str:
+    """The message on equations of neutral type, or of advanced type where a derivative follows."""
+    rows = np.flatnonzero(acting.sizes.any(axis=1))
+    columns = np.flatnonzero(measuring.sizes.any(axis=0))
+    equations, coordinates = (
+        ", ".join(f'"{names[k]}"' for k in places) for names, places in ((A.equations, rows), (A.coordinates, columns))
+    )
+    kind = "advanced" if order else "neutral"
+    return (
+        f"delayed: the term with the delay {acting.delay:g} s acts in the equation {equations}, and what is measured of {coordinates} "
+        f"(delay {measuring.delay:g} s) follows it at once, without mass or damping in between: the equations are of {kind} type, in "
+        "which every jump returns after each delay; give the coordinate a mass, or measure its displacement instead of its velocity"
+    )

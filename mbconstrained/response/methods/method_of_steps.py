@@ -23,7 +23,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import ceil, factorial
-from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -32,7 +31,7 @@ from ...ground.errors import InputError, within_float64
 from ...ground.notices import Evidence, Notice
 from ...ground.tolerances import EPS, noise_of
 from ...linalg.exponential import block_states
-from ...polynomial.delayed_terms import DelayedTerm
+from ...polynomial.delayed_terms import DelayedTerm, check_retarded, feedthrough, measured_states
 from ...polynomial.jordan_pairs import JordanPairs
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.bohl import BohlFunction, Restarts, restarts_at
@@ -82,10 +81,7 @@ class _Equations:
         C, J, B = (np.asarray(matrix, dtype=float) for matrix in (finite.C, finite.J, finite.B))
         infinite = tuple(pairs.laurent(k) for k in range(highest + 1))
         longest = max(len(term.coefficients) for term in terms)
-        rates = [C]
-        for _ in range(longest - 1):
-            rates.append(rates[-1] @ J)
-        by_states = [sum(matrix @ rate for matrix, rate in zip(term.coefficients, rates)) for term in terms]
+        by_states = measured_states(pairs, terms)
         pattern = np.abs(J) + sum(np.abs(B) @ np.abs(C_j) for C_j in by_states)
         units = scipy.linalg.matrix_balance(pattern, permute=False, separate=True)[1][0] if len(J) else np.ones(0)
         J, B, C = J * units / units[:, None], B / units[:, None], C * units
@@ -100,39 +96,6 @@ class _Equations:
         n, m = len(J), force.state_count
         G = np.block([[J, B @ loads[0]], [np.zeros((m, n)), force.generator]])
         return cls(G, B, tuple(measured), np.hstack([C, through]), infinite, units)
-
-
-def feedthrough(pairs: JordanPairs, term: DelayedTerm, order: int) -> np.ndarray:
-    """The factor of u^(order) in A_j(d/dt) x, the polynomial part of A_j(s) A(s)^-1, shape (r, r)."""
-    return sum(matrix @ pairs.laurent(order - power) for power, matrix in enumerate(term.coefficients))
-
-
-def check_retarded(pairs: JordanPairs, terms: Sequence[DelayedTerm]) -> None:
-    """Raise an InputError for terms of neutral or advanced type: what they measure follows what they act on without any delay of its own."""
-    A, highest = pairs.polynomial_matrix, pairs.form.highest_impulse
-    for measuring in terms:
-        for order in range(highest + len(measuring.coefficients)):
-            D = feedthrough(pairs, measuring, order)
-            for acting in terms:
-                for matrix in acting.coefficients:
-                    product, size = D @ matrix, np.abs(D) @ np.abs(matrix)
-                    if (np.abs(product) > noise_of(size, len(D))).any():
-                        raise InputError(_neutral(A, measuring, acting, order))
-
-
-def _neutral(A: Any, measuring: DelayedTerm, acting: DelayedTerm, order: int) -> str:
-    """The message on equations of neutral type, or of advanced type where a derivative follows."""
-    rows = np.flatnonzero(acting.sizes.any(axis=1))
-    columns = np.flatnonzero(measuring.sizes.any(axis=0))
-    equations, coordinates = (
-        ", ".join(f'"{names[k]}"' for k in places) for names, places in ((A.equations, rows), (A.coordinates, columns))
-    )
-    kind = "advanced" if order else "neutral"
-    return (
-        f"delayed: the term with the delay {acting.delay:g} s acts in the equation {equations}, and what is measured of {coordinates} "
-        f"(delay {measuring.delay:g} s) follows it at once, without mass or damping in between: the equations are of {kind} type, in "
-        "which every jump returns after each delay; give the coordinate a mass, or measure its displacement instead of its velocity"
-    )
 
 
 @dataclass(frozen=True, eq=False)
