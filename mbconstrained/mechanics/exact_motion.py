@@ -6,8 +6,11 @@ as they are, and the multipliers are part of the answer.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from ..exact.enclosure.delayed_response import ExactDelayedResponse
 from ..exact.enclosure.exact_response import ExactResponse
 from ..exact.enclosure.exact_sources import sources_of
 from ..exact.rational import RationalMatrix, regular
@@ -32,6 +35,10 @@ def exact_motion(system: EquationsOfMotion, initial: np.ndarray, applied: Impuls
     coordinates = [*system.names, *(f"force of {row.name}" for row in system.rows)]
     exact, rows = PolynomialMatrix(system.given).exact_coefficients, system.constraint_matrix.astype(object)
     matrices = [matrix.tolist() for matrix in with_multipliers(exact, rows, [row.order for row in system.rows])]
+    if system.delayed:
+        terms = tuple(replace(term, coefficients=np.pad(term.coefficients, ((0, 0), (0, k), (0, k)))) for term in system.delayed)
+        matrix = regular(RationalMatrix(matrices), equations, coordinates)
+        return ExactDelayedResponse(matrix, terms, start, force, range(n))
     return ExactResponse(regular(RationalMatrix(matrices), equations, coordinates), start, sources_of(force), range(n))
 
 

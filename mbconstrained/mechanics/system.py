@@ -20,6 +20,7 @@ from .motion import Motion, motion_of
 
 if TYPE_CHECKING:
     from ..frequency.random.random_response import RandomResponse
+    from ..polynomial.characteristic_roots import CharacteristicRoots
     from .peaks import EffectiveMasses, ModalCombination
     from .root_locus import RootLocus
     from .rotating import Campbell, UnbalanceResponse
@@ -53,6 +54,8 @@ class MechanicalSystem(EquationsOfMotion):
             measured or computed; rounding errors by default. Arrays only.
         gyroscopic, circulatory: G and N of a rotor, shape (n, n): C + W G (kg m^2) and K + W N (N s/m) at W in rad/s; the system
             itself is the rotor at rest (``at_speed``, ``campbell``, ``critical_speeds``). Arrays only.
+        delayed: forces with dead time, such as feedback: [K_j, C_j] by their delays in s adds K_j x(t - delay_j) + C_j x'(t - delay_j)
+            to the left side. Arrays only.
 
     Raises:
         InputError: shapes that do not match, entries that are not finite, repeated names, an argument for arrays only.
@@ -89,6 +92,7 @@ class MechanicalSystem(EquationsOfMotion):
         count: int | None = None,
         *,
         evaluations: Evaluations = "once",
+        history=None,
     ) -> Motion | Any:
         """Solve for the motion from any values at 0-, in closed form.
 
@@ -107,6 +111,8 @@ class MechanicalSystem(EquationsOfMotion):
             rank_tolerance: see ``mbconstrained.solve``. Arrays only.
             count: the number of modes of lowest frequency in the motion, 50 by default. Sparse matrices only.
             evaluations: see ``mbconstrained.solve``; the motion of sparse matrices is always evaluated by its modes.
+            history: x before t = 0 for a system with delays, see ``mbconstrained.solve``; by default zero. It does not replace
+                the values at 0-.
 
         Returns:
             A ``Motion``; ``Motions`` of S initial values or forces; a ``SparseMotion`` of sparse matrices.
@@ -126,6 +132,8 @@ class MechanicalSystem(EquationsOfMotion):
             isinstance(force, (list, tuple)) and any(isinstance(f, ImpulsiveSmooth) for f in force)
         )
         several = several_forces or is_table(displacement) or is_table(velocity)
+        if several:
+            self._refuse_delays("several motions at once")
         if self.is_sparse:
             from .sparse.sparse_motion import sparse_motion
 
@@ -141,7 +149,7 @@ class MechanicalSystem(EquationsOfMotion):
             applied = {id(one): self._applied(one) for one in forces}
             forces = [applied[id(one)] for one in forces]
             return motions_of(self, displacement, velocity, forces, rank_tolerance, request)
-        return motion_of(self, self._start(displacement, velocity), self._applied(force), rank_tolerance, request)
+        return motion_of(self, self._start(displacement, velocity), self._applied(force), rank_tolerance, request, history)
 
     def modes(self, count: int | None = None, damped: bool = True) -> Modes:
         """Return the finite eigenvalues of A(s) with shapes and meaning: oscillation, decay, rigid body, drift, ...
@@ -168,9 +176,31 @@ class MechanicalSystem(EquationsOfMotion):
             from .sparse.sparse_modes import sparse_modes
 
             return sparse_modes(self.pencil, _mode_count(count), damped and bool(self.damping.nnz))
+        self._refuse_delays("modes")
         undamped = None if damped else MechanicalSystem(self.given[2], None, self.given[0], self.constraints, self.names)
         modes = replace(modes_of(undamped or self), system=undamped or self)
         return modes if count is None else modes.lowest(count)
+
+    def characteristic_roots(self, count: int = 10) -> CharacteristicRoots:
+        """The rightmost roots of the equations with delays, which decide on stability (``mbconstrained.characteristic_roots``).
+
+        Args:
+            count: how many, a complex pair counts once.
+
+        Returns:
+            ``CharacteristicRoots``: ``eigenvalues``, ``shapes``, ``stability_margin``, ``damping_ratios``.
+
+        Raises:
+            InputError: a system without delays; terms of neutral type.
+
+        >>> from mbconstrained import MechanicalSystem
+        >>> late = MechanicalSystem([[1.0]], [[0.2]], [[4.0]], delayed={0.1: [[[0.0]], [[1.0]]]})  # a delayed damper
+        >>> round(late.characteristic_roots(1).damping_ratios[0], 6)
+        0.284083
+        """
+        from ..polynomial.characteristic_roots import rightmost_roots
+
+        return rightmost_roots(self.undelayed_form().polynomial_matrix, self.delayed_equations(), count)
 
     frequency_response = frequency_response
     steady_state = steady_state
@@ -197,6 +227,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .rotating import at_speed
 
+        self._refuse_delays("a rotor")
         return at_speed(self, speed)
 
     def campbell(self, speeds) -> Campbell:
@@ -216,6 +247,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .rotating import campbell
 
+        self._refuse_delays("campbell")
         return campbell(self, speeds)
 
     def critical_speeds(self, order: float = 1.0) -> np.ndarray:
@@ -244,6 +276,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .rotating import critical_points
 
+        self._refuse_delays("critical_speeds")
         return np.array([point.speed for point in critical_points(self, order)])
 
     def unbalance_response(self, speeds, unbalance=None, order: float = 1.0) -> UnbalanceResponse:
@@ -273,6 +306,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .rotating import unbalance_response
 
+        self._refuse_delays("unbalance_response")
         return unbalance_response(self, speeds, unbalance, order)
 
     def root_locus(self, parameter, values) -> RootLocus:
@@ -299,6 +333,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .root_locus import root_locus
 
+        self._refuse_delays("root_locus")
         return root_locus(self, parameter, values)
 
     def modal_combination(self, spectrum, base=None, damping_ratio: float = 0.05, combination: str = "CQC") -> ModalCombination:
@@ -321,6 +356,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .peaks import modal_combination
 
+        self._refuse_delays("modal_combination")
         return modal_combination(self, spectrum, base, damping_ratio, combination)
 
     def effective_masses(self, base=None) -> EffectiveMasses:
@@ -348,6 +384,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .peaks import effective_masses, loads_of_rows
 
+        self._refuse_delays("effective_masses")
         return effective_masses(self, *loads_of_rows(self, base))
 
     def sensitivities(self, parameters=None) -> Sensitivities:
@@ -372,6 +409,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .sensitivities import sensitivities
 
+        self._refuse_delays("sensitivities")
         return sensitivities(self, parameters)
 
     def random_response(self, excitation: Mapping, outputs=None, quantity: str = "displacement", **options) -> RandomResponse:
@@ -394,6 +432,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .random_excitation import random_response
 
+        self._refuse_delays("random_response")
         return random_response(self, excitation, outputs, quantity, **options)
 
 

@@ -47,7 +47,7 @@ class DelayedTerm:
         return np.abs(self.coefficients).sum(axis=0)
 
 
-def delayed_terms(given: Mapping | None, size: int) -> tuple[DelayedTerm, ...]:
+def delayed_terms(given: Mapping | Sequence[DelayedTerm] | None, size: int) -> tuple[DelayedTerm, ...]:
     """The terms of a mapping from delays to A_j(s), ascending by delay, those that are zero left out.
 
     A_j(s) is a polynomial matrix, a list of its coefficients, or one matrix.
@@ -57,6 +57,8 @@ def delayed_terms(given: Mapping | None, size: int) -> tuple[DelayedTerm, ...]:
     """
     if given is None:
         return ()
+    if isinstance(given, tuple) and all(isinstance(term, DelayedTerm) for term in given):
+        return given
     if not isinstance(given, Mapping):
         raise InputError(
             f"delayed: found {type(given).__name__}; expected a mapping from delays in s to matrices, such as {{0.1: [[2.0]]}}"

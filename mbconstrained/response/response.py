@@ -309,9 +309,10 @@ class Response(Exported, Presented):
         """The exact solution for the same data taken as exact numbers: impulses, values at 0+, intervals."""
         if delayed := self.problem.delayed:
             from ..exact.enclosure.delayed_response import ExactDelayedResponse
+            from ..exact.rational import regular_matrix
 
-            force = self.force + past_force(self.problem)
-            return ExactDelayedResponse(self.polynomial_matrix, delayed, self.initial, force)
+            force = self.force + past_force(delayed, self.problem.past, self.polynomial_matrix.size)
+            return ExactDelayedResponse(regular_matrix(self.polynomial_matrix), delayed, self.initial, force)
         from ..exact.enclosure.exact_response import exact_response
 
         return exact_response(self.polynomial_matrix, self.initial, self.force)

@@ -18,9 +18,8 @@ import numpy as np
 
 from ...ground.errors import InputError
 from ...polynomial.delayed_terms import DelayedTerm
-from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.impulsive import ImpulsiveSmooth
-from ..rational import RationalMatrix, rational, regular_matrix
+from ..rational import RationalMatrix, fraction, rational
 from .exact_response import ExactResponse
 from .exact_sources import sources_of
 
@@ -33,13 +32,13 @@ class ExactDelayedResponse(ExactResponse):
 
     def __init__(
         self,
-        A: PolynomialMatrix,
+        A: RationalMatrix,
         terms: Sequence[DelayedTerm],
         initial: np.ndarray,
         force: ImpulsiveSmooth,
         rows: range | None = None,
     ):
-        super().__init__(regular_matrix(A), initial.tolist(), sources_of(force), rows)
+        super().__init__(A, initial.tolist(), sources_of(force), rows)
         self._given = A, tuple(terms), np.asarray(initial), force
         self._whole: dict[int, tuple[tuple[Fraction, ...], ExactResponse]] = {}
 
@@ -67,11 +66,12 @@ class ExactDelayedResponse(ExactResponse):
         r, count = A.size, len(sums)
         if count not in self._whole:
             place = {one: k for k, one in enumerate(sums)}
-            powers = max(len(A.coefficients), *(len(term.coefficients) for term in terms))
+            own = _fractions(A)
+            powers = max(len(own), *(len(term.coefficients) for term in terms))
             total = np.full((powers, r * count, r * count), Fraction(0), dtype=object)
             for tau, k in place.items():
                 at = slice(k * r, (k + 1) * r)
-                total[: len(A.coefficients), at, at] = A.exact_coefficients
+                total[: len(own), at, at] = own
                 for term in terms:
                     other = place.get(tau - term.decimal)
                     if other is not None:
@@ -98,3 +98,8 @@ class ExactDelayedResponse(ExactResponse):
             own = column[k * r : (k + 1) * r]
             columns[place] = [total + own[row] for total, row in zip(columns[place], self.rows)]
         return columns if through is None else [(through * flint.arb_mat([[a] for a in own])).entries() for own in columns]
+
+
+def _fractions(A: RationalMatrix) -> np.ndarray:
+    """The coefficients of A(s) as Fractions, shape (q + 1, r, r)."""
+    return np.array([[[fraction(entry) for entry in row] for row in matrix.tolist()] for matrix in A.coefficients], dtype=object)

@@ -18,7 +18,7 @@ from __future__ import annotations
 import heapq
 from bisect import bisect_right
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -36,6 +36,7 @@ from ...polynomial.jordan_pairs import JordanPairs
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.bohl import BohlFunction, Restarts, restarts_at
 from ...signals.impulsive import ImpulsiveSmooth
+from ...signals.inputs import zero
 from ..choose import Method
 from ..events import Event, start_of, without_zeros
 from ..problem import Problem, states_before
@@ -149,7 +150,7 @@ class Steps:
         terms = problem.delayed
         check_retarded(pairs, terms)
         self.terms, self.pairs = terms, pairs
-        self.force = problem.force + past_force(problem)
+        self.force = problem.force + past_force(terms, problem.past, problem.polynomial_matrix.size)
         self.equations = equations = _Equations.of(pairs, terms, self.force.smooth)
         self.delays = tuple(term.decimal for term in terms)
         couplings = [equations.inputs @ measured[:, : len(equations.inputs)] for measured in equations.measured]
@@ -366,11 +367,7 @@ class Steps:
                 part = values[:, power : power + change.shape[1]]
                 change[0] -= part[0] @ matrix.T
                 change[1] += part[1] @ np.abs(matrix.T)
-            loads: list[np.ndarray] = []
-            for power, matrix in enumerate(term.coefficients):
-                of_jumps = [-matrix @ jump[order] for order in range(min(power, len(jump)))][::-1]
-                _add_impulses(loads, of_jumps, len(matrix))
-                _add_impulses(loads, [*[np.zeros(len(matrix))] * power, *(-matrix @ one for one in own)], len(matrix))
+            loads = delayed_impulses(term, jump, own)
             if _cleaned(change).any() or any(g.any() for g in loads):
                 total = jumps[time + delay]
                 count = min(total.shape[1], change.shape[1])
@@ -405,13 +402,23 @@ def _decimal(time: float) -> Fraction:
     return Fraction(repr(float(time)))
 
 
-def past_force(problem: Problem) -> ImpulsiveSmooth:
+def delayed_impulses(term: DelayedTerm, jump: np.ndarray, impulses: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """The impulses of minus a delayed term, one delay after x jumps, (q, r), and has impulses."""
+    loads: list[np.ndarray] = []
+    size = len(term.coefficients[0])
+    for power, matrix in enumerate(term.coefficients):
+        _add_impulses(loads, [-matrix @ jump[order] for order in range(min(power, len(jump)))][::-1], size)
+        _add_impulses(loads, [*[np.zeros(size)] * power, *(-matrix @ one for one in impulses)] if impulses else [], size)
+    return loads
+
+
+def past_force(terms: Sequence[DelayedTerm], past: BohlFunction | None, size: int) -> ImpulsiveSmooth:
     """What the delayed terms do with the motion before t = 0: minus A_j(d/dt) h(t - delay_j) until t = delay_j."""
-    total, past = problem.force * 0.0, problem.past
+    total = zero(size)
     if past is None:
         return total
-    longest = problem.delayed[-1].delay
-    for term in problem.delayed:
+    longest = terms[-1].delay
+    for term in terms:
         function = past.differential(*(-matrix for matrix in term.coefficients))
         begin = longest - term.delay
         own = function.with_knots(np.union1d(function.restarts.knots, [begin, longest])).restarts
@@ -514,15 +521,16 @@ class StepsSolution:
             return tuple(notice for notice in pair_notices(self.steps.pairs) if notice.doubtful)
 
 
-def residual_of(x: StepsFunction, A: PolynomialMatrix, terms: Sequence[DelayedTerm]) -> StepsFunction:
-    """A(d/dt) x + sum of A_j(d/dt) x(t - delay_j), which is the force for t > 0."""
-    total = x.differential(*A.coefficients).coefficients
+def with_delayed(function: BohlFunction, x: BohlFunction, terms: Sequence[DelayedTerm]) -> BohlFunction:
+    """A function over the same chain plus sum of A_j(d/dt) x(t - delay_j); a system of only zero terms has no chain."""
+    if not isinstance(function, StepsFunction) or not isinstance(x, StepsFunction):
+        return function
+    total = function.coefficients
     for term in terms:
         total = total + x.delayed_by(term.decimal).differential(*term.coefficients).coefficients
     return StepsFunction(total, x.steps)
 
 
-def knots_of(steps: Steps, end: float) -> Iterator[float]:
-    """The knots up to a time."""
-    steps.reach(end)
-    return (float(t) for t in steps._knots if t <= end)
+def residual_of(x: BohlFunction, A: PolynomialMatrix, terms: Sequence[DelayedTerm]) -> BohlFunction:
+    """A(d/dt) x + sum of A_j(d/dt) x(t - delay_j), which is the force for t > 0."""
+    return with_delayed(x.differential(*A.coefficients), x, terms)
