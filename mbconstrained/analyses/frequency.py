@@ -254,6 +254,7 @@ class Frequency(Analysis):
     """
 
     name = "frequency"
+    handles_delays = True
     settings = FrequencyTable
     options: ClassVar = {"inputs": "--input", "outputs": "--output"}
     replaced: ClassVar = {"from": ("frequencies",), "to": ("frequencies",)}
@@ -428,6 +429,9 @@ class Frequency(Analysis):
                 "factors, e.g. factors = { left = 1, right = -0.5 }"
             )
             own = (Notice(NoticeKind.OMITTED, text), *own)
+        if self.response.harmonic.delayed:
+            text = "poles, residues and antiresonances are not listed: delays make infinitely many"
+            own = (*own, Notice(NoticeKind.OMITTED, text))
         return distinct(self.scene.notices, self.scene.equations.form_notices, own, self.response.notices)
 
     def to_answer(self) -> Answer:
@@ -458,7 +462,7 @@ class Frequency(Analysis):
         yield "outputs", ", ".join(response.outputs)
         yield "frequencies", f"{low} to {high} {table.axis}, {count}, {how}"
         yield "error estimate", f"{self._error:.2g} of each value"
-        if response.rigid_body.any():
+        if not response.harmonic.delayed and response.rigid_body.any():
             yield "rigid body", "the responses contain 1/s², motion that nothing restores"
 
     @property
@@ -516,7 +520,7 @@ class Frequency(Analysis):
                 for peak in self.peaks
             ],
             "antiresonances": [_entries(zero, "damping_ratio") for zero in self.antiresonances],
-            "poles": [{"real": pole.real, "imaginary": pole.imag} for pole in response.poles],
+            "poles": [{"real": s.real, "imaginary": s.imag} for s in (() if response.harmonic.delayed else response.poles)],
             "poles_on_lines": [{"frequency_hz": one.frequency_hz, "order": one.pole.order} for one in response.poles_on_lines],
             "error_estimate": self._error,
         }

@@ -15,7 +15,7 @@ from ..signals.inputs import ImpulsiveSmooth
 from .descriptor_form import discretize, system_to_dict, to_state_space
 from .equations import EquationsOfMotion
 from .harmonic_response import frequency_response, steady_state
-from .modes import Modes, modes_of
+from .modes import Modes, modes_of, modes_with_delays
 from .motion import Motion, motion_of
 
 if TYPE_CHECKING:
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 #: The number of modes of a system of sparse matrices that are computed where none is given.
 DEFAULT_MODE_COUNT = 50
+
+#: The number of rightmost modes of a system with delays that are computed where none is given.
+DEFAULT_ROOT_COUNT = 10
 
 
 class MechanicalSystem(EquationsOfMotion):
@@ -158,7 +161,8 @@ class MechanicalSystem(EquationsOfMotion):
         and Sylvester's law of inertia, which counts them; damped ones by Newton's method from these (``mechanics.sparse``).
 
         Args:
-            count: the number of modes of lowest frequency; a complex pair counts once. By default all, of sparse matrices 50.
+            count: the number of modes of lowest frequency; a complex pair counts once. By default all, of sparse matrices 50. With
+                delays, which make infinitely many, that of the rightmost ones, 10 by default (``characteristic_roots``).
             damped: False for the modes without the damping C.
 
         Returns:
@@ -176,7 +180,10 @@ class MechanicalSystem(EquationsOfMotion):
             from .sparse.sparse_modes import sparse_modes
 
             return sparse_modes(self.pencil, _mode_count(count), damped and bool(self.damping.nnz))
-        self._refuse_delays("modes")
+        if self.delayed:
+            if not damped:
+                self._refuse_delays("modes without damping")
+            return modes_with_delays(self, DEFAULT_ROOT_COUNT if count is None else count)
         undamped = None if damped else MechanicalSystem(self.given[2], None, self.given[0], self.constraints, self.names)
         modes = replace(modes_of(undamped or self), system=undamped or self)
         return modes if count is None else modes.lowest(count)

@@ -229,6 +229,10 @@ class Steps:
                     self._append(time, z)
             self._reached = target
 
+    def kinks(self, end: float) -> list[float]:
+        """The times up to an end at which a derivative of x may jump, one of no order beyond that of the chain."""
+        return sorted({float(own + s) for own in self._begins for s in self.chain.shifts if own + s <= end})
+
     def _between(self, begin: Fraction, end: Fraction) -> list[Fraction]:
         """The knots after a time up to another one."""
         first, last = begin // self.gap + 1, end // self.gap

@@ -145,7 +145,7 @@ def _mechanical(
     system, rotor = _turning(getattr(table.model, "speed", None), system, file_name)
     linearized = robot and system
     with at(file_name, "model"):
-        polynomial_matrix = system.polynomial_matrix()
+        polynomial_matrix = system.undelayed_form().polynomial_matrix
     initial = initial_values(table.initial, coordinates, 2, file_name).astype(float)
     if table.initial.follow:
         initial = consistent_values(initial, table.initial, system, coordinates, file_name)
