@@ -30,7 +30,19 @@ from ..mechanics.parameter import Parameter
 from ..mechanics.system import MechanicalSystem
 from ..signals.inputs import ImpulsiveSmooth, zero
 from . import elements as catalogue
-from .elements import Body, DelayedFeedback, Element, Link, Numeric, PrescribedMotion, RigidTie, Tie, entries_of, numbers_of, with_parts
+from .elements import (
+    Body,
+    DelayedFeedback,
+    Element,
+    Link,
+    Numeric,
+    PrescribedMotion,
+    RigidTie,
+    Tie,
+    entries_of,
+    numbers_of,
+    with_parts,
+)
 from .rotor import Bearing, Rotor, Unbalance, rotor_terms
 
 STATES = {"m": "moves along the axis (m)", "rad": "turns (rad)"}
