@@ -99,20 +99,15 @@ class RunAnswer(Result, Answer):
     def facts(self) -> tuple[tuple[str, str], ...]:
         """The model, its coordinates and the times, for the page."""
         equations, time = self.scene.equations, self.scene.table.time
+        delayed = self.system is not None and self.system.delayed
+        count = "infinitely many, with delays" if delayed else equations.polynomial_matrix.eigenvalue_count
         return (
             *equations.facts,
             (equations.coordinates_called, equations.coordinates.listed),
             ("degree of the equations", str(equations.polynomial_matrix.degree)),
-            ("eigenvalues" if self.system else "zeros", self._eigenvalue_count),
+            ("eigenvalues" if self.system else "zeros", str(count)),
             ("time", f"{time.text}, {len(self.times)} points, in closed form"),
         )
-
-    @property
-    def _eigenvalue_count(self) -> str:
-        """How many there are, as text."""
-        if self.motion.problem.delayed:
-            return "infinitely many, with delays"
-        return str(self.scene.equations.polynomial_matrix.eigenvalue_count)
 
     @cached_property
     def tables(self) -> tuple[TextTable, ...]:
@@ -130,7 +125,7 @@ class RunAnswer(Result, Answer):
         first = (*self.scene.notices, *self._omissions(), *proved, *(self.frequency.response.notices if self.frequency else ()))
         at_rest = () if moves else (Notice(NoticeKind.AT_REST, NOTHING_MOVES),)
         aliased = aliasing_notices(self.scene, self.motion, len(self.times))
-        of_modes = self.modes.notices if self.motion.problem.delayed else ()
+        of_modes = self.modes.notices if self.system is not None and self.system.delayed else ()
         return distinct(first, equations.form_notices, notices, of_modes, at_rest, aliased, equations.notices(self), accuracy)
 
     @cached_property

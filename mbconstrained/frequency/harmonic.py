@@ -178,7 +178,7 @@ class StructuredSolver:
         return values * np.exp(-1j * nu * self.delays[:, None]) if self.delays.any() else values
 
     def function_sizes(self, nu) -> np.ndarray:
-        """Their moduli; those with delays in units of the rounding errors of a phase."""
+        """The moduli of these functions; those with delays in units of the rounding errors of a phase."""
         values = nu.astype(float) ** self.powers[:, None]
         return values * (1 + nu.astype(float) * self.delays[:, None]) if self.delays.any() else values
 

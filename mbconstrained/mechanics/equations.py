@@ -107,7 +107,7 @@ class EquationsOfMotion(Displayed):
         given = zip((stiffness, damping, mass), (self.stiffness, self.damping, self.mass))
         self.given = tuple(value if isinstance(value, ElementMatrix) else matrix for value, matrix in given)
         self.names = names_of(names, self.size, "coordinates", "x")
-        self.delayed = delayed_terms(delayed, self.size)
+        self.delayed = delayed_terms(delayed, self.size) if delayed else ()
         self.units = coordinate_units(units, self.names)
         self.gyroscopic = None if gyroscopic is None else self._matrix(gyroscopic, "gyroscopic", self.size)
         self.circulatory = None if circulatory is None else self._matrix(circulatory, "circulatory", self.size)

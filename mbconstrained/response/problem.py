@@ -59,8 +59,8 @@ class Problem:
     ) -> Problem:
         """The problem of a user's data, None standing for zeros."""
         shape = checked_matrix(A).degree, A.size
-        terms = delayed_terms(delayed, A.size)
-        past = checked_history(history, A.size, terms)
+        terms = () if delayed is None else delayed_terms(delayed, A.size)
+        past = None if history is None else checked_history(history, A.size, terms)
         if initial is None and past is not None:
             initial = [past.derivative(order).coefficients @ states_before(past, terms[-1].delay) for order in range(A.degree)]
         initial = np.zeros(shape) if initial is None else real_array(initial, "initial", shape=shape)
@@ -94,10 +94,8 @@ def checked_force(force, size: int) -> ImpulsiveSmooth:
     return force
 
 
-def checked_history(history, size: int, terms: Sequence[DelayedTerm]) -> BohlFunction | None:
+def checked_history(history, size: int, terms: Sequence[DelayedTerm]) -> BohlFunction:
     """x for -longest delay <= t < 0 as a function of the time since then, or an InputError."""
-    if history is None:
-        return None
     if not terms:
         raise InputError("history: these equations have no delays, and the motion before t = 0 does not enter; leave it out")
     if not isinstance(history, ImpulsiveSmooth) and not callable(history):

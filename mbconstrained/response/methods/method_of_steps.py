@@ -56,7 +56,7 @@ MOST_STATES, MOST_NUMBERS, MOST_MATRICES = 1200, 1 << 26, 64
 
 
 @dataclass(frozen=True, eq=False)
-class _Equations:
+class _DelayedEquations:
     """The driven finite part and what the delayed terms measure; w in units that balance G and the G_j.
 
     Attributes:
@@ -76,7 +76,7 @@ class _Equations:
     units: np.ndarray
 
     @classmethod
-    def of(cls, pairs: JordanPairs, terms: Sequence[DelayedTerm], force: BohlFunction) -> _Equations:
+    def of(cls, pairs: JordanPairs, terms: Sequence[DelayedTerm], force: BohlFunction) -> _DelayedEquations:
         """The equations of given pairs and the states of the force."""
         finite, highest = pairs.finite, pairs.form.highest_impulse
         C, J, B = (np.asarray(matrix, dtype=float) for matrix in (finite.C, finite.J, finite.B))
@@ -100,7 +100,7 @@ class _Equations:
 
 
 @dataclass(frozen=True, eq=False)
-class _Chain:
+class _DelayChain:
     """z(t - s) for all sums s of delays up to a number of them.
 
     Attributes:
@@ -114,7 +114,7 @@ class _Chain:
     first_left_out: float
 
     @classmethod
-    def of(cls, equations: _Equations, delays: Sequence[Fraction], reach: float) -> _Chain:
+    def of(cls, equations: _DelayedEquations, delays: Sequence[Fraction], reach: float) -> _DelayChain:
         """The chain for gaps between knots in which |G_j| h is at most the reach."""
         order = 1
         while reach ** (order + 1) / factorial(order + 1) > LEFT_OUT:
@@ -151,14 +151,14 @@ class Steps:
         check_retarded(pairs, terms)
         self.terms, self.pairs = terms, pairs
         self.force = problem.force + past_force(terms, problem.past, problem.polynomial_matrix.size)
-        self.equations = equations = _Equations.of(pairs, terms, self.force.smooth)
+        self.equations = equations = _DelayedEquations.of(pairs, terms, self.force.smooth)
         self.delays = tuple(term.decimal for term in terms)
         couplings = [equations.inputs @ measured[:, : len(equations.inputs)] for measured in equations.measured]
         size = sum(float(np.linalg.norm(one, 2)) for one in couplings if one.size)
         reach = REACH if len(terms) == 1 else REACH_OF_SEVERAL
         count = max(1, ceil(size * float(self.delays[0]) / reach)) + problem.subdivisions
         self.gap = self.delays[0] / count  # the longest between two knots
-        self.chain = _Chain.of(equations, self.delays, min(reach, size * float(self.gap)))
+        self.chain = _DelayChain.of(equations, self.delays, min(reach, size * float(self.gap)))
         self.blocks = (self.chain.generator,)
         self._place = {s: k for k, s in enumerate(self.chain.shifts)}
         self.start = start_of(pairs.form, problem.initial, self.force)
@@ -417,7 +417,7 @@ def delayed_impulses(term: DelayedTerm, jump: np.ndarray, impulses: Sequence[np.
 
 
 def past_force(terms: Sequence[DelayedTerm], past: BohlFunction | None, size: int) -> ImpulsiveSmooth:
-    """What the delayed terms do with the motion before t = 0: minus A_j(d/dt) h(t - delay_j) until t = delay_j."""
+    """The force of the delayed terms by the motion before t = 0: minus A_j(d/dt) h(t - delay_j) until t = delay_j."""
     total = zero(size)
     if past is None:
         return total
