@@ -439,7 +439,7 @@ class DelayedFeedback(Element):
         >>> _ = lathe.spring("ground", "tool", 40.0, name="cutting")
         >>> _ = lathe.delayed_feedback("ground", "tool", delay=0.5, displacement_gain=-40.0)
         >>> round(lathe.assemble().characteristic_roots(1).stability_margin, 6)  # chatter: it grows
-        -0.336716
+        -0.242152
     """
 
     start: Annotated[str, Joins('The body at its start; "ground" does not move.')]
@@ -447,8 +447,8 @@ class DelayedFeedback(Element):
     delay: Annotated[Real, Numeric("s", "Dead time between the measurement and the force.", "positive", varied=False)]
     displacement_gain: Annotated[Real, Numeric("N/m", "Force by displacement.", varied=False)] = 0.0
     velocity_gain: Annotated[Real, Numeric("N*s/m", "Force by velocity.", varied=False)] = 0.0
-    measured_start: Annotated[str, Joins(MEASURED.format("start"))] = None  # type: ignore[assignment]
-    measured_end: Annotated[str, Joins("The body that is measured; its own end when left out.")] = None  # type: ignore[assignment]
+    measured_start: Annotated[str, Joins(MEASURED.format("start"))] = None
+    measured_end: Annotated[str, Joins("The body that is measured; its own end when left out.")] = None
 
     end_count = 2
     symbol = "strut"

@@ -113,8 +113,8 @@ def characteristic_roots(A: PolynomialMatrix, delayed, count: int = 10) -> Chara
 
     >>> A = PolynomialMatrix([[[0.0]], [[1.0]]])
     >>> roots = characteristic_roots(A, {1.0: [[np.pi / 2]]}, 1)  # s + (pi / 2) e^-s = 0: s = i pi / 2
-    >>> roots.eigenvalues.round(12).tolist(), roots.is_complete
-    ([1.570796326795j], True)
+    >>> roots.eigenvalues.imag.round(12).tolist(), roots.is_complete
+    ([1.570796326795], True)
     """
     return rightmost_roots(A, delayed_terms(delayed, A.size), count)
 
