@@ -536,7 +536,9 @@ class Result:
         """The motion from which the curves are computed, where a force restarts; at its knots all values up to the degree of A(s)."""
         from ...page.content import RecordResponse
 
-        if self.system is not None and self.system.delayed:  # the coordinates do not follow from their values at the knots of the force
+        if (
+            self.system is not None and self.system.delayed
+        ):  # the coordinates do not follow from their values at the knots of the force
             return None
         restarts, degree = self.motion.force.smooth.restarts, self.scene.equations.polynomial_matrix.degree
         views = [self.motion, *(self.motion.derivative(order) for order in range(1, degree))]
