@@ -239,21 +239,31 @@ class _Equation:
         roots: list[complex] = []
         vectors: list[np.ndarray] = []
         for start in starts:
-            s = complex(start)
-            for _ in range(NEWTON):
-                left, right, residual = self.singular(s)
-                step = (left.conj() @ self(s)[0] @ right) / (left.conj() @ self(s)[1] @ right)
-                if not np.isfinite(step) or abs(s - step - start) > NEAR * (abs(start) + 1 / self.delays[-1]):
-                    break
-                s = s - step
-                if abs(step) <= 4 * EPS * (abs(s) + EPS / self.delays[-1]):
-                    break
-            s = complex(s.real, 0.0) if abs(s.imag) <= SAME * (abs(s) + 1 / self.delays[-1]) and not start.imag else s
-            left, right, residual = self.singular(s)
-            if residual <= ACCURATE and s.imag >= 0 and not any(abs(s - one) <= self._same(np.array([s]))[0] for one in roots):
+            s = self._root(complex(start))
+            if s is None or s.imag < 0 or any(abs(s - one) <= self._same(np.array([s]))[0] for one in roots):
+                continue
+            _, right, residual = self.singular(s)
+            if residual <= ACCURATE:
                 roots.append(s)
                 vectors.append(right)
         return np.array(roots, dtype=complex), vectors
+
+    def _root(self, start: complex) -> complex | None:
+        """The root near a start by Newton's method on the smallest singular value; None where it leads away."""
+        s = start
+        for _ in range(NEWTON):
+            with np.errstate(all="ignore"):  # far to the left e^(-s delay) leaves the range of float64
+                T, slope = self(s)
+                if not np.isfinite(T).all():
+                    return None
+                left, right, _ = self.singular(s)
+                step = (left.conj() @ T @ right) / (left.conj() @ slope @ right)
+            if not np.isfinite(step) or abs(s - step - start) > NEAR * (abs(start) + 1 / self.delays[-1]):
+                return None
+            s = s - step
+            if abs(step) <= 4 * EPS * (abs(s) + EPS / self.delays[-1]):
+                break
+        return complex(s.real) if not start.imag and abs(s.imag) <= SAME * (abs(s) + 1 / self.delays[-1]) else s
 
     def count_right_of(self, line: float, near: np.ndarray) -> int:
         """The number of roots with a real part above a line, by the turns of det T along it (argument principle).

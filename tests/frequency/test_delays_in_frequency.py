@@ -67,9 +67,18 @@ def test_roots_satisfy_the_equations_with_their_shapes_and_decide_on_growth():
     for s, shape in zip(roots.eigenvalues, roots.shapes.T):
         delayed = np.exp(-0.7 * s) * (BACK + s * RATE) + np.exp(-0.31 * s) * BACK.T
         assert abs((STIFFNESS + s * DAMPING + s * s * MASS + delayed) @ shape).max() < 1e-11
-    x = mb.solve(OSCILLATORS, [[1.0, 0.0], [0.0, 0.0]], delayed=DELAYED)
-    size = [abs(x(np.linspace(t, t + 10, 400))).max() for t in (200.0, 300.0)]
-    assert size[1] / size[0] == pytest.approx(np.exp(-100 * roots.stability_margin), rel=0.03)
+    delayed = {0.7: [BACK, RATE]}
+    first, second = mb.characteristic_roots(OSCILLATORS, delayed, 2).eigenvalues
+    assert second.real < first.real - 0.05
+    x, turns = mb.solve(OSCILLATORS, [[1.0, 0.0], [0.0, 0.0]], delayed=delayed), 32 * np.pi / first.imag
+    np.testing.assert_allclose(x(200.0 + turns), np.exp(first.real * turns) * x(200.0), rtol=1e-6)
+
+
+def test_roots_of_a_loop_with_a_controller():
+    loop = mb.PolynomialMatrix([[[1.0, 0.0], [1.5, 0.0]], [[1.0, 0.0], [2.0, 1.0]]])
+    roots = mb.characteristic_roots(loop, {0.3: [[0.0, -1.0], [0.0, 0.0]]}, 3)
+    s = roots.eigenvalues
+    assert abs((s + 1) * s + (2 * s + 1.5) * np.exp(-0.3 * s)).max() < 1e-11 and roots.is_complete
 
 
 def test_growing_roots_are_reported_and_none_is_refused():
