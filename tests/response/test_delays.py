@@ -166,5 +166,35 @@ def test_histories_that_do_not_fit_are_refused():
         mb.solve(OSCILLATORS, np.zeros((3, 2, 2)), delayed={0.3: BACK})
 
 
+def test_times_beyond_memory_are_refused_at_once():
+    x = mb.solve(mb.PolynomialMatrix([[[0.0]], [[1.0]]]), [[1.0]], delayed={1.0: [[1.0]]})
+    with pytest.raises(mb.InputError, match="ask for earlier times"):
+        x(1e9)
+    assert x(1.0) == 0.0 + x.enclose(1.0).middle  # and earlier ones are still answered
+
+
 def test_terms_that_are_zero_are_no_delay():
     assert mb.solve(OSCILLATORS, START, delayed={0.3: np.zeros((2, 2))}).method.name != "method of steps"
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_random_systems_lie_in_exact_intervals_within_their_estimates(seed):
+    random = np.random.default_rng(seed)
+    n, degree = int(random.integers(1, 4)), int(random.integers(1, 3))
+    A = [random.normal(size=(n, n)).round(2) for _ in range(degree + 1)]
+    if random.random() < 0.4:
+        A[degree][-1] = 0.0
+    patterns = random.random((n, n)) < 0.6
+    delays = random.uniform(0.3, 0.9, 2).round(2)[: int(random.integers(1, 3))]
+    delayed = {float(delay): [random.normal(size=(n, n)).round(2) * patterns for _ in range(degree)] for delay in delays}
+    force = mb.step(random.normal(size=n).round(1)).delayed(0.25) + mb.harmonic(
+        random.normal(size=n).round(1), angular_frequency=2.5
+    )
+    try:
+        x = mb.solve(mb.PolynomialMatrix(A), random.normal(size=(degree, n)).round(1), force, delayed=delayed)
+    except mb.InputError as refused:
+        assert "type" in str(refused)  # of a singular leading matrix: neutral or advanced
+        return
+    times = np.sort(random.uniform(0, 1.2, 3))
+    error = x.enclose(times, 16).error_bounds(x(times)).max() / abs(x(times)).max()
+    assert error <= x.error_estimate(times) and error < 1e-11

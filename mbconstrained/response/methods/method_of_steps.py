@@ -49,7 +49,7 @@ REACH, REACH_OF_SEVERAL = 1.0, 0.125
 LEFT_OUT = EPS / 16
 
 #: Most states of a chain, most numbers in the states at all knots, and most matrices from knot to knot that are stored.
-MOST_STATES, MOST_NUMBERS, MOST_MATRICES = 1200, 1 << 26, 64
+MOST_STATES, MOST_NUMBERS, MOST_MATRICES = 1200, 1 << 24, 64
 
 
 # The equations of one interval.
@@ -216,15 +216,15 @@ class Steps:
         """Compute the knots up to a time, and beyond the next one."""
         while self._reached <= end:
             target = max(2 * self._reached, Fraction(end) + self.gap, 4 * self.delays[-1])
-            times = self._between(self._reached, target)
-            count = (len(self._knots) + len(times)) * len(self.chain.generator)
+            knots = len(self._knots) + float((target - self._reached) / self.gap) + len(self._begins) * len(self.chain.shifts)
+            count = knots * len(self.chain.generator)
             if count > MOST_NUMBERS:
                 raise InputError(
                     f"times: {end:g} s lie {float(Fraction(end) / self.gap):.3g} intervals of {float(self.gap):.3g} s after the start, each "
                     f"with {len(self.chain.generator)} states, more than memory is used for; ask for earlier times"
                 )
             with within_float64():
-                for time in times:
+                for time in self._between(self._reached, target):
                     z = self._advanced(len(self._knots) - 1, time)
                     self._append(time, z)
             self._reached = target
