@@ -332,12 +332,12 @@ class Series:
     def __init__(self, generator: Matrix, step: float, start: np.ndarray, count: int):
         self._units = units = balancing_units(generator)
         self._parts, self._terms = _series(balanced_norm(generator) * step)
-        self._matrix = csr_array(of_like_kind(generator * units / units[:, None], generator)) * (step / self._parts)
+        self._matrix = scipy.sparse.csr_array(of_like_kind(generator * units / units[:, None], generator)) * (step / self._parts)
         self._start, self._count = start / units, count
 
     def values(self, output: Matrix) -> np.ndarray:
         """output @ e^{S k h} v, shape (r, count)."""
-        rows = csr_array(of_like_kind(output * self._units, output))
+        rows = scipy.sparse.csr_array(of_like_kind(output * self._units, output))
         values, begin = np.empty((output.shape[0], self._count)), 0
         for states in self._few if self._count <= CHUNK else self._states():
             values[:, begin : begin + states.shape[1]] = rows @ states

@@ -6,6 +6,7 @@ as they are, and the multipliers are part of the answer.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,6 +39,12 @@ def exact_motion(system: EquationsOfMotion, initial: np.ndarray, applied: Impuls
     coordinates = [*system.names, *(f"force of {row.name}" for row in system.rows)]
     exact, rows = PolynomialMatrix(system.given).exact_coefficients, system.constraint_matrix.astype(object)
     matrices = [matrix.tolist() for matrix in with_multipliers(exact, rows, [row.order for row in system.rows])]
+    if system.delayed:
+        from ..exact.enclosure.delayed_response import ExactDelayedResponse
+
+        terms = tuple(replace(term, coefficients=np.pad(term.coefficients, ((0, 0), (0, k), (0, k)))) for term in system.delayed)
+        matrix = regular(RationalMatrix(matrices), equations, coordinates)
+        return ExactDelayedResponse(matrix, terms, start, force, range(n))
     return ExactResponse(regular(RationalMatrix(matrices), equations, coordinates), start, sources_of(force), range(n))
 
 

@@ -20,7 +20,7 @@ from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Presented, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.files import replacing
-from ..ground.notices import Notice
+from ..ground.notices import Notice, NoticeKind
 from ..ground.threads import short_work
 from ..ground.tolerances import (
     DECOUPLING_LIMIT,
@@ -38,6 +38,7 @@ from ..linalg.exponential import BlockGroups
 from ..linalg.precise import floats, is_precise, is_worthwhile, precise_arithmetic
 from ..linalg.rank import null_columns
 from ..linalg.symmetric import undamped_shapes
+from ..polynomial.characteristic_roots import rightmost_roots
 from ..polynomial.decoupling import known_coefficient
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..polynomial.reduced_equations import NotReducible, Reduction
@@ -631,3 +632,14 @@ def _positive(matrix: np.ndarray) -> bool:
         if work[k, k]:
             work[k + 1 :, k + 1 :] -= np.outer(work[k + 1 :, k], work[k + 1 :, k] / work[k, k])
     return True
+
+
+def modes_with_delays(system: EquationsOfMotion, count: int) -> Modes:
+    """The rightmost of the infinitely many modes of a system with delays, ascending by modulus."""
+    roots = rightmost_roots(system.undelayed_form().polynomial_matrix, system.delayed_equations(), count)
+    order = np.argsort(np.abs(roots.eigenvalues), kind="stable")
+    modes = tuple(
+        Mode(kind_of(complex(roots.eigenvalues[k])), complex(roots.eigenvalues[k]), 1, roots.shapes[:, [k]], system) for k in order
+    )
+    text = f"delays make infinitely many modes; these are the {len(modes)} rightmost ones"
+    return Modes(modes, system.names, system=system, notices=(Notice(NoticeKind.OMITTED, text), *roots.notices))

@@ -14,12 +14,13 @@ from ..response.choose import Evaluations, Request
 from ..signals.inputs import ImpulsiveSmooth
 from .descriptor_form import discretize, system_to_dict, to_state_space
 from .equations import EquationsOfMotion
-from .modes import Modes, modes_of
+from .modes import Modes, modes_of, modes_with_delays
 from .motion import Motion, motion_of
 
 if TYPE_CHECKING:
     from ..frequency.frequency_response import FrequencyResponse
     from ..frequency.random.random_response import RandomResponse
+    from ..polynomial.characteristic_roots import CharacteristicRoots
     from .harmonic_response import SteadyState
     from .peaks import EffectiveMasses, ModalCombination
     from .root_locus import RootLocus
@@ -28,6 +29,9 @@ if TYPE_CHECKING:
 
 #: The number of modes of a system of sparse matrices that are computed where none is given.
 DEFAULT_MODE_COUNT = 50
+
+#: The number of rightmost modes of a system with delays that are computed where none is given.
+DEFAULT_ROOT_COUNT = 10
 
 
 class MechanicalSystem(EquationsOfMotion):
@@ -54,6 +58,8 @@ class MechanicalSystem(EquationsOfMotion):
             measured or computed; rounding errors by default. Arrays only.
         gyroscopic, circulatory: G and N of a rotor, shape (n, n): C + W G (kg m^2) and K + W N (N s/m) at W in rad/s; the system
             itself is the rotor at rest (``at_speed``, ``campbell``, ``critical_speeds``). Arrays only.
+        delayed: forces with dead time, such as feedback: [K_j, C_j] by their delays in s adds K_j x(t - delay_j) + C_j x'(t - delay_j)
+            to the left side. Arrays only.
 
     Raises:
         InputError: shapes that do not match, entries that are not finite, repeated names, an argument for arrays only.
@@ -90,6 +96,7 @@ class MechanicalSystem(EquationsOfMotion):
         count: int | None = None,
         *,
         evaluations: Evaluations = "once",
+        history=None,
     ) -> Motion | Any:
         """Solve for the motion from any values at 0-, in closed form.
 
@@ -108,6 +115,8 @@ class MechanicalSystem(EquationsOfMotion):
             rank_tolerance: see ``mbconstrained.solve``. Arrays only.
             count: the number of modes of lowest frequency in the motion, 50 by default. Sparse matrices only.
             evaluations: see ``mbconstrained.solve``; the motion of sparse matrices is always evaluated by its modes.
+            history: x before t = 0 for a system with delays, see ``mbconstrained.solve``; by default zero. It does not replace
+                the values at 0-.
 
         Returns:
             A ``Motion``; ``Motions`` of S initial values or forces; a ``SparseMotion`` of sparse matrices.
@@ -127,6 +136,8 @@ class MechanicalSystem(EquationsOfMotion):
             isinstance(force, (list, tuple)) and any(isinstance(f, ImpulsiveSmooth) for f in force)
         )
         several = several_forces or is_table(displacement) or is_table(velocity)
+        if several:
+            self._refuse_delays("several motions at once")
         if self.is_sparse:
             from .sparse.sparse_motion import sparse_motion
 
@@ -142,7 +153,7 @@ class MechanicalSystem(EquationsOfMotion):
             applied = {id(one): self._applied(one) for one in forces}
             forces = [applied[id(one)] for one in forces]
             return motions_of(self, displacement, velocity, forces, rank_tolerance, request)
-        return motion_of(self, self._start(displacement, velocity), self._applied(force), rank_tolerance, request)
+        return motion_of(self, self._start(displacement, velocity), self._applied(force), rank_tolerance, request, history)
 
     def modes(self, count: int | None = None, damped: bool = True) -> Modes:
         """Return the finite eigenvalues of A(s) with shapes and meaning: oscillation, decay, rigid body, drift, ...
@@ -151,7 +162,8 @@ class MechanicalSystem(EquationsOfMotion):
         and Sylvester's law of inertia, which counts them; damped ones by Newton's method from these (``mechanics.sparse``).
 
         Args:
-            count: the number of modes of lowest frequency; a complex pair counts once. By default all, of sparse matrices 50.
+            count: the number of modes of lowest frequency; a complex pair counts once. By default all, of sparse matrices 50. With
+                delays, which make infinitely many, that of the rightmost ones, 10 by default (``characteristic_roots``).
             damped: False for the modes without the damping C.
 
         Returns:
@@ -169,6 +181,10 @@ class MechanicalSystem(EquationsOfMotion):
             from .sparse.sparse_modes import sparse_modes
 
             return sparse_modes(self.pencil, _mode_count(count), damped and bool(self.damping.nnz))
+        if self.delayed:
+            if not damped:
+                self._refuse_delays("modes without damping")
+            return modes_with_delays(self, DEFAULT_ROOT_COUNT if count is None else count)
         undamped = None if damped else MechanicalSystem(self.given[2], None, self.given[0], self.constraints, self.names)
         modes = replace(modes_of(undamped or self), system=undamped or self)
         return modes if count is None else modes.lowest(count)
@@ -248,6 +264,27 @@ class MechanicalSystem(EquationsOfMotion):
 
         return steady_state(self, force, period, harmonics, modal_damping, loss_factor)
 
+    def characteristic_roots(self, count: int = 10) -> CharacteristicRoots:
+        """The rightmost roots of the equations with delays, which decide on stability (``mbconstrained.characteristic_roots``).
+
+        Args:
+            count: how many, a complex pair counts once.
+
+        Returns:
+            ``CharacteristicRoots``: ``eigenvalues``, ``shapes``, ``stability_margin``, ``damping_ratios``.
+
+        Raises:
+            InputError: a system without delays; terms of neutral type.
+
+        >>> from mbconstrained import MechanicalSystem
+        >>> late = MechanicalSystem([[1.0]], [[0.2]], [[4.0]], delayed={0.1: [[[0.0]], [[1.0]]]})  # a delayed damper
+        >>> round(float(late.characteristic_roots(1).damping_ratios[0]), 6)
+        0.311141
+        """
+        from ..polynomial.characteristic_roots import rightmost_roots
+
+        return rightmost_roots(self.undelayed_form().polynomial_matrix, self.delayed_equations(), count)
+
     to_state_space = to_state_space
     discretize = discretize
     to_dict = system_to_dict
@@ -271,6 +308,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .rotating import at_speed
 
+        self._refuse_delays("a rotor")
         return at_speed(self, speed)
 
     def campbell(self, speeds) -> Campbell:
@@ -290,6 +328,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .rotating import campbell
 
+        self._refuse_delays("campbell")
         return campbell(self, speeds)
 
     def critical_speeds(self, order: float = 1.0) -> np.ndarray:
@@ -318,6 +357,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .rotating import critical_points
 
+        self._refuse_delays("critical_speeds")
         return np.array([point.speed for point in critical_points(self, order)])
 
     def unbalance_response(self, speeds, unbalance=None, order: float = 1.0) -> UnbalanceResponse:
@@ -347,6 +387,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .rotating import unbalance_response
 
+        self._refuse_delays("unbalance_response")
         return unbalance_response(self, speeds, unbalance, order)
 
     def root_locus(self, parameter, values) -> RootLocus:
@@ -373,6 +414,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .root_locus import root_locus
 
+        self._refuse_delays("root_locus")
         return root_locus(self, parameter, values)
 
     def modal_combination(self, spectrum, base=None, damping_ratio: float = 0.05, combination: str = "CQC") -> ModalCombination:
@@ -395,6 +437,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .peaks import modal_combination
 
+        self._refuse_delays("modal_combination")
         return modal_combination(self, spectrum, base, damping_ratio, combination)
 
     def effective_masses(self, base=None) -> EffectiveMasses:
@@ -422,6 +465,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .peaks import effective_masses, loads_of_rows
 
+        self._refuse_delays("effective_masses")
         return effective_masses(self, *loads_of_rows(self, base))
 
     def sensitivities(self, parameters=None) -> Sensitivities:
@@ -446,6 +490,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .sensitivities import sensitivities
 
+        self._refuse_delays("sensitivities")
         return sensitivities(self, parameters)
 
     def random_response(self, excitation: Mapping, outputs=None, quantity: str = "displacement", **options) -> RandomResponse:
@@ -468,6 +513,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .random_excitation import random_response
 
+        self._refuse_delays("random_response")
         return random_response(self, excitation, outputs, quantity, **options)
 
 

@@ -41,7 +41,7 @@ from .problem import Problem
 Evaluations = Literal["once", "many"]
 
 #: The names of the methods.
-PAIRS, MODES, POWERS, STEPS = "Jordan pairs", "modes", "matrix powers", "record steps"
+PAIRS, MODES, POWERS, STEPS, DELAYS = "Jordan pairs", "modes", "matrix powers", "record steps", "method of steps"
 
 #: Cost of eigenvectors in products of matrices: for very many states, and more for few.
 GENERAL, GENERAL_SMALL = 40.0, 12000.0
@@ -77,7 +77,7 @@ class Method:
     """Method by which a problem is solved.
 
     Attributes:
-        name: PAIRS, MODES, POWERS or STEPS.
+        name: PAIRS, MODES, POWERS, STEPS or DELAYS.
         because: one phrase with the deciding condition, or a function that formats it.
         flow: the reduced equations with start and force; None with the Jordan pairs.
         evaluations: as requested.
@@ -102,6 +102,8 @@ class Method:
 
 def choose(problem: Problem, request: Request = Request()) -> Method:
     """The method for a problem."""
+    if problem.delayed:
+        return Method(DELAYS, "by the Jordan pairs, from delay to delay", evaluations=request.evaluations)
     try:
         flow = reduced_flow(problem)
     except NotReducible as condition:
@@ -113,6 +115,8 @@ def unproved(problem: Problem) -> str:
     """The reason why the exact engine does not prove the values (``response.methods.proved``); empty where it does."""
     A = problem.polynomial_matrix
     states, restarts = A.degree * A.size, len(problem.force.knots) - 1
+    if problem.delayed:
+        return "there are delays"
     if not states:
         return "there are no states"
     if states > PROVED_STATES:

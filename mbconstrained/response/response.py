@@ -33,6 +33,7 @@ from .response_notices import response_notices, unsatisfied
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
     from ..exact.enclosure.intervals import Enclosure
+    from .methods.method_of_steps import StepsSolution
     from .methods.pair_solution import PairSolution
 
 #: Number of coordinates named where a response is shown in one line.
@@ -52,7 +53,7 @@ class Response(Exported, Presented):
     """
 
     problem: Problem
-    solution: PairSolution | ReducedSolution
+    solution: PairSolution | ReducedSolution | StepsSolution
 
     @classmethod
     def _solved(cls, problem: Problem, request: Request = Request()) -> Response:
@@ -73,6 +74,10 @@ class Response(Exported, Presented):
             method = choose(problem, request)
             if method.flow is not None:
                 return Response(problem, ReducedSolution.of(method))
+            if problem.delayed:
+                from .methods.method_of_steps import Steps, StepsSolution
+
+                return Response(problem, StepsSolution(method, Steps(problem, A.jordan_pairs(problem.rank_tolerance))))
             from .methods.pair_solution import PairSolution
 
             return Response(problem, PairSolution.of(problem, method, A.jordan_pairs(problem.rank_tolerance)))
@@ -308,6 +313,13 @@ class Response(Exported, Presented):
     @cached_property
     def exact(self) -> ExactResponse:
         """The exact solution for the same data taken as exact numbers: impulses, values at 0+, intervals."""
+        if delayed := self.problem.delayed:
+            from ..exact.enclosure.delayed_response import ExactDelayedResponse
+            from ..exact.rational import regular_matrix
+            from .methods.method_of_steps import past_force
+
+            force = self.force + past_force(delayed, self.problem.past, self.polynomial_matrix.size)
+            return ExactDelayedResponse(regular_matrix(self.polynomial_matrix), delayed, self.initial, force)
         from ..exact.enclosure.exact_response import exact_response
 
         return exact_response(self.polynomial_matrix, self.initial, self.force)

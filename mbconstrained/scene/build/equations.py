@@ -150,7 +150,7 @@ def _mechanical(
     shapers = shapers_of(table.force, "force", system.modes, file_name)
     linearized = robot and system
     with at(file_name, "model"):
-        polynomial_matrix = system.polynomial_matrix()
+        polynomial_matrix = system.undelayed_form().polynomial_matrix
     initial = initial_values(table.initial, coordinates, 2, file_name).astype(float)
     if table.initial.follow:
         initial = consistent_values(initial, table.initial, system, coordinates, file_name)

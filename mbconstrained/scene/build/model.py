@@ -80,7 +80,7 @@ class Equations:
 
     Attributes:
         coordinates: names and units.
-        polynomial_matrix: A(s), for a mechanical system that of its constrained form.
+        polynomial_matrix: A(s), for a mechanical system that of its constrained form, without delayed terms.
         initial: x^(i)(0-) as row i, shape (q, r).
         force: on [0, inf), or None.
         system: mass, damping, stiffness and constraint rows; None where A(s) was given itself.
@@ -114,7 +114,7 @@ class Equations:
         if self.response is not None:
             return self.response.problem.force
         force = zero(len(self.coordinates.names)) if self.force is None else self.force
-        return force if self.system is None else self.system.constrained_form().force(self.system.force + force)
+        return force if self.system is None else self.system.undelayed_form().force(self.system.force + force)
 
     @property
     def are_bare(self) -> bool:
@@ -252,6 +252,8 @@ class Equations:
             return "a rotor"
         if self.ends:
             return f"a motion with {self.ends[-1].title.lower()}"
+        if self.system is not None and self.system.delayed:
+            return "delays"
         return "modal damping" if modal_damping else ""
 
     @property

@@ -542,6 +542,10 @@ class Result:
         """The motion from which the curves are computed, where a force restarts; at its knots all values up to the degree of A(s)."""
         from ...page.content import RecordResponse
 
+        if (
+            self.system is not None and self.system.delayed
+        ):  # the coordinates do not follow from their values at the knots of the force
+            return None
         restarts, degree = self.motion.force.smooth.restarts, self.scene.equations.polynomial_matrix.degree
         views = [self.motion, *(self.motion.derivative(order) for order in range(1, degree))]
         states = lambda times: np.vstack([view(times) for view in views])  # noqa: E731
@@ -550,7 +554,10 @@ class Result:
     @property
     def _breaks(self) -> np.ndarray:
         """Times at which the motion or a derivative of it may jump."""
-        return np.unique([*self.motion.force.knots, *(event.time for event in self.motion.events)])
+        times = [*self.motion.force.knots, *(event.time for event in self.motion.events)]
+        if self.system is not None and self.system.delayed:
+            times += self.motion.solution.steps.kinks(float(self.times[-1]))
+        return np.unique(times)
 
     # Extrema and means, of the closed form.
 

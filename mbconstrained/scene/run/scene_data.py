@@ -97,7 +97,9 @@ class SceneData(Displayed):
     def problem(self) -> Problem:
         """A(d/dt) x = f with the values at 0-."""
         equations = self.equations
-        return Problem(equations.polynomial_matrix, equations.initial, equations.right_hand_side)
+        system = equations.system
+        delayed = system.delayed_equations() if system is not None and system.delayed else ()
+        return Problem(equations.polynomial_matrix, equations.initial, equations.right_hand_side, delayed=delayed)
 
     def certified(self) -> Self:
         """The scene with certify = true, unless it states what to certify."""

@@ -79,6 +79,8 @@ def constrained_form(scene: SceneData) -> Decision:
 def _serves_reduced(scene: SceneData) -> bool:
     """Whether the reduced equations give motion and eigenvalues, and neither file nor frequency response needs the Jordan pairs."""
     equations, table = scene.equations, scene.table
+    if scene.problem.delayed:
+        return False
     if equations.polynomial_matrix.large_reduction is not None:
         return True
     return not (equations.system is None or table.output.npz or table.frequency or scene.method.name == PAIRS)
@@ -95,6 +97,8 @@ def finite_pair(scene: SceneData) -> Decision | LateDecision:
     """Eigenvalues are always listed; the motion comes from the pair only where the chosen method uses pairs."""
     if _serves_reduced(scene):
         return False, "the modes have the eigenvalues"
+    if scene.problem.delayed:
+        return True, "the motion within each delay"
     only = "the eigenvalues; the motion comes from the reduced equations"
     return True, lambda: "the motion for t > 0, and the eigenvalues" if scene.method.name == PAIRS else only
 
