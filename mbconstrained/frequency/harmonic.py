@@ -8,9 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse
-from scipy.sparse.linalg import splu
+import scipy
 
 from ..ground.errors import InputError
 from ..ground.notices import Notice
@@ -228,12 +226,12 @@ class StructuredSolver:
         A = self._at(nu)
         A = np.where(pattern & (A == 0), EPS, A)
         try:
-            lu = splu(scipy.sparse.csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=THRESHOLD)
+            lu = scipy.sparse.linalg.splu(scipy.sparse.csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=THRESHOLD)
         except RuntimeError:  # exactly singular: another line has an order
             generic = nu * (1 + THRESHOLD) + THRESHOLD
             A = self._at(generic)
             try:
-                lu = splu(scipy.sparse.csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=THRESHOLD)
+                lu = scipy.sparse.linalg.splu(scipy.sparse.csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=THRESHOLD)
             except RuntimeError:
                 return None
         rows, columns = np.argsort(lu.perm_r), np.argsort(lu.perm_c)

@@ -6,16 +6,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, log2
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.linalg
-from scipy.sparse import csr_array, eye_array
+import scipy
 
 from ..ground.tolerances import EPS, EXPONENTIAL_PRODUCTS, NARROW_PRODUCT, NEGLIGIBLE_EXPONENTIAL, PADE_NORM
 from .arrays import Matrix, entries, entry_count, filled_columns, full, of_like_kind
 from .blocks import CHUNK_ENTRIES, BlockDiagonal, block_matrix, block_slices
 from .exponential import BlockGroups, block_states
-from .tree_modes import ResidueModes
+
+if TYPE_CHECKING:
+    from .tree_modes import ResidueModes
 
 # Linear recursions with a block diagonal exponential: from one time to the next, all blocks of a size at once.
 # The steps are taken in groups, the same step of all groups at once (a scan in two passes, Blelloch 1990): first every group from
@@ -213,7 +215,7 @@ class ModalBasis:
         y = np.empty(len(self.single) + 2 * len(self.first) + len(self.rest))
         y[self.single], y[self.first], y[self.rest] = single.real, pairs.real, rest
         y[self.first + 1] = -(self.frequency * pairs.imag + self.turn[:, 0] * pairs.real) / self.turn[:, 1]
-        return self.decoupled.modal_output(eye_array(len(y), format="csr")) @ y
+        return self.decoupled.modal_output(scipy.sparse.eye_array(len(y), format="csr")) @ y
 
     def modal_output(self, output: Matrix, order: int = 0) -> tuple[np.ndarray, np.ndarray]:
         """The derivative of this order of output @ w: factors of real and imaginary parts of z in turn, and of the rest of y."""
@@ -353,7 +355,7 @@ def values_of_steps(
     used = np.flatnonzero(filled_columns(output))
     if SPARSE * entry_count(output) >= (output.shape[0] - len(used)) * len(start):
         return _values(full(output), step, input_matrix, start, inputs)
-    return csr_array(output[:, used]) @ _values(np.eye(len(start))[used], step, input_matrix, start, inputs)
+    return scipy.sparse.csr_array(output[:, used]) @ _values(np.eye(len(start))[used], step, input_matrix, start, inputs)
 
 
 def best_length(rows: int, states: int, driven: int, count: int) -> int:

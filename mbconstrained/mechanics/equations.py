@@ -10,9 +10,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
-import scipy.sparse
 
-from ..ground.checks import constant_zeros, counted, names_of, nearest, real_array, real_number
+from ..ground.checks import constant_zeros, counted, is_sparse, names_of, nearest, real_array, real_number
 from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
@@ -100,7 +99,7 @@ class EquationsOfMotion(Displayed):
         circulatory=None,
         delayed: Mapping | None = None,
     ):
-        self.is_sparse = any(map(scipy.sparse.issparse, (mass, damping, stiffness)))
+        self.is_sparse = any(map(is_sparse, (mass, damping, stiffness)))
         self.mass = self._matrix(mass, "mass", None)
         self.damping = self._matrix(damping, "damping", self.size)
         self.stiffness = self._matrix(stiffness, "stiffness", self.size)

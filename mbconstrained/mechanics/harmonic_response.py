@@ -74,15 +74,7 @@ def frequency_response(
     relative_to: str | None = None,
     count: int | None = None,
 ) -> FrequencyResponse:
-    """The steady answer to harmonic loads: f e^{+i w t} gives H(i w) f e^{+i w t}, entry by entry with an error estimate.
-
-    >>> from mbconstrained import Constraint, MechanicalSystem
-    >>> isolated = MechanicalSystem([[1.0, 0.0], [0.0, 0.0]], [[0.1, -0.1], [-0.1, 0.1]], [[4.0, -4.0], [-4.0, 4.0]],
-    ...     [Constraint([0, 1], names="base")], names=["machine", "floor"])
-    >>> T = isolated.frequency_response([np.sqrt(8) / (2 * np.pi)], ["base"], ["machine"], quantity="transmissibility")
-    >>> bool(np.isclose(abs(T.values.item()), 1.0)), T.units.item()  # at sqrt(2) times the natural frequency
-    (True, '1')
-    """
+    """``MechanicalSystem.frequency_response``."""
     harmonic = harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count)
     return evaluated(replace(harmonic, notices=system.notices), frequencies_hz)
 
@@ -273,9 +265,6 @@ def structural_damping(system: EquationsOfMotion, loss_factor) -> np.ndarray | N
 # form; each harmonic is exact, and so is its answer. Their sum converges slowly where loads jump: values in time are those of the motion
 # in one period that ends as it begins, z(T) = Phi z(0) + g, z(0) = (1 - Phi)^-1 g, in closed form.
 
-#: Harmonics of a periodic record, where their number is not given.
-HARMONICS = 50
-
 
 @dataclass(frozen=True, repr=False, eq=False)
 class SteadyState(Displayed):
@@ -371,14 +360,11 @@ def steady_state(
     system: EquationsOfMotion,
     force: ImpulsiveSmooth | None = None,
     period: float | None = None,
-    harmonics: int = HARMONICS,
+    harmonics: int = 50,
     modal_damping=None,
     loss_factor=None,
 ) -> SteadyState:
-    """The motion under harmonic loads after all free motion has decayed: amplitude and phase of every coordinate and reaction.
-
-    The static force of the system, its own excitation and the values of its constraint rows count too.
-    """
+    """``MechanicalSystem.steady_state``."""
     if system.is_sparse:
         raise InputError("steady_state: not available for sparse matrices; give arrays, as mass.toarray()")
     if period is not None:

@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 import numpy as np
-import scipy.linalg
-from scipy.linalg import lapack
+import scipy
 
 from ..exchange.trajectories import write_arrays
 from ..exchange.universal import UNIVERSAL, Geometry, write_modes
@@ -39,7 +38,6 @@ from ..linalg.exponential import BlockGroups
 from ..linalg.precise import floats, is_precise, is_worthwhile, precise_arithmetic
 from ..linalg.rank import null_columns
 from ..linalg.symmetric import undamped_shapes
-from ..polynomial.characteristic_roots import rightmost_roots
 from ..polynomial.decoupling import known_coefficient
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..polynomial.reduced_equations import NotReducible, Reduction
@@ -452,8 +450,8 @@ def _damped_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarr
     S[n:] = -solved(M, np.concatenate([K, C], axis=1))
     if not np.isfinite(S).all():
         return None, None
-    room = int(lapack.dgeev_lwork(2 * n, compute_vl=0)[0])
-    real, imaginary, _, vectors, failed = lapack.dgeev(S, compute_vl=0, lwork=room, overwrite_a=1)
+    room = int(scipy.linalg.lapack.dgeev_lwork(2 * n, compute_vl=0)[0])
+    real, imaginary, _, vectors, failed = scipy.linalg.lapack.dgeev(S, compute_vl=0, lwork=room, overwrite_a=1)
     if failed:
         return None, None
     upper = (imaginary >= 0).nonzero()[0]
@@ -621,7 +619,7 @@ def _positive(matrix: np.ndarray) -> bool:
     sums = np.abs(matrix).sum(axis=0)
     noise, shifted = noise_of(float(sums.max()), len(matrix)), matrix.copy()
     shifted.reshape(-1)[:: len(matrix) + 1] -= noise
-    if not lapack.dpotrf(shifted, clean=0)[1]:
+    if not scipy.linalg.lapack.dpotrf(shifted, clean=0)[1]:
         return True
     lowest = np.linalg.eigvalsh(matrix)[0]
     if lowest < -noise or len(matrix) > EXTENDED_SIZE:
@@ -637,6 +635,8 @@ def _positive(matrix: np.ndarray) -> bool:
 
 def modes_with_delays(system: EquationsOfMotion, count: int) -> Modes:
     """The rightmost of the infinitely many modes of a system with delays, ascending by modulus."""
+    from ..polynomial.characteristic_roots import rightmost_roots
+
     roots = rightmost_roots(system.undelayed_form().polynomial_matrix, system.delayed_equations(), count)
     order = np.argsort(np.abs(roots.eigenvalues), kind="stable")
     modes = tuple(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Self
 
@@ -14,13 +14,14 @@ from ..response.choose import Evaluations, Request
 from ..signals.inputs import ImpulsiveSmooth
 from .descriptor_form import discretize, system_to_dict, to_state_space
 from .equations import EquationsOfMotion
-from .harmonic_response import frequency_response, steady_state
-from .modes import Modes, modes_of, modes_with_delays
+from .modes import Modes, modes_of
 from .motion import Motion, motion_of
 
 if TYPE_CHECKING:
+    from ..frequency.frequency_response import FrequencyResponse
     from ..frequency.random.random_response import RandomResponse
     from ..polynomial.characteristic_roots import CharacteristicRoots
+    from .harmonic_response import SteadyState
     from .peaks import EffectiveMasses, ModalCombination
     from .root_locus import RootLocus
     from .rotating import Campbell, UnbalanceResponse
@@ -183,6 +184,8 @@ class MechanicalSystem(EquationsOfMotion):
         if self.delayed:
             if not damped:
                 self._refuse_delays("modes without damping")
+            from .modes import modes_with_delays
+
             return modes_with_delays(self, DEFAULT_ROOT_COUNT if count is None else count)
         undamped = None if damped else MechanicalSystem(self.given[2], None, self.given[0], self.constraints, self.names)
         modes = replace(modes_of(undamped or self), system=undamped or self)
@@ -209,8 +212,81 @@ class MechanicalSystem(EquationsOfMotion):
 
         return rightmost_roots(self.undelayed_form().polynomial_matrix, self.delayed_equations(), count)
 
-    frequency_response = frequency_response
-    steady_state = steady_state
+    def frequency_response(
+        self,
+        frequencies_hz="auto",
+        inputs: Sequence[str] | str | None = None,
+        outputs: Sequence[str] | str | None = None,
+        quantity: str = "receptance",
+        modal_damping=None,
+        loss_factor=None,
+        relative_to: str | None = None,
+        count: int | None = None,
+    ) -> FrequencyResponse:
+        """The steady answer to harmonic loads: f e^{+i w t} gives H(i w) f e^{+i w t}, entry by entry with an error estimate.
+
+        Args:
+            frequencies_hz: shape (F,); "auto" for lines that the poles place.
+            inputs, outputs: names of coordinates, of constraint rows, of outputs and elements; all coordinates by default.
+            quantity: "receptance", "mobility", "accelerance", their inverses "dynamic stiffness", "impedance", "apparent mass",
+                "transmissibility", "reaction" or "force".
+            modal_damping: damping ratio of all modes, or of the lowest ones, in addition to the damping.
+            loss_factor: eta of structural damping, K (1 + i eta); of elements by name as a mapping.
+            relative_to: a coordinate or prescribed motion that is subtracted from the outputs.
+            count: number of modes of sparse matrices, 50 by default.
+
+        Returns:
+            A ``FrequencyResponse``.
+
+        Raises:
+            InputError: an unknown name or quantity, frequencies that are not finite.
+
+        >>> from mbconstrained import Constraint, MechanicalSystem
+        >>> isolated = MechanicalSystem([[1.0, 0.0], [0.0, 0.0]], [[0.1, -0.1], [-0.1, 0.1]], [[4.0, -4.0], [-4.0, 4.0]],
+        ...     [Constraint([0, 1], names="base")], names=["machine", "floor"])
+        >>> T = isolated.frequency_response([np.sqrt(8) / (2 * np.pi)], ["base"], ["machine"], quantity="transmissibility")
+        >>> bool(np.isclose(abs(T.values.item()), 1.0)), T.units.item()  # at sqrt(2) times the natural frequency
+        (True, '1')
+        """
+        from .harmonic_response import frequency_response
+
+        options = (quantity, modal_damping, loss_factor, relative_to, count)
+        return frequency_response(self, frequencies_hz, inputs, outputs, *options)
+
+    def steady_state(
+        self,
+        force: ImpulsiveSmooth | None = None,
+        period: float | None = None,
+        harmonics: int = 50,
+        modal_damping=None,
+        loss_factor=None,
+    ) -> SteadyState:
+        """The motion under harmonic loads after all free motion has decayed: amplitude and phase of every coordinate and reaction.
+
+        The static force of the system, its own excitation and the values of its constraint rows count too.
+
+        Args:
+            force: sum of harmonics, or a record of one period, in addition to the system's own.
+            period: T in s of records, which repeat.
+            harmonics: number of harmonics of a periodic record.
+            modal_damping, loss_factor: as in ``frequency_response``.
+
+        Returns:
+            A ``SteadyState``.
+
+        Raises:
+            InputError: sparse matrices, loads that do not repeat, an undamped motion in resonance.
+
+        >>> import mbconstrained as mb
+        >>> system = mb.MechanicalSystem([[1.0]], [[0.5]], [[4.0]])
+        >>> steady = system.steady_state(mb.harmonic([3.0], angular_frequency=2.0))  # at resonance c w x = 3
+        >>> abs(steady.displacement_amplitudes[0, 0]).round(9).item()
+        3.0
+        """
+        from .harmonic_response import steady_state
+
+        return steady_state(self, force, period, harmonics, modal_damping, loss_factor)
+
     to_state_space = to_state_space
     discretize = discretize
     to_dict = system_to_dict

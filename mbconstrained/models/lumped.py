@@ -14,7 +14,7 @@ from functools import partial
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array
+import scipy
 
 from ..ground.checks import OF_FUNCTION, counted, nearest, real_number
 from ..ground.coordinate_units import GROUND
@@ -200,7 +200,7 @@ class LumpedModel(Displayed):
         springs: Any = factors.springs.product if sparse else factors.springs.matrix
         dampers: Any = factors.dampers.product if sparse else factors.dampers.matrix
         system = MechanicalSystem(
-            mass=diags_array(factors.masses) if sparse else ElementMatrix(np.eye(len(names)), factors.masses),
+            mass=scipy.sparse.diags_array(factors.masses) if sparse else ElementMatrix(np.eye(len(names)), factors.masses),
             damping=turning.added_to(dampers, "damping") if turning else dampers,
             stiffness=turning.added_to(springs, "stiffness") if turning else springs,
             constraints=[
@@ -291,7 +291,7 @@ class BranchRows:
     """The springs or the dampers of a model with n coordinates, one a row."""
 
     #: B, -1 at the start, 1 at the end, nothing for the ground, or the radii of gears, shape (p, n).
-    incidence: np.ndarray | csr_array
+    incidence: np.ndarray | scipy.sparse.csr_array
     constants: np.ndarray  # stiffness or damping, all positive, shape (p,)
     rest: np.ndarray  # elongation without force, shape (p,); zero for dampers
     names: tuple[str, ...]  # names of the elements
@@ -359,7 +359,7 @@ def _rows(coefficients: Sequence[Mapping[str, Any]], names: Sequence[str], dtype
     at, shape = tuple(zip(*known))[:2] or ((), ()), (len(coefficients), len(names))
     values = np.array([factor for *_, factor in known], dtype)
     if sparse:
-        return csr_array((values, at), shape=shape)
+        return scipy.sparse.csr_array((values, at), shape=shape)
     rows = np.zeros(shape, dtype)
     rows[at] = values
     return rows

@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy.sparse
+import scipy
 
 from ..ground.tolerances import noise_of
 from ..linalg.arrays import Matrix, entry_count, full, hstack, of_like_kind, vstack, zeros_of_kind
@@ -25,7 +25,6 @@ from ..polynomial.reduced_equations import Reduction
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from .events import Event
-from .methods.finite_motion import FinitePart, driven_motion
 from .problem import Driven, units_of_pieces
 
 #: A force that restarts at fewer knots is not worth a table.
@@ -203,6 +202,8 @@ class Flow:
         m, free = smooth.coefficients.shape[1], self.reduction.decoupled
         if not m and len(self.knots) == 1:
             return BohlFunction(np.zeros((0, n)), free.blocks, free.coordinates(self.start)), free.coupling, []
+        from .methods.finite_motion import FinitePart, driven_motion
+
         units = np.ones(m)
         for block, at in zip(smooth.blocks, block_slices(smooth.blocks)):
             sizes = units_of_pieces(smooth, block, at)

@@ -15,7 +15,6 @@ from ...ground.quantities import Expressed, quantity
 from ...ground.tolerances import CONSISTENT_ROWS
 from ...linalg.scaling import equilibration
 from ...mechanics.channels import channels
-from ...models.lumped import LumpedModel
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..file import SceneName, at
 from ..quantities.coordinates import DERIVATIVES, FORCE_UNITS, Coordinates, constraint_row, initial_values
@@ -25,11 +24,14 @@ from .model import Equations
 
 if TYPE_CHECKING:
     from ...mechanics.system import MechanicalSystem
+    from ...models.lumped import LumpedModel
     from .robot_model import RobotScene
 
 
 def lumped_model(table, file_name: str) -> LumpedModel:
     """The model: bodies first, in the order of the file, then what joins them; a SceneError names the file and the entry."""
+    from ...models.lumped import LumpedModel
+
     model = LumpedModel()
     for key, number, entry in table.elements:
         owner = f' (of "{entry.name}")' if entry.name else ""
@@ -92,7 +94,6 @@ def _matrices(table, folder: Path, file_name: str) -> Equations:
     from ...mechanics.constraints import Constraint
     from ...mechanics.element_matrix import unbalance_of
     from ...mechanics.system import MechanicalSystem
-    from ...models.lumped import coordinate_row
 
     matrices = {}
     for key in ENTRY_UNITS:
@@ -105,7 +106,7 @@ def _matrices(table, folder: Path, file_name: str) -> Equations:
     for number, row in enumerate(table.model.constraint, 1):
         with at(file_name, f"model.constraint[{number}]"):
             factors, value, unit = constraint_row(row, coordinates)
-            coefficients = coordinate_row(factors, coordinates.names)
+            coefficients = np.array([factors.get(name, 0.0) for name in coordinates.names], float)
             constraints.append(Constraint(coefficients, level=row.level, value=value, names=row.name, unit=unit))
     units = dict(zip(coordinates.names, coordinates.units))
     with at(file_name, "model"):

@@ -15,9 +15,9 @@ from ...ground.display import TextTable
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...polynomial.polynomial_matrix import PolynomialMatrix
+from ...polynomial.reduced_equations import Reduction
 from ...response.events import start_of
 from ...response.response import Response
-from ...response.solve import solve
 from ...signals.bohl import BohlFunction
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import zero
@@ -97,8 +97,16 @@ class Equations:
         return self.right_hand_side.is_zero
 
     @property
+    def has_regular_leading_coefficient(self) -> bool:
+        """Whether A_q is surely nonsingular: there is no infinite part, and any values at 0- are admissible."""
+        A = self.polynomial_matrix
+        return isinstance(A.reduction, Reduction) and A.reduction.state_count == A.degree * A.size
+
+    @property
     def start_fits(self) -> bool:
         """Whether the values at 0- continue without a jump or an impulse."""
+        if self.has_regular_leading_coefficient and not self.right_hand_side.impulses:
+            return True
         start = start_of(self.polynomial_matrix.jordan_pairs().form, self.initial, self.right_hand_side)
         jumps = any(beyond_noise(jump, old, jump + old).size for jump, old in zip(start.jump, self.initial))
         return not (jumps or any(impulse.any() for impulse in start.impulses))
@@ -109,6 +117,8 @@ class Equations:
             return self.response
         if self.system is not None:
             return self.system.solve(*self.initial, force=self.force)
+        from ...response.solve import solve
+
         return solve(self.polynomial_matrix, initial=self.initial, force=self.force)
 
     @property

@@ -29,7 +29,6 @@ from ...linalg.blocks import block_slices, zeros_of
 from ...mechanics.modes import Conservation, Mode, Modes, cleaned, kind_of
 from ...mechanics.motion import DELTAS
 from ...polynomial.reduced_equations import Reduction
-from ...response.admissible import admissible
 from ...response.estimate import error_estimate
 from ...response.events import Event
 from ...response.response_notices import first_and_count, kink_notices, sides, without_kinks
@@ -180,6 +179,8 @@ def _causes(equations: Equations, motion: Response) -> Iterator[Notice]:
     rows = [notice for notice in motion.notices if notice.kind == NoticeKind.JUMP and notice.text.startswith("constraint ")]
     yield from rows
     if not rows:
+        from ...response.admissible import admissible
+
         admissibility = admissible(equations.polynomial_matrix, initial=equations.initial, force=equations.right_hand_side)
         for violation in admissibility.violations:
             _, _, text = violation.text.partition(": ")

@@ -204,6 +204,8 @@ def free_motion_notices(system: MechanicalSystem) -> tuple[Notice, ...]:
     rows = np.vstack(rows_of_elements)
     _, sizes, right = np.linalg.svd(rows, full_matrices=True)
     null = right[int((sizes > noise_of(sizes.max(initial=0.0), max(rows.shape))).sum()) :]
+    if not len(null):
+        return ()
     free = null.T @ null  # the orthogonal projection onto the null space of the rows
     groups = ((group, round(float(free[group, group].sum()))) for group in _groups(free))  # the trace of a projection is its rank
     return tuple(_free_notice([system.names[i] for i in group], count) for group, count in groups)

@@ -18,6 +18,8 @@ from ..build.model import Decision, Equations
 from .plan import PAGE, Plan, Stage
 from .scene_data import SceneData
 
+LateDecision = tuple[bool, Callable[[], str]]  # whose reason takes an analysis of its own, once it is shown
+
 #: Most states (coordinates and multipliers times the degree) of a certificate: exact arithmetic with more takes minutes.
 MOST_CERTIFIED_STATES = 240
 
@@ -41,7 +43,8 @@ def normal_form(scene: SceneData) -> Decision:
     form = scene.equations.control.form
     if form is None:
         return False, "normal_form = false: the states as given"
-    return True, f"normal_form = true: {counted(form.size, 'displacement')} and as many velocities"
+    massless = f", {counted(form.infinite.size, 'massless coordinate')}" if form.infinite else ""
+    return True, f"normal_form = true: {counted(form.size, 'displacement')} and as many velocities{massless}"
 
 
 def robot_model(scene: SceneData) -> Decision:
@@ -90,15 +93,14 @@ def staircase(scene: SceneData) -> Decision:
     return True, "splits the finite from the infinite part by rank decisions"
 
 
-def finite_pair(scene: SceneData) -> Decision:
+def finite_pair(scene: SceneData) -> Decision | LateDecision:
     """Eigenvalues are always listed; the motion comes from the pair only where the chosen method uses pairs."""
     if _serves_reduced(scene):
         return False, "the modes have the eigenvalues"
     if scene.problem.delayed:
         return True, "the motion within each delay"
-    if scene.method.name == PAIRS:
-        return True, "the motion for t > 0, and the eigenvalues"
-    return True, "the eigenvalues; the motion comes from the reduced equations"
+    only = "the eigenvalues; the motion comes from the reduced equations"
+    return True, lambda: "the motion for t > 0, and the eigenvalues" if scene.method.name == PAIRS else only
 
 
 def infinite_pair(scene: SceneData) -> Decision:
@@ -107,16 +109,16 @@ def infinite_pair(scene: SceneData) -> Decision:
     A = equations.polynomial_matrix
     if _serves_reduced(scene):
         return False, "the reduced equations, which have no infinite part, serve"
-    if not any(A.jordan_pairs().form.split.infinite_divisors):
+    if equations.has_regular_leading_coefficient or not any(A.jordan_pairs().form.split.infinite_divisors):
         return False, f"A_{A.degree} is nonsingular: there is no infinite part"
     if equations.is_free and equations.start_fits:
         return False, "no force and a start that fits: the infinite part stays zero"
     return True, f"A_{A.degree} is singular and {'the start does not fit' if equations.is_free else 'a force acts'}"
 
 
-def response(scene: SceneData) -> Decision:
+def response(scene: SceneData) -> LateDecision:
     """The response, and the method that gives its values at the times of the scene."""
-    return True, f"from the values at 0-, with jumps and impulses; values {scene.method.reason}"
+    return True, lambda: f"from the values at 0-, with jumps and impulses; values {scene.method.reason}"
 
 
 def modes(scene: SceneData) -> Decision:
@@ -328,7 +330,7 @@ class PossibleStage:
     """
 
     name: str
-    decide: Callable[[SceneData], Decision] | Decision
+    decide: Callable[[SceneData], Decision | LateDecision] | Decision
     work: Callable[[Any], object] | None = None
     writes: bool = False
     part_of: str = ""

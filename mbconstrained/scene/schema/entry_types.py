@@ -27,7 +27,7 @@ from ...ground.errors import InputError, SceneError, quoted, shown
 from ...ground.quantities import KINDS, quantity, unit_name
 from ..file import EntryError, place, together
 
-LONGEST_TEXT = 2000
+LONGEST_TEXT, MOST_POWER = 2000, 20
 _NAME = re.compile(r"[^\W\d][\w .'()-]{0,39}")
 
 
@@ -288,11 +288,13 @@ Pair = Annotated[list[Name], Field(min_length=2, max_length=2)]
 Vector = Annotated[list[Length], Field(min_length=3, max_length=3)]  # type: ignore[valid-type]
 
 
-SIGNALS = '"step", "ramp", "power", "impulse", "harmonic", "term", "pulse" or "sampled"'
+#: Kinds of signals of forces and prescribed motions.
+SIGNALS = ("step", "ramp", "power", "impulse", "harmonic", "term", "pulse", "sampled")
+_ANY_SIGNAL = f"""{", ".join(f'"{kind}"' for kind in SIGNALS[:-1])} or "{SIGNALS[-1]}\""""
 KINDS_OF_ENTRIES = {
     "model": '"lumped", "matrices", "robot", "state-space" or "transfer-function"',
-    "force": SIGNALS,
-    "motion": SIGNALS,
+    "force": _ANY_SIGNAL,
+    "motion": _ANY_SIGNAL,
 }
 
 #: Common names of a kind: its name in scenes.

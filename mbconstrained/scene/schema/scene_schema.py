@@ -21,6 +21,7 @@ from ..quantities.coordinates import DERIVATIVES
 from ..quantities.output_units import output_units
 from .entry_types import (
     NUMBER_SCHEMA,
+    SIGNALS,
     Angle,
     LateTable,
     Name,
@@ -34,7 +35,6 @@ from .entry_types import (
     Time,
     Vector,
 )
-from .model_tables import ForceTable, MotionTable, lumped_table
 
 Shape = Literal["box", "sphere", "disc", "gear", "ring", "mark", "rail", "ground", "base"]
 LinkKind = Literal["spring", "damper", "strut", "rod", "bushing", "loop", "torsion spring", "torsion damper", "belt"]
@@ -396,13 +396,35 @@ def _late(name: str, module: str = ".analysis_tables") -> LateTable:
     return LateTable(partial(_named, module, name))
 
 
+def _lumped_table() -> Any:
+    from .element_tables import lumped_table
+
+    return lumped_table()
+
+
+def _force_table(kind: str) -> Any:
+    from .force_tables import FORCES
+
+    return FORCES[kind]
+
+
+def _motion_table(kind: str) -> Any:
+    from .force_tables import motion_table
+
+    return motion_table(kind)
+
+
+ForceTable = Annotated[Any, TablesByKind(**{kind: partial(_force_table, kind) for kind in SIGNALS})]
+MotionTable = Annotated[Any, TablesByKind(**{kind: partial(_motion_table, kind) for kind in SIGNALS})]
+
 _MODELS = {
+    "lumped": _lumped_table,
     "matrices": partial(_named, ".model_tables", "MatricesTable"),
     "robot": partial(_named, ".robot_tables", "RobotTable"),
     "transfer_function": partial(_named, ".model_tables", "TransferFunctionTable"),
     "state_space": partial(_named, ".model_tables", "StateSpaceTable"),
 }
-Model = Annotated[Any, TablesByKind(lumped=lumped_table, **_MODELS)]
+Model = Annotated[Any, TablesByKind(**_MODELS)]
 Changes = Annotated[Annotated[Any, _late("RobotChanges", ".robot_tables")] | None, SkipValidation]
 Frequency = Annotated[Any, _late("FrequencyTable")]
 Random = Annotated[Any, _late("RandomTable")]
@@ -438,7 +460,7 @@ class SceneFile(Table):
 
     @classmethod
     def _hint(cls, key: str) -> str:
-        if key not in lumped_table().model_fields:
+        if key not in _lumped_table().model_fields:
             return ""
         return f"; it belongs to the model: write [[model.{key}]], or {key} = … below [model]"
 
