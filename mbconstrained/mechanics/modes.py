@@ -38,7 +38,6 @@ from ..linalg.exponential import BlockGroups
 from ..linalg.precise import floats, is_precise, is_worthwhile, precise_arithmetic
 from ..linalg.rank import null_columns
 from ..linalg.symmetric import undamped_shapes
-from ..polynomial.characteristic_roots import rightmost_roots
 from ..polynomial.decoupling import known_coefficient
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..polynomial.reduced_equations import NotReducible, Reduction
@@ -636,6 +635,8 @@ def _positive(matrix: np.ndarray) -> bool:
 
 def modes_with_delays(system: EquationsOfMotion, count: int) -> Modes:
     """The rightmost of the infinitely many modes of a system with delays, ascending by modulus."""
+    from ..polynomial.characteristic_roots import rightmost_roots
+
     roots = rightmost_roots(system.undelayed_form().polynomial_matrix, system.delayed_equations(), count)
     order = np.argsort(np.abs(roots.eigenvalues), kind="stable")
     modes = tuple(

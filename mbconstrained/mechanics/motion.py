@@ -20,7 +20,6 @@ from ..linalg.rank import Noisy
 from ..response.choose import Request
 from ..response.estimate import error_estimate
 from ..response.events import Event, without_zeros
-from ..response.methods.method_of_steps import delayed_impulses, past_force, with_delayed
 from ..response.methods.proved import ProvedFunction, proved_event
 from ..response.problem import Problem
 from ..response.response import Response
@@ -81,6 +80,8 @@ def reaction_function(system: EquationsOfMotion, response: Response, applied: Im
     G = system.multiplier_map
     inertial = response.function.differential(*(G @ matrix for matrix in (system.stiffness, system.damping, system.mass)))
     if system.delayed:
+        from ..response.methods.method_of_steps import past_force, with_delayed
+
         inertial = with_delayed(inertial, response.function, [term.mapped(G) for term in system.delayed])
         applied = _with_delayed_loads(system, response, applied + past_force(system.delayed, response.problem.past, system.size))
     return inertial if applied.smooth.is_zero else FunctionSum((inertial, applied.smooth.mapped(-G)))
@@ -114,6 +115,8 @@ def _with_delayed_loads(system: EquationsOfMotion, response: Response, applied: 
     """The forces with the impulses of delayed terms, one delay after jumps and impulses of x."""
     if not system.delayed:
         return applied
+    from ..response.methods.method_of_steps import delayed_impulses
+
     later = []
     for event in (Event(0.0, response.jump, response.impulses), *response.events):
         for term in system.delayed:
@@ -324,8 +327,12 @@ class Motion(SystemMotion, Response):
         """The exact motion of the given system, n rows, in multiplier form, without a rounded null space."""
         from .exact_motion import exact_motion
 
-        past = past_force(self.system.delayed, self.problem.past, self.system.size)
-        return exact_motion(self.system, self.initial, self.applied if past.is_zero else self.applied + past)
+        applied = self.applied
+        if self.problem.past is not None:
+            from ..response.methods.method_of_steps import past_force
+
+            applied = applied + past_force(self.system.delayed, self.problem.past, self.system.size)
+        return exact_motion(self.system, self.initial, applied)
 
     @cached_property
     def _exact_reaction(self) -> ExactResponse:

@@ -31,7 +31,7 @@ LINES = {
     "frequency": 5512,
     "ground": 2083,
     "linalg": 4942,
-    "mechanics": 12314,
+    "mechanics": 12324,
     "models": 1435,
     "page": 4913,
     "polynomial": 3307,
