@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,9 +17,9 @@ from ..ground.checks import counted, listed
 from ..ground.display import TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind, distinct, doubts_of
-from ..ground.tolerances import EPS
+from ..ground.tolerances import EPS, SAME_HOLD
 from ..mechanics.constraints import with_right_sides
-from ..page.animation import MOST_FRAMES, Animation
+from ..page.animation import MOST_FRAMES, MOST_POSES, Animation
 from ..page.content import Curve, Marks, Plot
 from ..response.discrete import DiscreteResponse, discrete_force, from_start
 from ..scene.build.model import Equations
@@ -26,12 +27,19 @@ from ..scene.file import at
 from ..scene.quantities.coordinates import Coordinates
 from ..scene.run.drawing import drawing_of
 from ..scene.run.result import start_notices
+from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import power, zero
 from .base import Answer
 from .run import RunAnswer
 
+if TYPE_CHECKING:
+    from ..scene.build.robot_model import RobotScene
+
 #: The part of a step in which the animation shows a sample; then it jumps to the next one.
 SHOWN_PART = 0.98
+
+#: Parts of a step at which a pose of a robot is repeated, and most samples of a robot that are shown.
+POSE_PARTS, MOST_SAMPLED_POSES = (0.0, 0.02, 0.04, 0.94, 0.96, 0.98), 500
 
 
 class DiscreteRunAnswer(RunAnswer):
@@ -40,12 +48,7 @@ class DiscreteRunAnswer(RunAnswer):
     @property
     def heading(self) -> str:
         """Title, source, coordinates and samples."""
-        lines = [
-            self.title,
-            self.source,
-            f"{self._called[0].upper()}{self._called[1:]}: {self._coordinates.listed}; {self._samples_text}",
-        ]
-        return "\n".join(line for line in lines if line)
+        return self._headed(self._called, self._coordinates, self._samples_text)
 
     @property
     def _called(self) -> str:
@@ -88,12 +91,18 @@ class DiscreteRunAnswer(RunAnswer):
     @cached_property
     def _coordinates(self) -> Coordinates:
         """Names and units of the samples."""
-        control = self.scene.equations.control
-        if control is None or self.scene.equations.system is not None:
-            return self.scene.equations.coordinates
+        equations, control = self.scene.equations, self.scene.equations.control
+        if control is None or equations.system is not None:
+            own, outputs = equations.coordinates, self._robot_outputs
+            return own if outputs is None else replace(own, names=own.names + outputs.names, units=own.units + outputs.units)
         if control.system is None or control.outputs.names:
             return control.outputs
         return self.scene.equations.coordinates
+
+    @property
+    def _robot_outputs(self) -> Coordinates | None:
+        """Outputs of a robot, which follow from its coordinates."""
+        return self.scene.equations.outputs if self.scene.equations.robot_scene is not None else None
 
     @cached_property
     def sequence(self) -> DiscreteResponse | DiscreteStateSpaceResponse:
@@ -113,8 +122,9 @@ class DiscreteRunAnswer(RunAnswer):
     @cached_property
     def values(self) -> np.ndarray:
         """The samples in SI, shape (n, T)."""
-        x = self.sequence
-        return x.output(self.numbers) if isinstance(x, DiscreteStateSpaceResponse) else x(self.numbers)
+        x, equations = self.sequence, self.scene.equations
+        values = x.output(self.numbers) if isinstance(x, DiscreteStateSpaceResponse) else x(self.numbers)
+        return values if self._robot_outputs is None else np.vstack([values, equations.output_values(self.times, values)])
 
     @cached_property
     def error_estimates(self) -> dict[str, float]:
@@ -162,8 +172,9 @@ class DiscreteRunAnswer(RunAnswer):
         at_rest = (
             () if moves else (Notice(NoticeKind.AT_REST, "all samples are equal: the start is one of rest, and no force changes"),)
         )
-        own = (*start, *self.sequence.notices, *self._aliasing_notices, *at_rest, *doubts_of("the samples", self.error_estimate))
-        return distinct(self.scene.notices, own)
+        doubts = doubts_of("the samples", self.error_estimate)
+        own = (*start, *self.sequence.notices, *self._aliasing_notices, *self._hold_notices, *self._left_out_notices)
+        return distinct(self.scene.notices, own, at_rest, self._robot_notices, doubts)
 
     @cached_property
     def _aliasing_notices(self) -> tuple[Notice, ...]:
@@ -181,6 +192,47 @@ class DiscreteRunAnswer(RunAnswer):
             f"right, but look like those of a lower frequency (aliasing); a step below {0.5 / float(above[-1]):.3g} s shows it"
         )
         return (Notice(NoticeKind.ALIASING, text),)
+
+    @cached_property
+    def _hold_notices(self) -> tuple[Notice, ...]:
+        """A notice where forces between samples are not as they are held."""
+        x, equations, time = self.sequence, self.scene.equations, self.scene.table.time
+        if not isinstance(x, DiscreteStateSpaceResponse):
+            return ()
+        u = _forces(equations)
+        ends = u(time.step * np.arange(self.numbers[-1] + 1))
+        middle = u(time.step * (np.arange(self.numbers[-1]) + 0.5))
+        deviation = np.abs(middle - (ends[:, :-1] + ends[:, 1:]) / 2 if time.hold else middle - ends[:, :-1]).max(
+            axis=1, initial=0.0
+        )
+        size = np.maximum(np.abs(ends).max(axis=1), np.abs(middle).max(axis=1, initial=0.0))
+        part = np.divide(deviation, size, out=np.zeros(len(size)), where=size > 0)
+        if not len(part) or part.max() <= SAME_HOLD:
+            return ()
+        text = (
+            f"{x.system.inputs[int(part.argmax())]}: between samples the given signal is up to {100 * part.max():.3g} % of its largest value "
+            f"off the held one (hold = {time.hold}); the samples are those of the held one, a smaller step brings them nearer"
+        )
+        return (Notice(NoticeKind.ALIASING, text),)
+
+    @property
+    def _left_out_notices(self) -> tuple[Notice, ...]:
+        if self.scene.table.frequency is None:
+            return ()
+        text = "[frequency] is left out of a run in discrete time; the command frequency answers it for the continuous model"
+        return (Notice(NoticeKind.OMITTED, text),)
+
+    @property
+    def _robot_notices(self) -> tuple[Notice, ...]:
+        """Notices on the range of a robot's joints and of its linear equations."""
+        robot_scene = self.scene.equations.robot_scene
+        if robot_scene is None:
+            return ()
+        from ..scene.build.robot_model import limit_notices
+
+        joints = self.values[: len(self.scene.equations.coordinates.names)]
+        limits = limit_notices(robot_scene, np.column_stack([joints.min(axis=1), joints.max(axis=1)]))
+        return (*(self.linear_range.notices if self.linear_range else ()), *limits)
 
     @property
     def table_notices(self) -> tuple[Notice, ...]:
@@ -207,13 +259,17 @@ class DiscreteRunAnswer(RunAnswer):
 
     def plots(self) -> Iterable[Plot]:
         """The samples as points over k, one plot for each unit; no line joins them."""
-        wanted = self.scene.table.output.coordinates
-        coordinates = self._coordinates
-        chosen = [i for i, name in enumerate(coordinates.names) if wanted is None or name in wanted]
-        for unit in dict.fromkeys(coordinates.units[i] for i in chosen):
-            yield self._plot([i for i in chosen if coordinates.units[i] == unit], unit)
+        wanted, coordinates = self.scene.table.output.coordinates, self._coordinates
+        outputs = len(self._robot_outputs.names) if self._robot_outputs else 0
+        plotted, own = self.scene.table.output.plots, len(coordinates.names) - outputs
+        chosen = [i for i, name in enumerate(coordinates.names[:own]) if wanted is None or name in wanted]
+        parts = [("", chosen)] if "displacement" in plotted or not outputs else []
+        parts += [("output", list(range(own, own + outputs)))] if outputs and "output" in plotted else []
+        for title, rows in parts:
+            for unit in dict.fromkeys(coordinates.units[i] for i in rows):
+                yield self._plot([i for i in rows if coordinates.units[i] == unit], unit, title)
 
-    def _plot(self, rows: list[int], unit: str) -> Plot:
+    def _plot(self, rows: list[int], unit: str, title: str = "") -> Plot:
         shown, factor = self._coordinates.shown.of(unit)
         hidden, curves, marks = np.zeros(len(self.numbers), dtype=bool), [], []
         for number, i in enumerate(rows):
@@ -221,7 +277,7 @@ class DiscreteRunAnswer(RunAnswer):
             texts = tuple(f"{name}, k = {k}: {number_text(value)} {shown}" for k, value in zip(self.numbers, values))
             curves.append(Curve(name, values, drawn=hidden))
             marks.append(Marks("", np.column_stack([self.numbers, values]), texts, curve=number))
-        title = "output" if self._called == "outputs" else "displacement" if unit == "m" else "samples"
+        title = title or ("output" if self._called == "outputs" else "displacement" if unit == "m" else "samples")
         return Plot(
             f"{title}, sample by sample",
             "" if shown == "1" else shown,
@@ -238,12 +294,26 @@ class DiscreteRunAnswer(RunAnswer):
     def animation(self) -> Animation:
         """The model at rest at each sample until the next one, to which it jumps."""
         scene, h = self.scene, self.scene.table.time.step
+        if scene.equations.robot_scene is not None:
+            return self._robot_animation(scene.equations.robot_scene)
         table, count = scene.table.drawing, max(1, MOST_FRAMES // 2)
         scales = {key: getattr(table, key) for key in ("scale", "turn_scale") if table and key in table.model_fields_set}
         values, times = self.values[:, :count], self.times[:count]
         frames = np.repeat(values, 2, axis=1)
         moments = np.column_stack([times, times + SHOWN_PART * h]).ravel()
         return Animation(drawing_of(scene, self.values, **scales), self._coordinates.names, moments, frames, 0.0 * frames)
+
+    def _robot_animation(self, robot_scene: RobotScene) -> Animation:
+        """The poses of a robot, loops closed; the page takes rates of poses from five neighbours, which agree but next to the jumps."""
+        from ..scene.run.drawing import RobotPicture, drawing_of_robot
+
+        picture, parts = RobotPicture(robot_scene, self.scene.table.drawing), np.array(POSE_PARTS)
+        moving, names = max(1, len(picture.solids)), self.scene.equations.coordinates.names
+        count = max(1, min(MOST_SAMPLED_POSES, MOST_POSES // (moving * len(parts))))
+        values = np.repeat(self.values[: len(names), :count], len(parts), axis=1)
+        moments = np.add.outer(self.times[:count], parts * self.scene.table.time.step).ravel()
+        drawing = drawing_of_robot(picture, values, self.scene.table.drawing)
+        return Animation(drawing, names, moments, values, 0.0 * values)
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Sample numbers, times, names and values in SI, for NumPy; the matrices of a discretized model."""
@@ -289,10 +359,9 @@ def _mechanical(equations: Equations, h: float, hold: int) -> DiscreteStateSpace
     forces = [f"force on {name}" for name in system.names]
     space = system.to_state_space([*forces, *rows], list(system.names))
     n = system.size
-    u = with_right_sides(system.force if equations.force is None else system.force + equations.force, system.rows)
     start = np.zeros(len(space.A))
     start[: 2 * n] = np.concatenate([equations.initial[0], equations.initial[1]])
-    return space.discretize(h, hold).solve(start, u)
+    return space.discretize(h, hold).solve(start, _forces(equations))
 
 
 def _control(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceResponse:
@@ -303,12 +372,22 @@ def _control(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceRes
         names = {"inputs": given.inputs, "outputs": control.outputs.names or [f"sample of {name}" for name in given.states]}
         C, D = (given.C, given.D) if control.outputs.names else (np.eye(len(given.A)), None)
         space = StateSpace(given.A, given.B, C, D, given.E if given.is_descriptor else None, states=given.states, **names)
-        return space.discretize(h, hold).solve(control.start, control.input)
+        return space.discretize(h, hold).solve(control.start, _forces(equations))
     own = control.transfer_function
     if own.start is not None:
         raise InputError("a transfer function in discrete time starts from rest; give a state space for other starts")
-    u = power([1.0], own.input) if isinstance(own.input, int) else own.input
-    return StateSpace.from_transfer_function(own.numerator, own.denominator).discretize(h, hold).solve(input=u)
+    return StateSpace.from_transfer_function(own.numerator, own.denominator).discretize(h, hold).solve(input=_forces(equations))
+
+
+def _forces(equations: Equations) -> ImpulsiveSmooth:
+    """The inputs of the continuous model: forces and values of constraint rows, or those of a state space or transfer function."""
+    system = equations.system
+    if system is not None:
+        return with_right_sides(system.force if equations.force is None else system.force + equations.force, system.rows)
+    own = equations.control.transfer_function
+    if own is None:
+        return equations.control.input
+    return power([1.0], own.input) if isinstance(own.input, int) else own.input
 
 
 def _complex_text(z: complex) -> str:

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from ..exchange.universal import Geometry
     from ..page.animation import Animation
     from ..page.content import Formulas, PageContent, Plot
+    from ..scene.quantities.coordinates import Coordinates
     from ..scene.run.certificate import Certificate
     from .frequency import Frequency
 
@@ -91,8 +92,11 @@ class RunAnswer(Result, Answer):
     def heading(self) -> str:
         """Heading of the summary: the model, its coordinates and times."""
         equations = self.scene.equations
-        what, times = equations.coordinates_called, self.scene.table.time.text
-        lines = [self.title, self.source, f"{what[0].upper()}{what[1:]}: {equations.coordinates.listed}; t from {times}"]
+        return self._headed(equations.coordinates_called, equations.coordinates, f"t from {self.scene.table.time.text}")
+
+    def _headed(self, what: str, coordinates: Coordinates, times: str) -> str:
+        """Title and source above the coordinates and their times."""
+        lines = [self.title, self.source, f"{what[0].upper()}{what[1:]}: {coordinates.listed}; {times}"]
         return "\n".join(line for line in lines if line)
 
     @property
@@ -220,6 +224,7 @@ class RunAnswer(Result, Answer):
         return {
             "source": self.source,
             **equations.to_dict(self),
+            **{end.key: end.to_dict() for end in equations.ends},
             "coordinates": equations.coordinates.to_list(),
             "constraints": [
                 {"name": row.name, "level": row.level, "value": row.value if row.signal is None else "prescribed"}

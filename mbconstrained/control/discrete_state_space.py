@@ -207,8 +207,11 @@ class DiscreteStateSpace(Displayed):
         force = discrete_force(input, len(self.inputs), "input", self.step)
         start = np.concatenate([self._start(initial, force(0)), np.zeros(q)])
         constant = np.block([[-self.A, np.zeros((n, q))], [-self.C, np.eye(q)]])
-        A = PolynomialMatrix([constant, np.diag([1.0] * n + [0.0] * q)], [f"state {x}" for x in self.states] + list(self.outputs))
-        return DiscreteStateSpaceResponse(self, from_start(A, start[None, :], force.mapped(np.vstack([self.B, self.D]))))
+        states, outputs = [f"state {name}" for name in self.states], list(self.outputs)
+        if set(states) & set(outputs):
+            outputs = [f"output {name}" for name in outputs]
+        A = PolynomialMatrix([constant, np.diag([1.0] * n + [0.0] * q)], states + outputs)
+        return DiscreteStateSpaceResponse(self, from_start(A, start[None, :], force.times(np.vstack([self.B, self.D]))))
 
     def _start(self, initial, first: np.ndarray) -> np.ndarray:
         given = self._sampled
@@ -356,7 +359,9 @@ class DiscreteStateSpace(Displayed):
         >>> DiscreteStateSpace.from_scipy(scipy.signal.TransferFunction([1.0], [1.0, -0.5], dt=0.1))(1).item()
         2.0
         """
-        own = getattr(system, "dt", None)
+        if not hasattr(system, "dt"):
+            raise InputError(f"found {type(system).__name__}; expected a system of scipy.signal or python-control in discrete time")
+        own = system.dt
         if own is None or (not isinstance(own, bool) and own == 0):
             raise InputError(
                 f"found a continuous system (dt = {own}); expected one in discrete time: mb.StateSpace reads it, and .discretize samples it"

@@ -7,7 +7,7 @@ that nothing cancels that the sum does not cancel itself.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,7 +17,10 @@ from ..exact.enclosure.sequences import ForceSums, rows_before, transform_of
 from ..exact.rational import RationalMatrix, polynomial
 from ..ground.errors import InputError
 from ..ground.notices import Notice
+from ..linalg.double_double import DoubleDouble
+from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.discrete import DiscreteForce, DiscreteFunction, Force, discrete_force, growth_notices
+from ..response.sample_recursion import ShiftRecursion
 from .rational import RationalFunction, rational_function
 
 #: z and z - 1.
@@ -75,6 +78,19 @@ class DiscreteTransferResponse(DiscreteFunction):
             return self._over(polynomial([0]), one)
         (above,), below = transform_of(self.input.closed)
         return self._over(above, below)
+
+    @cached_property
+    def _recursion(self) -> tuple[ShiftRecursion, float] | None:
+        u, (b, a) = self.input, (self.fraction.numerator, self.fraction.denominator)
+        is_rounded = any(float(c) != c for c in (*b, *a))
+        if u is None or u.closed is not None or not b or is_rounded or len(self.fraction.common_factor) > 1:
+            return None
+        recursion = ShiftRecursion.of_rows(PolynomialMatrix([[[float(c)]] for c in a]))
+        return None if recursion is None else (replace(recursion, lead=tuple(np.array([[float(c)]]) for c in b)), u.end)
+
+    def _forces(self, count: int) -> tuple[DoubleDouble, int]:
+        assert self.input is not None
+        return self.input.samples(count + len(self.fraction.numerator)), 0
 
     @cached_property
     def _column(self) -> RationalResponse:

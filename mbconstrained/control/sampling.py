@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 HOLDS = (0, 1, "impulse")
 
+#: Each step of a delay is a state.
+MOST_DELAYED = 2000
+
 
 @dataclass(frozen=True, eq=False)
 class SampledEquations:
@@ -41,7 +44,7 @@ def sampled_equations(system: StateEquations, step, hold=1, delays: Mapping[str,
     step = Fraction(real_number(step, "step", positive=True))
     if isinstance(hold, bool) or hold not in HOLDS:
         raise InputError(f"hold: found {hold!r}; expected 0 (constant between samples), 1 (linear between samples) or 'impulse'")
-    late = _delays(system, delays)
+    late = _delays(system, delays, step)
     n, nothing = len(system.A), np.zeros(system.D.shape)
     is_ordinary = bool((system.E == np.eye(n)).all())
     pairs = None if is_ordinary else system.polynomial_matrix().jordan_pairs()
@@ -82,7 +85,7 @@ def _refuse_feedthrough(system: StateEquations, D: np.ndarray, hold) -> None:
         raise InputError(f"{text}, which is a train of Dirac impulses; leave this output out")
 
 
-def _delays(system: StateEquations, delays: Mapping[str, float] | None) -> list[Fraction]:
+def _delays(system: StateEquations, delays: Mapping[str, float] | None, step: Fraction) -> list[Fraction]:
     """The delay of each input in s."""
     given = {} if delays is None else delays
     if not isinstance(given, Mapping):
@@ -90,4 +93,11 @@ def _delays(system: StateEquations, delays: Mapping[str, float] | None) -> list[
     for name in given:
         if name not in system.inputs:
             raise InputError(f'delays: there is no input "{name}"{nearest(name, system.inputs)}')
-    return [Fraction(real_number(given.get(name, 0.0), f"delay of {name}", minimum=0.0)) for name in system.inputs]
+    late = [Fraction(real_number(given.get(name, 0.0), f"delay of {name}", minimum=0.0)) for name in system.inputs]
+    for name, delay in zip(system.inputs, late):
+        if delay > MOST_DELAYED * step:
+            raise InputError(
+                f"delay of {name}: found {float(delay):g} s, which is more than {MOST_DELAYED} steps of {float(step):g} s, a state for each; "
+                "give a larger step, or delay the input itself"
+            )
+    return late

@@ -8,6 +8,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
+from operator import attrgetter
 from types import ModuleType
 
 import numpy as np
@@ -234,6 +235,8 @@ class ReadOnly(Mapping):
 
     def __len__(self) -> int:
         return len(self._entries)
+
+    values = property(attrgetter("_entries.values"))  # Mapping's own looks up every name
 
     def __repr__(self) -> str:
         return repr(self._entries)

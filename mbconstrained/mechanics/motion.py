@@ -546,7 +546,8 @@ def _drift_of_record(motion: Motion, row: ConstraintRow) -> Iterator[Notice]:
         return
     place, _ = _row_value(row, motion(end))
     rate, noise = _row_value(row, motion.derivative(1)(end))
-    size = np.abs(row.coefficients) @ np.abs(motion.derivative(1)(row.signal.knots)).max(axis=1)
+    times = np.union1d(row.signal.knots, np.linspace(0.0, end, 33))
+    size = np.abs(row.coefficients) @ np.abs(motion.derivative(1)(times)).max(axis=1)
     moves = abs(rate) > max(noise, noise_of(size, len(row.signal.knots)))
     moving = f" and moves on at {rate:.6g} {rate_unit(row.unit)}" if moves else ""
     yield Notice(

@@ -14,7 +14,7 @@ from ..response.choose import Evaluations, Request
 from ..signals.inputs import ImpulsiveSmooth
 from .descriptor_form import discretize, system_to_dict, to_state_space
 from .equations import EquationsOfMotion
-from .modes import Modes, modes_of
+from .modes import Modes, modes_of, modes_with_delays
 from .motion import Motion, motion_of
 
 if TYPE_CHECKING:
@@ -184,33 +184,10 @@ class MechanicalSystem(EquationsOfMotion):
         if self.delayed:
             if not damped:
                 self._refuse_delays("modes without damping")
-            from .modes import modes_with_delays
-
             return modes_with_delays(self, DEFAULT_ROOT_COUNT if count is None else count)
         undamped = None if damped else MechanicalSystem(self.given[2], None, self.given[0], self.constraints, self.names)
         modes = replace(modes_of(undamped or self), system=undamped or self)
         return modes if count is None else modes.lowest(count)
-
-    def characteristic_roots(self, count: int = 10) -> CharacteristicRoots:
-        """The rightmost roots of the equations with delays, which decide on stability (``mbconstrained.characteristic_roots``).
-
-        Args:
-            count: how many, a complex pair counts once.
-
-        Returns:
-            ``CharacteristicRoots``: ``eigenvalues``, ``shapes``, ``stability_margin``, ``damping_ratios``.
-
-        Raises:
-            InputError: a system without delays; terms of neutral type.
-
-        >>> from mbconstrained import MechanicalSystem
-        >>> late = MechanicalSystem([[1.0]], [[0.2]], [[4.0]], delayed={0.1: [[[0.0]], [[1.0]]]})  # a delayed damper
-        >>> round(float(late.characteristic_roots(1).damping_ratios[0]), 6)
-        0.311141
-        """
-        from ..polynomial.characteristic_roots import rightmost_roots
-
-        return rightmost_roots(self.undelayed_form().polynomial_matrix, self.delayed_equations(), count)
 
     def frequency_response(
         self,
@@ -286,6 +263,27 @@ class MechanicalSystem(EquationsOfMotion):
         from .harmonic_response import steady_state
 
         return steady_state(self, force, period, harmonics, modal_damping, loss_factor)
+
+    def characteristic_roots(self, count: int = 10) -> CharacteristicRoots:
+        """The rightmost roots of the equations with delays, which decide on stability (``mbconstrained.characteristic_roots``).
+
+        Args:
+            count: how many, a complex pair counts once.
+
+        Returns:
+            ``CharacteristicRoots``: ``eigenvalues``, ``shapes``, ``stability_margin``, ``damping_ratios``.
+
+        Raises:
+            InputError: a system without delays; terms of neutral type.
+
+        >>> from mbconstrained import MechanicalSystem
+        >>> late = MechanicalSystem([[1.0]], [[0.2]], [[4.0]], delayed={0.1: [[[0.0]], [[1.0]]]})  # a delayed damper
+        >>> round(float(late.characteristic_roots(1).damping_ratios[0]), 6)
+        0.311141
+        """
+        from ..polynomial.characteristic_roots import rightmost_roots
+
+        return rightmost_roots(self.undelayed_form().polynomial_matrix, self.delayed_equations(), count)
 
     to_state_space = to_state_space
     discretize = discretize

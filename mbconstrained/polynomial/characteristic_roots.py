@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from math import ceil
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from ..ground.checks import counted, whole_number
 from ..ground.display import Displayed, TextTable, notice_table

@@ -25,9 +25,10 @@ import numpy as np
 from ..ground.checks import counted
 from ..ground.errors import InputError
 from ..ground.tolerances import EPS, PROVED_RESTARTS, PROVED_STATES, noise_of
+from ..linalg.arrays import entry_count
 from ..linalg.exponential import even_step
 from ..linalg.precise import is_worthwhile
-from ..linalg.recursion import cost_of_exponential, cost_of_powers, cost_of_steps, shared_gaps
+from ..linalg.recursion import cost_of_exponential, cost_of_powers, cost_of_series, cost_of_steps, shared_gaps
 from ..polynomial.direct_reduction import reduction_of
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..polynomial.reduced_equations import NotReducible, Reduction
@@ -295,7 +296,21 @@ def evaluation_method(flow: Flow, shape: tuple[int, int], request: Request) -> t
 def _cost_of_powers(flow: Flow, times: np.ndarray) -> float | None:
     """Cost of e^(S h) and its use at even times 0, h, 2 h, ...; None where the times or the force do not allow it."""
     step = even_step(times) if len(times) >= FEWEST_TIMES and times[0] == 0 and len(flow.knots) == 1 else None
-    return None if step is None else cost_of_powers(flow.reduction.state_count, len(times), flow.norm * step)
+    if step is None:
+        return None
+    powers, series = _costs_at_even_times(flow, len(times), step)
+    return min(powers, series)
+
+
+def is_by_series(flow: Flow, times: np.ndarray) -> bool:
+    """Whether vectors at these even times cost less by the series of e^(S h) than by its powers: of large sparse models."""
+    powers, series = _costs_at_even_times(flow, len(times), float(times[-1]) / (len(times) - 1))
+    return series < powers
+
+
+def _costs_at_even_times(flow: Flow, count: int, step: float) -> tuple[float, float]:
+    n, turned = flow.reduction.state_count, flow.norm * step
+    return cost_of_powers(n, count, turned), cost_of_series(n, entry_count(flow.generator), count, turned)
 
 
 def _cost_of_steps(flow: Flow, shape: tuple[int, int], times: np.ndarray) -> float | None:

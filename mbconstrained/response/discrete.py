@@ -15,8 +15,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
 from typing import TypeAlias
 
 import numpy as np
@@ -26,7 +26,9 @@ from ..exact.enclosure.sequences import (
     ForceSums,
     RealizedMatrix,
     SequenceTerm,
+    applied,
     closed_terms,
+    exact_matrix,
     inverse_columns,
     response_to,
     rounded_values,
@@ -38,6 +40,7 @@ from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import IllConditioned, InputError, Overflow
 from ..ground.notices import Notice, NoticeKind, doubts_of
 from ..ground.tolerances import EPS, noise_of
+from ..linalg.double_double import DoubleDouble
 from ..polynomial.jordan_pairs import JordanPairs
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.impulsive import ImpulsiveSmooth
@@ -45,11 +48,16 @@ from ..signals.inputs import power, zero
 from ..signals.sequences import GeometricSequence, sample_numbers, sampled_terms
 from .admissible import Violation, admissible
 from .problem import checked_matrix
+from .sample_recursion import SETTLED, ShiftRecursion, product, refined, with_start
 
 Force: TypeAlias = "GeometricSequence | ImpulsiveSmooth | Callable | Sequence | np.ndarray | None"
 
 #: Sums of (k - 1)-th powers over factorials give a force its first values as derivatives; later factorials leave float64.
 MOST_SHIFTS = 170
+
+#: Free motions of fewer coordinates are summed in closed form at once; a recursion that goes on after the last value of the force takes at
+#: most so many products for each coordinate.
+MANY_COORDINATES, FEW_PRODUCTS = 12, 1 << 17
 
 #: Number of coordinates and conditions that a notice names.
 MOST_NAMED = 4
@@ -60,34 +68,49 @@ MOST_NAMED = 4
 
 @dataclass(frozen=True, eq=False)
 class DiscreteForce:
-    """f_k as a sequence in closed form or, where that is None, by its values.
+    """f_k = matrix u_k, u_k a sequence in closed form or, where that is None, given by its values.
 
     Attributes:
-        size: number of rows r.
-        closed: the closed form.
-        value: returns f_k, shape (r,).
+        size: number of rows of u_k.
+        closed: the closed form of u_k.
+        value: returns u_k, shape (size,).
         end: number of values; zero from there on; infinite for a function.
+        matrix: None for f_k = u_k; its products are exact.
+        table: all values of u_k as rows; None for a function.
     """
 
     size: int
     closed: GeometricSequence | None
     value: Callable[[int], np.ndarray]
     end: float = np.inf
+    matrix: np.ndarray | None = None
+    table: np.ndarray | None = None
     known: dict[int, list] = field(default_factory=dict)
 
     def exact(self, k: int) -> list:
         """f_k as exact numbers, computed once."""
         if k not in self.known:
-            self.known[k] = [rational(entry) for entry in self(k).tolist()]
+            values = [rational(entry) for entry in self.value(k).tolist()]
+            self.known[k] = values if self.matrix is None else applied(exact_matrix(self.matrix), values, rational(0))
         return self.known[k]
 
-    def mapped(self, matrix: np.ndarray) -> DiscreteForce:
-        """The product matrix @ f_k."""
-        closed = None if self.closed is None else self.closed.mapped(matrix)
-        return DiscreteForce(len(matrix), closed, lambda k: matrix @ self(k), self.end)
+    def times(self, matrix: np.ndarray) -> DiscreteForce:
+        """The product matrix @ u_k."""
+        return replace(self, matrix=matrix, known={})
+
+    def samples(self, count: int) -> DoubleDouble:
+        """f_0 ... f_(count - 1) side by side, shape (r, count)."""
+        values = np.zeros((self.size, count))
+        if self.table is not None:
+            values[:, : len(self.table)] = self.table[:count].T
+        else:
+            for k in range(int(min(count, self.end))):
+                values[:, k] = self.value(k)
+        return DoubleDouble.of(values) if self.matrix is None else product(self.matrix, DoubleDouble.of(values))
 
     def __call__(self, k: int) -> np.ndarray:
-        return self.value(k) if k < self.end else np.zeros(self.size)
+        value = self.value(k) if k < self.end else np.zeros(self.size)
+        return value if self.matrix is None else self.matrix @ value
 
 
 def discrete_force(force, size: int, what: str = "force", step: float = 1.0) -> DiscreteForce:
@@ -97,7 +120,7 @@ def discrete_force(force, size: int, what: str = "force", step: float = 1.0) -> 
     if isinstance(force, (GeometricSequence, ImpulsiveSmooth)):
         return _signal_force(force, size, what, step)
     if callable(force):
-        return DiscreteForce(size, None, lambda k: _value(force(k), k, size, what))
+        return DiscreteForce(size, None, cache(lambda k: _value(force(k), k, size, what)))
     values = real_array(force, what)
     if values.ndim == 1 and size == 1:
         values = values[:, None]
@@ -106,7 +129,7 @@ def discrete_force(force, size: int, what: str = "force", step: float = 1.0) -> 
         hint = "; give its transpose, one row for each k" if values.ndim == 2 and values.shape[0] == size else ""
         constant = f"; a constant is mb.geometric([…], 1) of {size} numbers" if values.shape == (size,) else ""
         raise InputError(f"{what}: expected f_0, f_1, ... as rows, shape any x {size}, found {shape}{hint}{constant}")
-    return DiscreteForce(size, None, lambda k: values[k], len(values))
+    return DiscreteForce(size, None, values.__getitem__, len(values), table=values)
 
 
 def _signal_force(force: GeometricSequence | ImpulsiveSmooth, size: int, what: str, step: float) -> DiscreteForce:
@@ -115,7 +138,9 @@ def _signal_force(force: GeometricSequence | ImpulsiveSmooth, size: int, what: s
     if isinstance(force, GeometricSequence):
         return DiscreteForce(size, force, force)
     if force.impulses or force.later:
-        raise InputError(f"{what}: it contains Dirac impulses, which have no value at k; a unit pulse is the array [[1, ...]]")
+        raise InputError(
+            f"{what}: it contains Dirac impulses, which have no value at k; a unit pulse is 1 at k = 0 alone, as an array or a sampled signal"
+        )
     return DiscreteForce(size, sampled_terms(force, step), lambda k: force(k * step))
 
 
@@ -145,9 +170,29 @@ class ExactInverse:
             return None
 
     @cached_property
+    def by_rows(self) -> ShiftRecursion | None:
+        """The recursion by the highest powers of the rows, where all numbers count as exact and need no rank decision."""
+        A = self.polynomial_matrix
+        if self.rank_tolerance is not None or A.uncertainty.any() or any(factors is not None for factors in A.factors):
+            return None
+        return ShiftRecursion.of_rows(A)
+
+    @cached_property
+    def recursion(self) -> ShiftRecursion | None:
+        """The recursion in float64 from sample to sample; None where float64 cannot tell its structure."""
+        if self.by_rows is not None:
+            return self.by_rows
+        is_given = all(factors is None for factors in self.polynomial_matrix.factors)
+        if self.pairs is None or not is_given:
+            return None
+        return ShiftRecursion.of_pairs(self.polynomial_matrix, self.pairs) if self.is_exact else ShiftRecursion.realized(self.pairs)
+
+    @cached_property
     def is_exact(self) -> bool:
         """Whether the numbers of A(z), taken as exact, have the structure of the pairs."""
-        return self.pairs is None or regular_matrix(self.polynomial_matrix).determinant.degree() == len(self.pairs.form.T)
+        if self.by_rows is not None or self.pairs is None:
+            return True
+        return regular_matrix(self.polynomial_matrix).determinant.degree() == len(self.pairs.form.T)
 
     @cached_property
     def inverse(self) -> RationalMatrix | RealizedMatrix:
@@ -166,6 +211,8 @@ class ExactInverse:
     @property
     def look_ahead(self) -> int:
         """The highest i with H_i other than zero, at least 0: x_k depends on f_k ... f_(k+i)."""
+        if self.recursion is not None:
+            return max(len(self.recursion.taps or self.recursion.lead) - 1, 0)
         return max(max((len(column.impulses) for column in self.columns), default=1) - 1, 0)
 
 
@@ -204,7 +251,7 @@ class DiscreteFunction(Displayed, ABC):
     @property
     def terms(self) -> tuple[SequenceTerm, ...]:
         """The closed form of the response to the start and to a force in closed form: sum of Re(v binom(k, j) p^(k - j))."""
-        return closed_terms(self._closed)
+        return closed_terms(self._closed) if len(self(0)) else ()
 
     @property
     def is_trusted(self) -> bool:
@@ -219,7 +266,55 @@ class DiscreteFunction(Displayed, ABC):
 
     def _evaluated(self, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values (r, T) and bounds of their relative errors."""
-        return rounded_values([self._closed], self._sums, indices.reshape(-1).tolist())
+        return self._from_start(indices.reshape(-1))
+
+    def _from_start(self, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Values (r, T) and bounds of their relative errors: by a recursion, in balls where that is not accurate enough."""
+        known = self._recursive(int(indices.max(initial=0)))
+        if known is None:
+            return rounded_values([self._closed], self._sums, indices.tolist())
+        values, errors = known[0][:, indices], known[1][indices]
+        left = np.flatnonzero(~(errors <= SETTLED))
+        beyond = indices[left][~np.isfinite(values[:, left]).all(axis=0)]
+        while left.size:
+            first = beyond.min(initial=np.iinfo(int).max)  # where one value lies beyond float64, later ones need no balls
+            some, left = left[indices[left] <= first], left[indices[left] > first]
+            values[:, some], errors[some] = rounded_values([self._closed], self._sums, indices[some].tolist())
+            if not np.isfinite(values[:, some]).all():
+                values[:, left], errors[left], left = np.inf, np.inf, left[:0]
+            beyond = beyond[beyond > first]
+        return values, errors
+
+    def _recursive(self, last: int) -> tuple[np.ndarray, np.ndarray] | None:
+        """x_0, x_1, ... up to x_last at least by a recursion and bounds of their relative errors; None where it does not serve."""
+        if self._recursion is None:
+            return None
+        recursion, end = self._recursion
+        if end == np.inf:
+            count = last + 1
+        elif last < end:
+            count = int(end)
+        elif recursion.cost * (count := 1 << last.bit_length()) > FEW_PRODUCTS * len(recursion.shifts):
+            return None
+        if count not in self._windows:
+            forces, before = self._forces(count)
+            values, errors = refined(recursion, forces)
+            self._windows[count] = values[:, before : before + count], errors[before : before + count]
+        return self._windows[count]
+
+    @cached_property
+    def _windows(self) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+        """Samples by recursion of as many as were computed together."""
+        return {}
+
+    @property
+    def _recursion(self) -> tuple[ShiftRecursion, float] | None:
+        """The recursion and the number of given values of the force; None for closed forms."""
+        return None
+
+    def _forces(self, count: int) -> tuple[DoubleDouble, int]:
+        """The force that determines x_0 ... x_(count - 1), and how many of its values come before k = 0."""
+        raise NotImplementedError
 
     @property
     @abstractmethod
@@ -278,6 +373,8 @@ class DiscreteResponse(DiscreteFunction):
 
     def _evaluated(self, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values (r, T) and bounds of their relative errors."""
+        if not self.polynomial_matrix.size:
+            return np.zeros((0, indices.size)), np.zeros(indices.size)
         values, errors = super()._evaluated(indices)
         for column, k in enumerate(indices.reshape(-1).tolist()):
             if self._backward and self.horizon - k < len(self._backward):
@@ -291,7 +388,19 @@ class DiscreteResponse(DiscreteFunction):
     @cached_property
     def _closed(self) -> RationalResponse:
         """The response to the start and to a force in closed form."""
-        return response_to(self.equations.inverse, self.polynomial_matrix, self.initial, self.force.closed)
+        force = self.force
+        return response_to(self.equations.inverse, self.polynomial_matrix, self.initial, force.closed, force.matrix)
+
+    @property
+    def _recursion(self) -> tuple[ShiftRecursion, float] | None:
+        force, recursion = self.force, self.equations.recursion
+        if recursion is None or (force.closed is not None and (force.end or self.polynomial_matrix.size < MANY_COORDINATES)):
+            return None
+        return recursion, force.end
+
+    def _forces(self, count: int) -> tuple[DoubleDouble, int]:
+        forces = self.force.samples(count + self.equations.look_ahead)
+        return with_start(self.polynomial_matrix.coefficients, self.initial, forces), self.polynomial_matrix.degree
 
     @cached_property
     def _sums(self) -> tuple[ForceSums, ...]:
@@ -307,7 +416,7 @@ class DiscreteResponse(DiscreteFunction):
             return []
         A, N = self.polynomial_matrix, self.horizon
         ends = np.arange(N, N - A.degree, -1)
-        free = rounded_values([self._closed], self._sums, ends.tolist())[0].T if A.degree else np.zeros((0, A.size))
+        free = self._from_start(ends)[0].T if A.degree else np.zeros((0, A.size))
         difference = self.final[::-1] - free
         dual = ExactInverse(A.dual, self.equations.rank_tolerance)
         return rows_at_zero(response_to(dual.inverse, A.dual, difference, None))
@@ -498,13 +607,15 @@ def solve_discrete(
     """
     A = checked_matrix(A)
     q, r = A.degree, A.size
-    regular_matrix(A)
-    horizon = None if horizon is None else whole_number(horizon, "horizon", minimum=max(q, 1))
+    equations = ExactInverse(A, rank_tolerance)
+    if equations.by_rows is None:
+        regular_matrix(A)
+    horizon = None if horizon is None else whole_number(horizon, "horizon", minimum=q)
     if final is not None and horizon is None:
         raise InputError("final: values at the end need a horizon; give horizon=N, the number of the last sample")
     start = np.zeros((q, r)) if initial is None else _rows(initial, q, r, "initial")
     end = None if final is None else _rows(final, q, r, "final")
-    return DiscreteResponse(A, start, discrete_force(force, r), horizon, end, initial is not None, ExactInverse(A, rank_tolerance))
+    return DiscreteResponse(A, start, discrete_force(force, r), horizon, end, initial is not None, equations)
 
 
 def from_start(A: PolynomialMatrix, start: np.ndarray, force: DiscreteForce, is_given: bool = False) -> DiscreteResponse:

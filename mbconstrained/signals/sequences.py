@@ -13,6 +13,9 @@ from ..ground.display import Displayed
 from ..ground.errors import InputError
 from .impulsive import ExactTerm, ImpulsiveSmooth
 
+#: Whole numbers up to this one are exact in float64.
+LARGEST_NUMBER = 2**53
+
 
 @dataclass(frozen=True, eq=False)
 class GeometricTerm:
@@ -128,6 +131,10 @@ def sample_numbers(value) -> np.ndarray:
         raise InputError(f"k: expected a whole number or a list of them, found an array of shape {numbers.shape}")
     if numbers.size and numbers.min() < 0:
         raise InputError(f"k: found {numbers.min():g}; samples are numbered from 0")
+    if numbers.size and numbers.max() > LARGEST_NUMBER:
+        raise InputError(
+            f"k: found {numbers.max():g}; expected at most 2^53, from where float64 does not tell a number from the next"
+        )
     whole = numbers.astype(np.int64)
     if (whole != numbers).any():
         wrong = np.atleast_1d(numbers)[np.atleast_1d(whole != numbers)][0]

@@ -34,8 +34,8 @@ class RealizedMatrix:
 
     def __init__(self, C: np.ndarray, J: np.ndarray, B: np.ndarray, H: Sequence[np.ndarray]):
         self._pencil = RationalMatrix([(-J).tolist(), np.eye(len(J)).tolist()]) if len(J) else None
-        self._C, self._B = _exact_matrix(C), _exact_matrix(B)
-        self._H = [_exact_matrix(matrix) for matrix in H]
+        self._C, self._B = exact_matrix(C), exact_matrix(B)
+        self._H = [exact_matrix(matrix) for matrix in H]
         self.size = len(C)
 
     @property
@@ -47,19 +47,20 @@ class RealizedMatrix:
         """The inverse times b, times the determinant."""
         total = [ZERO_POLYNOMIAL] * self.size
         if self._pencil is not None:
-            total = _applied(self._C, self._pencil.numerators(_applied(self._B, b)))
+            total = applied(self._C, self._pencil.numerators(applied(self._B, b)))
         for power, matrix in enumerate(self._H):
             shift = self.determinant.left_shift(power)
-            total = [one + other * shift for one, other in zip(total, _applied(matrix, b))]
+            total = [one + other * shift for one, other in zip(total, applied(matrix, b))]
         return total
 
 
-def _exact_matrix(matrix: np.ndarray) -> list[list[flint.fmpq]]:
+def exact_matrix(matrix: np.ndarray) -> list[list[flint.fmpq]]:
     return [[rational(entry) for entry in row] for row in np.asarray(matrix).tolist()]
 
 
-def _applied(matrix, polynomials) -> list[flint.fmpq_poly]:
-    return [sum((entry * p for entry, p in zip(row, polynomials) if entry and p), ZERO_POLYNOMIAL) for row in matrix]
+def applied(matrix: Sequence[Sequence[flint.fmpq]], values: Sequence, zero=ZERO_POLYNOMIAL) -> list:
+    """The product of a matrix with polynomials, or with numbers and their zero."""
+    return [sum((entry * value for entry, value in zip(row, values) if entry and value), zero) for row in matrix]
 
 
 def inverse_columns(inverse: Inverse, size: int) -> tuple[RationalResponse, ...]:
@@ -68,11 +69,14 @@ def inverse_columns(inverse: Inverse, size: int) -> tuple[RationalResponse, ...]
     return tuple(RationalResponse(inverse, unit, ONE_POLYNOMIAL, range(size)) for unit in units)
 
 
-def response_to(inverse: Inverse, A: PolynomialMatrix, initial: np.ndarray, sequence: GeometricSequence | None) -> RationalResponse:
-    """The response to a start of shape (q, r) and to a force in closed form, whose poles combine and cancel exactly."""
-    b, below = start_transform([rational_matrix(matrix) for matrix in A.exact_coefficients], initial.tolist()), ONE_POLYNOMIAL
+def response_to(
+    inverse: Inverse, A: PolynomialMatrix, initial: np.ndarray, sequence: GeometricSequence | None, matrix: np.ndarray | None = None
+) -> RationalResponse:
+    """The response to a start of shape (q, r) and to a force in closed form, a sequence or the product of a matrix with it."""
+    b, below = start_transform([rational_matrix(one) for one in A.exact_coefficients], initial.tolist()), ONE_POLYNOMIAL
     if sequence is not None:
         own, below = transform_of(sequence)
+        own = own if matrix is None else applied(exact_matrix(matrix), own)
         b = [one * below + other for one, other in zip(b, own)]
     return RationalResponse(inverse, b, below, range(A.size))
 

@@ -25,7 +25,7 @@ from functools import cached_property
 from math import ceil, factorial
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from ...ground.errors import InputError, within_float64
 from ...ground.notices import Evidence, Notice

@@ -29,6 +29,7 @@ from ...signals.inputs import power, zero
 from ..file import at
 from ..quantities.coordinates import Coordinates, initial_values, state_values
 from .data_files import entries_of
+from .ends import shaped_inputs
 from .forces import input_of
 from .model import Decision, Equations, ModelTables
 
@@ -142,6 +143,10 @@ class ControlEquations(Equations):
 
     control: ControlScene = None
 
+    @property
+    def has_forces(self) -> bool:
+        return self.control.system is not None and bool(self.control.inputs.names)
+
     def solve(self) -> Response:
         function = self.control.transfer_function
         from_rest = function.response() if function else None
@@ -225,7 +230,11 @@ class ControlEquations(Equations):
         return requested, "C x + D u, of the states that were given" if requested else "output is not among the plots"
 
     def unproved(self, reason: str, plots: Sequence[str]) -> str:
-        return unproved(self.control.response.together.problem) if reason and self.control.form and "output" in plots else reason
+        return (
+            unproved(self.control.response.together.problem)
+            if reason and self.control.form and "output" in plots
+            else super().unproved(reason, plots)
+        )
 
     @property
     def without_energy(self) -> str:
@@ -260,7 +269,8 @@ def transfer_function(table, folder: Path, file_name: str) -> ControlEquations:
             raise InputError("nothing acts: give gamma = 1 (a step), a [[force]] on the input, or a start of the output")
     G = TransferFunction(model.numerator, model.denominator, zero(1) if u is None else u, start if start.any() else None)
     control, A = ControlScene(inputs, outputs, G), G.polynomial_matrix
-    return ControlEquations(outputs, A, np.zeros((A.degree, 1)) if G.start is None else start, G.force, control=control)
+    ends = shaped_inputs(table.force, file_name)
+    return ControlEquations(outputs, A, np.zeros((A.degree, 1)) if G.start is None else start, G.force, control=control, ends=ends)
 
 
 def state_space_scene(table, folder: Path, file_name: str) -> ControlScene:
@@ -348,15 +358,15 @@ def _named(names, units) -> Coordinates:
 
 def state_space(table, folder: Path, file_name: str, lap: Callable[[str], object]) -> ControlEquations:
     """The equations of a scene of kind "state-space", of its normal form where that is requested."""
-    control = state_space_scene(table, folder, file_name)
+    control, ends = state_space_scene(table, folder, file_name), shaped_inputs(table.force, file_name)
     if table.model.normal_form:
         control, system, coordinates, initial = mechanical_scene(control, table, file_name, lap)
         force = control.form.force(control.input)
-        return ControlEquations(coordinates, system.polynomial_matrix(), initial, force, system, control=control)
+        return ControlEquations(coordinates, system.polynomial_matrix(), initial, force, system, control=control, ends=ends)
     space = control.system
     A, initial = space.polynomial_matrix_with_outputs(), space.start_with_outputs(control.start)
     coordinates = Coordinates(A.coordinates, tuple(space.units[name] for name in A.coordinates))
-    return ControlEquations(coordinates, A, initial, space.force_with_outputs(control.input), control=control)
+    return ControlEquations(coordinates, A, initial, space.force_with_outputs(control.input), control=control, ends=ends)
 
 
 # Reports: transfer functions and the normal form.

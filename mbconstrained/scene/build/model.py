@@ -44,6 +44,34 @@ class ModelTables(NamedTuple):
     evidence: Sequence[tuple[str, str, str]] = ()
 
 
+class End:
+    """What brings a motion to its end: the interface of reports.
+
+    Attributes:
+        key: its name in scenes and in JSON.
+        title: heading of its table.
+        duration: T in s; 0 where there is none.
+        notices: what is undetermined, ill-conditioned or inaccurate.
+        unproved: the reason why no error is bounded; empty where one is.
+        uncertified: the reason why exact arithmetic proves no digits; empty where it does.
+    """
+
+    key: ClassVar[str]
+    title: ClassVar[str]
+    duration: float = 0.0
+    notices: tuple[Notice, ...] = ()
+    unproved: ClassVar[str] = ""
+    uncertified: str = ""
+
+    def table(self, coordinates: Coordinates) -> TextTable:
+        """What was given, with evidence."""
+        raise NotImplementedError
+
+    def to_dict(self) -> Any:
+        """The same as plain data, in SI."""
+        raise NotImplementedError
+
+
 @dataclass(frozen=True, eq=False)
 class Equations:
     """The equations of a scene, their start and force, names and units, and what reports say about a model of its kind.
@@ -62,6 +90,7 @@ class Equations:
         loads: the forces of the [[force]] tables and of unbalance, one by one, but for inputs of a transfer function or state space.
         rotor: the rotor at rest whose speed the system has, or None.
         response: the motion, where it is already known.
+        ends: what brings the motion to its end: boundary values, an input of least energy, input shapers.
     """
 
     coordinates: Coordinates
@@ -75,6 +104,7 @@ class Equations:
     loads: tuple[SceneForce, ...] = ()
     rotor: MechanicalSystem | None = None
     response: Response | None = None
+    ends: tuple[End, ...] = ()
 
     # The problem, and its solution.
 
@@ -132,6 +162,11 @@ class Equations:
         return self.robot_scene and self.robot_scene.posture
 
     # Names, outputs and forces besides those of the coordinates.
+
+    @property
+    def has_forces(self) -> bool:
+        """Whether something acts that could be plotted."""
+        return bool(self.loads)
 
     coordinates_called = "coordinates"  # in reports
     has_outputs_among_coordinates = False  # outputs are solved for like coordinates
@@ -209,12 +244,14 @@ class Equations:
 
     def unproved(self, reason: str, plots: Sequence[str]) -> str:
         """The reason why an output is not proved, in addition to that of the coordinates."""
-        return reason
+        return reason or next((end.unproved for end in self.ends if end.unproved), "")
 
     def without_formula(self, modal_damping: bool) -> str:
         """The reason why there are no formulas with symbols; empty where there are."""
         if self.rotor is not None:
             return "a rotor"
+        if self.ends:
+            return f"a motion with {self.ends[-1].title.lower()}"
         if self.system is not None and self.system.delayed:
             return "delays"
         return "modal damping" if modal_damping else ""

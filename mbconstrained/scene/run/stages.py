@@ -6,7 +6,7 @@ while a scene is read.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter, methodcaller
@@ -188,7 +188,7 @@ def certificate(scene: SceneData) -> Decision:
     certify = scene.table.output.certify
     if not certify:
         return False, "not requested (--certify, or certify = true in [output])"
-    if reason := too_large_to_certify(scene.equations):
+    if reason := without_certificate(scene.equations):
         return False, reason
     return True, "digits of every coordinate" if certify is True else f"digits of {', '.join(certify)}"
 
@@ -229,8 +229,6 @@ def is_animated(scene: SceneData) -> bool:
 
 def _has_places(scene: SceneData) -> bool:
     drawing = scene.table.drawing
-    if scene.table.time.step_domain == "discrete" and scene.equations.robot_scene is not None:
-        return False  # its loops are closed along the motion
     return not scene.equations.has_outputs_among_coordinates or (drawing is not None and drawing.is_own)
 
 
@@ -305,6 +303,11 @@ def too_large_to_certify(equations: Equations) -> str:
     return f"exact arithmetic with {states} states takes too long, {MOST_CERTIFIED_STATES} is the most"
 
 
+def without_certificate(equations: Equations) -> str:
+    """The reason why the equations of a scene are not certified; empty where they are."""
+    return too_large_to_certify(equations) or next((end.uncertified for end in equations.ends if end.uncertified), "")
+
+
 def too_large_for_formula(scene: SceneData) -> str:
     """The reason why no formula is computed; empty where one is."""
     A = scene.equations.polynomial_matrix
@@ -359,6 +362,7 @@ CONTROL_NEXT = {  # the same of a state space
     "displacements": (OUTPUTS,),
     "modes": (PossibleStage("transfer functions", transfer_functions, attrgetter("scene.equations.control.transfers")),),
 }
+FORCES = PossibleStage("forces", partial(plotted, kind="force"), methodcaller("curves", "force"))
 STEPS = (
     PossibleStage("assemble the model", lambda scene: scene.equations.size_decision()),
     PossibleStage("dependent constraint rows", lambda scene: scene.equations.rows_decision(), part_of="assemble the model"),
@@ -407,8 +411,19 @@ def steps_of(scene: SceneData) -> tuple[PossibleStage, ...]:
     first = ROBOT_STEPS if kind == "robot" else NO_ROBOT_STEPS
     if scene.table.time.step_domain == "discrete":
         return (*FILE_STEPS, *first, *DISCRETE_STEPS)
-    following = {"robot": ROBOT_NEXT, "state-space": CONTROL_NEXT}.get(kind, {})
-    return (*FILE_STEPS, *first, *(each for step in STEPS for each in (step, *following.get(step.name, ()))))
+    following = {"robot": ROBOT_NEXT, "state-space": CONTROL_NEXT}.get(kind, {}), _of_ends(scene)
+    return (*FILE_STEPS, *first, *(each for step in STEPS for each in (step, *_next(step.name, *following))))
+
+
+def _next(name: str, *following: Mapping[str, Sequence[PossibleStage]]) -> Iterator[PossibleStage]:
+    return (stage for stages in following for stage in stages.get(name, ()))
+
+
+def _of_ends(scene: SceneData) -> dict[str, tuple[PossibleStage, ...]]:
+    """The stages of scenes that decide the end of the motion, or plot what acts, by the stage before."""
+    ends = (end for end in scene.equations.ends if end.duration)
+    solved = tuple(PossibleStage(end.title.lower(), (True, f"[{end.key}]: over {end.duration:g} s")) for end in ends)
+    return {"assemble the model": solved, "energy": (FORCES,) if "force" in scene.table.output.plots else ()}
 
 
 def plan_of(scene: SceneData, *, writing: bool = True) -> Plan:

@@ -7,11 +7,51 @@ from collections.abc import Callable
 from functools import cache
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import Field, create_model, model_validator
+from pydantic import BeforeValidator, Field, WithJsonSchema, create_model, model_validator
 
-from ...ground.errors import InputError
+from ...ground.errors import InputError, shown
+from ...ground.quantities import quantity
 from ...mechanics.constraints import Level
 from .entry_types import MOST_POWER, Angle, AngularVelocity, Frequency, Name, Number, Quantity, Rate, Table, Text, Time, Unit
+
+
+def _shaped_modes(value):
+    """Numbers of modes, and pairs of frequency in Hz and damping ratio."""
+    if not isinstance(value, list) or not value:
+        raise InputError(f'found {shown(value)}; expected numbers of modes, e.g. [1, 2], or pairs, e.g. [["0.2 Hz", 0.01]]')
+    return [_shaped_mode(entry) for entry in value]
+
+
+def _shaped_mode(entry):
+    if isinstance(entry, int) and not isinstance(entry, bool) and entry > 0:
+        return entry
+    if not isinstance(entry, list) or len(entry) != 2:
+        raise InputError(
+            f'found {shown(entry)}; expected the number of a mode, or frequency and damping ratio, e.g. ["0.2 Hz", 0.01]'
+        )
+    return float(quantity(entry[0], "Hz")), float(quantity(entry[1], "1"))
+
+
+class ShaperTable(Table):
+    """An input shaper: a few delayed copies of the signal, after which modes are at rest (ZV, ZVD), or nearly so (EI)."""
+
+    kind: Literal["ZV", "ZVD", "EI"] = Field(
+        "ZVD", description="ZV is the shortest; ZVD tolerates errors of the frequency, EI larger ones."
+    )
+    modes: Annotated[
+        Any,
+        BeforeValidator(_shaped_modes),
+        WithJsonSchema({"title": "numbers of modes, or pairs of frequency and damping ratio", "type": "array", "minItems": 1}),
+    ] = Field(
+        None,
+        description='Numbers in the table of natural frequencies, or pairs, e.g. [["0.2 Hz", 0.01]]; left out: all that oscillate.',
+    )
+    vibration_limit: Number | None = Field(
+        None,
+        gt=0,
+        lt=1,
+        description="Of EI, what is left at the frequency itself, as a part of that without a shaper; 0.05 if left out.",
+    )
 
 
 class ForceBase(Table):
@@ -26,6 +66,7 @@ class ForceBase(Table):
     )
     name: Name | None = Field(None, description='Of the load by factors as an input; left out: "load on" and its coordinates.')
     delay: Time = Field(0.0, description='It acts later by this, e.g. "2 s"; not negative.')
+    shaper: ShaperTable | None = Field(None, description='Input shaper, e.g. { kind = "ZVD" }: the signal leaves no vibration.')
 
     @model_validator(mode="after")
     def _of_something(self):
