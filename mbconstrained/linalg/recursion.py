@@ -317,7 +317,7 @@ SERIES_STATES = 400
 LONGEST_SERIES = 1.0
 
 
-class Series:
+class ExponentialSeries:
     """e^{S k h} v for k = 0 ... count - 1 of a sparse S, by products of S with vectors (Al-Mohy and Higham 2011).
 
     In the units that balance S each step sums e^{S h} z = z + S h (z + S h / 2 (z + ...)) by Horner's scheme. Vectors at few times are kept.

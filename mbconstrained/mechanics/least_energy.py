@@ -26,7 +26,6 @@ from ..ground.tolerances import CLEAR_KEPT, EPS, NOISE_SAFETY
 from ..linalg.blocks import block_slices
 from ..linalg.exponential import block_states
 from ..polynomial.jordan_pairs import FinitePair
-from ..response.response import Response
 from ..signals.bohl import BohlFunction, Restarts
 from ..signals.impulsive import ImpulsiveSmooth
 from .boundary import ORDERS, values_by_order
@@ -153,9 +152,9 @@ class _Plant:
     last: np.ndarray  # x, and x' where the equations are of second order, at T, shape (1 or 2, n)
     names: tuple[str, ...]  # of the entries of last, as messages name them
     algebraic: str  # the equations that an end state may violate
-    solve: Callable[[ImpulsiveSmooth | None], Response]  # from the start
+    solve: Callable[[ImpulsiveSmooth | None], Motion | StateSpaceResponse]  # from the start
 
-    def values(self, motion: Response, times) -> np.ndarray:
+    def values(self, motion: Motion | StateSpaceResponse, times) -> np.ndarray:
         """x and its derivatives, as many as in ``last``."""
         return np.array([(motion.derivative(order) if order else motion)(times) for order in range(len(self.last))])
 
@@ -245,7 +244,7 @@ class _Reach:
 
     @property
     def rank(self) -> int:
-        """How many combinations of the states the inputs reach."""
+        """The number of combinations of the states that the inputs reach."""
         return int((self.values > self.noise).sum())
 
     @property
@@ -273,7 +272,7 @@ def _reach(plant: _Plant, T: float) -> _Reach:
     return _Reach(scale, values, vectors, noise)
 
 
-def _error_at_end(plant: _Plant, motion: Response, T: float) -> float:
+def _error_at_end(plant: _Plant, motion: Motion | StateSpaceResponse, T: float) -> float:
     """The largest difference from the end state, relative to the largest value of its order on the way."""
     errors = np.abs(plant.values(motion, T) - plant.last).max(axis=1, initial=0.0)
     sizes = np.abs(plant.values(motion, np.linspace(0.0, T, 33))).max(axis=(1, 2), initial=0.0)

@@ -19,7 +19,7 @@ from ..ground.tolerances import noise_of
 from ..linalg.arrays import Matrix, entry_count, full, hstack, of_like_kind, vstack, zeros_of_kind
 from ..linalg.blocks import CHUNK_ENTRIES, block_slices
 from ..linalg.division import accurately_solved
-from ..linalg.recursion import Propagator, Series
+from ..linalg.recursion import ExponentialSeries, Propagator
 from ..linalg.scaling import balanced_norm
 from ..polynomial.reduced_equations import Reduction
 from ..signals.bohl import BohlFunction
@@ -225,15 +225,15 @@ class Flow:
     def _propagators(self) -> dict[float, Propagator]:
         return {}
 
-    def series(self, step: float, count: int) -> Series:
+    def series(self, step: float, count: int) -> ExponentialSeries:
         """z at this number of even times by the series of e^{G h}; the last one is cached."""
         if (step, count) not in self._series:
             self._series.clear()
-            self._series[step, count] = Series(self.generator, step, self.start_with_force, count)
+            self._series[step, count] = ExponentialSeries(self.generator, step, self.start_with_force, count)
         return self._series[step, count]
 
     @cached_property
-    def _series(self) -> dict[tuple[float, int], Series]:
+    def _series(self) -> dict[tuple[float, int], ExponentialSeries]:
         return {}
 
     def taylor_start(self, *, modal: bool) -> TaylorStart:

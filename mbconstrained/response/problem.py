@@ -59,7 +59,7 @@ class Problem:
     ) -> Problem:
         """The problem of a user's data, None standing for zeros."""
         shape = checked_matrix(A).degree, A.size
-        terms = () if delayed is None else delayed_terms(delayed, A.size)
+        terms = delayed_terms(delayed, A.size) if delayed else ()
         past = None if history is None else checked_history(history, A.size, terms)
         if initial is None and past is not None:
             initial = [past.derivative(order).coefficients @ states_before(past, terms[-1].delay) for order in range(A.degree)]

@@ -31,13 +31,13 @@ LINES = {
     "frequency": 5512,
     "ground": 2083,
     "linalg": 4942,
-    "mechanics": 12324,
+    "mechanics": 12323,
     "models": 1435,
     "page": 4913,
     "polynomial": 3307,
     "response": 7360,
     "robot": 8814,
-    "scene": 9910,
+    "scene": 9914,
     "signals": 1898,
 }
 

@@ -48,10 +48,10 @@ class ExactBoundary(ExactResponse):
         degree: int,
         sources: Sequence[ExactSource],
         values: Sequence[ExactValue],
-        duration: float,
+        duration: float | flint.fmpq,
         rows: range | None = None,
     ):
-        super().__init__(matrix, np.zeros((degree, matrix.size)), sources, rows)
+        super().__init__(matrix, np.zeros((degree, matrix.size)).tolist(), sources, rows)
         self.conditions, self.duration = tuple(values), rational(duration)
         count = matrix.determinant.degree()
         if len(self.conditions) != count:
@@ -72,12 +72,12 @@ class ExactBoundary(ExactResponse):
         """Independent free motions, from values at 0- of which one is 1, in the requested rows."""
         degree, size = len(self.initial), self.matrix.size
         units = np.eye(degree * size, dtype=int).reshape(-1, degree, size)
-        starts = [ExactResponse(self.matrix, unit, ()).start.ravel().tolist() for unit in units]
+        starts = [ExactResponse(self.matrix, unit.tolist(), ()).start.ravel().tolist() for unit in units]
         if not starts:
             return []
         reduced, rank = flint.fmpq_mat([[rational(entry) for entry in row] for row in zip(*starts)]).rref()
         pivots = [next(k for k, entry in enumerate(row) if entry) for row in reduced.tolist()[:rank]]
-        return [ExactResponse(self.matrix, units[k], (), self.rows) for k in pivots]
+        return [ExactResponse(self.matrix, units[k].tolist(), (), self.rows) for k in pivots]
 
     def _amounts(self) -> list[flint.arb]:
         """c at the working precision; not finite where more bits may separate the conditions."""
@@ -111,5 +111,5 @@ class ExactBoundary(ExactResponse):
 
 
 def with_boundary_values(x: ExactResponse, values: Sequence[ExactValue], duration: float) -> ExactBoundary:
-    """The same equations and sources with values at both ends instead of those at 0-."""
+    """Return the same equations and sources with values at both ends instead of those at 0-."""
     return ExactBoundary(x.matrix, len(x.initial), x.sources, values, duration, x.rows)

@@ -269,8 +269,10 @@ def transfer_function(table, folder: Path, file_name: str) -> ControlEquations:
             raise InputError("nothing acts: give gamma = 1 (a step), a [[force]] on the input, or a start of the output")
     G = TransferFunction(model.numerator, model.denominator, zero(1) if u is None else u, start if start.any() else None)
     control, A = ControlScene(inputs, outputs, G), G.polynomial_matrix
-    ends = shaped_inputs(table.force, file_name)
-    return ControlEquations(outputs, A, np.zeros((A.degree, 1)) if G.start is None else start, G.force, control=control, ends=ends)
+    shaped = shaped_inputs(table.force, file_name)
+    return ControlEquations(
+        outputs, A, np.zeros((A.degree, 1)) if G.start is None else start, G.force, control=control, ends=shaped
+    )
 
 
 def state_space_scene(table, folder: Path, file_name: str) -> ControlScene:

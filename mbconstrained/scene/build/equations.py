@@ -182,8 +182,10 @@ def _moving(
             linearized = robot and robot.system  # which knows inputs by name
             prescribed = prescribed_motions(table.motion, coordinates, folder, file_name, linearized, shapers)
             with at(file_name, "motion"):
-                if robot:  # a moving base is at rest where nothing else is prescribed
-                    own = own.without_rows(f"motion of {name}" for motion in table.motion for name, _ in motion.rows.values())
+                if linearized:  # a moving base is at rest where nothing else is prescribed
+                    own = linearized.without_rows(
+                        f"motion of {name}" for motion in table.motion for name, _ in motion.rows.values()
+                    )
                 own = own.with_constraints(*prescribed)
         own = _damped(table, own, file_name)  # of the modes with the supports at rest
         return _turning(getattr(table.model, "speed", None), own, file_name)

@@ -45,7 +45,7 @@ class ModelTables(NamedTuple):
 
 
 class End:
-    """What brings a motion to its end: the interface of reports.
+    """How a motion is brought to its end: the interface of reports.
 
     Attributes:
         key: its name in scenes and in JSON.
@@ -64,11 +64,11 @@ class End:
     uncertified: str = ""
 
     def table(self, coordinates: Coordinates) -> TextTable:
-        """What was given, with evidence."""
+        """The given values, with evidence."""
         raise NotImplementedError
 
     def to_dict(self) -> Any:
-        """The same as plain data, in SI."""
+        """The end as plain data, in SI."""
         raise NotImplementedError
 
 
