@@ -7,7 +7,7 @@ import scipy.linalg
 import scipy.sparse
 
 from mbconstrained.ground.tolerances import EPS
-from mbconstrained.linalg.recursion import Propagator, Series
+from mbconstrained.linalg.recursion import ExponentialSeries, Propagator
 
 COUNTS = (1, 2, 31, 33, 1000)
 
@@ -110,12 +110,12 @@ def test_series_of_a_sparse_model_agree_with_its_exponential(step):
     S, start, output = S * units / units[:, None], random.standard_normal(n) / units, np.eye(n)[[0, 7, 31]] * units
     expected = Propagator(S, step).values(output, start, 40)
     for matrix in (S, scipy.sparse.csr_array(S)):
-        found = Series(matrix, step, start, 40).values(output)
+        found = ExponentialSeries(matrix, step, start, 40).values(output)
         assert found == pytest.approx(expected, rel=0, abs=4e-14 * np.abs(expected).max())
 
 
 def test_series_of_nothing_that_moves():
     """Without entries of S vectors stay as they are, and with few times or none there are as many."""
     for count in (0, 1, 5):
-        values = Series(np.zeros((3, 3)), 1.0, np.arange(3.0), count).values(np.eye(3)[:2])
+        values = ExponentialSeries(np.zeros((3, 3)), 1.0, np.arange(3.0), count).values(np.eye(3)[:2])
         assert np.array_equal(values, [[0.0] * count, [1.0] * count])

@@ -45,7 +45,7 @@ class ModelTables(NamedTuple):
 
 
 class End:
-    """How a motion is brought to its end: the interface of reports.
+    """End of a motion as given in a scene: the interface of reports.
 
     Attributes:
         key: its name in scenes and in JSON.
