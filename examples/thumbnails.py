@@ -31,6 +31,8 @@ MOMENTS = {
     "pulled_joint": 0.604,
     "four_bar": 0.8,
     "seven_joint_arm": 0.9,
+    "crane": 0.7,
+    "flexible_arm": 0.4,
 }
 
 

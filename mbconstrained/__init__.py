@@ -78,6 +78,8 @@ if TYPE_CHECKING:
     from .mechanics.sensitivities import Sensitivities as Sensitivities
     from .mechanics.system import MechanicalSystem as MechanicalSystem
     from .models.lumped import LumpedModel as LumpedModel
+    from .polynomial.characteristic_roots import CharacteristicRoots as CharacteristicRoots
+    from .polynomial.characteristic_roots import characteristic_roots as characteristic_roots
     from .polynomial.jordan_pairs import FinitePair as FinitePair
     from .polynomial.jordan_pairs import InfinitePair as InfinitePair
     from .polynomial.jordan_pairs import JordanPairs as JordanPairs
@@ -164,6 +166,7 @@ _NAMES = {
     "mechanics.sensitivities": "Sensitivities",
     "mechanics.system": "MechanicalSystem",
     "models.lumped": "LumpedModel",
+    "polynomial.characteristic_roots": "CharacteristicRoots characteristic_roots",
     "polynomial.jordan_pairs": "FinitePair InfinitePair JordanPairs",
     "polynomial.polynomial_matrix": "PolynomialMatrix",
     "response.admissible": "Admissibility admissible",

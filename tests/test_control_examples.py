@@ -103,6 +103,22 @@ def test_descriptor_has_the_impulse_of_the_capacitor():
     assert math.isclose(result.scene.equations.control.transfers[1][2].dc_gain, 1.0, rel_tol=1e-14)
 
 
+def test_identified_descriptor_is_the_moved_table():
+    model = mb.LumpedModel()
+    model.mass("table", 3.0), model.mass("one", 2.0), model.mass("two", 1.0)
+    model.spring("table", "one", stiffness=200.0), model.spring("one", "two", stiffness=100.0)
+    model.damper("table", "one", 4.0), model.damper("one", "two", 1.0)
+    model.prescribe("table", mb.step([0.01]))
+    motion, result = model.assemble().solve(), run("identified_descriptor")
+    outputs, form = result.curves("output").values, result.scene.equations.control.form
+    expected = motion(result.times)[1:]
+    assert outputs[:2] == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
+    assert result.modes.natural_frequencies == pytest.approx(model.assemble().modes().natural_frequencies, rel=1e-9)
+    assert [matrix[2, 0] for matrix in form.polynomial] == pytest.approx([192, 4, 3], rel=1e-9)
+    impulses = [impulse[-1] for impulse in result.scene.equations.control.response.output_impulses]
+    assert impulses == pytest.approx([0.04, 0.03], rel=1e-9) and form.infinite.index == 3
+
+
 def test_models_without_a_normal_form_say_why(capsys):
     runpy.run_path(str(EXAMPLES / "no_normal_form.py"), run_name="__main__")
     first, second = capsys.readouterr().out.split("two uncoupled states")
@@ -125,7 +141,16 @@ def test_a_scene_of_such_a_model_is_refused_with_the_same_words(tmp_path):
     assert isinstance(caught.value.__cause__, mb.NoNormalForm)
 
 
-@pytest.mark.parametrize("name", ["transfer_function", "identified", "unseen_mass", "descriptor"])
+def test_a_scene_with_a_singular_pencil_names_its_own_rows_and_states(tmp_path):
+    text = (EXAMPLES / "identified_descriptor.toml").read_text("utf-8")
+    (tmp_path / "scene.toml").write_text(
+        text.replace("    [-1, 0, 0, 0, 0, 0, 0],\n]\nB", "    [0, 0, 0, 0, 0, 0, 0],\n]\nB"), "utf-8"
+    )
+    with pytest.raises((mb.SceneError, mb.SingularPolynomialMatrix), match='zero for every s.*"row 7".*"s1"'):
+        read_scene(tmp_path / "scene.toml")
+
+
+@pytest.mark.parametrize("name", ["transfer_function", "identified", "identified_descriptor", "unseen_mass", "descriptor"])
 def test_transfer_functions_are_told_as_data(name):
     result = run(name)
     data = json.loads(json.dumps(result.to_dict(), allow_nan=False))
@@ -134,7 +159,7 @@ def test_transfer_functions_are_told_as_data(name):
         zeros, poles = ([complex(*pair) for pair in entry[key]] for key in ("zeros", "poles"))
         expected = entry["gain"] * np.prod(s - np.array(zeros)) / np.prod(s - np.array(poles))
         assert expected == pytest.approx(value(result.scene.equations.control, entry, s), rel=1e-9, abs=1e-13)
-    assert ("normal_form" in data) == (name in ("identified", "unseen_mass"))
+    assert ("normal_form" in data) == (name in ("identified", "identified_descriptor", "unseen_mass"))
 
 
 def value(control, entry, s):

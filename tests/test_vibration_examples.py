@@ -285,3 +285,20 @@ def test_the_optimum_of_the_tuned_mass_damper_is_that_of_its_scene():
     optimum = read_scene(EXAMPLES / "tuned_mass_damper_optimum.toml").optimise()
     exact = read_scene(EXAMPLES / "tuned_mass_damper.toml").parameters.values
     assert [optimum.parameters[name] for name in ("tuning", "zeta")] == pytest.approx([exact["tuning"], exact["zeta"]], abs=1e-5)
+
+
+def test_chatter_grows_between_two_lobes_and_decays_on_one():
+    """The limit of the cutting stiffness whatever the speed is 2 k zeta (1 + zeta); between the lobes more is stable (Altintas, 4.3)."""
+    k, pressure = 2 * (2 * math.pi * 250) ** 2, 1.2e9
+    safe = 2 * k * 0.03 * 1.03 / pressure
+    growing = read_scene(EXAMPLES / "chatter.toml").run()
+    assert growing.is_trusted and max(mode.eigenvalue.real for mode in growing.modes) == pytest.approx(6.96, abs=0.01)
+    largest = [abs(growing.motion(np.linspace(t, t + 0.05, 500))[0] - 20 / k).max() for t in (0.1, 0.2)]
+    assert largest[1] > largest[0] > 0
+    for settings in ({"width": 0.999 * safe}, {"turn": 0.012}):
+        modes = read_scene(EXAMPLES / "chatter.toml", settings).system.modes()
+        assert max(modes.eigenvalues.real) < 0
+    peak = next(one for one in frequency("chatter", {"turn": 0.012}).peaks if one.frequency_hz > 240)
+    s = 2j * math.pi * peak.frequency_hz
+    own = 2 * s * s + 4 * math.pi * 0.03 * 2 * 250 * s + k + pressure * 4e-4 * (1 - np.exp(-0.012 * s))
+    assert peak.amplitude == pytest.approx(1 / abs(own), rel=1e-10)

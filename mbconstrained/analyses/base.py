@@ -227,6 +227,7 @@ class Analysis:
     progress: ClassVar[str] = ""
     without_scene: ClassVar[tuple[str, ...]] = ()
     writes: ClassVar[bool] = True
+    handles_delays: ClassVar[bool] = False
 
     @classmethod
     def solve(cls, scene: Any, settings: Any) -> Answer:
@@ -247,6 +248,9 @@ class Analysis:
                 raise InputError(
                     f"{cls.name}: the coefficients are those of the shift in discrete time, not of d/dt; only a run has them"
                 )
+        if not cls.handles_delays and (system := scene.equations.system) is not None:
+            with at(scene.file_name, "model"):
+                system._refuse_delays(cls.name)
         own = getattr(scene.table, cls.name, None)
         reported = {"progress": progress} if progress else {}
         return cls.solve(scene, cls.changed(own, given, scene.file_name) if given else own, **reported)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ..control.transfer_function import transfer_function_response
-from ..frequency.features import Antiresonance, Peak, frequencies_by_poles
+from ..frequency.features import Antiresonance, Peak, frequencies_by_poles, poles_of
 from ..frequency.frequency_response import FrequencyResponse, arrays_of, evaluated, frequency_response
 from ..frequency.plots import AXIS_FACTORS
 from ..frequency.pole_residue_form import poles_on_axis
@@ -51,6 +51,11 @@ ABSENT = 1e-13
 MOST_LINES = 4000
 
 
+def _antiresonances(response: FrequencyResponse) -> tuple[Antiresonance, ...]:
+    """The antiresonances; none of equations with delays, of which there are infinitely many."""
+    return () if response.harmonic.delayed else response.antiresonances
+
+
 @dataclass(frozen=True, eq=False)
 class _Entry:
     """One response of a plot: its indices, its name, and its factor of the displayed unit."""
@@ -72,9 +77,7 @@ class _Drawn:
         inside = placed[(placed > given[0]) & (placed < given[-1])]
         lines = np.union1d(given, inside)
         lines = lines[:: len(lines) // MOST_LINES + 1]
-        self.poles = np.array(
-            [pole.value.imag / (2 * np.pi) for pole in poles_on_axis(self.harmonic.form.poles) if pole.value.imag]
-        )
+        self.poles = np.array([pole.value.imag / (2 * np.pi) for pole in poles_on_axis(poles_of(self.harmonic)) if pole.value.imag])
         self.lines = np.setdiff1d(lines, response.frequencies_hz[[one.line for one in response.poles_on_lines]])
         self.values = evaluated(self.harmonic, self.lines).values
         errors = response.error_estimate[np.isfinite(response.error_estimate)]
@@ -82,7 +85,7 @@ class _Drawn:
         self.known: tuple[np.ndarray, np.ndarray] = (np.zeros(0), np.zeros(0))
         decades = np.log10(self.lines[-1] / self.lines[0]) if len(self.lines) > 1 else 0.0
         parts = np.geomspace(self.lines[0], self.lines[-1], int(PARTS_EACH_DECADE * decades) + 2)[1:-1]
-        zeros = [zero.frequency_hz for zero in response.antiresonances if abs(zero.damping_ratio) < NEAR_POLE**2]
+        zeros = [zero.frequency_hz for zero in _antiresonances(response) if abs(zero.damping_ratio) < NEAR_POLE**2]
         self.breaks = np.unique([*parts, *self.poles, *zeros])
 
     @property
@@ -251,6 +254,7 @@ class Frequency(Analysis):
     """
 
     name = "frequency"
+    handles_delays = True
     settings = FrequencyTable
     options: ClassVar = {"inputs": "--input", "outputs": "--output"}
     replaced: ClassVar = {"from": ("frequencies",), "to": ("frequencies",)}
@@ -412,7 +416,7 @@ class Frequency(Analysis):
     @cached_property
     def antiresonances(self) -> tuple[Antiresonance, ...]:
         """The antiresonances within the range."""
-        return self._inside(self.response.antiresonances)
+        return self._inside(_antiresonances(self.response))
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
@@ -425,6 +429,9 @@ class Frequency(Analysis):
                 "factors, e.g. factors = { left = 1, right = -0.5 }"
             )
             own = (Notice(NoticeKind.OMITTED, text), *own)
+        if self.response.harmonic.delayed:
+            text = "poles, residues and antiresonances are not listed: delays make infinitely many"
+            own = (*own, Notice(NoticeKind.OMITTED, text))
         return distinct(self.scene.notices, self.scene.equations.form_notices, own, self.response.notices)
 
     def to_answer(self) -> Answer:
@@ -455,7 +462,7 @@ class Frequency(Analysis):
         yield "outputs", ", ".join(response.outputs)
         yield "frequencies", f"{low} to {high} {table.axis}, {count}, {how}"
         yield "error estimate", f"{self._error:.2g} of each value"
-        if response.rigid_body.any():
+        if not response.harmonic.delayed and response.rigid_body.any():
             yield "rigid body", "the responses contain 1/s², motion that nothing restores"
 
     @property
@@ -513,7 +520,7 @@ class Frequency(Analysis):
                 for peak in self.peaks
             ],
             "antiresonances": [_entries(zero, "damping_ratio") for zero in self.antiresonances],
-            "poles": [{"real": pole.real, "imaginary": pole.imag} for pole in response.poles],
+            "poles": [{"real": s.real, "imaginary": s.imag} for s in (() if response.harmonic.delayed else response.poles)],
             "poles_on_lines": [{"frequency_hz": one.frequency_hz, "order": one.pole.order} for one in response.poles_on_lines],
             "error_estimate": self._error,
         }

@@ -150,6 +150,7 @@ class ModalAnalysis(Analysis):
 
     name = "modes"
     writes = False
+    handles_delays = True
 
     def __init__(self, scene: SceneData):
         self.scene = scene
@@ -215,6 +216,8 @@ class ModalAnalysis(Analysis):
         unused = self.scene.notices
         if self.system is None:
             return (*unused, *pair_notices(self.scene.equations.polynomial_matrix.jordan_pairs()))
+        if self.system.delayed:
+            return distinct(unused, self.scene.equations.form_notices, self.system.notices, Result(self.scene).modes.notices)
         of_pairs = pair_notices(self.system.position_form().polynomial_matrix.jordan_pairs())
         return distinct(unused, self.scene.equations.form_notices, self.system.notices, of_pairs)
 

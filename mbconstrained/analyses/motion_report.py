@@ -41,6 +41,7 @@ def tables_of(result: Result, certificate: Certificate | None, frequency: Freque
     impulses = tuple((impulse.name, f"δ{_primes(impulse.order)}", impulse.size) for impulse in result.impulses)
     answers = [
         *of_model.first,
+        *(end.table(equations.coordinates) for end in equations.ends),
         *([frequency.peak_table()] if frequency else []),
         *([_output_table(equations.original)] if equations.original else []),
         TextTable("Jumps at t = 0", ("coordinate", "of its", "before", "after", "jump"), jumps),
@@ -177,14 +178,13 @@ def share_entries(shares: Mapping[str, float] | None, most: int = MOST_SHARES) -
     """
     if shares is None:
         return ["none"]
-    least = max(
-        np.sort(np.abs(list(shares.values())))[-most:].min(initial=np.inf) * 0.999, LEAST_SHARE
-    )  # the order of texts takes long
-    large = [entry for entry in shares.items() if abs(entry[1]) >= least]
-    listed = dict(sorted(large, key=lambda entry: descending(entry[1]))[:most])
-    rest = [share for name, share in shares.items() if name not in listed]
+    names, numbers = list(shares), list(shares.values())
+    sizes = np.abs(numbers)
+    least = max(np.sort(sizes)[-most:].min(initial=np.inf) * 0.999, LEAST_SHARE)  # the order of texts takes long
+    listed = sorted(np.flatnonzero(sizes >= least).tolist(), key=lambda k: descending(numbers[k]))[:most]
+    rest = np.delete(numbers, listed).tolist()
     others = [(f"{len(rest)} more", sum(rest))] if np.abs(rest).sum() >= LEAST_SHARE else []
-    return [f"{name} {round(100 * share, 1) + 0.0:.1f} %" for name, share in [*listed.items(), *others]]
+    return [f"{name} {round(100 * share, 1) + 0.0:.1f} %" for name, share in [*((names[k], numbers[k]) for k in listed), *others]]
 
 
 def descending(value: complex) -> float:

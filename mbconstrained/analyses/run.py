@@ -103,11 +103,13 @@ class RunAnswer(Result, Answer):
     def facts(self) -> tuple[tuple[str, str], ...]:
         """The model, its coordinates and the times, for the page."""
         equations, time = self.scene.equations, self.scene.table.time
+        delayed = self.system is not None and self.system.delayed
+        count = "infinitely many, with delays" if delayed else equations.polynomial_matrix.eigenvalue_count
         return (
             *equations.facts,
             (equations.coordinates_called, equations.coordinates.listed),
             ("degree of the equations", str(equations.polynomial_matrix.degree)),
-            ("eigenvalues" if self.system else "zeros", str(equations.polynomial_matrix.eigenvalue_count)),
+            ("eigenvalues" if self.system else "zeros", str(count)),
             ("time", f"{time.text}, {len(self.times)} points, in closed form"),
         )
 
@@ -127,7 +129,8 @@ class RunAnswer(Result, Answer):
         first = (*self.scene.notices, *self._omissions(), *proved, *(self.frequency.response.notices if self.frequency else ()))
         at_rest = () if moves else (Notice(NoticeKind.AT_REST, NOTHING_MOVES),)
         aliased = aliasing_notices(self.scene, self.motion, len(self.times))
-        return distinct(first, equations.form_notices, notices, at_rest, aliased, equations.notices(self), accuracy)
+        of_modes = self.modes.notices if self.system is not None and self.system.delayed else ()
+        return distinct(first, equations.form_notices, notices, of_modes, at_rest, aliased, equations.notices(self), accuracy)
 
     @cached_property
     def table_notices(self) -> tuple[Notice, ...]:
@@ -221,6 +224,7 @@ class RunAnswer(Result, Answer):
         return {
             "source": self.source,
             **equations.to_dict(self),
+            **{end.key: end.to_dict() for end in equations.ends},
             "coordinates": equations.coordinates.to_list(),
             "constraints": [
                 {"name": row.name, "level": row.level, "value": row.value if row.signal is None else "prescribed"}

@@ -137,6 +137,6 @@ def influence_tables(scene: SceneData) -> tuple[TextTable, ...]:
     """Ranking of parameter sensitivities for the page of the modes: elements of lumped models and [parameters], where it is cheap."""
     model, system = scene.table.model, scene.equations.system
     elements = model.kind == "lumped" or (model.kind == "matrices" and scene.parameters.values)
-    if not elements or model.modal_damping is not None or system.is_sparse or system.size > MOST_COORDINATES:
+    if not elements or model.modal_damping is not None or system.is_sparse or system.delayed or system.size > MOST_COORDINATES:
         return ()
     return tuple(replace(table, folded=len(table.rows) > MOST_ROWS) for table in Sensitivity(scene).tables() if table.rows)

@@ -5,6 +5,8 @@ Read ``answer`` (options, exit codes), ``commands``, then ``printing``. The room
 
 from __future__ import annotations
 
+import gc
+import os
 import sys
 from functools import cache
 from typing import TYPE_CHECKING
@@ -15,6 +17,8 @@ if TYPE_CHECKING:
 
 def main() -> None:
     """Run the command line and leave with its exit code: 0 fine, 1 scene wrong, 2 command line wrong, 3 not to be trusted."""
+    gc.set_threshold(500_000)  # the many objects of imports stay: to look through them again and again is a tenth of a short run
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # they are searched for in the metadata of all installed packages
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a terminal without Greek letters gets question marks

@@ -117,14 +117,14 @@ class StateEquations(Displayed):
         return u.mapped(np.vstack([self.B, self.D]))
 
 
-def state_values(initial, states: Sequence[str]) -> np.ndarray:
+def state_values(initial, states: Sequence[str], what: str = "initial") -> np.ndarray:
     """The values of states, from an array, a mapping from names, zero for the others, or None for zeros."""
     if not isinstance(initial, Mapping):
-        return np.zeros(len(states)) if initial is None else real_array(initial, "initial", shape=(len(states),))
+        return np.zeros(len(states)) if initial is None else real_array(initial, what, shape=(len(states),))
     for name in initial:
         if name not in states:
-            raise InputError(f'initial: there is no state "{name}"{nearest(name, states)}')
-    return np.array([float(real_array(initial.get(name, 0.0), f"initial {name}", shape=())) for name in states])
+            raise InputError(f'{what}: there is no state "{name}"{nearest(name, states)}')
+    return np.array([float(real_array(initial.get(name, 0.0), f"{what} {name}", shape=())) for name in states])
 
 
 def channel_places(chosen, names: Sequence[str], what: str) -> list[int]:

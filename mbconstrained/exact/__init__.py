@@ -20,6 +20,7 @@ from ..polynomial.polynomial_matrix import PolynomialMatrix
 
 if TYPE_CHECKING:
     from .engine import ExactJordanPairs, ExactStructure
+    from .normal_form import ExactNormalForm
     from .symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 
 
@@ -57,3 +58,30 @@ def jordan_pairs(A: PolynomialMatrix | SymbolicPolynomialMatrix) -> ExactJordanP
     if isinstance(A, SymbolicPolynomialMatrix):
         return A.jordan_pairs()
     raise InputError(f"A: found an object of type {type(A).__name__}; expected a PolynomialMatrix or a SymbolicPolynomialMatrix")
+
+
+def mechanical_normal_form(A, B, C=None, D=None, descriptor=None) -> ExactNormalForm:
+    """The mechanical normal form of F x' = A x + B u, y = C x + D u without a rounding error, for regular and singular F.
+
+    The verdict is that of the exact numbers: of the real eigenvalues only rational ones can violate the condition, since others
+    have conjugates of the same multiplicity. The transformation is one of small whole numbers in the extension of B.
+
+    Args:
+        A, B, C, D, descriptor: as ``mbconstrained.mechanical_normal_form``; ints, Fractions, or floats, which are the exact numbers that they
+            are.
+
+    Returns:
+        An ``ExactNormalForm`` of Fractions.
+
+    Raises:
+        NoNormalForm: a condition fails, or det(s F - A) = 0 for every s.
+        InputError: shapes, entries that are not finite, dependent inputs.
+
+    >>> import mbconstrained as mb
+    >>> form = mb.exact.mechanical_normal_form([[1, -2], [3, -2]], [[1], [1]])
+    >>> form.state_matrix.astype(int).tolist(), form.transformation.astype(str).tolist()
+    ([[0, 1], [-4, -1]], [['-1/2', '1/2'], ['1', '0']])
+    """
+    from .normal_form import normal_form
+
+    return normal_form(A, B, C, D, descriptor)

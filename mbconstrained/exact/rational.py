@@ -20,7 +20,7 @@ from weakref import WeakKeyDictionary
 
 import flint
 import numpy as np
-from scipy.linalg import block_diag
+import scipy
 
 from ..ground.checks import whole_number
 from ..ground.errors import SingularPolynomialMatrix
@@ -52,6 +52,11 @@ def rational(number) -> flint.fmpq:
         return flint.fmpq(*number.as_integer_ratio())
     exact = Fraction(int(number)) if isinstance(number, Integral) else Fraction(number)
     return flint.fmpq(exact.numerator, exact.denominator)
+
+
+def rational_matrix(array: np.ndarray) -> flint.fmpq_mat:
+    """The exact numbers of a matrix."""
+    return flint.fmpq_mat(*array.shape, [rational(entry) for entry in array.ravel().tolist()])
 
 
 @Rational.register
@@ -214,7 +219,7 @@ class RationalRing:
         return np.concatenate(matrices, axis)
 
     def diagonal(self, matrices: Sequence[np.ndarray]) -> np.ndarray:
-        return block_diag(*matrices) + Fraction(0)
+        return scipy.linalg.block_diag(*matrices) + Fraction(0)
 
     def finite_zeros(self, divisors) -> tuple[FiniteZero, ...]:
         """The nearest float64 numbers, in the order of the numeric engine."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-import scipy.sparse
+import scipy
 
 from ..ground.checks import counted, nearest, optional_package, real_array
 from ..ground.errors import InputError

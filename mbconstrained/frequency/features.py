@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..ground.errors import SingularPolynomialMatrix
+from ..ground.errors import InputError, SingularPolynomialMatrix
 from ..ground.tolerances import AUTO_DISTANCE, EPS, ZERO_AGREEMENT
+from ..polynomial.characteristic_roots import rightmost_roots
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .pole_residue_form import Pole, poles_on_axis
 
@@ -75,9 +76,25 @@ class Antiresonance:
         return -self.zero.real / abs(self.zero)
 
 
+#: Characteristic roots of equations with delays for each coordinate, the rightmost ones.
+ROOTS = 3
+
+
+def poles_of(harmonic: Harmonic) -> tuple[Pole, ...]:
+    """The poles; with delays the rightmost characteristic roots, without residues, or the poles without the delayed terms."""
+    if not harmonic.delayed:
+        return harmonic.form.poles
+    try:
+        values = rightmost_roots(harmonic.A, harmonic.delayed, ROOTS * harmonic.A.size).eigenvalues
+    except InputError:  # of neutral type, or too many
+        values = harmonic.A.eigenvalues
+    residues = np.zeros((1, len(harmonic.outputs), harmonic.inputs.shape[1]))
+    return tuple(Pole(complex(value), residues) for value in values)
+
+
 def frequencies_by_poles(harmonic: Harmonic, with_peaks: bool = True) -> np.ndarray:
     """Frequencies in Hz from a decade below the poles to a decade above, dense where a pole is near the axis, and all peaks."""
-    poles = harmonic.form.poles
+    poles = poles_of(harmonic)
     moduli = np.array([abs(pole.value) for pole in poles if pole.value]) if poles else np.zeros(0)
     low, high = (moduli.min(), moduli.max()) if len(moduli) else (1.0, 1.0)
     decades = np.log10(high / low) + 2 * np.log10(BEYOND)
@@ -102,10 +119,10 @@ def frequencies_by_poles(harmonic: Harmonic, with_peaks: bool = True) -> np.ndar
 
 def peaks_of(harmonic: Harmonic) -> Iterator[Peak]:
     """The maxima of |H| of each entry, those at poles on the axis first."""
-    poles, grid = harmonic.form.poles, 2 * np.pi * frequencies_by_poles(harmonic, with_peaks=False)
+    poles, grid = poles_of(harmonic), 2 * np.pi * frequencies_by_poles(harmonic, with_peaks=False)
     for i, output in enumerate(harmonic.output_names):
         for j, input in enumerate(harmonic.input_names):
-            entry = _ResponseEntry(harmonic, poles, i, j)
+            entry = _DelayedEntry(harmonic, i, j) if harmonic.delayed else _ResponseEntry(harmonic, poles, i, j)
             for pole in poles_on_axis(poles):
                 if pole.value.imag and pole.residues[-1, i, j]:
                     phase = float(np.angle(pole.residues[-1, i, j] * (1j) ** pole.order))
@@ -195,8 +212,36 @@ class _ResponseEntry:
         return _root(excess, *sorted((peak, end))) if excess(end) < 0 else None
 
 
+class _DelayedEntry(_ResponseEntry):
+    """An entry of H with delays, by solutions."""
+
+    def __init__(self, harmonic: Harmonic, i: int, j: int):
+        self.harmonic, self.place, self.terms = harmonic, (i, j), []
+
+    def sums(self, omega) -> tuple[np.ndarray, np.ndarray]:
+        own, (i, j) = self.harmonic, self.place
+        s = 1j * np.asarray(omega)[:, None, None]
+        A, slope = 0j, 0j
+        for k, matrix in enumerate(own.coefficients):
+            A, slope = A + s**k * matrix, slope + (k * s ** (k - 1) * matrix if k else 0)
+        for term in own.delayed:
+            turned = np.exp(-s * term.delay)
+            for k, matrix in enumerate(term.coefficients):
+                rate = k * s ** (k - 1) if k else 0
+                A, slope = A + turned * s**k * matrix, slope + turned * (rate - term.delay * s**k) * matrix
+        X = np.linalg.solve(A, np.broadcast_to(own.inputs[:, [j]], (len(s), len(own.inputs), 1)))
+        moved = np.linalg.solve(A, -slope @ X)
+        H, rate = ((own.outputs[i] @ one)[:, 0] for one in (X, moved))
+        s, p = s[:, 0, 0], own.power
+        return s**p * H, s**p * rate + (p * s ** (p - 1) * H if p else 0)
+
+
 def antiresonances_of(harmonic: Harmonic) -> Iterator[Antiresonance]:
     """The oscillating zeros of each entry, ascending by frequency."""
+    if harmonic.delayed:
+        raise InputError(
+            "antiresonances: not available for equations with delays, whose zeros are infinitely many; see the minima of |H|"
+        )
     poles = harmonic.form.poles
     for i, output in enumerate(harmonic.output_names):
         for j, input in enumerate(harmonic.input_names):

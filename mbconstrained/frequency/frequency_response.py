@@ -18,6 +18,7 @@ from ..ground.errors import InputError, MbconstrainedError
 from ..ground.files import replacing
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, FLOAT64_DIGITS, LINE_ACCURACY, SUM_SAFETY, TRUST_LIMIT
+from ..polynomial.delayed_terms import delayed_terms
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .features import Antiresonance, Peak, antiresonances_of, frequencies_by_poles, peaks_of
 from .harmonic import Harmonic
@@ -335,7 +336,7 @@ def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
     H = H * (1j * omega) ** harmonic.power if harmonic.power else H
     _enclose_doubtful(harmonic, frequencies, H, errors)
     on_lines = []
-    for line in np.flatnonzero(~(errors <= TRUST_LIMIT).all(axis=(0, 1))):
+    for line in np.flatnonzero(~(errors <= TRUST_LIMIT).all(axis=(0, 1))) if not harmonic.delayed else ():
         s, form = 1j * omega[line], harmonic.form
         if (pole := form.pole_at(s)) is not None:
             on_lines.append(PoleOnLine(int(line), float(frequencies[line]), pole))
@@ -370,7 +371,9 @@ def _enclose_doubtful(harmonic: Harmonic, frequencies: np.ndarray, H: np.ndarray
     size, inputs = harmonic.A.size, harmonic.inputs.shape[1]
     most = ENCLOSING // (size**2 * (size + 8 * inputs))
     for line in sorted(doubtful, key=lambda k: -np.nan_to_num(worst[k], nan=np.inf))[:most]:
-        if harmonic.form.pole_at(2j * np.pi * frequencies[line]) is not None:  # a frequency of 16 digits cannot be nearer to it
+        if (
+            not harmonic.delayed and harmonic.form.pole_at(2j * np.pi * frequencies[line]) is not None
+        ):  # a frequency of 16 digits cannot be nearer to it
             continue
         try:
             box = _enclosed(harmonic, float(frequencies[line]), FLOAT64_DIGITS)
@@ -385,7 +388,7 @@ def _enclosed(harmonic: Harmonic, frequency_hz: float, digits: int) -> Enclosure
     from ..exact.enclosure.intervals import enclosed_transfer
 
     A, own = harmonic.A, harmonic
-    return enclosed_transfer(A, own.imaginary, own.inputs, own.outputs, own.power, frequency_hz, digits)
+    return enclosed_transfer(A, own.imaginary, own.inputs, own.outputs, own.power, frequency_hz, digits, own.delayed)
 
 
 #: Rounding errors of residues, where they are not measured.
@@ -395,7 +398,7 @@ NOISE = 64 * EPS
 def _values(harmonic: Harmonic, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """C A^-1 B and relative errors: by the sum of all terms where that is cheaper and accurate, else by solutions."""
     solver = harmonic.solver
-    if len(omega) < SUM_LINES or solver.is_sparse(omega):
+    if harmonic.delayed or len(omega) < SUM_LINES or solver.is_sparse(omega):
         lines = solver.solve(omega)
         return lines.values, lines.relative
     modal = harmonic.modal_sum if harmonic.A.size > MODAL_SIZE else None
@@ -422,7 +425,7 @@ def _values(harmonic: Harmonic, omega: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return H, errors
 
 
-def frequency_response(A: PolynomialMatrix, frequencies_hz, inputs=None, outputs=None) -> FrequencyResponse:
+def frequency_response(A: PolynomialMatrix, frequencies_hz, inputs=None, outputs=None, *, delayed=None) -> FrequencyResponse:
     """Return the frequency response H(i w) = C A(i w)^-1 B of A(d/dt) x = B u, y = C x.
 
     Args:
@@ -430,6 +433,7 @@ def frequency_response(A: PolynomialMatrix, frequencies_hz, inputs=None, outputs
         frequencies_hz: in Hz, shape (F,), or "auto": placed by the poles so that no peak is missed.
         inputs: B, shape (r, m), or names of equations; all of them by default.
         outputs: C, shape (p, r), or names of coordinates; all of them by default.
+        delayed: terms with dead time, as of ``mbconstrained.solve``: H = C (A(s) + sum of A_j(s) e^(-s delay_j))^-1 B.
 
     Returns:
         A ``FrequencyResponse``.
@@ -448,7 +452,7 @@ def frequency_response(A: PolynomialMatrix, frequencies_hz, inputs=None, outputs
     C, output_names = _selected(outputs, A.coordinates, "output", A.size)
     units = np.full((len(C), len(B)), "")
     harmonic = Harmonic(A, B.T, C, input_names=input_names, output_names=output_names, units=units)
-    return evaluated(harmonic, frequencies_hz)
+    return evaluated(replace(harmonic, delayed=delayed_terms(delayed, A.size)), frequencies_hz)
 
 
 def _selected(chosen, names: Sequence[str], what: str, size: int) -> tuple[np.ndarray, tuple[str, ...]]:

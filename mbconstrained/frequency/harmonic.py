@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse
-from scipy.sparse.linalg import splu
+import scipy
 
 from ..ground.errors import InputError
 from ..ground.notices import Notice
 from ..ground.tolerances import EPS, LARGEST_POWER, LINE_ACCURACY, LINE_ROUNDING, TRUST_LIMIT
 from ..linalg.elimination import as_slice
 from ..linalg.scaling import joint_scaling
+from ..polynomial.delayed_terms import DelayedTerm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .pole_residue_form import ModalSum, PoleResidueForm
 
@@ -75,12 +75,21 @@ class Lines:
 class StructuredSolver:
     """C A(i w)^-1 B by elimination along the pattern of A(s)."""
 
-    def __init__(self, coefficients, inputs, outputs, sizes=None):
-        """The matrices of one transfer function."""
+    def __init__(self, coefficients, inputs, outputs, sizes=None, delayed: Sequence[DelayedTerm] = ()):
+        """The matrices of one transfer function, A(s) with its delayed terms."""
         coefficients = np.asarray(coefficients)
-        scaling = joint_scaling(np.abs(coefficients))
-        self.time = scaling.time
-        powers = scaling.time ** np.arange(len(coefficients))[:, None, None]
+        self.powers, self.delays = np.arange(len(coefficients)), np.zeros(len(coefficients))
+        largest = np.abs(coefficients)
+        for term in delayed:
+            count = len(term.coefficients)
+            coefficients = np.concatenate([coefficients, term.coefficients])
+            sizes = None if sizes is None else np.concatenate([sizes, np.abs(term.coefficients)])
+            self.powers, self.delays = np.append(self.powers, np.arange(count)), np.append(self.delays, np.full(count, term.delay))
+            largest = np.pad(largest, ((0, max(0, count - len(largest))), (0, 0), (0, 0)))
+            largest[:count] += np.abs(term.coefficients)
+        scaling = joint_scaling(largest)
+        self.time, self.delays = scaling.time, self.delays * scaling.time
+        powers = scaling.time ** self.powers[:, None, None]
         factors = scaling.rows[:, None] * scaling.columns * powers
         self.coefficients = coefficients * factors
         self.sizes = np.abs(self.coefficients) if sizes is None else np.maximum(np.abs(coefficients), sizes) * factors
@@ -159,12 +168,24 @@ class StructuredSolver:
         X, (right, left) = solver.solved(self._together), self._where
         return X[:, right], X[:, left]
 
+    # The functions of s that the coefficients multiply.
+
+    def functions(self, nu) -> np.ndarray:
+        """s^k e^(-s delay) at s = i nu, shape (K, F)."""
+        values = (1j * nu) ** self.powers[:, None]
+        return values * np.exp(-1j * nu * self.delays[:, None]) if self.delays.any() else values
+
+    def function_sizes(self, nu) -> np.ndarray:
+        """The moduli of these functions; those with delays in units of the rounding errors of a phase."""
+        values = nu.astype(float) ** self.powers[:, None]
+        return values * (1 + nu.astype(float) * self.delays[:, None]) if self.delays.any() else values
+
     # Errors.
 
     def terms(self, nu, X, sizes) -> tuple[np.ndarray, np.ndarray]:
         """A X - B in the precision of the lines and of X, and its modulus + |A| |X| with these sizes of the coefficients."""
-        A = _polynomials(self.coefficients[:, *self._nonzero], 1j * nu)
-        S, size = _polynomials(sizes[:, *self._nonzero], nu.astype(float)), np.abs(X).astype(float, copy=False)
+        A = _sums(self.coefficients[:, *self._nonzero], self.functions(nu))
+        S, size = _sums(sizes[:, *self._nonzero], self.function_sizes(nu)), np.abs(X).astype(float, copy=False)
         residual, total = np.zeros(X.shape, dtype=A.dtype), np.zeros(X.shape)
         residual -= self.inputs[..., None]
         product, real_product = np.empty_like(residual[:1]), np.empty_like(total[:1])
@@ -202,25 +223,32 @@ class StructuredSolver:
         pattern = (self.coefficients != 0).any(axis=0)
         if pattern.sum() > FULL * r * r + 4 * r and r > 4:
             return None
-        A = sum(matrix * (1j * nu) ** k for k, matrix in enumerate(self.coefficients))
+        A = self._at(nu)
         A = np.where(pattern & (A == 0), EPS, A)
         try:
-            lu = splu(scipy.sparse.csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=THRESHOLD)
+            lu = scipy.sparse.linalg.splu(scipy.sparse.csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=THRESHOLD)
         except RuntimeError:  # exactly singular: another line has an order
             generic = nu * (1 + THRESHOLD) + THRESHOLD
-            A = sum(matrix * (1j * generic) ** k for k, matrix in enumerate(self.coefficients))
+            A = self._at(generic)
             try:
-                lu = splu(scipy.sparse.csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=THRESHOLD)
+                lu = scipy.sparse.linalg.splu(scipy.sparse.csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=THRESHOLD)
             except RuntimeError:
                 return None
         rows, columns = np.argsort(lu.perm_r), np.argsort(lu.perm_c)
         result = _Pattern.of(pattern[np.ix_(rows, columns)], rows, columns)
         return None if result.operations > FULL * r**3 / 3 + 8 * r else result
 
+    def _at(self, nu: float) -> np.ndarray:
+        """A(i nu), shape (r, r)."""
+        factors = (
+            (1j * nu) ** int(power) * np.exp(-1j * nu * delay) if delay else (1j * nu) ** int(power)
+            for power, delay in zip(self.powers, self.delays)
+        )
+        return sum(matrix * factor for matrix, factor in zip(self.coefficients, factors))
 
-def _polynomials(coefficients, s) -> np.ndarray:
-    """Polynomials with coefficients of shape (q + 1, E) at F points, shape (E, F)."""
-    powers = s ** np.arange(len(coefficients))[:, None]
+
+def _sums(coefficients, powers) -> np.ndarray:
+    """Sums of K functions, shape (K, F), with coefficients of shape (K, E): shape (E, F)."""
     if np.iscomplexobj(powers) and not np.iscomplexobj(coefficients):
         return (coefficients.T @ powers.view(powers.real.dtype)).view(powers.dtype)
     return coefficients.T @ powers
@@ -307,7 +335,7 @@ class _Eliminated:
     def __init__(self, solver: StructuredSolver, nu, pattern: _Pattern):
         self.solver, self.nu, self.pattern = solver, nu, pattern
         places = pattern.row_order[pattern.rows], pattern.column_order[pattern.columns]
-        self.W = W = _polynomials(solver.coefficients[:, *places], 1j * nu)
+        self.W = W = _sums(solver.coefficients[:, *places], solver.functions(nu))
         self.inverse = np.empty((solver.size, len(nu)), dtype=complex)
         for k, _, _, column, row, changed in pattern.steps:
             np.divide(1.0, W[k], out=self.inverse[k])
@@ -358,7 +386,7 @@ class _Full:
 
     def __init__(self, solver: StructuredSolver, nu):
         self.solver, self.nu = solver, nu
-        self.matrices = _matrices(solver.coefficients, 1j * nu)
+        self.matrices = _matrices(solver.coefficients, solver.functions(nu))
         self.factors = [_lu(matrix) for matrix in self.matrices]
 
     def at(self, lines: np.ndarray) -> _Full:
@@ -379,14 +407,14 @@ class _Full:
     def terms(self, X) -> np.ndarray:
         """|A X - B| + u |A| |X|, shape (r, m, F)."""
         X = np.moveaxis(X, 2, 0)
-        sizes = LINE_ROUNDING * EPS * _matrices(self.solver.sizes, self.nu)
+        sizes = LINE_ROUNDING * EPS * _matrices(self.solver.sizes, self.solver.function_sizes(self.nu))
         return np.moveaxis(np.abs(self.matrices @ X - self.solver.inputs) + sizes @ np.abs(X), 0, 2)
 
 
-def _matrices(coefficients, s) -> np.ndarray:
-    """The polynomial matrix at F points, shape (F, r, r)."""
-    flat = _polynomials(coefficients.reshape(len(coefficients), -1), s)
-    return np.ascontiguousarray(flat.T).reshape(len(s), *coefficients.shape[1:])
+def _matrices(coefficients, powers) -> np.ndarray:
+    """The matrix at F points, shape (F, r, r)."""
+    flat = _sums(coefficients.reshape(len(coefficients), -1), powers)
+    return np.ascontiguousarray(flat.T).reshape(powers.shape[1], *coefficients.shape[1:])
 
 
 def _lu(matrix):
@@ -426,6 +454,7 @@ class Harmonic:
         quantity: its name.
         left_out: bound of the omitted part of a model that these matrices reduce; None for the model itself.
         notices: notices on the model.
+        delayed: terms with dead time, A(s) + sum of A_j(s) e^(-s delay_j).
     """
 
     A: PolynomialMatrix
@@ -440,6 +469,7 @@ class Harmonic:
     quantity: str = "response"
     left_out: LeftOut | None = None
     notices: tuple[Notice, ...] = ()
+    delayed: tuple[DelayedTerm, ...] = ()
 
     @property
     def coefficients(self) -> np.ndarray:
@@ -451,7 +481,7 @@ class Harmonic:
     @cached_property
     def solver(self) -> StructuredSolver:
         """Solutions at given lines."""
-        return StructuredSolver(self.coefficients, self.inputs, self.outputs, self.sizes)
+        return StructuredSolver(self.coefficients, self.inputs, self.outputs, self.sizes, self.delayed)
 
     def check(self, frequencies: np.ndarray) -> None:
         """Raise an InputError for frequencies beyond the range of the computation."""
@@ -483,10 +513,14 @@ class Harmonic:
     @cached_property
     def form(self) -> PoleResidueForm:
         """Poles, residues and polynomial part."""
+        if self.delayed:
+            raise InputError(
+                "poles: equations with delays have infinitely many, and no sum of residues; system.characteristic_roots has the rightmost ones"
+            )
         A, inputs, outputs = self.real
         return PoleResidueForm(A.jordan_pairs(), inputs, outputs, self.power)
 
     @cached_property
     def modal_sum(self) -> ModalSum | None:
         """The sum over modes in graded coordinates, where the matrices have that form."""
-        return ModalSum.of(self.coefficients, self.inputs, self.outputs)
+        return None if self.delayed else ModalSum.of(self.coefficients, self.inputs, self.outputs)

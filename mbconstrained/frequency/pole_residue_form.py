@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from ..ground.tolerances import CLUSTER_SAFETY, EPS, NOISE_SAFETY, rounding_radius
 from ..linalg.blocks import block_slices

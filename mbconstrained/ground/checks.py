@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import difflib
 import importlib
+import sys
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
+from operator import attrgetter
 from types import ModuleType
 
 import numpy as np
@@ -51,6 +53,11 @@ def optional_package(name: str, what_for: str) -> ModuleType:
         np.set_printoptions(**options)
 
 
+def is_sparse(value) -> bool:
+    """``scipy.sparse.issparse``, which need not be imported where no matrix can be sparse."""
+    return "scipy.sparse" in sys.modules and sys.modules["scipy.sparse"].issparse(value)
+
+
 def real_array(value, what: str, *, shape: tuple[int | None, ...] | None = None) -> np.ndarray:
     """A new float64 array of finite real numbers.
 
@@ -58,7 +65,7 @@ def real_array(value, what: str, *, shape: tuple[int | None, ...] | None = None)
     array([[1., 2.],
            [3., 4.]])
     """
-    if hasattr(value, "toarray"):  # scipy.sparse
+    if is_sparse(value):
         value = value.toarray()
     if callable(value):
         raise InputError(f"{what}: found a Python function; expected numbers{OF_FUNCTION}")
@@ -228,6 +235,8 @@ class ReadOnly(Mapping):
 
     def __len__(self) -> int:
         return len(self._entries)
+
+    values = property(attrgetter("_entries.values"))  # Mapping's own looks up every name
 
     def __repr__(self) -> str:
         return repr(self._entries)

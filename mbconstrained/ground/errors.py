@@ -46,8 +46,9 @@ class NoNormalForm(MbconstrainedError, ValueError):
     """No transformation of the states makes the system mechanical; the text names the violated condition and its margin.
 
     Attributes:
-        condition: "rank [B, A B]", "rank [A - lambda I, B]" or "descriptor", the one that fails.
-        rank, needed: the actual rank, and the necessary one.
+        condition: "rank [B, A B]" or "rank [A - lambda I, B]", of a singular F those of the finite part; "descriptor" where
+            det(s F - A) is zero for every s, or the finite part has an odd number of states.
+        rank, needed: the actual rank, and the necessary one; of "descriptor" that of F, or an odd number of states and the next even one.
         eigenvalue: lambda in 1/s, where the second condition fails.
         margin: distance of the data to a system that clearly fails, relative to A; a margin near rounding error counts as failure.
         doubtful: True where rounding errors of the data may decide.

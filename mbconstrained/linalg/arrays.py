@@ -10,10 +10,9 @@ from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
-import scipy.sparse
-from scipy.sparse import csr_array
+import scipy
 
-Matrix: TypeAlias = np.ndarray | csr_array
+Matrix: TypeAlias = "np.ndarray | scipy.sparse.csr_array"
 
 #: Matrices with so many rows are kept sparse.
 LARGE = 150
@@ -24,19 +23,19 @@ def kept(matrix: np.ndarray) -> Matrix:
     return compressed(matrix) if len(matrix) >= LARGE else matrix
 
 
-def compressed(matrix: np.ndarray) -> csr_array:
+def compressed(matrix: np.ndarray) -> scipy.sparse.csr_array:
     """The matrix without stored zeros."""
     values = np.ascontiguousarray(matrix).reshape(-1)
     places = np.flatnonzero(values != 0)
     rows, columns = np.divmod(places, max(matrix.shape[1], 1))
-    return csr_array((values[places], columns, np.searchsorted(rows, np.arange(len(matrix) + 1))), shape=matrix.shape)
+    return scipy.sparse.csr_array((values[places], columns, np.searchsorted(rows, np.arange(len(matrix) + 1))), shape=matrix.shape)
 
 
 def of_like_kind(matrix, other: Matrix) -> Matrix:
     """A matrix of the kind of another one."""
     if isinstance(other, np.ndarray):
         return full(matrix)
-    return compressed(matrix) if isinstance(matrix, np.ndarray) else csr_array(matrix)
+    return compressed(matrix) if isinstance(matrix, np.ndarray) else scipy.sparse.csr_array(matrix)
 
 
 def full(matrix: Matrix) -> np.ndarray:
@@ -60,7 +59,7 @@ def vstack(*parts: Matrix) -> Matrix:
 
 def zeros_of_kind(shape: tuple[int, int], like: Matrix) -> Matrix:
     """Zeros, of the kind of another matrix."""
-    return np.zeros(shape) if isinstance(like, np.ndarray) else csr_array(shape)
+    return np.zeros(shape) if isinstance(like, np.ndarray) else scipy.sparse.csr_array(shape)
 
 
 def shifted_unit(rows: int, columns: int, shift: int, like: Matrix) -> Matrix:
@@ -71,7 +70,7 @@ def shifted_unit(rows: int, columns: int, shift: int, like: Matrix) -> Matrix:
     """
     if isinstance(like, np.ndarray):
         return np.eye(rows, columns, shift)
-    return csr_array(scipy.sparse.eye_array(rows, columns, k=shift))
+    return scipy.sparse.csr_array(scipy.sparse.eye_array(rows, columns, k=shift))
 
 
 def entries(matrix: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -101,7 +100,7 @@ def diagonal_parts(matrix: Matrix, groups: Sequence[np.ndarray]) -> list[Matrix]
     for rows, own in zip(groups, np.split(order, ends[1:-1])):
         at, shape = (place[row[own]], place[column[own]]), (len(rows),) * 2
         if len(rows) >= LARGE:
-            parts.append(csr_array((values[own], at), shape=shape))
+            parts.append(scipy.sparse.csr_array((values[own], at), shape=shape))
             continue
         part = np.zeros(shape)
         part[at] = values[own]

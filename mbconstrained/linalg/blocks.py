@@ -7,10 +7,7 @@ from dataclasses import dataclass
 from itertools import accumulate
 
 import numpy as np
-import scipy.linalg
-from scipy.linalg import lapack
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from ..ground.threads import one_thread
 from ..ground.tolerances import DECOUPLING_LIMIT, EPS, MODE_AMPLIFICATION, SEPARATION_STEPS, WEAK_COUPLING
@@ -103,7 +100,7 @@ def coupled_rows(matrix: np.ndarray) -> list[np.ndarray]:
     """The rows of a square matrix in groups that no entry couples to each other, each ascending."""
     n = len(matrix)
     if n > MANY_ROWS:
-        count, which = connected_components(compressed(matrix), directed=False)
+        count, which = scipy.sparse.csgraph.connected_components(compressed(matrix), directed=False)
         return [np.flatnonzero(which == group) for group in range(count)]
     pattern = matrix != 0
     if n and _reached(pattern | pattern.T).all():  # mostly
@@ -176,7 +173,7 @@ def _decoupling(top, bottom, corner):
     """X with top X - X bottom = -corner, or infinite entries where top and bottom share a zero."""
     if not corner.any():
         return np.zeros_like(corner)
-    solution, scale, info = lapack.dtrsyl(top, bottom, -corner, isgn=-1)
+    solution, scale, info = scipy.linalg.lapack.dtrsyl(top, bottom, -corner, isgn=-1)
     if info != 0 or scale == 0:
         return np.full(corner.shape, np.inf)
     return solution / scale
@@ -244,7 +241,7 @@ def _swap(T, basis, inverse, start, source, target) -> bool:
     """
     if source == target:
         return True
-    part, turn, info = lapack.dtrexc(T[start:, start:], np.eye(len(T) - start), source - start + 1, target - start + 1)
+    part, turn, info = scipy.linalg.lapack.dtrexc(T[start:, start:], np.eye(len(T) - start), source - start + 1, target - start + 1)
     T[start:, start:] = part
     basis[:, start:] = basis[:, start:] @ turn
     inverse[start:] = turn.T @ inverse[start:]
@@ -289,13 +286,15 @@ def _by_clusters(matrix: Matrix) -> BlockDiagonal:
 def _by_eigenvectors(matrix: Matrix) -> BlockDiagonal | None:
     """Decoupled form with LAPACK's real and imaginary parts of the vectors side by side as basis, without a complex matrix."""
     n = matrix.shape[0]
-    room = int(lapack.dgeev_lwork(n, compute_vl=0)[0])
+    room = int(scipy.linalg.lapack.dgeev_lwork(n, compute_vl=0)[0])
     with one_thread(n):
-        _, imaginary, _, basis, failed = lapack.dgeev(np.array(full(matrix), order="F"), compute_vl=0, lwork=room, overwrite_a=1)
-    factors, pivots, singular = lapack.dgetrf(basis)
+        _, imaginary, _, basis, failed = scipy.linalg.lapack.dgeev(
+            np.array(full(matrix), order="F"), compute_vl=0, lwork=room, overwrite_a=1
+        )
+    factors, pivots, singular = scipy.linalg.lapack.dgetrf(basis)
     if failed or singular:
         return None
-    inverse = lapack.dgetri(factors, pivots, lwork=room, overwrite_lu=1)[0]
+    inverse = scipy.linalg.lapack.dgetri(factors, pivots, lwork=room, overwrite_lu=1)[0]
     single, upper = (imaginary == 0).nonzero()[0], (imaginary > 0).nonzero()[0]
     worst = _worst_condition(basis, inverse, single, upper)
     if not worst <= DECOUPLING_LIMIT:
@@ -382,8 +381,8 @@ def weakly_coupled_groups(matrix: Matrix) -> list[np.ndarray]:
     row, column, strong, largest = _coupled_states(matrix)
     if strong.all() and WEAK_COUPLING * largest.max(initial=0.0) <= largest.min(initial=np.inf):
         return [np.arange(n)]
-    joined = csr_array((strong[strong], (row[strong], column[strong])), shape=(n, n))
-    count, which = connected_components(joined, connection="strong")
+    joined = scipy.sparse.csr_array((strong[strong], (row[strong], column[strong])), shape=(n, n))
+    count, which = scipy.sparse.csgraph.connected_components(joined, connection="strong")
     return [np.flatnonzero(which == group) for group in range(count)]
 
 
@@ -458,6 +457,6 @@ def _clusters(blocks: tuple[np.ndarray, ...], F: np.ndarray) -> list[np.ndarray]
     """The modal states in clusters, those of one block and of blocks that F couples together."""
     number = np.repeat(np.arange(len(blocks)), list(map(len, blocks)))
     row, column = F.nonzero()
-    joined = csr_array((np.ones(len(row)), (number[row], number[column])), shape=(len(blocks),) * 2)
-    which = connected_components(joined, directed=False)[1][number]
+    joined = scipy.sparse.csr_array((np.ones(len(row)), (number[row], number[column])), shape=(len(blocks),) * 2)
+    which = scipy.sparse.csgraph.connected_components(joined, directed=False)[1][number]
     return [np.flatnonzero(which == cluster) for cluster in np.unique(which)]

@@ -7,9 +7,7 @@ from functools import reduce
 from itertools import pairwise, product
 
 import numpy as np
-from scipy.linalg import lapack
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from ..ground.tolerances import CANCELLED, EPS, GOOD_CONDITION, noise_of
 from .arrays import Matrix, entries, entry_count, full, is_diagonal, of_like_kind
@@ -20,7 +18,7 @@ def solved(matrix: Matrix, right: Matrix) -> Matrix:
     """matrix^-1 @ right, of the kind of the right side; where the matrix is diagonal by division."""
     if is_diagonal(matrix):
         divisors = matrix.diagonal()[:, None]
-        return right / divisors if isinstance(right, np.ndarray) else csr_array(right.multiply(1 / divisors))
+        return right / divisors if isinstance(right, np.ndarray) else scipy.sparse.csr_array(right.multiply(1 / divisors))
     return of_like_kind(solution(full(matrix), full(right)), right)
 
 
@@ -28,7 +26,7 @@ def solution(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """matrix^-1 @ right for a real matrix; for small ones four times faster than ``numpy.linalg.solve``."""
     if not right.size:
         return np.zeros(right.shape)
-    result, info = (lapack.zgesv if right.dtype.kind == "c" else lapack.dgesv)(matrix, right)[2:]
+    result, info = (scipy.linalg.lapack.zgesv if right.dtype.kind == "c" else scipy.linalg.lapack.dgesv)(matrix, right)[2:]
     if info:
         raise np.linalg.LinAlgError("singular matrix")
     return result
@@ -43,8 +41,8 @@ def without_noise(matrix: Matrix, size: Matrix) -> Matrix:
     result = matrix.tocoo()
     if not result.nnz:
         return result.tocsr()
-    kept = np.abs(result.data) > noise_of(np.asarray(csr_array(size)[result.row, result.col]).reshape(-1))
-    return csr_array((result.data[kept], (result.row[kept], result.col[kept])), shape=result.shape)
+    kept = np.abs(result.data) > noise_of(np.asarray(scipy.sparse.csr_array(size)[result.row, result.col]).reshape(-1))
+    return scipy.sparse.csr_array((result.data[kept], (result.row[kept], result.col[kept])), shape=result.shape)
 
 
 def is_symmetric(matrix: Matrix) -> bool:
@@ -63,8 +61,8 @@ def is_symmetric(matrix: Matrix) -> bool:
         return False
     i, j, values = entries(abs(matrix))
     clear = values > noise_of(size[i] * size[j])
-    joined = csr_array((values[clear], (i[clear], j[clear])), shape=matrix.shape)
-    part = connected_components(joined, directed=False)[1]
+    joined = scipy.sparse.csr_array((values[clear], (i[clear], j[clear])), shape=matrix.shape)
+    part = scipy.sparse.csgraph.connected_components(joined, directed=False)[1]
     return bool((part[row] == part[column]).all())
 
 
@@ -81,7 +79,7 @@ def is_semidefinite(matrix: Matrix) -> bool:
 
 
 def condition(matrix: Matrix, enough: float = GOOD_CONDITION) -> float:
-    """The condition (1-norm, estimated) of a square matrix, its rows and columns brought to one size where it is more than
+    """The condition (1-norm, estimated where it has many rows) of a square matrix, its rows and columns brought to one size where it is more than
     enough.
     """
     if not matrix.shape[0] or is_diagonal(matrix):
@@ -103,14 +101,24 @@ def definite_condition(matrix: np.ndarray) -> float:
         return 1.0
     root = np.sqrt(diagonal)
     scaled = matrix / root / root[:, None]
-    factor, failed = lapack.dpotrf(scaled, clean=0)
-    reciprocal = 0.0 if failed else lapack.dpocon(factor, lapack.dlange("1", scaled))[0]
+    factor, failed = scipy.linalg.lapack.dpotrf(scaled, clean=0)
+    reciprocal = 0.0 if failed else scipy.linalg.lapack.dpocon(factor, scipy.linalg.lapack.dlange("1", scaled))[0]
     return 1 / reciprocal if reciprocal > 0 else np.inf
 
 
+#: Up to so many rows the condition is that of the inverse: scenes of few coordinates are checked without SciPy, which takes longer to import.
+FEW_ROWS = 10
+
+
 def _condition(matrix: np.ndarray) -> float:
-    factors, _, info = lapack.dgetrf(matrix)
-    reciprocal = lapack.dgecon(factors, lapack.dlange("1", matrix))[0] if info == 0 else 0.0
+    if len(matrix) <= FEW_ROWS:
+        try:
+            result = math.prod(max(map(sum, np.abs(one).T.tolist())) for one in (matrix, np.linalg.inv(matrix)))
+        except np.linalg.LinAlgError:
+            return np.inf
+        return result if result > 0 else np.inf  # not a number where the entries are none
+    factors, _, info = scipy.linalg.lapack.dgetrf(matrix)
+    reciprocal = scipy.linalg.lapack.dgecon(factors, scipy.linalg.lapack.dlange("1", matrix))[0] if info == 0 else 0.0
     return 1 / reciprocal if reciprocal > 0 else np.inf
 
 

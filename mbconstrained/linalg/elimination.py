@@ -9,8 +9,7 @@ from heapq import heapify, heappop, heappush
 from itertools import pairwise
 
 import numpy as np
-import scipy.sparse
-from scipy.sparse import csr_array
+import scipy
 
 from ..ground.tolerances import EPS
 from .arrays import Matrix, entries
@@ -331,7 +330,7 @@ class SparseQuadratic:
         return float(np.abs((x * self.applied(np.zeros(1), x)[0]).sum()) / (np.abs(x) * terms).sum())
 
     @cached_property
-    def _parts(self) -> tuple[csr_array, csr_array]:
+    def _parts(self) -> tuple[scipy.sparse.csr_array, scipy.sparse.csr_array]:
         """Matrices for parts of K and C and all of C and M, shape (4 N, N), and for differences at two ends for the rest, (2 N, E).
 
         Rows are sums of differences where their off-diagonal entries are not the larger ones: else units of neighbours differ.
@@ -339,7 +338,7 @@ class SparseQuadratic:
         n, (one, other), every = self.size, self.ends, np.arange(self.size)
         rows, columns, each = np.concatenate([every, one, other]), np.concatenate([every, other, one]), np.arange(len(one))
         whole = [
-            csr_array((line, (rows, columns)), shape=(n, n))
+            scipy.sparse.csr_array((line, (rows, columns)), shape=(n, n))
             for line in np.hstack([self.diagonal, self.off_diagonal, self.off_diagonal])
         ]
         of_each, of_differences = [], []
@@ -348,9 +347,9 @@ class SparseQuadratic:
             near = np.bincount(rows[n:], np.abs(both), n) <= 2 * np.abs(diagonal)
             sums = diagonal.astype(np.longdouble)
             np.add.at(sums, rows[n:], both)
-            of_each.append(csr_array(_diagonal(1.0 - near) @ matrix) + _diagonal(near * sums.astype(float)))
+            of_each.append(scipy.sparse.csr_array(_diagonal(1.0 - near) @ matrix) + _diagonal(near * sums.astype(float)))
             signed = np.concatenate([off_diagonal, -off_diagonal]) * near[rows[n:]]
-            of_differences.append(csr_array((signed, (rows[n:], np.concatenate([each, each]))), shape=(n, len(each))))
+            of_differences.append(scipy.sparse.csr_array((signed, (rows[n:], np.concatenate([each, each]))), shape=(n, len(each))))
         return (_without_zeros([*of_each, *whole[1:]]), _without_zeros(of_differences))
 
     def halves(self) -> tuple[SparseQuadratic, SparseQuadratic]:
@@ -388,12 +387,12 @@ def _sparse_quadratic(diagonal, off_diagonal, ends, places) -> SparseQuadratic |
     )
 
 
-def _diagonal(entries: np.ndarray) -> csr_array:
-    return csr_array(scipy.sparse.diags_array(entries))
+def _diagonal(entries: np.ndarray) -> scipy.sparse.csr_array:
+    return scipy.sparse.csr_array(scipy.sparse.diags_array(entries))
 
 
-def _without_zeros(parts: list[csr_array]) -> csr_array:
-    result = csr_array(scipy.sparse.vstack(parts, format="csr"))
+def _without_zeros(parts: list[scipy.sparse.csr_array]) -> scipy.sparse.csr_array:
+    result = scipy.sparse.csr_array(scipy.sparse.vstack(parts, format="csr"))
     result.eliminate_zeros()
     return result
 

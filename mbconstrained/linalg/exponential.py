@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from ..ground.errors import IllConditioned
 from ..ground.tolerances import CLUSTER_DEGREE, EPS, MODERATE_EXPONENT

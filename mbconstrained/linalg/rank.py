@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import lapack
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import structural_rank
+import scipy
 
 from ..ground.tolerances import CLEAR_DROPPED, CLEAR_KEPT, EPS, NOISE_SAFETY, PIVOT_PREFERENCE, PRECISE_DECOUPLING
 from .blocks import coupled
@@ -339,7 +337,9 @@ def _with_evidence(decision: RankDecision, matrix: Noisy) -> RankDecision:
     """A decision near its bound, with the sensitivity of the rank to the entries and the singular values."""
     if decision.clear:
         return decision
-    decision = replace(decision, is_structural=decision.rank == structural_rank(csr_array(matrix.size != 0)))
+    decision = replace(
+        decision, is_structural=decision.rank == scipy.sparse.csgraph.structural_rank(scipy.sparse.csr_array(matrix.size != 0))
+    )
     if decision.clear:
         return decision
     rows, columns = equilibration(matrix.size)
@@ -358,8 +358,8 @@ def _regular_by_far(matrix: Noisy) -> float | None:
     rows, columns = equilibration(matrix.size)
     scaled, noise = rows[:, None] * floats(matrix.data) * columns, rows[:, None] * matrix.noise * columns
     norm = np.abs(scaled).sum(axis=0).max()
-    factors, _, info = lapack.dgetrf(scaled)
-    reciprocal = lapack.dgecon(factors, norm)[0] if info == 0 else 0.0
+    factors, _, info = scipy.linalg.lapack.dgetrf(scaled)
+    reciprocal = scipy.linalg.lapack.dgecon(factors, norm)[0] if info == 0 else 0.0
     margin = reciprocal * norm / (NOISE_SAFETY * max(noise.sum(axis=0).max(), EPS * norm))
     return float(margin) if margin >= CLEAR_KEPT else None
 

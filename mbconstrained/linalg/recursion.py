@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, log2
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.linalg
-from scipy.sparse import csr_array, eye_array
+import scipy
 
 from ..ground.tolerances import EPS, EXPONENTIAL_PRODUCTS, NARROW_PRODUCT, NEGLIGIBLE_EXPONENTIAL, PADE_NORM
 from .arrays import Matrix, entries, entry_count, filled_columns, full, of_like_kind
 from .blocks import CHUNK_ENTRIES, BlockDiagonal, block_matrix, block_slices
 from .exponential import BlockGroups, block_states
-from .tree_modes import ResidueModes
+from .scaling import balanced_norm, balancing_units
+
+if TYPE_CHECKING:
+    from .tree_modes import ResidueModes
 
 # Linear recursions with a block diagonal exponential: from one time to the next, all blocks of a size at once.
 # The steps are taken in groups, the same step of all groups at once (a scan in two passes, Blelloch 1990): first every group from
@@ -213,7 +216,7 @@ class ModalBasis:
         y = np.empty(len(self.single) + 2 * len(self.first) + len(self.rest))
         y[self.single], y[self.first], y[self.rest] = single.real, pairs.real, rest
         y[self.first + 1] = -(self.frequency * pairs.imag + self.turn[:, 0] * pairs.real) / self.turn[:, 1]
-        return self.decoupled.modal_output(eye_array(len(y), format="csr")) @ y
+        return self.decoupled.modal_output(scipy.sparse.eye_array(len(y), format="csr")) @ y
 
     def modal_output(self, output: Matrix, order: int = 0) -> tuple[np.ndarray, np.ndarray]:
         """The derivative of this order of output @ w: factors of real and imaginary parts of z in turn, and of the rest of y."""
@@ -307,6 +310,77 @@ class Propagator:
         return matrix
 
 
+#: Sparse models of more states are taken from step to step by the series of e^{S h}; measured on chains, fewer gain little.
+SERIES_STATES = 400
+
+#: A series is summed over no more than this angle: its largest term is the first one then, and nothing cancels.
+LONGEST_SERIES = 1.0
+
+
+class ExponentialSeries:
+    """e^{S k h} v for k = 0 ... count - 1 of a sparse S, by products of S with vectors (Al-Mohy and Higham 2011).
+
+    In the units that balance S each step sums e^{S h} z = z + S h (z + S h / 2 (z + ...)) by Horner's scheme. Vectors at few times are kept.
+
+    Args:
+        generator: S, shape (n, n), in 1/s, dense or sparse.
+        step: h, in s.
+        start: v, shape (n,).
+        count: number of times.
+    """
+
+    def __init__(self, generator: Matrix, step: float, start: np.ndarray, count: int):
+        self._units = units = balancing_units(generator)
+        self._parts, self._terms = _series(balanced_norm(generator) * step)
+        self._matrix = scipy.sparse.csr_array(of_like_kind(generator * units / units[:, None], generator)) * (step / self._parts)
+        self._start, self._count = start / units, count
+
+    def values(self, output: Matrix) -> np.ndarray:
+        """output @ e^{S k h} v, shape (r, count)."""
+        rows = scipy.sparse.csr_array(of_like_kind(output * self._units, output))
+        values, begin = np.empty((output.shape[0], self._count)), 0
+        for states in self._few if self._count <= CHUNK else self._states():
+            values[:, begin : begin + states.shape[1]] = rows @ states
+            begin += states.shape[1]
+        return values
+
+    @cached_property
+    def _few(self) -> list[np.ndarray]:
+        return list(self._states())
+
+    def _states(self) -> Iterator[np.ndarray]:
+        z = self._start
+        for begin in range(0, self._count, CHUNK):
+            states = np.empty((len(z), min(CHUNK, self._count - begin)))
+            for k in range(states.shape[1]):
+                states[:, k] = z
+                for _ in range(self._parts):
+                    total = z
+                    for order in range(self._terms, 0, -1):
+                        total = z + (self._matrix @ total) / order
+                    z = total
+            yield states
+
+
+def _series(turned: float) -> tuple[int, int]:
+    """Parts of a step with norm ``turned`` of S h, and terms of the series of each, the first neglected one below rounding errors."""
+    parts = max(1, ceil(turned / LONGEST_SERIES))
+    size, terms = turned / parts, 0
+    term = size
+    while term > EPS / 16:
+        terms += 1
+        term *= size / (terms + 1)
+    return parts, max(terms, 1)
+
+
+def cost_of_series(states: int, entry_count: int, count: int, turned: float) -> float:
+    """Cost of values at this number of even times by series, in products of two matrices (n, n); infinite for few states."""
+    if states <= SERIES_STATES or not np.isfinite(turned):
+        return np.inf
+    parts, terms = _series(turned)
+    return count * parts * terms * SPARSE * (entry_count + states) / states**3
+
+
 def _smallest(matrix: np.ndarray) -> float:
     """Modulus of the smallest nonzero entry; the largest number without any."""
     size = np.abs(matrix)
@@ -353,7 +427,7 @@ def values_of_steps(
     used = np.flatnonzero(filled_columns(output))
     if SPARSE * entry_count(output) >= (output.shape[0] - len(used)) * len(start):
         return _values(full(output), step, input_matrix, start, inputs)
-    return csr_array(output[:, used]) @ _values(np.eye(len(start))[used], step, input_matrix, start, inputs)
+    return scipy.sparse.csr_array(output[:, used]) @ _values(np.eye(len(start))[used], step, input_matrix, start, inputs)
 
 
 def best_length(rows: int, states: int, driven: int, count: int) -> int:

@@ -11,14 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import lapack
-from scipy.sparse import csc_array, csr_array, eye_array
-from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import spsolve
+import scipy
 
 from ..ground.errors import IllConditioned
 from ..ground.tolerances import BALANCE_RATIO, EPS, NOISE_SAFETY
-from .arrays import Matrix, compressed
+from .arrays import Matrix, compressed, full
 from .precise import is_precise, power_of_two
 
 #: Factors stay within 2^(+-this), where they and their inverses are normal numbers.
@@ -38,6 +35,9 @@ FEW_STATES = 40
 
 #: Number of rows from which the exponents of a sparse A(s) come from sparse equations.
 MANY_ROWS = 150
+
+#: Matrices of fewer entries times rows are written with their zeros: a product takes less time than a sparse one, and no import.
+LARGE_DESIGN = 50_000
 
 #: What makes a Laplace equation regular; a matrix with a tenth of its entries is solved as a full one.
 SLIGHT, FILLED = 1e-9, 10
@@ -188,7 +188,7 @@ def _balanced(size: np.ndarray, first: np.ndarray) -> np.ndarray:
     out, into = both.sum(axis=2), both.sum(axis=1)
     laplacian, right = -both[1] - both[1].T, (out - into).T
     laplacian.reshape(-1)[diagonal] = out[1] + into[1] + SLIGHT
-    units = np.exp2(_about_their_mean(lapack.dgesv(laplacian, right)[2], right, *out.sum(axis=1)))
+    units = np.exp2(_about_their_mean(scipy.linalg.lapack.dgesv(laplacian, right)[2], right, *out.sum(axis=1)))
     for _ in range(BALANCING_ROUNDS):
         ratios = (size.dot(units) / units + alone) / ((1 / units).dot(size) * units + alone)
         units *= ratios**0.25
@@ -215,7 +215,7 @@ def _powers_of_two(exponents: np.ndarray, first: np.ndarray) -> np.ndarray:
 def _mutual_sizes(generator: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Magnitudes of the entries that couple states in both directions, also indirectly, and the first state of each one's part."""
     if len(generator) > FEW_STATES:
-        part = connected_components(csr_array(generator), connection="strong")[1]
+        part = scipy.sparse.csgraph.connected_components(scipy.sparse.csr_array(generator), connection="strong")[1]
         return np.abs(generator) * (part[:, None] == part), _first_of_parts(part)
     reached, steps = (generator != 0) + np.eye(len(generator)), 1
     while steps < len(generator):
@@ -242,15 +242,15 @@ def _laplace_solution(row, column, weights, right: np.ndarray, n: int) -> np.nda
     """The potentials of a graph with these weights of its edges for right sides of shape (n, k)."""
     degree = np.bincount(row, weights, n) + np.bincount(column, weights, n)
     rows, columns = np.concatenate([np.arange(n), row, column]), np.concatenate([np.arange(n), column, row])
-    laplacian = csc_array((np.concatenate([degree + SLIGHT, -weights, -weights]), (rows, columns)), shape=(n, n))
+    laplacian = scipy.sparse.csc_array((np.concatenate([degree + SLIGHT, -weights, -weights]), (rows, columns)), shape=(n, n))
     if len(row) * FILLED > n * n:
         return np.linalg.solve(laplacian.toarray(), right)
-    return spsolve(laplacian, right).reshape(n, right.shape[1])
+    return scipy.sparse.linalg.spsolve(laplacian, right).reshape(n, right.shape[1])
 
 
-def _mutual(generator: csr_array) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _mutual(generator: scipy.sparse.csr_array) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Rows, columns and sizes of the entries that couple states in both directions, also indirectly, and the first of each part."""
-    entries, part = generator.tocoo(), connected_components(generator, connection="strong")[1]
+    entries, part = generator.tocoo(), scipy.sparse.csgraph.connected_components(generator, connection="strong")[1]
     both = (part[entries.row] == part[entries.col]) & (entries.data != 0)
     return entries.row[both], entries.col[both], np.abs(entries.data[both]), _first_of_parts(part)
 
@@ -265,12 +265,16 @@ def _log_fit(coefficients):
     places = np.concatenate([np.zeros_like(i), 1 + i, 1 + r + j])
     right = np.bincount(places, np.concatenate([-powers * logs, -logs, -logs]), 1 + 2 * r)
     each, ones = np.tile(np.arange(len(logs)), 3), np.ones(2 * len(logs))
-    design = csr_array((np.concatenate([powers, ones]), (each, places)), shape=(len(logs), 1 + 2 * r))
+    if len(logs) * r > LARGE_DESIGN:
+        design: Matrix = scipy.sparse.csr_array((np.concatenate([powers, ones]), (each, places)), shape=(len(logs), 1 + 2 * r))
+    else:
+        design = np.zeros((len(logs), 1 + 2 * r))
+        design[each, places] = np.concatenate([powers, ones])
     normal = design.T @ design  # whole numbers, and the sums in order: what is halfway between two powers stays so
     if r > MANY_ROWS and len(logs) * FILLED < r * r:
-        fit = spsolve((normal + SLIGHT * eye_array(1 + 2 * r)).tocsc(), right)
+        fit = scipy.sparse.linalg.spsolve((normal + SLIGHT * scipy.sparse.eye_array(1 + 2 * r)).tocsc(), right)
     else:
-        fit = np.linalg.lstsq(normal.toarray(), right, rcond=None)[0]
+        fit = np.linalg.lstsq(full(normal), right, rcond=None)[0]
     return fit[0], fit[1 : 1 + r], fit[1 + r :]
 
 

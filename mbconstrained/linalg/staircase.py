@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from scipy.linalg import lapack
+import scipy
 
 from ..ground.errors import IllConditioned
 from ..ground.tolerances import EPS, NOISE_SAFETY
@@ -172,7 +172,9 @@ def _finished(work: _Work, n: int, deficiencies, decisions) -> SplitPencil:
     finite, infinite = slice(n), slice(n, None)
     F22 = work.F.data[infinite, infinite]
     if len(F22):
-        work.rows(infinite, _with_rounding(inverse(F22) if is_precise(F22) else lapack.dtrtrs(F22, np.eye(len(F22)))[0]))
+        work.rows(
+            infinite, _with_rounding(inverse(F22) if is_precise(F22) else scipy.linalg.lapack.dtrtrs(F22, np.eye(len(F22)))[0])
+        )
     nilpotent, above = work.E[infinite, infinite], ~np.tri(len(F22), dtype=bool)
     return SplitPencil(
         left=work.left,

@@ -5,10 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
-from scipy.linalg import lapack
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
+import scipy
 
 from ..ground.tolerances import EPS, LARGEST_CORRECTION, LAST_CORRECTION, REFINED_SPREAD, noise_of
 from .arrays import Matrix, entries, entry_count, full, is_diagonal, of_like_kind
@@ -54,7 +51,7 @@ def refined_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray, shapes: np.ndarra
 def _combined(S: np.ndarray, units: np.ndarray, mixed: np.ndarray) -> np.ndarray:
     """The matrix that decouples groups of shapes that are mixed."""
     result = np.eye(len(S))
-    which = connected_components(csr_array(mixed | mixed.T), directed=False)[1]
+    which = scipy.sparse.csgraph.connected_components(scipy.sparse.csr_array(mixed | mixed.T), directed=False)[1]
     for group in range(which.max() + 1):
         at = np.flatnonzero(which == group)
         if len(at) > 1:
@@ -191,7 +188,7 @@ def modes_of_elements(
         return None
     root = np.sqrt(mass)
     factor = np.sqrt(constants)[:, None] * directions / root
-    rates, _, vectors, scale, _, failed = lapack.dgejsv(factor, joba=2, jobu=3, jobv=0, jobt=0, jobp=0)
+    rates, _, vectors, scale, _, failed = scipy.linalg.lapack.dgejsv(factor, joba=2, jobu=3, jobv=0, jobt=0, jobp=0)
     rates = rates * (scale[0] / scale[1])
     if failed or not rates.min() > 0:
         return None
@@ -227,7 +224,7 @@ def undamped_shapes(M: Matrix, K: Matrix) -> np.ndarray | None:
         vectors = _vectors(of_like_kind(K * (1 / root[:, None]) * (1 / root), K))
         vectors /= root[:, None]
         return vectors
-    _, vectors, failed = lapack.dsygvd(full(K), full(M))
+    _, vectors, failed = scipy.linalg.lapack.dsygvd(full(K), full(M))
     return None if failed else vectors
 
 
@@ -259,8 +256,8 @@ def _vectors(matrix: Matrix) -> np.ndarray:
     matrix = (matrix + matrix.T) / 2
     if isinstance(matrix, np.ndarray):
         return _symmetric_vectors(matrix)
-    order = reverse_cuthill_mckee(csr_array(matrix), symmetric_mode=True)
-    narrow = csr_array(matrix)[order][:, order].tocoo()
+    order = scipy.sparse.csgraph.reverse_cuthill_mckee(scipy.sparse.csr_array(matrix), symmetric_mode=True)
+    narrow = scipy.sparse.csr_array(matrix)[order][:, order].tocoo()
     if len(order) > 2 and np.abs(narrow.row - narrow.col).max(initial=0) <= 1:
         result = np.empty(matrix.shape)
         result[order] = scipy.linalg.eigh_tridiagonal(narrow.diagonal(), narrow.diagonal(1))[1]
@@ -269,7 +266,7 @@ def _vectors(matrix: Matrix) -> np.ndarray:
 
 
 def _symmetric_vectors(matrix: np.ndarray) -> np.ndarray:
-    _, vectors, failed = lapack.dsyevd(matrix)
+    _, vectors, failed = scipy.linalg.lapack.dsyevd(matrix)
     if failed:
         raise np.linalg.LinAlgError("the eigenvalues did not converge")
     return vectors

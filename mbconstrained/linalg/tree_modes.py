@@ -128,9 +128,9 @@ def _complex(rows: np.ndarray) -> np.ndarray:
 #: After so many steps what is not found is given up, after the first number where it is more than a part of all and a few.
 MANY_STEPS, STEPS, CORRECTION_PART, FEW = 20, 50, 0.1, 8
 
-#: A zero so near to the real axis, relative to its size, goes without its conjugate; so do all that have not settled after some
-#: steps.
-NEAR, SLOW = 0.03, 12
+#: A zero so near to the real axis, relative to its size, goes without its conjugate, unless its last step was a jump across the plane; so do
+#: all that are still so far from a zero after some steps. The slow ones of close zeros stay pairs: parted, they would lose their places.
+NEAR, JUMP, SLOW = 0.03, 0.3, 12
 
 #: Number of differences of zeros computed at once.
 CORRECTION_CHUNK = 1 << 16
@@ -174,7 +174,11 @@ def zeros_near(newton: Callable[[np.ndarray], np.ndarray], start: np.ndarray, to
             return _sorted(s, paired, tolerance)
         if done > MANY_STEPS and len(moving) > FEW + CORRECTION_PART * len(s):
             return None
-        alone = moving[paired[moving] & ((np.abs(s[moving].imag) <= NEAR * np.abs(s[moving])) | (done == SLOW))]
+        at, steps = s[moving], last[moving]
+        is_alone = (np.abs(at.imag) <= NEAR * np.abs(at)) & (steps <= JUMP)
+        if done == SLOW:
+            is_alone |= steps > NEAR
+        alone = moving[paired[moving] & is_alone]
         if len(alone):
             s, paired, moving = _parted(s, paired, moving, alone)
             last = np.full(len(s), np.inf)

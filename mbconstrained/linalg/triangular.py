@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg
-from scipy.linalg import lapack
+import scipy
 
 from ..ground.errors import IllConditioned
 from ..ground.threads import one_thread
@@ -253,7 +252,7 @@ def _rotation(block: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
 
 def _balancing_exponents(size: np.ndarray) -> np.ndarray:
     """Whole exponents e for which 2^-e A 2^e has rows and columns of about the same size (LAPACK's balancing)."""
-    scale = lapack.dgebal(size, scale=1, permute=0)[3]
+    scale = scipy.linalg.lapack.dgebal(size, scale=1, permute=0)[3]
     return np.round(np.log2(scale))
 
 
@@ -367,7 +366,7 @@ def _schur(E: np.ndarray, F: np.ndarray) -> TriangularForm:
             "the zeros of A(s) differ by more orders of magnitude than float64 can hold; look for a mass, stiffness or "
             "ratio far out of proportion, or a wrong unit"
         )
-    divided = lapack.dtrtrs(P, np.concatenate([S, Q.T * rows], axis=1))[0]
+    divided = scipy.linalg.lapack.dtrtrs(P, np.concatenate([S, Q.T * rows], axis=1))[0]
     T, left = divided[:, :n], divided[:, n:]
     right = columns[:, None] * Z
     _standardize(T, S, left, right)
@@ -376,9 +375,9 @@ def _schur(E: np.ndarray, F: np.ndarray) -> TriangularForm:
 
 def _qz(F: np.ndarray, E: np.ndarray):
     """S, P, Q, Z with Q^T F Z = S quasi-triangular and Q^T E Z = P triangular."""
-    room = int(lapack.dgges(_never, F, E, lwork=-1)[-2][0])
+    room = int(scipy.linalg.lapack.dgges(_never, F, E, lwork=-1)[-2][0])
     with one_thread(len(F)):
-        S, P, *_, Q, Z, _, failed = lapack.dgges(_never, F, E, lwork=room)
+        S, P, *_, Q, Z, _, failed = scipy.linalg.lapack.dgges(_never, F, E, lwork=room)
     if failed:
         raise IllConditioned("float64 finds no zeros of A(s): the QZ algorithm does not converge; choose other units")
     return S, P, Q, Z
@@ -394,7 +393,7 @@ def _standardize(T, S, left, right) -> None:
     while at < len(T):
         if at + 1 < len(T) and S[at + 1, at] != 0:
             pair = slice(at, at + 2)
-            block, *_, turn, _, _ = lapack.dgees(_never, T[pair, pair], sort_t=0)
+            block, *_, turn, _, _ = scipy.linalg.lapack.dgees(_never, T[pair, pair], sort_t=0)
             T[pair] = turn.T @ T[pair]
             T[:, pair] = T[:, pair] @ turn
             T[pair, pair] = block

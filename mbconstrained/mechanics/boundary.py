@@ -9,10 +9,10 @@ e^{J T} the conditions are linear equations, whose rank is decided by the gap of
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -29,6 +29,9 @@ from ..response.response import Response
 from ..signals.bohl import BohlFunction
 from .motion import FunctionSum, Motion
 from .system import MechanicalSystem
+
+if TYPE_CHECKING:
+    from ..exact.enclosure.exact_boundary import ExactBoundary
 
 #: The words for derivatives of x, in which values are given.
 ORDERS = ("displacement", "velocity", "acceleration")
@@ -94,6 +97,14 @@ class BoundaryResponse(Response):
     def function(self) -> BohlFunction:
         """x_p(t) + C e^{J t} c."""
         return FunctionSum((self.forced.function, self.boundary.free_motion))
+
+    @cached_property
+    def exact(self) -> ExactBoundary:
+        """The exact solution for the same data and boundary values taken as exact numbers; as many of these as finite zeros."""
+        from ..exact.enclosure.exact_boundary import ExactValue, with_boundary_values
+
+        values = [ExactValue(*one[:4]) for one in self.boundary.conditions]
+        return with_boundary_values(super().exact, values, self.boundary.duration)
 
     def error_estimate(self, times, *, order: int = 0) -> float:
         """Return an estimate of max |error| / max |value| over the given times, from the conditions and the forced motion.
@@ -211,39 +222,38 @@ def boundary_solve(
     return BoundaryResponse(x.problem, x.solution, boundary, forced)
 
 
+def values_by_order(given, names: Sequence[str], orders: Sequence[str], what: str) -> dict[str, dict[str, float]]:
+    """Values at one end by the words for their orders and by name; those by name alone are of the first order."""
+    by_order: dict[str, dict[str, float]] = {word: {} for word in orders}
+    if given is None:
+        return by_order
+    if not isinstance(given, Mapping):
+        raise InputError(f'{what}: found {type(given).__name__}; expected values by name, such as {{"{names[0]}": 0.0}}')
+    for key, entry in given.items():
+        if key in orders and (isinstance(entry, Mapping) or np.ndim(entry) == 1):
+            word, numbers = key, entry
+            if not isinstance(entry, Mapping):
+                numbers = dict(zip(names, real_array(entry, f"{what}: {word}", shape=(len(names),))))
+        else:
+            word, numbers = orders[0], {key: entry}
+        for name, value in numbers.items():
+            if name not in names:
+                known = names if word == key else (*names, *orders)
+                of = f"{word}: " if word == key else ""
+                raise InputError(f'{what}: {of}there is no coordinate "{name}"{nearest(str(name), known)}')
+            if name in by_order[word]:
+                raise InputError(f'{what}: the {word} of "{name}" is given twice')
+            by_order[word][name] = real_number(value, f"{what}: {word} of {name}")
+    return by_order
+
+
 def _values(matrix: PolynomialMatrix, given, what: str, at_end: bool) -> tuple[BoundaryValue, ...]:
     """The conditions of one end."""
-    if given is None:
-        return ()
-    if not isinstance(given, Mapping):
-        raise InputError(
-            f'{what}: found {type(given).__name__}; expected values by name, such as {{"{matrix.coordinates[0]}": 0.0}}'
-        )
-    orders = ORDERS[: max(matrix.degree, 1)]
-    by_order: dict[str, dict] = {word: {} for word in orders}
-    for name, value in given.items():
-        if name in orders and (isinstance(value, Mapping) or np.ndim(value) == 1):
-            numbers = (
-                value
-                if isinstance(value, Mapping)
-                else dict(zip(matrix.coordinates, real_array(value, f"{what}: {name}", shape=(matrix.size,))))
-            )
-            if twice := by_order[name].keys() & numbers.keys():
-                raise InputError(f'{what}: the {name} of "{twice.pop()}" is given twice')
-            by_order[name].update(numbers)
-        elif name in matrix.coordinates:
-            if name in by_order[orders[0]]:
-                raise InputError(f'{what}: the displacement of "{name}" is given twice')
-            by_order[orders[0]][name] = value
-        else:
-            raise InputError(f'{what}: there is no coordinate "{name}"{nearest(str(name), (*matrix.coordinates, *orders))}')
     result = []
+    by_order = values_by_order(given, matrix.coordinates, ORDERS[: max(matrix.degree, 1)], what)
     for order, (word, numbers) in enumerate(by_order.items()):
-        for name, value in numbers.items():
-            if name not in matrix.coordinates:
-                raise InputError(f'{what}: {word}: there is no coordinate "{name}"{nearest(str(name), matrix.coordinates)}')
+        for name, number in numbers.items():
             text = f"{word + ' of ' if order else ''}{name} at {'T' if at_end else '0'}"
-            number = real_number(value, f"{what}: {word} of {name}")
             result.append(BoundaryValue(matrix.coordinates.index(name), order, at_end, number, text))
     return tuple(result)
 

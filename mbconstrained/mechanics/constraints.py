@@ -8,9 +8,9 @@ from functools import cached_property, reduce
 from typing import Literal
 
 import numpy as np
-import scipy.sparse
+import scipy
 
-from ..ground.checks import names_of, nearest, real_array
+from ..ground.checks import is_sparse, names_of, nearest, real_array
 from ..ground.coordinate_units import check_unit, rate_unit
 from ..ground.errors import ContradictoryConstraints, InputError
 from ..ground.notices import Notice, NoticeKind
@@ -72,10 +72,10 @@ class Constraint:
         unit: str | None = None,
         uncertainty=None,
     ):
-        matrix = _sparse_rows(rows) if scipy.sparse.issparse(rows) else real_array(rows, "constraint rows")
+        matrix = _sparse_rows(rows) if is_sparse(rows) else real_array(rows, "constraint rows")
         if matrix.ndim not in (1, 2):
             raise InputError(f"constraint rows: expected one row or a matrix, found an array of shape {matrix.shape}")
-        self.rows = matrix if scipy.sparse.issparse(matrix) else np.atleast_2d(matrix)
+        self.rows = matrix if is_sparse(matrix) else np.atleast_2d(matrix)
         self.level = checked_level(level, "constraint")
         self.signal = value if isinstance(value, ImpulsiveSmooth) else None
         if self.signal is not None and self.signal.size not in (1, self.rows.shape[0]):
@@ -98,7 +98,7 @@ class Constraint:
         else:
             self.uncertainty = np.abs(np.atleast_2d(real_array(uncertainty, "constraint uncertainty", shape=matrix.shape)))
         self.values.flags.writeable = False
-        if not scipy.sparse.issparse(self.rows):
+        if not is_sparse(self.rows):
             self.rows.flags.writeable = False
 
     def __repr__(self) -> str:
@@ -151,11 +151,11 @@ def checked_level(level, what: str) -> Level:
 
 def checked_constraints(given, names: Sequence[str]) -> tuple[Constraint, ...]:
     """The constraints of a system with these coordinates; a sparse matrix stands for rows that are zero at position level."""
-    if given is None or isinstance(given, Constraint) or scipy.sparse.issparse(given):
+    if given is None or isinstance(given, Constraint) or is_sparse(given):
         given = () if given is None else (given,)
     if isinstance(given, (str, bytes, np.ndarray)) or not isinstance(given, Sequence):
         raise InputError(f"constraints: found {type(given).__name__}; expected {EXPECTED}")
-    constraints = tuple(Constraint(item) if scipy.sparse.issparse(item) else item for item in given)
+    constraints = tuple(Constraint(item) if is_sparse(item) else item for item in given)
     for constraint in constraints:
         if not isinstance(constraint, Constraint):
             raise InputError(f"constraints: found {type(constraint).__name__}; expected {EXPECTED}")
@@ -306,7 +306,7 @@ def _null_space(reduced: np.ndarray, pivots: list[int], scale: np.ndarray) -> tu
     size, free = len(scale), others(len(scale), pivots)
     solved = reduced[:, free]
     if solved.size:
-        solved = solution(reduced[:, pivots], solved)  # LAPACK's dtrtrs wakes all threads for a single row
+        solved = np.linalg.solve(reduced[:, pivots], solved)  # of NumPy: a system is assembled without SciPy
     if np.abs(solved).max(initial=0.0) > NULL_SPACE_LIMIT:
         orthogonal = np.linalg.qr(reduced.T, mode="complete")[0]
         return scale[:, None] * orthogonal[:, len(pivots) :], (None,) * len(free)

@@ -54,6 +54,7 @@ def to_state_space(
     >>> space(2j)[0].round(6)  # 1/(8 - 2 w^2 + 0.4 i w) at w = 2 rad/s
     array([0.-1.25j])
     """
+    system._refuse_delays("to_state_space")
     A, rows, n = system.constraint_matrix, system.rows, system.size
     k, eye = len(rows), np.eye(n)
     named_inputs = _inputs(system, inputs)
@@ -145,6 +146,7 @@ def system_to_dict(system: EquationsOfMotion) -> dict:
     >>> matrices["A"].tolist(), matrices["b"].tolist(), matrices["levels"], matrices["names"]
     ([[1.0, -1.0]], [0.5], ['position'], ['a', 'b'])
     """
+    system._refuse_delays("to_dict")
     if system.is_sparse:
         values = [constraint.values for constraint in system.constraints]
         b, levels = np.concatenate([*values, np.zeros(0)]), [c.level for c in system.constraints for _ in c.values]

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
+import scipy
 
 from ..ground.checks import NamedNumbers, ReadOnly, counted, real_array
 from ..ground.display import Displayed
@@ -253,7 +253,7 @@ class _Products:
     constants: np.ndarray
     right: AnyMatrix
     of_element: np.ndarray
-    sums: csr_array
+    sums: scipy.sparse.csr_array
     unit: int
 
     @classmethod
@@ -264,7 +264,7 @@ class _Products:
         sizes = constants if all(of_element for *_, of_element in rows) else constants * np.abs(right).max(axis=1, initial=0.0)
         unit = int(np.frexp(np.abs(sizes).max(initial=0.0))[1])
         of_element = np.repeat([of_element for *_, of_element in rows], counts)
-        sums = csr_array(
+        sums = scipy.sparse.csr_array(
             (np.ones(len(constants)), np.arange(len(constants)), np.cumsum([0, *counts])), shape=(len(rows), len(constants))
         )
         return cls(tuple(parts), kept(left), np.ldexp(constants, -unit), kept(right), of_element, sums, unit)

@@ -10,15 +10,15 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
-import scipy.sparse
 
-from ..ground.checks import constant_zeros, counted, names_of, nearest, real_array, real_number
+from ..ground.checks import constant_zeros, counted, is_sparse, names_of, nearest, real_array, real_number
 from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.threads import short_work
 from ..ground.tolerances import noise_of
+from ..polynomial.delayed_terms import DelayedTerm, delayed_terms
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.inputs import ImpulsiveSmooth, step, zero
 from .constrained_form import ConstrainedForm, constrained_form, explicit_acceleration
@@ -65,6 +65,7 @@ class EquationsOfMotion(Displayed):
         parameter_source: the parameters of a model that knows them; None for entries of the matrices.
         speed_tables: bearings whose coefficients change with the speed.
         whirl_matrix: S of ``Campbell.whirl``, shape (n, n); None for that of the gyroscopic moments.
+        delayed: the terms with dead time, ascending by it; none without.
         unbalance: u of the force W^2 Re(u e^{i W t}) of the unbalance, complex, in kg m, shape (n,); None if there is none.
     """
 
@@ -80,6 +81,7 @@ class EquationsOfMotion(Displayed):
     speed_tables: tuple[SpeedTable, ...] = ()
     whirl_matrix: np.ndarray | None = None
     unbalance: np.ndarray | None = None
+    delayed: tuple[DelayedTerm, ...] = ()
 
     def __init__(
         self,
@@ -95,20 +97,23 @@ class EquationsOfMotion(Displayed):
         uncertainty: Mapping | None = None,
         gyroscopic=None,
         circulatory=None,
+        delayed: Mapping | None = None,
     ):
-        self.is_sparse = any(map(scipy.sparse.issparse, (mass, damping, stiffness)))
+        self.is_sparse = any(map(is_sparse, (mass, damping, stiffness)))
         self.mass = self._matrix(mass, "mass", None)
         self.damping = self._matrix(damping, "damping", self.size)
         self.stiffness = self._matrix(stiffness, "stiffness", self.size)
         given = zip((stiffness, damping, mass), (self.stiffness, self.damping, self.mass))
         self.given = tuple(value if isinstance(value, ElementMatrix) else matrix for value, matrix in given)
         self.names = names_of(names, self.size, "coordinates", "x")
+        self.delayed = delayed_terms(delayed, self.size) if delayed else ()
         self.units = coordinate_units(units, self.names)
         self.gyroscopic = None if gyroscopic is None else self._matrix(gyroscopic, "gyroscopic", self.size)
         self.circulatory = None if circulatory is None else self._matrix(circulatory, "circulatory", self.size)
         self.constraints = checked_constraints(constraints, self.names)
         if self.is_sparse:
             of_arrays = dict(energy_parts=energy_parts, uncertainty=uncertainty, gyroscopic=gyroscopic, circulatory=circulatory)
+            of_arrays |= dict(delayed=delayed)
             for name in (name for name, value in of_arrays.items() if value is not None):
                 self._refuse_sparse(name)
             self.pencil: ReducedPencil | None = self._reduced_pencil()
@@ -237,13 +242,25 @@ class EquationsOfMotion(Displayed):
         """Return the constrained form [V^T (M s^2 + C s + K); A s^level] with every row at its level.
 
         Raises:
-            InputError: the matrices are sparse.
+            InputError: the matrices are sparse, or there are delays.
         """
         self._refuse_sparse("constrained_form")
+        self._refuse_delays()
+        return self.undelayed_form()
+
+    def undelayed_form(self) -> ConstrainedForm:
+        """The constrained form without the delayed terms, on the whole form of a system without delays."""
         return self._form(*(row.order for row in self.rows))
+
+    def delayed_equations(self) -> tuple[DelayedTerm, ...]:
+        """The delayed terms in the equations of the constrained form, V^T (C_j s + K_j)."""
+        form = self.undelayed_form()
+        left = np.vstack([form.null_space.T, np.zeros((len(form.rows), self.size))])
+        return tuple(term.mapped(left) for term in self.delayed)
 
     def position_form(self) -> ConstrainedForm:
         """Return the form [V^T (M s^2 + C s + K); A], every row at position level: the same motions without drift."""
+        self._refuse_delays()
         return self._form(*(0 for _ in self.rows))
 
     def _form(self, *orders: int) -> ConstrainedForm:
@@ -274,6 +291,7 @@ class EquationsOfMotion(Displayed):
             NotUnique: rank [M; A] < n, masses and constraints alone do not determine the acceleration.
         """
         self._refuse_sparse("acceleration")
+        self._refuse_delays("acceleration")
         load = -self._resistance(displacement, velocity, force, time)
         values = np.array([row.right_side(2)(time)[0] for row in self.rows])
         return explicit_acceleration(self.mass, self._independent, load, values, self.names)
@@ -301,6 +319,15 @@ class EquationsOfMotion(Displayed):
             raise InputError(
                 f'solve: the spring "{name}" has a loss factor, which exists for harmonic motion only (in time its force would come '
                 "before the motion that causes it); use frequency_response or steady_state, or give it a damper or modal damping"
+            )
+
+    def _refuse_delays(self, what: str = "modes and all that follows from them") -> None:
+        """Raise an InputError for questions that are answered for equations without delays only."""
+        if self.delayed:
+            delays = ", ".join(f"{term.delay:g} s" for term in self.delayed)
+            raise InputError(
+                f"{what}: not available with delays ({delays}), which make infinitely many eigenvalues; available are solve, "
+                "frequency_response, steady_state for harmonic loads, and characteristic_roots for stability"
             )
 
     def with_rayleigh_damping(self, mass: float = 0.0, stiffness: float = 0.0, relative: bool = False) -> Self:

@@ -6,11 +6,11 @@ as they are, and the multipliers are part of the answer.
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from ..exact.enclosure.exact_response import ExactResponse
-from ..exact.enclosure.exact_sources import sources_of
-from ..exact.rational import RationalMatrix, regular
 from ..ground.tolerances import EPS
 from ..linalg.arrays import full
 from ..linalg.double_double import DOUBLED_EPS, DoubleDouble
@@ -22,9 +22,16 @@ from .constraints import with_multipliers, with_right_sides
 from .element_matrix import ElementMatrix
 from .equations import EquationsOfMotion
 
+if TYPE_CHECKING:
+    from ..exact.enclosure.exact_response import ExactResponse
+
 
 def exact_motion(system: EquationsOfMotion, initial: np.ndarray, applied: ImpulsiveSmooth) -> ExactResponse:
     """The exact motion x, n rows, followed by the rows of its k multipliers."""
+    from ..exact.enclosure.exact_response import ExactResponse
+    from ..exact.enclosure.exact_sources import sources_of
+    from ..exact.rational import RationalMatrix, regular
+
     n, k = system.size, len(system.rows)
     start = np.hstack([initial, np.zeros((len(initial), k))])
     force = with_right_sides(applied, system.rows)
@@ -32,6 +39,12 @@ def exact_motion(system: EquationsOfMotion, initial: np.ndarray, applied: Impuls
     coordinates = [*system.names, *(f"force of {row.name}" for row in system.rows)]
     exact, rows = PolynomialMatrix(system.given).exact_coefficients, system.constraint_matrix.astype(object)
     matrices = [matrix.tolist() for matrix in with_multipliers(exact, rows, [row.order for row in system.rows])]
+    if system.delayed:
+        from ..exact.enclosure.delayed_response import ExactDelayedResponse
+
+        terms = tuple(replace(term, coefficients=np.pad(term.coefficients, ((0, 0), (0, k), (0, k)))) for term in system.delayed)
+        matrix = regular(RationalMatrix(matrices), equations, coordinates)
+        return ExactDelayedResponse(matrix, terms, start, force, range(n))
     return ExactResponse(regular(RationalMatrix(matrices), equations, coordinates), start, sources_of(force), range(n))
 
 

@@ -22,6 +22,7 @@ from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.tolerances import SAME_FREQUENCY
 from ..linalg.arrays import full
+from ..polynomial.delayed_terms import DelayedTerm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.impulsive import ExactInput, ExactRecord, ExactTerm, ImpulsiveSmooth
 from .channels import Channel, channels, chosen_by_name, coordinate_channels, reference, row_channels
@@ -73,15 +74,7 @@ def frequency_response(
     relative_to: str | None = None,
     count: int | None = None,
 ) -> FrequencyResponse:
-    """The steady answer to harmonic loads: f e^{+i w t} gives H(i w) f e^{+i w t}, entry by entry with an error estimate.
-
-    >>> from mbconstrained import Constraint, MechanicalSystem
-    >>> isolated = MechanicalSystem([[1.0, 0.0], [0.0, 0.0]], [[0.1, -0.1], [-0.1, 0.1]], [[4.0, -4.0], [-4.0, 4.0]],
-    ...     [Constraint([0, 1], names="base")], names=["machine", "floor"])
-    >>> T = isolated.frequency_response([np.sqrt(8) / (2 * np.pi)], ["base"], ["machine"], quantity="transmissibility")
-    >>> bool(np.isclose(abs(T.values.item()), 1.0)), T.units.item()  # at sqrt(2) times the natural frequency
-    (True, '1')
-    """
+    """``MechanicalSystem.frequency_response``."""
     harmonic = harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count)
     return evaluated(replace(harmonic, notices=system.notices), frequencies_hz)
 
@@ -116,7 +109,8 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     if not chosen.inverse:
         distinct = names if len(set(names)) == len(names) else equations
         A = PolynomialMatrix(coefficients, distinct, equations)
-        return Harmonic(A, B, C, chosen.order, imaginary, sizes, input_names, output_names, table, quantity)
+        delayed = delayed_unknowns(system, A.size)
+        return Harmonic(A, B, C, chosen.order, imaginary, sizes, input_names, output_names, table, quantity, delayed=delayed)
     m, size = B.shape[1], len(B)
     wide = [np.pad(matrix, ((0, m), (0, m))) for matrix in coefficients]
     wide[0][:size, size:], wide[chosen.order][size:, :size] = -B, C
@@ -124,8 +118,14 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     pad = ((0, m), (0, m))
     imaginary = None if imaginary is None else np.pad(imaginary, pad)
     sizes = None if sizes is None else np.array([np.pad(matrix, pad) for matrix in sizes])
-    select = np.eye(size + m)[size:]
-    return Harmonic(A, select.T, select, 0, imaginary, sizes, output_names, input_names, table.T, quantity)
+    select, delayed = np.eye(size + m)[size:], delayed_unknowns(system, size + m)
+    return Harmonic(A, select.T, select, 0, imaginary, sizes, output_names, input_names, table.T, quantity, delayed=delayed)
+
+
+def delayed_unknowns(system: EquationsOfMotion, size: int) -> tuple[DelayedTerm, ...]:
+    """The delayed terms among so many unknowns, of which the coordinates are the first."""
+    pad = ((0, 0), (0, size - system.size), (0, size - system.size))
+    return tuple(replace(term, coefficients=np.pad(term.coefficients, pad)) for term in system.delayed)
 
 
 def with_channels(system, equations, inputs: Sequence[Channel], outputs: Sequence[Channel], loss_factor, relative_to):
@@ -265,9 +265,6 @@ def structural_damping(system: EquationsOfMotion, loss_factor) -> np.ndarray | N
 # form; each harmonic is exact, and so is its answer. Their sum converges slowly where loads jump: values in time are those of the motion
 # in one period that ends as it begins, z(T) = Phi z(0) + g, z(0) = (1 - Phi)^-1 g, in closed form.
 
-#: Harmonics of a periodic record, where their number is not given.
-HARMONICS = 50
-
 
 @dataclass(frozen=True, repr=False, eq=False)
 class SteadyState(Displayed):
@@ -363,14 +360,11 @@ def steady_state(
     system: EquationsOfMotion,
     force: ImpulsiveSmooth | None = None,
     period: float | None = None,
-    harmonics: int = HARMONICS,
+    harmonics: int = 50,
     modal_damping=None,
     loss_factor=None,
 ) -> SteadyState:
-    """The motion under harmonic loads after all free motion has decayed: amplitude and phase of every coordinate and reaction.
-
-    The static force of the system, its own excitation and the values of its constraint rows count too.
-    """
+    """``MechanicalSystem.steady_state``."""
     if system.is_sparse:
         raise InputError("steady_state: not available for sparse matrices; give arrays, as mass.toarray()")
     if period is not None:
@@ -391,7 +385,9 @@ def steady_state(
     for line, omega in enumerate(omegas):
         parts = np.stack([loads[omega].real, loads[omega].imag], axis=1)
         structural = imaginary if omega else None
-        own = Harmonic(A, parts, C, 0, structural, sizes, ("real part", "imaginary part"), names, np.full((len(C), 2), ""))
+        table = np.full((len(C), 2), "")
+        delayed = delayed_unknowns(system, A.size)
+        own = Harmonic(A, parts, C, 0, structural, sizes, ("real part", "imaginary part"), names, table, delayed=delayed)
         H = evaluated(own, [omega / (2 * np.pi)])
         if H.poles_on_lines:
             raise InputError(
@@ -406,7 +402,7 @@ def steady_state(
     motion = None
     turns = np.array(omegas) * (period or 0.0) / (2 * np.pi)
     repeats = (np.abs(turns - np.rint(turns)) <= SAME_FREQUENCY * np.maximum(turns, 1.0)).all()
-    if period is not None and not (loss_factor or system.loss_factors) and repeats:
+    if period is not None and not (loss_factor or system.loss_factors or system.delayed) and repeats:
         damped = system if modal_damping is None else system.with_modal_damping(modal_damping)
         motion = _periodic_motion(damped, force, period)
     return SteadyState(system.names, names[n:], f, answers[:n], answers[n:], errors, units, period, motion)

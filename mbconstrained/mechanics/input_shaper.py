@@ -213,7 +213,7 @@ def _aim(mode) -> ShapedMode:
         damping = -s.real / abs(s)
         if -damping > noise_of(1.0):
             raise InputError(f"modes: the mode of {abs(s) / (2 * np.pi):.6g} Hz grows; an input shaper is for modes that decay")
-        return ShapedMode(abs(s) / (2 * np.pi), max(damping, 0.0))
+        return ShapedMode(abs(s) / (2 * np.pi), max(0.0, damping))
     if np.ndim(mode) != 1 or len(mode) != 2:
         raise InputError(f"modes: found {mode!r}; expected pairs of frequency_hz and damping ratio, such as (1.5, 0.02)")
     return ShapedMode(real_number(mode[0], "frequency_hz", positive=True), _damping_ratio(mode[1]))

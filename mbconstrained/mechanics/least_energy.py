@@ -10,12 +10,14 @@ that e^{J h} is near 1, from one exponential (Van Loan), doubled: W(2 h) = W(h) 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
 
+from ..control.state_equations import state_values
+from ..control.state_space import StateSpace, StateSpaceResponse
 from ..ground.checks import counted, listed, real_number
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError, Overflow, within_float64
@@ -23,8 +25,10 @@ from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import CLEAR_KEPT, EPS, NOISE_SAFETY
 from ..linalg.blocks import block_slices
 from ..linalg.exponential import block_states
+from ..polynomial.jordan_pairs import FinitePair
 from ..signals.bohl import BohlFunction, Restarts
 from ..signals.impulsive import ImpulsiveSmooth
+from .boundary import ORDERS, values_by_order
 from .channels import channels, chosen_by_name, coordinate_channels
 from .motion import Motion
 from .system import MechanicalSystem
@@ -41,10 +45,10 @@ class LeastEnergyInput(Displayed):
 
     Attributes:
         signal: u with a row for each input, an ``ImpulsiveSmooth``.
-        force: the same on the n coordinates, as ``system.solve(force=...)`` takes it.
+        force: the same as ``system.solve`` takes it: forces on the n coordinates, of a state space all its inputs.
         inputs: names of the inputs.
         energy: the integral of u^T u, in the square of the unit of u times s.
-        motion: the motion from the start under it, at rest in the end state if that is an equilibrium.
+        motion: the motion from the start under it (of a state space its response), at rest in the end state if that is an equilibrium.
         duration: T in s.
         error: the largest difference of that motion from the end state at T, relative to the largest displacement or velocity on the way.
         condition: the condition number of the scaled Gramian on the states that are reachable.
@@ -56,7 +60,7 @@ class LeastEnergyInput(Displayed):
     force: ImpulsiveSmooth
     inputs: tuple[str, ...]
     energy: float
-    motion: Motion
+    motion: Motion | StateSpaceResponse
     duration: float
     error: float
     condition: float
@@ -75,22 +79,28 @@ class LeastEnergyInput(Displayed):
 
 
 def least_energy_input(
-    system: MechanicalSystem, inputs: Sequence[str] | str | None = None, start=None, end=None, duration: float | None = None
+    system: MechanicalSystem | StateSpace,
+    inputs: Sequence[str] | str | None = None,
+    start=None,
+    end=None,
+    duration: float | None = None,
+    force: ImpulsiveSmooth | None = None,
 ) -> LeastEnergyInput:
     """Return the input u of least energy, the integral of u^T u, that moves a system from one state to another in the time T.
 
         u(t) = E^T B^T e^{J^T (T - t)} W^-1 d
 
     with the finite Jordan pair (C, J, B), the directions E of the inputs, the controllability Gramian W and the states d that the motion
-    without u lacks at T. With constraints and massless coordinates J is that of the reduced dynamics. Forces of the system itself act on.
+    without u lacks at T. With constraints, massless coordinates and singular descriptors J is that of the reduced dynamics. Forces of the system itself act on.
     The start are values at 0-, as everywhere; the end is the state at T, when the input has ended.
 
     Args:
-        system: a ``MechanicalSystem`` of arrays.
-        inputs: names of coordinates (forces on them) or of inputs of the system; by default a force on every coordinate.
+        system: a ``MechanicalSystem`` of arrays, or a ``StateSpace``.
+        inputs: names of coordinates (forces on them) or of inputs of the system; by default a force on every coordinate, or all inputs.
         start, end: the states: ``{"displacement": {"x1": 0.0}, "velocity": {...}}``, zero where nothing is given, each also as a vector;
-            or displacements by name, ``{"x1": 1.0}``.
+            or displacements by name, ``{"x1": 1.0}``. Of a state space the states by name, or as a vector.
         duration: T in s.
+        force: what acts as well, as ``system.solve`` takes it; zero by default.
 
     Returns:
         A ``LeastEnergyInput``: ``.signal``, ``.force``, ``.energy``, ``.motion``, ``.error``, ``.condition``.
@@ -106,77 +116,167 @@ def least_energy_input(
     >>> bool(np.allclose(u([0.0, 1.0]), [[1.5, 0.0]])), round(u.energy, 12)  # 6 (1 - 2 t / T) / T^2 and 12 / T^3
     (True, 1.5)
     """
-    if not isinstance(system, MechanicalSystem):
-        raise InputError(f"system: found {type(system).__name__}; expected a MechanicalSystem")
-    if system.is_sparse:
-        raise InputError("system: the Gramian needs all modes; give the matrices of the system as arrays")
     if duration is None:
         raise InputError("duration: give the time T in s between start and end")
     T = real_number(duration, "duration", positive=True)
-    known = channels(system, "inputs")
-    chosen = chosen_by_name("inputs", inputs, known, coordinate_channels(system))
+    plant = _plant(system, inputs, start, end, force)
+    blocks = plant.pair.blocks
+    with within_float64():
+        if any(np.trace(block) / len(block) * T > GROWTH_OF_PIECE for block in blocks):
+            raise Overflow(f"duration: motions grow over {T:g} s beyond the range of float64; choose a shorter one")
+        reach = _reach(plant, T)
+        lacking = _states(plant, plant.last - plant.values(plant.solve(None), T))
+        amounts = reach.vectors.T @ (lacking / reach.scale)
+        _refuse_unreachable(amounts, reach, plant)
+        kept = amounts[: reach.rank] / reach.values[: reach.rank]
+        signal = _signal(blocks, plant.driven, reach.vectors[:, : reach.rank] @ kept / reach.scale, T)
+        force = signal.mapped(plant.places)
+        motion = plant.solve(force)
+        error = _error_at_end(plant, motion, T)
+    energy, notices = float(amounts[: reach.rank] @ kept), tuple(reach.notices())
+    return LeastEnergyInput(signal, force, plant.inputs, energy, motion, T, error, reach.condition, reach.values, notices)
+
+
+# The plant: the finite part of the equations with the inputs, of a mechanical system or of a state space.
+
+
+@dataclass(frozen=True, eq=False)
+class _Plant:
+    """The finite part z' = J z + B (f + D u) of a system, with its states at the start and at the end."""
+
+    pair: FinitePair
+    effect: np.ndarray  # B, of a unit on the right-hand side of each equation of motion, shape (k, r)
+    driven: np.ndarray  # B D, shape (k, m)
+    inputs: tuple[str, ...]  # names of u
+    places: np.ndarray  # u as the system is excited by it, shape (p, m)
+    last: np.ndarray  # x, and x' where the equations are of second order, at T, shape (1 or 2, n)
+    names: tuple[str, ...]  # of the entries of last, as messages name them
+    algebraic: str  # the equations that an end state may violate
+    solve: Callable[[ImpulsiveSmooth | None], Motion | StateSpaceResponse]  # from the start
+
+    def values(self, motion: Motion | StateSpaceResponse, times) -> np.ndarray:
+        """x and its derivatives, as many as in ``last``."""
+        return np.array([(motion.derivative(order) if order else motion)(times) for order in range(len(self.last))])
+
+    @property
+    def outputs(self) -> np.ndarray:
+        """These values of each state, shape (1 n or 2 n, k)."""
+        C = self.pair.C
+        return np.vstack([C, C @ self.pair.J][: len(self.last)])
+
+
+def _plant(system: MechanicalSystem | StateSpace, inputs, start, end, force) -> _Plant:
+    if not (force is None or isinstance(force, ImpulsiveSmooth)):
+        raise InputError(f"force: found {type(force).__name__}; expected an input, such as mb.step([1.0, 0.0])")
+    if isinstance(system, StateSpace):
+        return _state_space_plant(system, inputs, start, end, force)
+    if not isinstance(system, MechanicalSystem):
+        raise InputError(f"system: found {type(system).__name__}; expected a MechanicalSystem or a StateSpace")
+    if system.is_sparse:
+        raise InputError("system: the Gramian needs all modes; give the matrices of the system as arrays")
+    chosen = chosen_by_name("inputs", inputs, channels(system, "inputs"), coordinate_channels(system))
     if rows := [channel.name for channel in chosen if channel.row is not None]:
         raise InputError(f'inputs: "{rows[0]}" is a constraint row; expected coordinates on which forces act')
-    directions = np.array([channel.direction for channel in chosen])
+    places = np.array([channel.direction for channel in chosen]).T
     first, last = _state(system, start, "start"), _state(system, end, "end")
     form = system.constrained_form()
     with within_float64():
         pair = form.polynomial_matrix.jordan_pairs().finite
-        blocks = pair.blocks
-        if any(np.trace(block) / len(block) * T > GROWTH_OF_PIECE for block in blocks):
-            raise Overflow(f"duration: motions grow over {T:g} s beyond the range of float64; choose a shorter one")
-        free = system.solve(first[0], first[1])
-        missing = last - np.array([free.displacement(T), free.velocity(T)])
-        states = _states(pair, missing, T, system, last)
-        on_rows = np.zeros((len(pair.C), system.size))
-        on_rows[: form.null_space.shape[1]] = form.null_space.T
-        effect = pair.B @ on_rows  # of a force on each coordinate
-        scale = np.sqrt(np.diag(gramian(blocks, effect, T)))
-        scale = np.where(scale > 0, scale, np.max(scale, initial=0.0) or 1.0)
-        driven = effect @ directions.T
-        scaled = gramian(blocks, driven, T) / np.outer(scale, scale)
-        values, vectors = (one[..., ::-1] for one in np.linalg.eigh(scaled))
-        noise = NOISE_SAFETY * EPS * max(len(values), 1) * max(pair.coupling, 1.0) * max(values.max(initial=0.0), EPS)
-        rank = int((values > noise).sum())
-        amounts = vectors.T @ (states / scale)
-        _refuse_unreachable(amounts, values, rank, vectors * scale[:, None], pair, system, chosen, noise)
-        weights = vectors[:, :rank] @ (amounts[:rank] / values[:rank]) / scale
-        energy = float((amounts[:rank] ** 2 / values[:rank]).sum())
-        signal = _signal(blocks, driven, weights, T)
-        force = signal.mapped(directions.T)
-        motion = system.solve(first[0], first[1], force)
-        reached = np.array([motion.displacement(T), motion.velocity(T)])
-        between = np.linspace(0.0, T, 33)
-        sizes = [np.abs(one(between)).max(initial=0.0) for one in (motion.displacement, motion.velocity)]
-        errors = np.abs(reached - last).max(axis=1, initial=0.0)
-    error = float(max((error / size if size else 0.0) for error, size in zip(errors, sizes)))
-    condition = float(values[0] / values[rank - 1]) if rank else 1.0
-    notices = []
-    if rank and values[rank - 1] < CLEAR_KEPT * noise:
-        text = (
-            f"the Gramian is ill-conditioned: of its {counted(len(values), 'scaled eigenvalue')} {rank} count as reachable, the smallest is "
-            f"{values[rank - 1]:.2g} with rounding errors of {noise:.2g}; a longer duration or more inputs condition it better"
-        )
-        notices.append(Notice(NoticeKind.RANK, text, doubtful=True))
-    names = tuple(channel.name for channel in chosen)
-    return LeastEnergyInput(signal, force, names, energy, motion, T, error, condition, values, tuple(notices))
+    on_rows = np.zeros((len(pair.C), system.size))
+    on_rows[: form.null_space.shape[1]] = form.null_space.T
+    effect = pair.B @ on_rows
+    names = (*system.names, *(f"velocity of {name}" for name in system.names))
+    return _Plant(
+        pair,
+        effect,
+        effect @ places,
+        tuple(channel.name for channel in chosen),
+        places,
+        last,
+        names,
+        "the constraints or the equations of massless coordinates",
+        lambda u: system.solve(first[0], first[1], _sum(u, force)),
+    )
+
+
+def _state_space_plant(system: StateSpace, inputs, start, end, force) -> _Plant:
+    known = dict(zip(system.inputs, range(len(system.inputs))))
+    if not known:
+        raise InputError("system: the state space has no inputs; give B")
+    chosen = chosen_by_name("inputs", inputs, known, tuple(known.values()))
+    first, last = (state_values(given, system.states, what) for what, given in (("start", start), ("end", end)))
+    with within_float64():
+        pair = system.polynomial_matrix().jordan_pairs().finite
+    return _Plant(
+        pair,
+        pair.B,
+        pair.B @ system.B[:, chosen],
+        tuple(system.inputs[place] for place in chosen),
+        np.eye(len(known))[:, chosen],
+        last[None],
+        system.states,
+        "the algebraic equations",
+        lambda u: system.solve(first, _sum(u, force)),
+    )
+
+
+def _sum(one: ImpulsiveSmooth | None, other: ImpulsiveSmooth | None) -> ImpulsiveSmooth | None:
+    return one if other is None else other if one is None else one + other
 
 
 def _state(system: MechanicalSystem, given, what: str) -> np.ndarray:
-    """x and x', shape (2, n)."""
-    words = ("displacement", "velocity")
-    if given is None:
-        return np.zeros((2, system.size))
-    if not isinstance(given, dict):
-        raise InputError(f'{what}: found {type(given).__name__}; expected {{"displacement": {{...}}, "velocity": {{...}}}}')
-    nested = {word: given[word] for word in words if word in given and np.ndim(given[word]) + isinstance(given[word], dict)}
-    direct = {name: value for name, value in given.items() if name not in nested}
-    if direct and "displacement" in nested:
-        raise InputError(f'{what}: give displacements by name or in the table "displacement", not both')
-    try:
-        return system._start(nested.get("displacement", direct), nested.get("velocity"))
-    except InputError as problem:
-        raise InputError(f"{what}: {problem}") from None
+    """x and x', shape (2, n); zero where nothing is given."""
+    values = np.zeros((2, system.size))
+    for row, numbers in zip(values, values_by_order(given, system.names, ORDERS[:2], what).values()):
+        for name, number in numbers.items():
+            row[system.names.index(name)] = number
+    return values
+
+
+@dataclass(frozen=True, eq=False)
+class _Reach:
+    """The Gramian by its eigenvalues, in units of the states in which that with a force on every equation has ones on its diagonal."""
+
+    scale: np.ndarray  # the units of the states, shape (k,)
+    values: np.ndarray  # eigenvalues, descending
+    vectors: np.ndarray  # a column each
+    noise: float  # bound of rounding errors of an eigenvalue
+
+    @property
+    def rank(self) -> int:
+        """The number of combinations of the states that the inputs reach."""
+        return int((self.values > self.noise).sum())
+
+    @property
+    def condition(self) -> float:
+        """The condition number on the states that are reachable."""
+        return float(self.values[0] / self.values[self.rank - 1]) if self.rank else 1.0
+
+    def notices(self) -> Iterator[Notice]:
+        """The notice of a rank without a clear gap."""
+        if self.rank and self.values[self.rank - 1] < CLEAR_KEPT * self.noise:
+            text = (
+                f"the Gramian is ill-conditioned: of its {counted(len(self.values), 'scaled eigenvalue')} {self.rank} count as reachable, "
+                f"the smallest is {self.values[self.rank - 1]:.2g} with rounding errors of {self.noise:.2g}; a longer duration or more "
+                "inputs condition it better"
+            )
+            yield Notice(NoticeKind.RANK, text, doubtful=True)
+
+
+def _reach(plant: _Plant, T: float) -> _Reach:
+    blocks, pair = plant.pair.blocks, plant.pair
+    scale = np.sqrt(np.diag(gramian(blocks, plant.effect, T)))
+    scale = np.where(scale > 0, scale, np.max(scale, initial=0.0) or 1.0)
+    values, vectors = (one[..., ::-1] for one in np.linalg.eigh(gramian(blocks, plant.driven, T) / np.outer(scale, scale)))
+    noise = NOISE_SAFETY * EPS * max(len(values), 1) * max(pair.coupling, 1.0) * max(values.max(initial=0.0), EPS)
+    return _Reach(scale, values, vectors, noise)
+
+
+def _error_at_end(plant: _Plant, motion: Motion | StateSpaceResponse, T: float) -> float:
+    """The largest difference from the end state, relative to the largest value of its order on the way."""
+    errors = np.abs(plant.values(motion, T) - plant.last).max(axis=1, initial=0.0)
+    sizes = np.abs(plant.values(motion, np.linspace(0.0, T, 33))).max(axis=(1, 2), initial=0.0)
+    return float(max(error / size if size else 0.0 for error, size in zip(errors, sizes)))
 
 
 def gramian(blocks: Sequence[np.ndarray], driven: np.ndarray, T: float) -> np.ndarray:
@@ -196,45 +296,42 @@ def gramian(blocks: Sequence[np.ndarray], driven: np.ndarray, T: float) -> np.nd
     return (total + total.T) / 2
 
 
-def _states(pair, missing: np.ndarray, T: float, system, last) -> np.ndarray:
-    """The states of the finite pair with given displacements and velocities, or the error that names what violates the equations."""
-    n = len(pair.B)
-    J = pair.J
-    both = np.vstack([pair.C, pair.C @ J])
+def _states(plant: _Plant, missing: np.ndarray) -> np.ndarray:
+    """The states of the finite pair with given values, or the error that names what violates the equations."""
+    both, last, missing = plant.outputs, plant.last.ravel(), missing.ravel()
     sizes = np.abs(both).max(axis=1, initial=0.0)
     columns = np.abs(both).max(axis=0, initial=0.0)
     rows = np.where(sizes > 0, 1 / np.where(sizes > 0, sizes, 1.0), 1.0)
     scaled = rows[:, None] * both / np.where(columns > 0, columns, 1.0)
-    right = rows * missing.ravel()
-    result = np.linalg.lstsq(scaled, right, rcond=None)[0] if n else np.zeros(0)
+    right = rows * missing
+    result = np.linalg.lstsq(scaled, right, rcond=None)[0] if len(columns) else np.zeros(0)
     off = np.abs(scaled @ result - right)
-    size = np.abs(rows * last.ravel()).max(initial=0.0) + np.abs(right).max(initial=0.0)
+    size = np.abs(rows * last).max(initial=0.0) + np.abs(right).max(initial=0.0)
     if off.max(initial=0.0) > EPS**0.5 * size:
         place = int(off.argmax())
-        name, word = system.names[place % system.size], ("displacement", "velocity")[place // system.size]
+        word = "displacement of " if len(plant.last) > 1 and place < plant.last.shape[1] else ""
         raise InputError(
-            f"end: the {word} of {name} is {last.ravel()[place]:.6g}, which violates the constraints or the equations of massless coordinates "
+            f"end: the {word}{plant.names[place]} is {last[place]:.6g}, which violates {plant.algebraic} "
             f"by {(off[place] / rows[place]):.3g}; give an end state that satisfies them"
         )
     return result / np.where(columns > 0, columns, 1.0)
 
 
-def _refuse_unreachable(amounts, values, rank, shapes, pair, system, chosen, noise) -> None:
+def _refuse_unreachable(amounts: np.ndarray, reach: _Reach, plant: _Plant) -> None:
     """Raise the error that names the combination of displacements and velocities which the inputs do not reach."""
+    rank, values = reach.rank, reach.values
     rest = amounts[rank:]
     if np.abs(rest).max(initial=0.0) <= EPS**0.5 * np.abs(amounts).max(initial=0.0):
         return
-    lacking = shapes[:, rank:] @ rest
-    moved = np.concatenate([pair.C @ lacking, pair.C @ pair.J @ lacking])
-    words = [*system.names, *(f"velocity of {name}" for name in system.names)]
+    moved = plant.outputs @ ((reach.vectors * reach.scale[:, None])[:, rank:] @ rest)
     visible = np.abs(moved) > EPS**0.5 * np.abs(moved).max(initial=0.0)
-    parts = [f"{number:.4g} in {word}" for number, word, shown in zip(moved, words, visible) if shown]
+    parts = [f"{number:.4g} in {name}" for number, name, shown in zip(moved, plant.names, visible) if shown]
     are = "is" if len(rest) == 1 else "are"
     next_kept = f", the smallest that is {values[rank - 1]:.2g}" if rank else ""
     raise InputError(
-        f"end: the inputs {listed([channel.name for channel in chosen])} do not reach this state: {counted(len(rest), 'combination')} of the "
+        f"end: the inputs {listed(plant.inputs)} do not reach this state: {counted(len(rest), 'combination')} of the "
         f"{counted(len(values), 'state')} {are} beyond them, and {listed(parts, 6)} would be missing (scaled eigenvalues of the Gramian: the largest not "
-        f"counted {values[rank]:.2g}{next_kept}, rounding errors {noise:.2g}); add an input, or choose an end state without that part"
+        f"counted {values[rank]:.2g}{next_kept}, rounding errors {reach.noise:.2g}); add an input, or choose an end state without that part"
     )
 
 

@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 import numpy as np
-import scipy.linalg
-from scipy.linalg import lapack
+import scipy
 
 from ..exchange.trajectories import write_arrays
 from ..exchange.universal import UNIVERSAL, Geometry, write_modes
@@ -21,7 +20,7 @@ from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Presented, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.files import replacing
-from ..ground.notices import Notice
+from ..ground.notices import Notice, NoticeKind
 from ..ground.threads import short_work
 from ..ground.tolerances import (
     DECOUPLING_LIMIT,
@@ -451,8 +450,8 @@ def _damped_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarr
     S[n:] = -solved(M, np.concatenate([K, C], axis=1))
     if not np.isfinite(S).all():
         return None, None
-    room = int(lapack.dgeev_lwork(2 * n, compute_vl=0)[0])
-    real, imaginary, _, vectors, failed = lapack.dgeev(S, compute_vl=0, lwork=room, overwrite_a=1)
+    room = int(scipy.linalg.lapack.dgeev_lwork(2 * n, compute_vl=0)[0])
+    real, imaginary, _, vectors, failed = scipy.linalg.lapack.dgeev(S, compute_vl=0, lwork=room, overwrite_a=1)
     if failed:
         return None, None
     upper = (imaginary >= 0).nonzero()[0]
@@ -620,7 +619,7 @@ def _positive(matrix: np.ndarray) -> bool:
     sums = np.abs(matrix).sum(axis=0)
     noise, shifted = noise_of(float(sums.max()), len(matrix)), matrix.copy()
     shifted.reshape(-1)[:: len(matrix) + 1] -= noise
-    if not lapack.dpotrf(shifted, clean=0)[1]:
+    if not scipy.linalg.lapack.dpotrf(shifted, clean=0)[1]:
         return True
     lowest = np.linalg.eigvalsh(matrix)[0]
     if lowest < -noise or len(matrix) > EXTENDED_SIZE:
@@ -632,3 +631,16 @@ def _positive(matrix: np.ndarray) -> bool:
         if work[k, k]:
             work[k + 1 :, k + 1 :] -= np.outer(work[k + 1 :, k], work[k + 1 :, k] / work[k, k])
     return True
+
+
+def modes_with_delays(system: EquationsOfMotion, count: int) -> Modes:
+    """The rightmost of the infinitely many modes of a system with delays, ascending by modulus."""
+    from ..polynomial.characteristic_roots import rightmost_roots
+
+    roots = rightmost_roots(system.undelayed_form().polynomial_matrix, system.delayed_equations(), count)
+    order = np.argsort(np.abs(roots.eigenvalues), kind="stable")
+    modes = tuple(
+        Mode(kind_of(complex(roots.eigenvalues[k])), complex(roots.eigenvalues[k]), 1, roots.shapes[:, [k]], system) for k in order
+    )
+    text = f"delays make infinitely many modes; these are the {len(modes)} rightmost ones"
+    return Modes(modes, system.names, system=system, notices=(Notice(NoticeKind.OMITTED, text), *roots.notices))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property, partial, reduce
 from typing import TYPE_CHECKING, Literal
 
@@ -25,6 +26,7 @@ from ..response.response import Response
 from ..response.response_notices import first_and_count, kink_notices, remaining_notices, sides, without_kinks
 from ..signals.bohl import BohlFunction, BohlSum
 from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
+from ..signals.inputs import zero
 from .channels import reference
 from .energy import Energy, energy_of
 from .equations import EquationsOfMotion
@@ -77,12 +79,18 @@ def reaction_function(system: EquationsOfMotion, response: Response, applied: Im
     """The regular part of lambda = G (K x + C x' + M x'' - f) for t > 0."""
     G = system.multiplier_map
     inertial = response.function.differential(*(G @ matrix for matrix in (system.stiffness, system.damping, system.mass)))
+    if system.delayed:
+        from ..response.methods.method_of_steps import past_force, with_delayed
+
+        inertial = with_delayed(inertial, response.function, [term.mapped(G) for term in system.delayed])
+        applied = _with_delayed_loads(system, response, applied + past_force(system.delayed, response.problem.past, system.size))
     return inertial if applied.smooth.is_zero else FunctionSum((inertial, applied.smooth.mapped(-G)))
 
 
 def reaction_impulses(system: EquationsOfMotion, response: Response, applied: ImpulsiveSmooth) -> tuple[ImpulsiveLoad, ...]:
     """The impulses of lambda at t = 0 and later, by ascending time; none at times without one."""
     n, none = system.size, Event(0.0, np.zeros_like(response.jump), ())
+    applied = _with_delayed_loads(system, response, applied)
     events = {0.0: Event(0.0, response.jump, response.impulses), **{event.time: event for event in response.events}}
     loads = {0.0: applied.impulses, **{load.time: load.impulses for load in applied.later}}
     times = sorted({*events, *loads})
@@ -101,6 +109,21 @@ def reaction_impulses(system: EquationsOfMotion, response: Response, applied: Im
         total.append((Noisy.rounded(system.multiplier_map) @ reduce(Noisy.__add__, terms)).cleaned())
     impulses = [without_zeros([impulse[:, k] for impulse in total]) for k in range(len(times))]
     return tuple(ImpulsiveLoad(time, own) for time, own in zip(times, impulses) if own)
+
+
+def _with_delayed_loads(system: EquationsOfMotion, response: Response, applied: ImpulsiveSmooth) -> ImpulsiveSmooth:
+    """The forces with the impulses of delayed terms, one delay after jumps and impulses of x."""
+    if not system.delayed:
+        return applied
+    from ..response.methods.method_of_steps import delayed_impulses
+
+    later = []
+    for event in (Event(0.0, response.jump, response.impulses), *response.events):
+        for term in system.delayed:
+            impulses = delayed_impulses(term, event.jump, event.impulses)
+            if any(impulse.any() for impulse in impulses):
+                later.append(ImpulsiveLoad(float(Fraction(repr(event.time)) + term.decimal), tuple(impulses)))
+    return applied + ImpulsiveSmooth(zero(system.size).smooth, (), tuple(later)) if later else applied
 
 
 def _by_order(impulses, size) -> list[Noisy]:
@@ -304,7 +327,12 @@ class Motion(SystemMotion, Response):
         """The exact motion of the given system, n rows, in multiplier form, without a rounded null space."""
         from .exact_motion import exact_motion
 
-        return exact_motion(self.system, self.initial, self.applied)
+        applied = self.applied
+        if self.problem.past is not None:
+            from ..response.methods.method_of_steps import past_force
+
+            applied = applied + past_force(self.system.delayed, self.problem.past, self.system.size)
+        return exact_motion(self.system, self.initial, applied)
 
     @cached_property
     def _exact_reaction(self) -> ExactResponse:
@@ -406,17 +434,20 @@ class Motion(SystemMotion, Response):
 
         Rows that were left out and entries that cancel to their rounding errors remain.
         """
-        own, of_form = self.system.notices, self.system.constrained_form().notices
+        own, of_form = self.system.notices, self.system.undelayed_form().notices
         ranks = [notice for notice in own if notice.doubtful and notice.kind == NoticeKind.RANK]
         if ranks and self.is_proved:
             own = tuple(replace(notice, doubtful=False) if notice in ranks else notice for notice in own)
         return (*own, *of_form)
 
 
-def motion_of(system: EquationsOfMotion, start: np.ndarray, applied: ImpulsiveSmooth, rank_tolerance, request: Request) -> Motion:
+def motion_of(
+    system: EquationsOfMotion, start: np.ndarray, applied: ImpulsiveSmooth, rank_tolerance, request: Request, history=None
+) -> Motion:
     """The motion from x(0-), x'(0-) in the rows of start, shape (2, n), under all forces, n rows."""
-    form = system.constrained_form()
-    x = Response._solved(Problem.checked(form.polynomial_matrix, start, form.force(applied), rank_tolerance), request)
+    form, delayed = system.undelayed_form(), system.delayed_equations() if system.delayed else ()
+    problem = Problem.checked(form.polynomial_matrix, start, form.force(applied), rank_tolerance, delayed, history)
+    x = Response._solved(problem, request)
     return Motion(x.problem, x.solution, system, applied)
 
 
@@ -515,7 +546,8 @@ def _drift_of_record(motion: Motion, row: ConstraintRow) -> Iterator[Notice]:
         return
     place, _ = _row_value(row, motion(end))
     rate, noise = _row_value(row, motion.derivative(1)(end))
-    size = np.abs(row.coefficients) @ np.abs(motion.derivative(1)(row.signal.knots)).max(axis=1)
+    times = np.union1d(row.signal.knots, np.linspace(0.0, end, 33))
+    size = np.abs(row.coefficients) @ np.abs(motion.derivative(1)(times)).max(axis=1)
     moves = abs(rate) > max(noise, noise_of(size, len(row.signal.knots)))
     moving = f" and moves on at {rate:.6g} {rate_unit(row.unit)}" if moves else ""
     yield Notice(

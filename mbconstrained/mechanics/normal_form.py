@@ -5,21 +5,35 @@ Views for comparison: they succeed for fewer systems than the method "extension"
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.linalg
+import scipy
 
-from ..ground.checks import counted, nearest, real_array
+from ..ground.checks import counted, nearest, real_array, whole_number
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import IllConditioned, InputError
-from ..ground.notices import Evidence, Notice
+from ..ground.notices import Evidence, Notice, NoticeKind
 from ..ground.tolerances import DEFECTIVE_CONDITION, EPS, NOISE_SAFETY, PAIRED_EIGENVALUES, SINGULAR_CONDITION
+from ..linalg.blocks import decoupled, eigenvalues
 from ..signals.inputs import ImpulsiveSmooth, step
 from .energy import EnergyParts
-from .normal_form_existence import NormalFormExistence, ScaledPencil, StateSpaceData, existence, scaled_pencil, state_space_data
+from .normal_form_existence import (
+    NO_CONDITIONS,
+    NormalFormExistence,
+    ScaledPencil,
+    StateSpaceData,
+    existence,
+    scaled_pencil,
+    state_space_data,
+)
+from .normal_form_parts import DOUBT, InfinitePart, StatePart, descriptor_parts, regular_part
 from .system import MechanicalSystem
+
+if TYPE_CHECKING:
+    from ..control.state_space import StateSpace
 
 #: Unknowns n^2 of the Kronecker system up to which it is solved; its singular values take n^6 operations.
 MOST_UNKNOWNS = 1600
@@ -229,17 +243,24 @@ def _condition(free, solutions: TransformationFamily, left=1.0, right=1.0) -> tu
 class NormalForm(Displayed):
     """x^ = T x of a system F x' = A x + B u, y = C x + D u, in which it reads q'' - A^_22 q' - A^_21 q = B^_2 u, x^ = (q, q').
 
+    Where F is singular this is the form of the n_f finite states, and the others, z, follow the inputs at once: x = T^+ x^ + Q z. Then T and L
+    are rectangular, L F = T, L A = A^ T and L B = B^.
+
     Attributes:
-        transformation: T, shape (n, n).
-        left_transformation: T F^-1, the multiplier of the equations of a descriptor form; T itself without one.
+        transformation: T, shape (n, n); (n_f, n) of a singular F.
+        left_transformation: L = T F^-1, the multiplier of the equations of a descriptor form; T itself without one.
         state_matrix: A^ = T F^-1 A T^-1 = [0, I; A^_21, A^_22], zeros and ones exact.
-        input_matrix: B^ = T F^-1 B = [0; I_p], shape (n, p): the inputs are the forces on the last p coordinates.
-        output_matrix, feedthrough: C T^-1, shape (m, n), and D; None where no outputs were given.
+        input_matrix: B^ = T F^-1 B = [0; I_p], shape (n, p): the inputs are the forces on the last p coordinates. Of a singular F
+            it is [0; R], and R of fewer rows where only some combinations of the inputs act on the finite states.
+        output_matrix, feedthrough: C T^-1, shape (m, n), and D; None where no outputs were given. Of a singular F, D_0 = D + C Q B_z.
         freedom: the dimension (n/2) (n - 2 p) of the family of all transformations; none of them is better than others but
             for its condition.
         evidence: condition, residuals, margins of the conditions of existence.
         notices: warnings; a doubtful one where rounding decides whether the form exists.
         uncertainty: bounds of the rounding errors of [stiffness, damping], shape (n/2, n).
+        inverse: T^+, shape (n, n_f), with T T^+ = I, of a form of fewer coordinates than half the states; None for T^-1.
+        infinite: the infinite part z = N z' + B_z u of a singular F; None of a regular one.
+        part: the finite part in states of x, which ``reduced`` divides further.
     """
 
     transformation: np.ndarray
@@ -251,10 +272,14 @@ class NormalForm(Displayed):
     evidence: tuple[Evidence, ...] = ()
     notices: tuple[Notice, ...] = ()
     uncertainty: np.ndarray = field(default=None, repr=False)
+    inverse: np.ndarray | None = field(default=None, repr=False)
+    infinite: InfinitePart | None = None
+    part: StatePart | None = field(default=None, repr=False)
 
     def _summary(self) -> str:
         family = "unique" if self.is_unique else f"one of a family of {counted(self.freedom, 'dimension')}"
-        return f"{counted(self.size, 'coordinate')}, {counted(self.inputs, 'input')}, condition {self.condition:.2g}, {family}"
+        text = f"{counted(self.size, 'coordinate')}, {counted(self.inputs, 'input')}, condition {self.condition:.2g}, {family}"
+        return text + (f", infinite part: {self.infinite._summary()}" if self.infinite else "")
 
     def _tables(self) -> tuple[TextTable, ...]:
         rows = ((item.name, f"{item.value:.2g}", item.text) for item in self.evidence)
@@ -283,26 +308,38 @@ class NormalForm(Displayed):
     @property
     def condition(self) -> float:
         """The condition number of T in the 2-norm."""
-        return float(np.linalg.cond(self.transformation))
+        return _condition_number(self.transformation)
 
     @property
     def freedom(self) -> int:
         """Dimension (n/2) (n - 2 p) of the changes of T by Q_1 that keep the inputs."""
-        return self.size * (2 * self.size - 2 * self.inputs)
+        return self.size * (2 * self.size - 2 * int(self.input_matrix.any(axis=1).sum()))
 
     @property
     def is_unique(self) -> bool:
         """True for p = n/2: T is unique."""
         return self.freedom == 0
 
+    @property
+    def polynomial(self) -> tuple[np.ndarray, ...]:
+        """D_0, D_1, ... of the transfer function C^ (s I - A^)^-1 B^ + D_0 + D_1 s + ..., each of shape (m, p); D alone of a regular F.
+
+        The impulse response has D_i times the i-th derivative of Dirac's delta. Empty without outputs.
+        """
+        if self.feedthrough is None:
+            return ()
+        return (self.feedthrough, *(self.infinite.polynomial[1:] if self.infinite else ()))
+
     def system(self, names: Sequence[str] | None = None, units=None) -> MechanicalSystem:
         """The second-order model with mass I; its force is ``force(u)``.
 
         Its coordinates are combinations of the machine's with unit masses: the energies of the model are not those of the
-        machine, and its modes have no energy shares.
+        machine, and its modes have no energy shares. Of a singular F it has the states z of the infinite part as massless coordinates
+        after q, z - N z' = B_z u: its mass diag(I, 0) is singular, and its motion has all jumps and Dirac impulses of the
+        descriptor system.
 
         Args:
-            names: names of the n/2 coordinates; q1, q2, ... by default.
+            names: names of the n/2 coordinates; q1, q2, ... by default. Those of z are z1, z2, ... unless given as well.
             units: units of each, "m", "rad" or "1", by name or in order; "1" by default.
 
         Returns:
@@ -313,47 +350,140 @@ class NormalForm(Displayed):
         >>> form.system().modes().natural_frequencies.tolist()
         [2.0]
         """
-        names = [f"q{place + 1}" for place in range(self.size)] if names is None else names
+        massless = self.infinite.size if self.infinite else 0
+        names = [f"q{place + 1}" for place in range(self.size)] if names is None else list(names)
+        if len(names) == self.size:
+            names += [f"z{place + 1}" for place in range(massless)]
+        units = ["1"] * (self.size + massless) if units is None else units
+        if not isinstance(units, Mapping) and len(units) == self.size:
+            units = [*units, *["1"] * massless]
         doubt = {"stiffness": self.uncertainty[:, : self.size], "damping": self.uncertainty[:, self.size :]}
-        units = ["1"] * self.size if units is None else units
-        matrices = np.eye(self.size), self.damping, self.stiffness
-        return MechanicalSystem(*matrices, names=names, units=units, uncertainty=doubt, energy_parts=EnergyParts({}, {}))
+        M, C, K = np.eye(self.size), self.damping, self.stiffness
+        if self.infinite:
+            N, noise = self.infinite.nilpotent, self.infinite.noise
+            M, C, K = (
+                scipy.linalg.block_diag(M, 0.0 * N),
+                scipy.linalg.block_diag(C, -N),
+                scipy.linalg.block_diag(K, np.eye(massless)),
+            )
+            doubt = {key: scipy.linalg.block_diag(doubt[key], own) for key, own in (("stiffness", 0.0 * noise), ("damping", noise))}
+        return MechanicalSystem(M, C, K, names=names, units=units, uncertainty=doubt, energy_parts=EnergyParts({}, {}))
+
+    def state_space(self) -> StateSpace:
+        """The system in the coordinates (q, q'), of a singular F (q, q', z): the same inputs, outputs and transfer function.
+
+        Its solution from ``coordinates(x0)`` has the same outputs, jumps and Dirac impulses as the given system from x0.
+
+        Returns:
+            E = diag(I, N), A = diag(A^, I), B = [B^; -B_z], C = [C^, C Q], D; without outputs the states x are those.
+
+        >>> import numpy as np
+        >>> from mbconstrained import mechanical_normal_form
+        >>> F, A = np.diag([1.0, 1.0, 0.0]), [[0.0, 1.0, 0.0], [-4.0, 0.0, 1.0], [0.0, 0.0, 1.0]]  # x3 = -u drives the oscillator
+        >>> form = mechanical_normal_form(A, [[0.0], [0.0], [1.0]], [[1.0, 0.0, 0.0]], descriptor=F)
+        >>> form, form.state_space()(1.0).round(12).tolist()
+        (NormalForm(1 coordinate, 1 input, condition 1, unique, infinite part: 1 state, index 1), [[-0.2]])
+        """
+        from ..control.state_space import StateSpace
+
+        states = [f"{rate}{place + 1}" for rate in ("q", "q'") for place in range(self.size)]
+        C = self._inverse if self.output_matrix is None else self.output_matrix
+        if self.infinite is None:
+            return StateSpace(self.state_matrix, self.input_matrix, C, self.feedthrough, states=states)
+        part = self.infinite
+        own = part.states if part.output_matrix is None else part.output_matrix
+        m = part.size
+        return StateSpace(
+            scipy.linalg.block_diag(self.state_matrix, np.eye(m)),
+            np.vstack([self.input_matrix, -part.input_matrix]),
+            np.hstack([C, own]),
+            part.feedthrough,
+            descriptor=scipy.linalg.block_diag(np.eye(2 * self.size), part.nilpotent),
+            states=[*states, *(f"z{place + 1}" for place in range(m))],
+        )
+
+    def coordinates(self, x0) -> np.ndarray:
+        """(q, q'), of a singular F (q, q', z), of a state x, shape (n,), or of states in columns, shape (n, T)."""
+        n, state = self.transformation.shape[1], real_array(x0, "x0")
+        if state.ndim not in (1, 2) or len(state) != n:
+            raise InputError(f"x0: expected {n} states, found shape {' x '.join(map(str, state.shape)) or 'a single number'}")
+        rows = self.transformation if self.infinite is None else np.vstack([self.transformation, self.infinite.rows])
+        return rows @ state
 
     def displacement_velocity(self, x0) -> tuple[np.ndarray, np.ndarray]:
         """q and q', each of shape (n/2,), of a state x, shape (n,): the start of ``system().solve`` for x(0-) = x0.
 
-        For states in columns, shape (n, T), both have shape (n/2, T).
+        For states in columns, shape (n, T), both have shape (n/2, T). Of a singular F they are (q, z) and (q', 0): what the rates of
+        massless coordinates are at 0- does not matter.
         """
-        state = real_array(x0, "x0")
-        if state.ndim not in (1, 2) or len(state) != 2 * self.size:
-            raise InputError(
-                f"x0: expected {2 * self.size} states, found shape {' x '.join(map(str, state.shape)) or 'a single number'}"
-            )
-        states = self.transformation @ state
-        return states[: self.size], states[self.size :]
+        q, rates, z = np.split(self.coordinates(x0), [self.size, 2 * self.size])
+        return np.concatenate([q, z]), np.concatenate([rates, 0.0 * z])
 
     def state(self, displacement, velocity) -> np.ndarray:
-        """x = T^-1 (q, q').
+        """x = T^-1 (q, q'), of a singular F T^+ (q, q') + Q z.
 
         Args:
-            displacement, velocity: q and q', shape (n/2,) or, at many times, (n/2, T).
+            displacement, velocity: q and q', shape (n/2,) or, at many times, (n/2, T); of a singular F with those of z after them, as
+                the motion of ``system()`` has them.
 
         Returns:
             x, shape (n,) or (n, T).
         """
+        count = self.size + (self.infinite.size if self.infinite else 0)
         parts = [real_array(value, what) for value, what in ((displacement, "displacement"), (velocity, "velocity"))]
         for part, what in zip(parts, ("displacement", "velocity")):
-            if part.ndim not in (1, 2) or len(part) != self.size or part.shape != parts[0].shape:
-                raise InputError(f"{what}: found shape {part.shape}; expected {self.size} coordinates, alike in both")
-        return np.linalg.solve(self.transformation, np.concatenate(parts))
+            if part.ndim not in (1, 2) or len(part) != count or part.shape != parts[0].shape:
+                raise InputError(f"{what}: found shape {part.shape}; expected {count} coordinates, alike in both")
+        if self.inverse is None:
+            return np.linalg.solve(self.transformation, np.concatenate(parts))
+        x = self.inverse @ np.concatenate([part[: self.size] for part in parts])
+        return x + self.infinite.states @ parts[0][self.size :] if self.infinite else x
 
     def force(self, u) -> ImpulsiveSmooth:
-        """Force of the inputs u on the n/2 coordinates; u is an ImpulsiveSmooth with p rows or a constant vector (p,)."""
+        """Force of the inputs u on the coordinates; u is an ImpulsiveSmooth with p rows or a constant vector (p,)."""
         if not isinstance(u, ImpulsiveSmooth):
             u = step(real_array(u, "u", shape=(self.inputs,)))
         if u.size != self.inputs:
             raise InputError(f"u: it has {u.size} rows; expected one for each of the {self.inputs} inputs")
-        return u.mapped(self.input_matrix[self.size :])
+        forces = self.input_matrix[self.size :]
+        return u.mapped(np.vstack([forces, self.infinite.input_matrix]) if self.infinite else forces)
+
+    def reduced(self, coordinates: int) -> NormalForm:
+        """The normal form of the slowest modes: a second-order model with so many coordinates, and the static response of the others.
+
+        2 r of the finite eigenvalues, those of least modulus, are kept exactly, with their motion from every start; the others
+        follow the inputs at once, so that the transfer function is exact at s = 0. The infinite part stays.
+        The evidence "truncation" is the largest change of the omitted part of G(i w) from its value at w = 0, at 64 frequencies up to
+        the highest kept one, of each entry relative to the largest value of this entry there.
+
+        Args:
+            coordinates: r, from 1 to the number of coordinates; of a singular F from 0.
+
+        Returns:
+            A form with rectangular T: L F = T, L A = A^ T, L B = B^ hold, and x = T^+ (q, q') without the other modes.
+
+        Raises:
+            InputError: r out of range, or so many eigenvalues divide a complex pair or a cluster; a mode that is free or grows is omitted.
+            NoNormalForm: the kept modes have no normal form.
+
+        >>> import numpy as np
+        >>> from mbconstrained import mechanical_normal_form
+        >>> K = np.array([[2.0, -1.0], [-1.0, 30.0]])
+        >>> A = np.block([[np.zeros((2, 2)), np.eye(2)], [-K, -0.1 * np.eye(2)]])
+        >>> form = mechanical_normal_form(A, [[0.0], [0.0], [0.0], [1.0]], [[1.0, 0.0, 0.0, 0.0]])
+        >>> small = form.reduced(1)
+        >>> small.system().modes().natural_frequencies.round(6).tolist(), small.state_space()(0.0).round(12).tolist()
+        ([1.401546], [[0.016949152542]])
+        """
+        return _reduced(self, whole_number(coordinates, "coordinates"))
+
+    @property
+    def _inverse(self) -> np.ndarray:
+        return np.linalg.inv(self.transformation) if self.inverse is None else self.inverse
+
+
+def _condition_number(T: np.ndarray) -> float:
+    return float(np.linalg.cond(T)) if len(T) else 1.0
 
 
 def _assembled(data: StateSpaceData, rows: np.ndarray, existence: NormalFormExistence) -> NormalForm:
@@ -384,13 +514,14 @@ def _refined(right, T, inverse) -> np.ndarray:
 
 def _evidence(data, left, T, state, inputs, existence) -> tuple[Evidence, ...]:
     A, B = data.A, data.B
-    size = (np.abs(left) @ np.abs(A) + np.abs(state) @ np.abs(T)).max(axis=0)
+    size = (np.abs(left) @ np.abs(A) + np.abs(state) @ np.abs(T)).max(axis=0, initial=0.0)
     residual = np.abs(left @ A - state @ T) / np.where(size > 0, size, 1.0)
     of_inputs = np.abs(left @ B - inputs) / np.maximum(np.abs(left) @ np.abs(B), 1.0)
+    of_A, of_B = ("L A = A^ T", "L B = B^") if data.has_infinite_part else ("T F^-1 A = A^ T", "T F^-1 B = [0; I]")
     return (
-        Evidence("condition", float(np.linalg.cond(T)), "of the transformation T, in the units of the states"),
-        Evidence("residual", float(residual.max()), "largest relative residual of T F^-1 A = A^ T"),
-        Evidence("input residual", float(of_inputs.max(initial=0.0)), "largest relative residual of T F^-1 B = [0; I]"),
+        Evidence("condition", _condition_number(T), "of the transformation T, in the units of the states"),
+        Evidence("residual", float(residual.max(initial=0.0)), f"largest relative residual of {of_A}"),
+        Evidence("input residual", float(of_inputs.max(initial=0.0)), f"largest relative residual of {of_B}"),
         Evidence(
             "input margin", existence.inputs.ratio, "distance to rank [B, A B] < 2 p, in units of the bound of rounding errors"
         ),
@@ -415,13 +546,19 @@ def mechanical_normal_form(A, B, C=None, D=None, descriptor=None, method: str = 
     for every real lambda (F^-1 A and F^-1 B in place of A and B for a descriptor form). This corrects Theorem 2.1 of Mayet and
     Kammermeier, *Mechanical normal form of first order state-space systems*, which is wrong in both directions.
 
+    Where F is singular and det(s F - A) is not zero for every s, the infinite part is split off by the Jordan pairs: n_f finite states have
+    the normal form, and the others, z = N z' + B_z u with nilpotent N, are ``infinite``. The form exists if and only if n_f is
+    even, rank [B_f, J B_f] = 2 p_f and rank [J - lambda I, B_f] >= n_f/2 + p_f for every real lambda, where J and B_f are those of the finite
+    part and p_f = rank B_f; in the data themselves, rank [H_-1 B, H_-2 B] = 2 rank H_-1 B and
+    rank [A - lambda F, B] >= n - n_f/2 + rank H_-1 B with the Laurent coefficients H_i of (s F - A)^-1.
+
     Args:
-        A: shape (n, n), n even.
+        A: shape (n, n), n even where F is regular.
         B: shape (n, p), p <= n/2, independent columns; None or no columns for a system without inputs.
         C, D: shape (m, n) and (m, p), where there are outputs.
-        descriptor: F, shape (n, n), regular, not symmetric in general; the identity when not given. It is not inverted:
-            X^T multiplies the equations, T = [X^T F; X^T A], and T F^-1 is the left multiplier of Eq. 16 (corrected: F^T where F
-            is printed).
+        descriptor: F, shape (n, n), singular or not, not symmetric in general; the identity when not given. A regular one is not
+            inverted: X^T multiplies the equations, T = [X^T F; X^T A], and T F^-1 is the left multiplier of Eq. 16 (corrected: F^T
+            where F is printed).
         method: "extension" extends B to B_e with [B_e, A B_e] regular, X^T = [0 I] [B_e, A B_e]^-1 and T = [X^T; X^T A]; of
             the family of all T it takes one of small condition. "null space" (Eqs. 9-14 and appendix C, corrected) and
             "kronecker" (Eqs. 15-16) are the paper's routes. Both fail for some systems that have a normal form: the first
@@ -432,7 +569,8 @@ def mechanical_normal_form(A, B, C=None, D=None, descriptor=None, method: str = 
         The form with its evidence.
 
     Raises:
-        NoNormalForm: a condition fails; the text names it, with the ranks and the eigenvalue. Or the descriptor is singular.
+        NoNormalForm: a condition fails; the text names it, with the ranks and the eigenvalue. Or det(s F - A) = 0 for every s: the text
+            names the equations and the states.
         IllConditioned: units so far from the system's own that the form leaves the range of float64.
         InputError: shapes, n odd, p > n/2, dependent inputs, entries that are not finite, a method that fails.
 
@@ -446,14 +584,125 @@ def mechanical_normal_form(A, B, C=None, D=None, descriptor=None, method: str = 
     data = state_space_data(A, B, C, D, descriptor)
     try:
         with np.errstate(over="ignore", under="ignore", invalid="ignore", divide="ignore"):
-            pair = scaled_pencil(data)
-            exists = existence(pair)
-            form = _assembled(data, METHODS[method](pair), exists)
+            form = _of_descriptor(data, METHODS[method]) if data.has_infinite_part else _of_regular(data, METHODS[method])
     except np.linalg.LinAlgError:
         raise IllConditioned(OUT_OF_RANGE) from None
     if not (np.isfinite(form.state_matrix).all() and form.condition < np.inf):
         raise IllConditioned(OUT_OF_RANGE)
     return form
+
+
+def _of_regular(data: StateSpaceData, rows_of: Callable[[ScaledPencil], np.ndarray]) -> NormalForm:
+    pair = scaled_pencil(data)
+    exists = existence(pair)
+    form = _assembled(data, rows_of(pair), exists)
+    doubts = (DOUBT,) if data.rank is not None and not data.rank.clear else ()
+    return replace(form, notices=(*form.notices, *doubts), part=regular_part(data))
+
+
+def _of_descriptor(data: StateSpaceData, rows_of: Callable[[ScaledPencil], np.ndarray]) -> NormalForm:
+    """The form of the finite part, in the states of the whole."""
+    parts = descriptor_parts(data)
+    form = _in_states(parts.finite, rows_of)
+    return replace(
+        form,
+        feedthrough=None if data.C is None else parts.infinite.polynomial[0],
+        evidence=(*form.evidence, *parts.evidence),
+        notices=(*form.notices, *parts.notices),
+        infinite=parts.infinite if parts.infinite.size else None,
+    )
+
+
+def _in_states(part: StatePart, rows_of: Callable[[ScaledPencil], np.ndarray]) -> NormalForm:
+    """The form of a part in the states of the whole, with the evidence of T in these."""
+    own, exists = _of_part(part, rows_of)
+    T, left = own.transformation @ part.start, own.transformation @ part.rows
+    inputs = own.input_matrix @ part.inputs
+    return replace(
+        own,
+        transformation=T,
+        left_transformation=left,
+        input_matrix=inputs,
+        evidence=_evidence(part.data, left, T, own.state_matrix, inputs, exists),
+        inverse=part.columns @ own.inverse,
+        part=part,
+    )
+
+
+def _of_part(part: StatePart, rows_of: Callable[[ScaledPencil], np.ndarray]) -> tuple[NormalForm, NormalFormExistence]:
+    """The form of a part in its own states, and the margins of its existence."""
+    data, noise = part.independent, part.noise[0]
+    if not part.size:
+        nothing, inputs = np.zeros((0, 0)), np.zeros((0, data.B.shape[1]))
+        return NormalForm(nothing, nothing, nothing, inputs, data.C, data.D, (), (), nothing, nothing), NO_CONDITIONS
+    pair = part.pencil()
+    exists = existence(pair)
+    form = _assembled(data, rows_of(pair), exists)
+    inverse = np.linalg.inv(form.transformation)
+    X, lower = np.split(np.abs(form.transformation), 2)
+    doubt = X @ noise @ np.abs(data.A) + lower @ noise + np.abs(form.damping) @ X @ noise
+    return replace(form, inverse=inverse, uncertainty=form.uncertainty + doubt @ np.abs(inverse)), exists
+
+
+def _reduced(form: NormalForm, coordinates: int) -> NormalForm:
+    if coordinates > form.size:
+        raise InputError(f"coordinates: found {coordinates}; expected at most {form.size}, which the form has")
+    least = 0 if form.infinite else 1
+    if coordinates < least:
+        raise InputError("coordinates: found 0; expected at least 1 for a system that has no infinite part")
+    part, modes = form.part, decoupled(form.part.explicit.A)
+    rates = [eigenvalues(block) for block in modes.blocks]
+    order = sorted(range(len(rates)), key=lambda place: float(np.abs(rates[place]).max()))
+    sizes = np.cumsum([0, *(len(rates[place]) for place in order)])
+    if 2 * coordinates not in sizes:
+        possible = ", ".join(str(size // 2) for size in sizes if not size % 2 and size >= 2 * least)
+        raise InputError(
+            f"coordinates: {coordinates} would divide a complex pair or a cluster of eigenvalues; possible are {possible}"
+        )
+    count = int(np.searchsorted(sizes, 2 * coordinates))
+    if count == len(order):
+        return form
+    noise = NOISE_SAFETY * (np.abs(modes.inverse) @ part.noise[0] @ np.abs(modes.basis)).max(initial=0.0)
+    omitted = np.concatenate([rates[place] for place in order[count:]])
+    for rate in omitted:
+        if rate.real > noise or abs(rate) <= noise:
+            motion = "is free" if abs(rate) <= noise else "grows"
+            raise InputError(f"coordinates: {coordinates} leaves out the eigenvalue {rate:.6g}, whose motion {motion}; keep more")
+    slow, fast = (part.divided(modes, places) for places in (order[:count], order[count:]))
+    own = _in_states(slow, well_conditioned_rows)
+    static, truncation = _truncated(fast, form, max((float(np.abs(rates[place]).max()) for place in order[:count]), default=0.0))
+    text = "largest change of the omitted part of an entry of G(i w) from w = 0 on, at 64 w up to the highest kept eigenvalue, relative to this entry"
+    notice = f"{counted(len(omitted), 'eigenvalue')} from {np.abs(omitted).min():.6g} 1/s on follow the inputs at once, as at rest"
+    infinite, D = form.infinite, form.feedthrough
+    if infinite is not None:
+        direct = static if infinite.feedthrough is None else infinite.feedthrough + static
+        infinite = replace(infinite, feedthrough=direct, polynomial=(infinite.polynomial[0] + static, *infinite.polynomial[1:]))
+    return replace(
+        own,
+        feedthrough=None if D is None else D + static,
+        evidence=(*own.evidence, Evidence("truncation", truncation, text)),
+        notices=(*form.notices, *own.notices, Notice(NoticeKind.OMITTED, notice)),
+        infinite=infinite,
+    )
+
+
+#: Frequencies at which the omitted part is evaluated, and their step as a part of the band, an irrational one.
+FREQUENCIES, GOLDEN = 64, (5**0.5 - 1) / 2
+
+
+def _truncated(fast: StatePart, form: NormalForm, highest: float) -> tuple[np.ndarray, float]:
+    """G_o(0) of the omitted part, and the largest |G_o(i w) - G_o(0)| of an entry relative to its largest |G(i w)|, 0 < w < highest."""
+    J, B = fast.explicit.A, fast.explicit.B
+    C = fast.columns if fast.explicit.C is None else fast.explicit.C
+    static, whole = -C @ np.linalg.solve(J, B), form.state_space()
+    s = 1j * highest * (np.arange(1, FREQUENCIES + 1) * GOLDEN % 1.0)
+    if not highest:
+        return static, 0.0
+    inverse = np.linalg.inv(s[:, None, None] * np.eye(fast.size) - J)
+    change, terms = np.abs(C @ inverse @ B - static), np.abs(C) @ np.abs(inverse) @ np.abs(B)
+    size = np.abs([whole(value) for value in s]).max(axis=0, initial=0.0)
+    change = np.where(change > NOISE_SAFETY * EPS * terms, change, 0.0).max(axis=0, initial=0.0)
+    return static, float((change / np.where(size > 0, size, 1.0)).max(initial=0.0))
 
 
 def _in_given_units(pair: ScaledPencil, rows: np.ndarray) -> np.ndarray:

@@ -22,11 +22,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from ..ground.checks import counted, real_array
-from ..ground.errors import InputError, NoNormalForm, SingularPolynomialMatrix
+from ..ground.errors import InputError, NoNormalForm
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import (
     CLEAR_DROPPED,
@@ -38,9 +37,8 @@ from ..ground.tolerances import (
     NOISE_SAFETY,
     ROUNDED_COUPLING,
 )
-from ..linalg.rank import Noisy, compress_rows, null_columns
+from ..linalg.rank import Noisy, RankDecision, compress_rows, null_columns
 from ..linalg.scaling import joint_scaling
-from ..polynomial.polynomial_matrix import PolynomialMatrix
 
 # The matrices of a state-space system, checked.
 
@@ -54,6 +52,12 @@ class StateSpaceData:
     C: np.ndarray | None = None  # C, D: shape (m, n) and (m, p); None where no outputs are given
     D: np.ndarray | None = None
     F: np.ndarray | None = None  # shape (n, n); None for the identity
+    rank: RankDecision | None = None  # of F; None for the identity
+
+    @property
+    def has_infinite_part(self) -> bool:
+        """True where F is singular."""
+        return self.rank is not None and self.rank.rank < len(self.A)
 
 
 def state_space_data(A, B, C, D, descriptor) -> StateSpaceData:
@@ -61,29 +65,32 @@ def state_space_data(A, B, C, D, descriptor) -> StateSpaceData:
     n = len(A)
     if n != A.shape[1]:
         raise InputError(f"A: expected a square matrix, found {n} x {A.shape[1]}")
-    if n % 2 or not n:
+    F = None if descriptor is None or not n else real_array(descriptor, "descriptor", shape=(n, n))
+    rank = None if F is None else compress_rows(Noisy.rounded(F)).decision
+    singular = rank is not None and rank.rank < n
+    if not n or (n % 2 and not singular):
         states = f"found {counted(n, 'state')}" if n else "found no states"
         raise InputError(
             f"A: {states}; a mechanical system has an even number of them, a displacement and a velocity for each coordinate"
         )
-    B = _inputs(B, n)
+    B = _inputs(B, n, singular)
     C, D = _outputs(C, D, n, B.shape[1])
-    F = None
-    if descriptor is not None:
-        F = real_array(descriptor, "descriptor", shape=(n, n))
-        _check_regular(F, A)
-    return StateSpaceData(A, B, C, D, F)
+    return StateSpaceData(A, B, C, D, F, rank)
 
 
-def _inputs(B, n) -> np.ndarray:
+def _inputs(B, n: int, singular: bool) -> np.ndarray:
     B = real_array(np.zeros((n, 0)) if B is None else B, "B")
     B = B[:, None] if B.ndim == 1 else B
     if B.ndim != 2 or len(B) != n:
         raise InputError(f"B: expected shape {n} x p, one row for each of the {n} states, found {' x '.join(map(str, B.shape))}")
-    if 2 * B.shape[1] > n:
+    if B.shape[1] > (n if singular else n // 2):
+        most = (
+            f"at most {n} of them can be independent"  # those that act on the infinite part alone are no forces on coordinates
+            if singular
+            else f"a mechanical system of {counted(n // 2, 'coordinate')} takes at most {counted(n // 2, 'independent force')}"
+        )
         raise InputError(
-            f"B: found {counted(B.shape[1], 'input')} for {n} states; a mechanical system of {counted(n // 2, 'coordinate')} takes "
-            f"at most {n // 2} independent forces: leave inputs out, or combine them"
+            f"B: found {counted(B.shape[1], 'input')} for {counted(n, 'state')}; {most}: leave inputs out, or combine them"
         )
     columns = null_columns(Noisy.rounded(B))
     if columns.decision.rank < B.shape[1]:
@@ -103,24 +110,6 @@ def _outputs(C, D, n, p):
         raise InputError(f"C: expected shape m x {n}, one column for each of the {n} states, found {' x '.join(map(str, C.shape))}")
     shape = (len(C), p)
     return C, np.zeros(shape) if D is None else real_array(D, "D", shape=shape)
-
-
-def _check_regular(F, A) -> None:
-    """Check that F has full rank: equations of its null space have no derivative."""
-    rank, n = compress_rows(Noisy.rounded(F)).decision.rank, len(F)
-    if rank == n:
-        return
-    text = f"the descriptor matrix is singular, rank {rank} of {n}: "
-    try:
-        infinite = sum(PolynomialMatrix([-A, F]).structure().infinite_divisors)
-        text += (
-            f"{infinite} of the {n} states belong to the infinite part of s F - A, they follow the inputs at once and have no "
-            "motion of their own, so that no transformation of all states is mechanical; solve those equations for their states "
-            "and give the system of the others, or solve the descriptor system as it is, by mb.solve"
-        )
-    except SingularPolynomialMatrix:
-        text += "det(s F - A) is zero for every s, the equations do not determine the states; check them"
-    raise NoNormalForm(text, condition="descriptor", rank=rank, needed=n)
 
 
 # The pencil s F - A with its inputs B scaled: equations, states, inputs and time by powers of two. A change of units changes the
@@ -151,6 +140,7 @@ class ScaledPencil:
     # from rounding errors
     weak: np.ndarray
     known: float = EPS  # uncertainty of A and F, relative to their size
+    part: str = ""  # the part of a larger system whose pencil this is, for texts
 
     @property
     def solved(self) -> ScaledPencil:
@@ -227,7 +217,7 @@ def _is_rounding(both) -> np.ndarray:
 
 def _on_no_cycle(A) -> np.ndarray:
     """Which entries couple parts of A in one direction only."""
-    part = connected_components(A != 0, directed=True, connection="strong")[1]
+    part = scipy.sparse.csgraph.connected_components(A != 0, directed=True, connection="strong")[1]
     return part[:, None] != part
 
 
@@ -316,6 +306,10 @@ class NormalFormExistence:
             for name, margin in named
             if not margin.clear
         )
+
+
+#: No state, no condition.
+NO_CONDITIONS = NormalFormExistence(Margin(0, 0, np.inf, EPS, 0.0), Margin(0, 0, np.inf, EPS, 0.0))
 
 
 def existence(pair: ScaledPencil) -> NormalFormExistence:
@@ -422,7 +416,7 @@ def _refined(value: float, constant, linear) -> tuple[float, np.ndarray]:
 
 def _no_form(name: str, text: str, margin: Margin, pair: ScaledPencil) -> NoNormalForm:
     return NoNormalForm(
-        f"no mechanical normal form: {name}{text}. {_nearness(margin, pair)}",
+        f"no mechanical normal form{pair.part}: {name}{text}. {_nearness(margin, pair)}",
         condition=name,
         rank=margin.rank,
         needed=margin.needed,

@@ -14,7 +14,7 @@ from itertools import pairwise, product
 from typing import TypeVar
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from ..ground.checks import counted, real_number
 from ..ground.display import Displayed, TextTable, number_text

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from ..exact.splitting import Branch, Splitting, splitting
 from ..ground.checks import counted

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Self
 
@@ -14,12 +14,14 @@ from ..response.choose import Evaluations, Request
 from ..signals.inputs import ImpulsiveSmooth
 from .descriptor_form import discretize, system_to_dict, to_state_space
 from .equations import EquationsOfMotion
-from .harmonic_response import frequency_response, steady_state
 from .modes import Modes, modes_of
 from .motion import Motion, motion_of
 
 if TYPE_CHECKING:
+    from ..frequency.frequency_response import FrequencyResponse
     from ..frequency.random.random_response import RandomResponse
+    from ..polynomial.characteristic_roots import CharacteristicRoots
+    from .harmonic_response import SteadyState
     from .peaks import EffectiveMasses, ModalCombination
     from .root_locus import RootLocus
     from .rotating import Campbell, UnbalanceResponse
@@ -27,6 +29,9 @@ if TYPE_CHECKING:
 
 #: The number of modes of a system of sparse matrices that are computed where none is given.
 DEFAULT_MODE_COUNT = 50
+
+#: The number of rightmost modes of a system with delays that are computed where none is given.
+DEFAULT_ROOT_COUNT = 10
 
 
 class MechanicalSystem(EquationsOfMotion):
@@ -53,6 +58,8 @@ class MechanicalSystem(EquationsOfMotion):
             measured or computed; rounding errors by default. Arrays only.
         gyroscopic, circulatory: G and N of a rotor, shape (n, n): C + W G (kg m^2) and K + W N (N s/m) at W in rad/s; the system
             itself is the rotor at rest (``at_speed``, ``campbell``, ``critical_speeds``). Arrays only.
+        delayed: forces with dead time, such as feedback: [K_j, C_j] by their delays in s adds K_j x(t - delay_j) + C_j x'(t - delay_j)
+            to the left side. Arrays only.
 
     Raises:
         InputError: shapes that do not match, entries that are not finite, repeated names, an argument for arrays only.
@@ -89,6 +96,7 @@ class MechanicalSystem(EquationsOfMotion):
         count: int | None = None,
         *,
         evaluations: Evaluations = "once",
+        history=None,
     ) -> Motion | Any:
         """Solve for the motion from any values at 0-, in closed form.
 
@@ -107,6 +115,8 @@ class MechanicalSystem(EquationsOfMotion):
             rank_tolerance: see ``mbconstrained.solve``. Arrays only.
             count: the number of modes of lowest frequency in the motion, 50 by default. Sparse matrices only.
             evaluations: see ``mbconstrained.solve``; the motion of sparse matrices is always evaluated by its modes.
+            history: x before t = 0 for a system with delays, see ``mbconstrained.solve``; by default zero. It does not replace
+                the values at 0-.
 
         Returns:
             A ``Motion``; ``Motions`` of S initial values or forces; a ``SparseMotion`` of sparse matrices.
@@ -126,6 +136,8 @@ class MechanicalSystem(EquationsOfMotion):
             isinstance(force, (list, tuple)) and any(isinstance(f, ImpulsiveSmooth) for f in force)
         )
         several = several_forces or is_table(displacement) or is_table(velocity)
+        if several:
+            self._refuse_delays("several motions at once")
         if self.is_sparse:
             from .sparse.sparse_motion import sparse_motion
 
@@ -141,7 +153,7 @@ class MechanicalSystem(EquationsOfMotion):
             applied = {id(one): self._applied(one) for one in forces}
             forces = [applied[id(one)] for one in forces]
             return motions_of(self, displacement, velocity, forces, rank_tolerance, request)
-        return motion_of(self, self._start(displacement, velocity), self._applied(force), rank_tolerance, request)
+        return motion_of(self, self._start(displacement, velocity), self._applied(force), rank_tolerance, request, history)
 
     def modes(self, count: int | None = None, damped: bool = True) -> Modes:
         """Return the finite eigenvalues of A(s) with shapes and meaning: oscillation, decay, rigid body, drift, ...
@@ -150,7 +162,8 @@ class MechanicalSystem(EquationsOfMotion):
         and Sylvester's law of inertia, which counts them; damped ones by Newton's method from these (``mechanics.sparse``).
 
         Args:
-            count: the number of modes of lowest frequency; a complex pair counts once. By default all, of sparse matrices 50.
+            count: the number of modes of lowest frequency; a complex pair counts once. By default all, of sparse matrices 50. With
+                delays, which make infinitely many, that of the rightmost ones, 10 by default (``characteristic_roots``).
             damped: False for the modes without the damping C.
 
         Returns:
@@ -168,12 +181,112 @@ class MechanicalSystem(EquationsOfMotion):
             from .sparse.sparse_modes import sparse_modes
 
             return sparse_modes(self.pencil, _mode_count(count), damped and bool(self.damping.nnz))
+        if self.delayed:
+            if not damped:
+                self._refuse_delays("modes without damping")
+            from .modes import modes_with_delays
+
+            return modes_with_delays(self, DEFAULT_ROOT_COUNT if count is None else count)
         undamped = None if damped else MechanicalSystem(self.given[2], None, self.given[0], self.constraints, self.names)
         modes = replace(modes_of(undamped or self), system=undamped or self)
         return modes if count is None else modes.lowest(count)
 
-    frequency_response = frequency_response
-    steady_state = steady_state
+    def characteristic_roots(self, count: int = 10) -> CharacteristicRoots:
+        """The rightmost roots of the equations with delays, which decide on stability (``mbconstrained.characteristic_roots``).
+
+        Args:
+            count: how many, a complex pair counts once.
+
+        Returns:
+            ``CharacteristicRoots``: ``eigenvalues``, ``shapes``, ``stability_margin``, ``damping_ratios``.
+
+        Raises:
+            InputError: a system without delays; terms of neutral type.
+
+        >>> from mbconstrained import MechanicalSystem
+        >>> late = MechanicalSystem([[1.0]], [[0.2]], [[4.0]], delayed={0.1: [[[0.0]], [[1.0]]]})  # a delayed damper
+        >>> round(float(late.characteristic_roots(1).damping_ratios[0]), 6)
+        0.311141
+        """
+        from ..polynomial.characteristic_roots import rightmost_roots
+
+        return rightmost_roots(self.undelayed_form().polynomial_matrix, self.delayed_equations(), count)
+
+    def frequency_response(
+        self,
+        frequencies_hz="auto",
+        inputs: Sequence[str] | str | None = None,
+        outputs: Sequence[str] | str | None = None,
+        quantity: str = "receptance",
+        modal_damping=None,
+        loss_factor=None,
+        relative_to: str | None = None,
+        count: int | None = None,
+    ) -> FrequencyResponse:
+        """The steady answer to harmonic loads: f e^{+i w t} gives H(i w) f e^{+i w t}, entry by entry with an error estimate.
+
+        Args:
+            frequencies_hz: shape (F,); "auto" for lines that the poles place.
+            inputs, outputs: names of coordinates, of constraint rows, of outputs and elements; all coordinates by default.
+            quantity: "receptance", "mobility", "accelerance", their inverses "dynamic stiffness", "impedance", "apparent mass",
+                "transmissibility", "reaction" or "force".
+            modal_damping: damping ratio of all modes, or of the lowest ones, in addition to the damping.
+            loss_factor: eta of structural damping, K (1 + i eta); of elements by name as a mapping.
+            relative_to: a coordinate or prescribed motion that is subtracted from the outputs.
+            count: number of modes of sparse matrices, 50 by default.
+
+        Returns:
+            A ``FrequencyResponse``.
+
+        Raises:
+            InputError: an unknown name or quantity, frequencies that are not finite.
+
+        >>> from mbconstrained import Constraint, MechanicalSystem
+        >>> isolated = MechanicalSystem([[1.0, 0.0], [0.0, 0.0]], [[0.1, -0.1], [-0.1, 0.1]], [[4.0, -4.0], [-4.0, 4.0]],
+        ...     [Constraint([0, 1], names="base")], names=["machine", "floor"])
+        >>> T = isolated.frequency_response([np.sqrt(8) / (2 * np.pi)], ["base"], ["machine"], quantity="transmissibility")
+        >>> bool(np.isclose(abs(T.values.item()), 1.0)), T.units.item()  # at sqrt(2) times the natural frequency
+        (True, '1')
+        """
+        from .harmonic_response import frequency_response
+
+        options = (quantity, modal_damping, loss_factor, relative_to, count)
+        return frequency_response(self, frequencies_hz, inputs, outputs, *options)
+
+    def steady_state(
+        self,
+        force: ImpulsiveSmooth | None = None,
+        period: float | None = None,
+        harmonics: int = 50,
+        modal_damping=None,
+        loss_factor=None,
+    ) -> SteadyState:
+        """The motion under harmonic loads after all free motion has decayed: amplitude and phase of every coordinate and reaction.
+
+        The static force of the system, its own excitation and the values of its constraint rows count too.
+
+        Args:
+            force: sum of harmonics, or a record of one period, in addition to the system's own.
+            period: T in s of records, which repeat.
+            harmonics: number of harmonics of a periodic record.
+            modal_damping, loss_factor: as in ``frequency_response``.
+
+        Returns:
+            A ``SteadyState``.
+
+        Raises:
+            InputError: sparse matrices, loads that do not repeat, an undamped motion in resonance.
+
+        >>> import mbconstrained as mb
+        >>> system = mb.MechanicalSystem([[1.0]], [[0.5]], [[4.0]])
+        >>> steady = system.steady_state(mb.harmonic([3.0], angular_frequency=2.0))  # at resonance c w x = 3
+        >>> abs(steady.displacement_amplitudes[0, 0]).round(9).item()
+        3.0
+        """
+        from .harmonic_response import steady_state
+
+        return steady_state(self, force, period, harmonics, modal_damping, loss_factor)
+
     to_state_space = to_state_space
     discretize = discretize
     to_dict = system_to_dict
@@ -197,6 +310,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .rotating import at_speed
 
+        self._refuse_delays("a rotor")
         return at_speed(self, speed)
 
     def campbell(self, speeds) -> Campbell:
@@ -216,6 +330,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .rotating import campbell
 
+        self._refuse_delays("campbell")
         return campbell(self, speeds)
 
     def critical_speeds(self, order: float = 1.0) -> np.ndarray:
@@ -244,6 +359,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .rotating import critical_points
 
+        self._refuse_delays("critical_speeds")
         return np.array([point.speed for point in critical_points(self, order)])
 
     def unbalance_response(self, speeds, unbalance=None, order: float = 1.0) -> UnbalanceResponse:
@@ -273,6 +389,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .rotating import unbalance_response
 
+        self._refuse_delays("unbalance_response")
         return unbalance_response(self, speeds, unbalance, order)
 
     def root_locus(self, parameter, values) -> RootLocus:
@@ -299,6 +416,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .root_locus import root_locus
 
+        self._refuse_delays("root_locus")
         return root_locus(self, parameter, values)
 
     def modal_combination(self, spectrum, base=None, damping_ratio: float = 0.05, combination: str = "CQC") -> ModalCombination:
@@ -321,6 +439,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .peaks import modal_combination
 
+        self._refuse_delays("modal_combination")
         return modal_combination(self, spectrum, base, damping_ratio, combination)
 
     def effective_masses(self, base=None) -> EffectiveMasses:
@@ -348,6 +467,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .peaks import effective_masses, loads_of_rows
 
+        self._refuse_delays("effective_masses")
         return effective_masses(self, *loads_of_rows(self, base))
 
     def sensitivities(self, parameters=None) -> Sensitivities:
@@ -372,6 +492,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .sensitivities import sensitivities
 
+        self._refuse_delays("sensitivities")
         return sensitivities(self, parameters)
 
     def random_response(self, excitation: Mapping, outputs=None, quantity: str = "displacement", **options) -> RandomResponse:
@@ -394,6 +515,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .random_excitation import random_response
 
+        self._refuse_delays("random_response")
         return random_response(self, excitation, outputs, quantity, **options)
 
 

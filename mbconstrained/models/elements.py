@@ -418,6 +418,79 @@ def _cosine(angle, label: str):
         raise InputError(f"{label}: there is no formula with a symbol for the pressure angle; give it as a number") from None
 
 
+# Feedback with dead time: forces that follow what was measured a delay before.
+
+MEASURED = "Where what is measured starts, of displacement and velocity of its end relative to it; its own {} when left out."
+
+
+@dataclass(frozen=True)
+class DelayedFeedback(Element):
+    """Feedback with dead time: force -(displacement_gain e + velocity_gain e')(t - delay) on the end, its opposite on the start.
+
+    e = x_end - x_start of the element itself, or of the bodies that are measured. Negative gains are a positive feedback. Before t = 0
+    nothing was measured.
+
+    Example:
+        Regenerative cutting: the thickness of the chip is that of this revolution less that of the one before, k_c (x - x(t - delay)).
+
+        >>> from mbconstrained import LumpedModel
+        >>> lathe = LumpedModel()
+        >>> _ = lathe.mass("tool", 1.0), lathe.spring("ground", "tool", 100.0), lathe.damper("ground", "tool", 2.0)
+        >>> _ = lathe.spring("ground", "tool", 40.0, name="cutting")
+        >>> _ = lathe.delayed_feedback("ground", "tool", delay=0.5, displacement_gain=-40.0)
+        >>> round(lathe.assemble().characteristic_roots(1).stability_margin, 6)  # chatter: it grows
+        -0.242152
+    """
+
+    start: Annotated[str, Joins('The body at its start; "ground" does not move.')]
+    end: Annotated[str, Joins("The body at its end.")]
+    delay: Annotated[Real, Numeric("s", "Dead time between the measurement and the force.", "positive", varied=False)]
+    displacement_gain: Annotated[Real, Numeric("N/m", "Force by displacement.", varied=False)] = 0.0
+    velocity_gain: Annotated[Real, Numeric("N*s/m", "Force by velocity.", varied=False)] = 0.0
+    measured_start: Annotated[str, Joins(MEASURED.format("start"))] = None
+    measured_end: Annotated[str, Joins("The body that is measured; its own end when left out.")] = None
+
+    end_count = 2
+    symbol = "strut"
+    spellings: ClassVar = {"between": ("start", "end")}
+    unit = property(lambda self: self.axis)
+
+    def __post_init__(self):
+        super().__post_init__()
+        if not self.displacement_gain and not self.velocity_gain:
+            raise InputError(f"{self.label}: found no gain; give displacement_gain, velocity_gain or both")
+        measured = self.measured_start or self.start, self.measured_end or self.end
+        if measured[0] == measured[1]:
+            raise InputError(f'{self.label}: it measures "{measured[0]}" relative to itself; give different bodies')
+
+    @property
+    def ends(self) -> dict[str, str | None]:
+        return {name: unit for name, unit in self._joined if name is not None}
+
+    @property
+    def row(self) -> dict[str, float]:
+        """The factors of the force on the coordinates."""
+        return {self.start: -1.0, self.end: 1.0}
+
+    @property
+    def measured_row(self) -> dict[str, float]:
+        """The factors of the coordinates in what is measured."""
+        return {self.measured_start or self.start: -1.0, self.measured_end or self.end: 1.0}
+
+
+@dataclass(frozen=True)
+class DelayedTorsionFeedback(DelayedFeedback):
+    """Feedback with dead time of a shaft: torque -(displacement_gain e + velocity_gain e')(t - delay) on the end, its opposite on the start.
+
+    e = q_end - q_start of the element itself, or of the bodies that are measured.
+    """
+
+    displacement_gain: Annotated[Real, Numeric("N*m/rad", "Torque by angle.", varied=False)] = 0.0
+    velocity_gain: Annotated[Real, Numeric("N*m*s/rad", "Torque by angular velocity.", varied=False)] = 0.0
+
+    axis = "rad"
+
+
 # Ties: elements that are one constraint row each. The multiplier is the force or torque that each names.
 
 

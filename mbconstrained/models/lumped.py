@@ -14,7 +14,7 @@ from functools import partial
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array
+import scipy
 
 from ..ground.checks import OF_FUNCTION, counted, nearest, real_number
 from ..ground.coordinate_units import GROUND
@@ -30,7 +30,19 @@ from ..mechanics.parameter import Parameter
 from ..mechanics.system import MechanicalSystem
 from ..signals.inputs import ImpulsiveSmooth, zero
 from . import elements as catalogue
-from .elements import Body, Element, Link, Numeric, PrescribedMotion, RigidTie, Tie, entries_of, numbers_of, with_parts
+from .elements import (
+    Body,
+    DelayedFeedback,
+    Element,
+    Link,
+    Numeric,
+    PrescribedMotion,
+    RigidTie,
+    Tie,
+    entries_of,
+    numbers_of,
+    with_parts,
+)
 from .rotor import Bearing, Rotor, Unbalance, rotor_terms
 
 STATES = {"m": "moves along the axis (m)", "rad": "turns (rad)"}
@@ -117,6 +129,8 @@ class LumpedModel(Displayed):
     damper = _adds(catalogue.Damper)
     torsion_spring = _adds(catalogue.TorsionSpring)
     torsion_damper = _adds(catalogue.TorsionDamper)
+    delayed_feedback = _adds(catalogue.DelayedFeedback)
+    delayed_torsion_feedback = _adds(catalogue.DelayedTorsionFeedback)
     rigid_tie = _adds(catalogue.RigidTie)
     lever = _adds(catalogue.Lever)
     gear = _adds(catalogue.Gear)
@@ -186,7 +200,7 @@ class LumpedModel(Displayed):
         springs: Any = factors.springs.product if sparse else factors.springs.matrix
         dampers: Any = factors.dampers.product if sparse else factors.dampers.matrix
         system = MechanicalSystem(
-            mass=diags_array(factors.masses) if sparse else ElementMatrix(np.eye(len(names)), factors.masses),
+            mass=scipy.sparse.diags_array(factors.masses) if sparse else ElementMatrix(np.eye(len(names)), factors.masses),
             damping=turning.added_to(dampers, "damping") if turning else dampers,
             stiffness=turning.added_to(springs, "stiffness") if turning else springs,
             constraints=[
@@ -198,6 +212,7 @@ class LumpedModel(Displayed):
             static_force=factors.static_force(self.gravity_along),
             units=units,
             gyroscopic=turning and turning.gyroscopic,
+            delayed=self._delayed_matrices(names) or None,
         )
         if turning:
             system.speed_tables, system.unbalance, system.whirl_matrix = turning.tables, turning.unbalance, turning.whirl
@@ -210,6 +225,16 @@ class LumpedModel(Displayed):
         system.origin._elements, system.origin._units = dict(self._elements), units  # what is added later is not in the system
         system.parameter_source = partial(element_parameters, system.origin)
         return system
+
+    def _delayed_matrices(self, names: Sequence[str]) -> dict[float, np.ndarray]:
+        """The sums of K_j and C_j of the feedback with each delay, shape (2, n, n)."""
+        total: dict[float, np.ndarray] = {}
+        for element in self.elements:
+            if isinstance(element, DelayedFeedback):
+                pattern = np.outer(coordinate_row(element.row, names), coordinate_row(element.measured_row, names))
+                own = np.array([element.displacement_gain * pattern, element.velocity_gain * pattern])
+                total[element.delay] = total.get(element.delay, 0.0) + own
+        return total
 
     def _add(self, element):
         name = element.name
@@ -266,7 +291,7 @@ class BranchRows:
     """The springs or the dampers of a model with n coordinates, one a row."""
 
     #: B, -1 at the start, 1 at the end, nothing for the ground, or the radii of gears, shape (p, n).
-    incidence: np.ndarray | csr_array
+    incidence: np.ndarray | scipy.sparse.csr_array
     constants: np.ndarray  # stiffness or damping, all positive, shape (p,)
     rest: np.ndarray  # elongation without force, shape (p,); zero for dampers
     names: tuple[str, ...]  # names of the elements
@@ -334,7 +359,7 @@ def _rows(coefficients: Sequence[Mapping[str, Any]], names: Sequence[str], dtype
     at, shape = tuple(zip(*known))[:2] or ((), ()), (len(coefficients), len(names))
     values = np.array([factor for *_, factor in known], dtype)
     if sparse:
-        return csr_array((values, at), shape=shape)
+        return scipy.sparse.csr_array((values, at), shape=shape)
     rows = np.zeros(shape, dtype)
     rows[at] = values
     return rows

@@ -339,7 +339,7 @@ def packed(array: np.ndarray, kind: str = "<f4") -> str:
 
 
 def body_poses(drawing: Drawing, frames: KeyFrames) -> BodyPoses:
-    count = len(frames.times)
+    count, places = len(frames.times), {name: place for place, name in enumerate(frames.names)}
     poses = {}
     for body, path in zip(drawing.bodies, frames.paths):
         if path is not None:
@@ -347,13 +347,11 @@ def body_poses(drawing: Drawing, frames: KeyFrames) -> BodyPoses:
             poses[body.name] = path if path.count == count else Path(path.positions[:, still], path.quaternions[:, still])
             continue
         positions, rotation = np.array(body.rest)[:, None] + np.zeros((3, count)), np.zeros((3, count))
-        for name, row in zip(frames.names, frames.values):
-            if name in body.moves:
-                positions += drawing.scale * np.outer(body.moves[name], row)
-            if name in body.turns:
-                rotation += drawing.turn_scale * np.outer(body.turns[name], row)
-        at_rest = quaternions_of(np.array(body.rest_turn)[:, None])
-        poses[body.name] = Path(positions, after(quaternions_of(rotation), at_rest + np.zeros((4, count))))
+        for motion, scale, vectors in ((positions, drawing.scale, body.moves), (rotation, drawing.turn_scale, body.turns)):
+            for place in sorted(places[name] for name in vectors if name in places):
+                motion += scale * np.outer(vectors[frames.names[place]], frames.values[place])
+        at_rest = quaternions_of(np.array(body.rest_turn)[:, None]) + np.zeros((4, count))
+        poses[body.name] = Path(positions, after(quaternions_of(rotation), at_rest) if body.turns else at_rest)
     return poses
 
 

@@ -94,6 +94,8 @@ def after(second: np.ndarray, first: np.ndarray) -> np.ndarray:
 
 def matrix_of(turn) -> np.ndarray:
     """The matrix (3, 3) of a rotation vector (3,)."""
+    if not np.any(turn):
+        return np.eye(3)
     return rotated(quaternions_of(np.array(turn, dtype=float)[:, None]), np.eye(3))[:, :, 0]
 
 

@@ -265,10 +265,10 @@ def _body_data(
 
 def _usual_color(body: DrawnBody, number: int, names: tuple[str, ...]) -> str:
     """The colour of the curve of the last coordinate that moves the body, a quarter lighter; for solids, one in turn."""
-    own = [i for i, name in enumerate(names) if name in body.moves or name in body.turns]
-    if body.shape != "solids" and not own:
+    last = max((names.index(name) for name in (*body.moves, *body.turns) if name in names), default=None)
+    if body.shape != "solids" and last is None:
         return "#9aa7b3"
-    color = PALETTE[(number if body.shape == "solids" else own[-1]) % len(PALETTE)]
+    color = PALETTE[(number if body.shape == "solids" else last) % len(PALETTE)]
     return "#" + "".join(f"{round(0.75 * int(color[i : i + 2], 16) + 0.25 * 255):02x}" for i in (1, 3, 5))
 
 

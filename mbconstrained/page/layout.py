@@ -13,7 +13,7 @@ import numpy as np
 
 from ..ground.coordinate_units import GROUND
 from ..ground.tolerances import noise_of
-from ..models.elements import Element, Lever, Link, Pulley, Rack, Relation, RigidTie
+from ..models.elements import DelayedFeedback, Element, Lever, Link, Pulley, Rack, Relation, RigidTie
 from .drawing import DrawnBody, DrawnLink, LinkKind, Vector, matrix_of, vector_of
 
 # The connections of a model as a graph.
@@ -45,7 +45,7 @@ def joints_of(model: Iterable[Any]) -> list[DrawnJoint]:
     for element in model:
         lengths = (getattr(element, name, None) for name in ("rest_length", "distance", "rest_angle", "value"))
         length = next((length for length in lengths if length is not None), None)
-        if isinstance(element, (Link, RigidTie)) and element.symbol in get_args(LinkKind):
+        if isinstance(element, (Link, RigidTie, DelayedFeedback)) and element.symbol in get_args(LinkKind):
             joints.append(DrawnJoint(element.name, cast(LinkKind, element.symbol), element.start, element.end, length))
         elif isinstance(element, Relation) and element.level == "position":
             ends = {factor: name for name, factor in element.coefficients.items()}

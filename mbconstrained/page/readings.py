@@ -130,11 +130,14 @@ def readings_of(functions: TimeFunctions, start: float, end: float, largest: flo
     inside = np.unique(functions.breaks[(functions.breaks > start) & (functions.breaks < end)])
     rows = len(functions.at(np.array([start])))
     fineness = FINE if len(inside) <= FEW_BREAKS else MIDDLE if 4 * rows * len(inside) <= MOST_MIDDLE else COARSE
-    readings = _resolved(functions, start, end, inside, fineness, largest)
-    for finest, most, next_one in ((FINE, MOST_FINE, MIDDLE), (MIDDLE, MOST_MIDDLE, COARSE)):
-        if fineness == finest and readings.codes.size > most:
-            fineness, readings = next_one, _resolved(functions, start, end, inside, next_one, largest)
-    return readings
+    first = np.linspace(start, end, FIRST_PANELS + 1) if len(inside) <= FEW_BREAKS else [start, end]
+    edges = np.union1d(first, inside)
+    some = np.append(np.linspace(start, end, SAMPLES), edges[:: len(edges) // SAMPLES + 1])
+    largest = float(np.abs(functions.at(np.unique(some))).max(initial=largest))
+    floor = max(functions.noise, SMALLEST_SHARE) * largest
+    levels = [one for one in ((FINE, MOST_FINE), (MIDDLE, MOST_MIDDLE), (COARSE, np.inf)) if one[0] <= fineness]
+    tried = (_resolved(functions, edges, level, floor, most, rows * (DEGREES[0] + 1)) for level, most in levels)
+    return _joined(next(panels for panels in tried if panels is not None), end)
 
 
 def drawn_times(functions: TimeFunctions, start: float, end: float, units: Sequence[str]) -> np.ndarray:
@@ -180,25 +183,28 @@ def drawn_times(functions: TimeFunctions, start: float, end: float, units: Seque
     return times
 
 
-def _resolved(functions: TimeFunctions, start: float, end: float, breaks: np.ndarray, fineness: float, largest: float) -> Readings:
-    """Panels of the functions, refined until the error is below the fineness."""
-    first = np.linspace(start, end, FIRST_PANELS + 1) if len(breaks) <= FEW_BREAKS else [start, end]
-    edges = np.union1d(first, breaks)
-    some = np.append(np.linspace(start, end, SAMPLES), edges[:: len(edges) // SAMPLES + 1])
-    largest = float(np.abs(functions.at(np.unique(some))).max(initial=largest))
-    floor = max(functions.noise, SMALLEST_SHARE) * largest
+def _resolved(
+    functions: TimeFunctions, edges: np.ndarray, fineness: float, floor: float, most: float, least: int
+) -> list[_Panels] | None:
+    """Panels of the functions, refined until the error is below the fineness; None once they must have more than ``most`` numbers.
+
+    A panel has ``least`` numbers or more.
+    """
     left, right = edges[:-1], edges[1:]
     done: list[_Panels] = []
-    kept = 0
+    kept, numbers = 0, 0
     while len(left):
-        last = kept + 2 * len(left) > MOST_PANELS or (right - left).max() <= SHORTEST * (end - start)
+        last = kept + 2 * len(left) > MOST_PANELS or (right - left).max() <= SHORTEST * (edges[-1] - edges[0])
         met, failed = _met(functions, left, right, fineness, floor, last)
         done += met
         kept += sum(len(panels.left) for panels in met)
+        numbers += sum(panels.codes.size for panels in met)
+        if numbers + 2 * len(failed) * least > most:
+            return None
         a, b = left[failed], right[failed]
         middle = (a + b) / 2
         left, right = np.column_stack([a, middle]).ravel(), np.column_stack([middle, b]).ravel()
-    return _joined(done, end)
+    return done
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,8 +14,7 @@ from __future__ import annotations
 from itertools import permutations
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import min_weight_full_bipartite_matching
+import scipy
 
 from ..ground.tolerances import CLEAR_KEPT, DIVISOR_CONDITION, REFINED_CONDITION, STIFFNESS_CONDITION
 from ..linalg.arrays import (
@@ -177,9 +176,9 @@ def matching_rows(M: Matrix) -> np.ndarray | None:
         order = min(permutations(columns), key=lambda rows: costs[rows, columns].sum())
         return np.array(order) if np.isfinite(costs[order, columns]).all() else None
     row, column, values = entries(abs(M))
-    weights = csr_array((1 + np.log(values.max(initial=1.0) / values), (row, column)), shape=M.shape)
+    weights = scipy.sparse.csr_array((1 + np.log(values.max(initial=1.0) / values), (row, column)), shape=M.shape)
     try:
-        rows, columns = min_weight_full_bipartite_matching(weights)
+        rows, columns = scipy.sparse.csgraph.min_weight_full_bipartite_matching(weights)
     except ValueError:  # no matching: it is singular
         return None
     return rows[np.argsort(columns)]

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg
-from scipy.linalg import lapack
+import scipy
 
 from ..ground.checks import counted
 from ..ground.display import Displayed, TextTable
@@ -222,12 +221,12 @@ class ZeroParts:
         T, Q = self._schur
         chosen = np.zeros(len(T), dtype=np.int32)
         chosen[np.argsort(np.abs(np.diag(T) - value), kind="stable")[:multiplicity]] = 1
-        T, Q, *_ = lapack.ztrsen(chosen, T, Q, job="N")
+        T, Q, *_ = scipy.linalg.lapack.ztrsen(chosen, T, Q, job="N")
         first, rest = slice(multiplicity), slice(multiplicity, None)
         rows = Q.conj().T
         left = rows[first]
         if len(T) > multiplicity:
-            coupling, scale, _ = lapack.ztrsyl(T[first, first], T[rest, rest], -T[first, rest], isgn=-1)
+            coupling, scale, _ = scipy.linalg.lapack.ztrsyl(T[first, first], T[rest, rest], -T[first, rest], isgn=-1)
             left = left - coupling / scale @ rows[rest]
         return left @ self.form.finite_rows, self.form.finite_columns @ Q[:, first]
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.linalg
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from ..ground.tolerances import (
     DECOUPLING_LIMIT,
@@ -64,7 +63,9 @@ from ..linalg.division import (
 )
 from ..linalg.scaling import balancing_units, equilibration
 from ..linalg.symmetric import SymmetricModes, may_be_wide, modes_of_wide_spread, symmetric_modes
-from ..linalg.tree_modes import ResidueModes, SparseTopology, sparse_topology
+
+if TYPE_CHECKING:
+    from ..linalg.tree_modes import ResidueModes, SparseTopology
 
 # Zeros at s = 0 that follow exactly from A(s): rows without stiffness.
 # A row i of M x'' + C x' + K x with K_i = 0 conserves p_i = M_i x' + C_i x, and one with C_i = 0 too lets q_i = M_i x grow with it,
@@ -519,7 +520,7 @@ class Reduction:
         zeros = self.eigenvalues
         if not (zeros.real > noise_of(np.abs(zeros).max(initial=0.0))).any():
             return False
-        return connected_components(csr_array(self.generator), connection="strong")[0] > 1
+        return scipy.sparse.csgraph.connected_components(scipy.sparse.csr_array(self.generator), connection="strong")[0] > 1
 
     @property
     def is_free(self) -> bool:
@@ -548,6 +549,8 @@ class Reduction:
         """Topology of a large model coupled like a chain, a tree, a ring or a ladder; None for any other."""
         if self.state_count < MANY_STATES or self.conserved is not None or not self.is_reciprocal:
             return None
+        from ..linalg.tree_modes import sparse_topology
+
         return sparse_topology(self.M, self.C, self.K)
 
     @cached_property
@@ -605,7 +608,7 @@ class Reduction:
             return self.wide_modes
         groups, modes = self._groups, self._topology_modes
         parts = assembled(groups, [own or self._decoupled(k) for k, own in enumerate(modes)])
-        return parts if self.is_symmetric or isinstance(parts, ResidueModes) else refined(self, parts)
+        return refined(self, parts) if isinstance(parts, BlockDiagonal) and not self.is_symmetric else parts
 
     @cached_property
     def wide_modes(self) -> SymmetricModes | BlockDiagonal | None:
@@ -631,7 +634,7 @@ class Reduction:
         """The states in uncoupled groups."""
         if isinstance(self.generator, np.ndarray):
             return coupled_rows(self.generator)
-        count, which = connected_components(self.generator, directed=False)
+        count, which = scipy.sparse.csgraph.connected_components(self.generator, directed=False)
         return [np.flatnonzero(which == group) for group in range(count)]
 
     @cached_property
@@ -775,7 +778,7 @@ class _Differences:
             self.factors: Matrix = np.zeros(shape)
             self.factors[self.row, range(shape[1])] = values[beyond]
         else:
-            self.factors = csr_array((values[beyond], (self.row, np.arange(shape[1]))), shape=shape)
+            self.factors = scipy.sparse.csr_array((values[beyond], (self.row, np.arange(shape[1]))), shape=shape)
         self.sums = exact_row_sums(matrix)
 
     def __call__(self, x: np.ndarray) -> np.ndarray:

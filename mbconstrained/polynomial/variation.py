@@ -7,9 +7,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
-import scipy.linalg
-from scipy.linalg import lapack
-from scipy.optimize import linear_sum_assignment
+import scipy
 
 from ..ground.errors import InputError
 from ..ground.tolerances import (
@@ -153,7 +151,7 @@ def _decoupled(S: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float
     if (S == -S.T).all():
         values, states = np.linalg.eigh(1j * S)
         return -1j * values, states, states.conj().T, CLUSTER_SAFETY * EPS * float(np.abs(values).max(initial=0.0))
-    real, imaginary, _, packed, failed = lapack.dgeev(S, compute_vl=0)
+    real, imaginary, _, packed, failed = scipy.linalg.lapack.dgeev(S, compute_vl=0)
     if failed:
         raise np.linalg.LinAlgError("the eigenvalues did not converge")
     try:
@@ -364,7 +362,7 @@ def _assigned(a: VariedSpectrum, b: VariedSpectrum) -> tuple[np.ndarray, bool]:
         distance = np.abs(a.values[:, None] - b.values)
     places, unlike = np.arange(len(a.values)), np.zeros(())
     for _ in range(2):  # equal eigenvalues by their states, too
-        order = linear_sum_assignment(distance + noise * unlike)[1]
+        order = scipy.optimize.linear_sum_assignment(distance + noise * unlike)[1]
         others = distance.copy()
         others[places, order] = np.inf
         least = np.minimum(others.min(axis=1), others.min(axis=0)[order])

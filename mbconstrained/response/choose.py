@@ -25,9 +25,10 @@ import numpy as np
 from ..ground.checks import counted
 from ..ground.errors import InputError
 from ..ground.tolerances import EPS, PROVED_RESTARTS, PROVED_STATES, noise_of
+from ..linalg.arrays import entry_count
 from ..linalg.exponential import even_step
 from ..linalg.precise import is_worthwhile
-from ..linalg.recursion import cost_of_exponential, cost_of_powers, cost_of_steps, shared_gaps
+from ..linalg.recursion import cost_of_exponential, cost_of_powers, cost_of_series, cost_of_steps, shared_gaps
 from ..polynomial.direct_reduction import reduction_of
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..polynomial.reduced_equations import NotReducible, Reduction
@@ -40,7 +41,7 @@ from .problem import Problem
 Evaluations = Literal["once", "many"]
 
 #: The names of the methods.
-PAIRS, MODES, POWERS, STEPS = "Jordan pairs", "modes", "matrix powers", "record steps"
+PAIRS, MODES, POWERS, STEPS, DELAYS = "Jordan pairs", "modes", "matrix powers", "record steps", "method of steps"
 
 #: Cost of eigenvectors in products of matrices: for very many states, and more for few.
 GENERAL, GENERAL_SMALL = 40.0, 12000.0
@@ -76,7 +77,7 @@ class Method:
     """Method by which a problem is solved.
 
     Attributes:
-        name: PAIRS, MODES, POWERS or STEPS.
+        name: PAIRS, MODES, POWERS, STEPS or DELAYS.
         because: one phrase with the deciding condition, or a function that formats it.
         flow: the reduced equations with start and force; None with the Jordan pairs.
         evaluations: as requested.
@@ -101,6 +102,8 @@ class Method:
 
 def choose(problem: Problem, request: Request = Request()) -> Method:
     """The method for a problem."""
+    if problem.delayed:
+        return Method(DELAYS, "by the Jordan pairs, from delay to delay", evaluations=request.evaluations)
     try:
         flow = reduced_flow(problem)
     except NotReducible as condition:
@@ -112,6 +115,8 @@ def unproved(problem: Problem) -> str:
     """The reason why the exact engine does not prove the values (``response.methods.proved``); empty where it does."""
     A = problem.polynomial_matrix
     states, restarts = A.degree * A.size, len(problem.force.knots) - 1
+    if problem.delayed:
+        return "there are delays"
     if not states:
         return "there are no states"
     if states > PROVED_STATES:
@@ -291,7 +296,21 @@ def evaluation_method(flow: Flow, shape: tuple[int, int], request: Request) -> t
 def _cost_of_powers(flow: Flow, times: np.ndarray) -> float | None:
     """Cost of e^(S h) and its use at even times 0, h, 2 h, ...; None where the times or the force do not allow it."""
     step = even_step(times) if len(times) >= FEWEST_TIMES and times[0] == 0 and len(flow.knots) == 1 else None
-    return None if step is None else cost_of_powers(flow.reduction.state_count, len(times), flow.norm * step)
+    if step is None:
+        return None
+    powers, series = _costs_at_even_times(flow, len(times), step)
+    return min(powers, series)
+
+
+def is_by_series(flow: Flow, times: np.ndarray) -> bool:
+    """Whether vectors at these even times cost less by the series of e^(S h) than by its powers: of large sparse models."""
+    powers, series = _costs_at_even_times(flow, len(times), float(times[-1]) / (len(times) - 1))
+    return series < powers
+
+
+def _costs_at_even_times(flow: Flow, count: int, step: float) -> tuple[float, float]:
+    n, turned = flow.reduction.state_count, flow.norm * step
+    return cost_of_powers(n, count, turned), cost_of_series(n, entry_count(flow.generator), count, turned)
 
 
 def _cost_of_steps(flow: Flow, shape: tuple[int, int], times: np.ndarray) -> float | None:

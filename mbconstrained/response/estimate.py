@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from ..ground.checks import real_array
 from ..ground.errors import Overflow, within_float64

@@ -32,7 +32,8 @@ class Event:
 
 def kinks_of(events: Sequence[Event], force: ImpulsiveSmooth) -> tuple[Event, ...]:
     """The events without a jump of x and without impulses, at which the value of the force does not jump."""
-    candidates = [event for event in events if not event.impulses and not event.jump[:1].any()]
+    own = set(force.knots.tolist())  # with delays there are events at other times
+    candidates = [event for event in events if event.time in own and not event.impulses and not event.jump[:1].any()]
     if not candidates:
         return ()
     C, restarts = force.smooth.coefficients, force.smooth.restarts

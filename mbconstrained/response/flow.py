@@ -13,19 +13,18 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy.sparse
+import scipy
 
 from ..ground.tolerances import noise_of
 from ..linalg.arrays import Matrix, entry_count, full, hstack, of_like_kind, vstack, zeros_of_kind
 from ..linalg.blocks import CHUNK_ENTRIES, block_slices
 from ..linalg.division import accurately_solved
-from ..linalg.recursion import Propagator
+from ..linalg.recursion import ExponentialSeries, Propagator
 from ..linalg.scaling import balanced_norm
 from ..polynomial.reduced_equations import Reduction
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from .events import Event
-from .methods.finite_motion import FinitePart, driven_motion
 from .problem import Driven, units_of_pieces
 
 #: A force that restarts at fewer knots is not worth a table.
@@ -203,6 +202,8 @@ class Flow:
         m, free = smooth.coefficients.shape[1], self.reduction.decoupled
         if not m and len(self.knots) == 1:
             return BohlFunction(np.zeros((0, n)), free.blocks, free.coordinates(self.start)), free.coupling, []
+        from .methods.finite_motion import FinitePart, driven_motion
+
         units = np.ones(m)
         for block, at in zip(smooth.blocks, block_slices(smooth.blocks)):
             sizes = units_of_pieces(smooth, block, at)
@@ -222,6 +223,17 @@ class Flow:
 
     @cached_property
     def _propagators(self) -> dict[float, Propagator]:
+        return {}
+
+    def series(self, step: float, count: int) -> ExponentialSeries:
+        """z at this number of even times by the series of e^{G h}; the last one is cached."""
+        if (step, count) not in self._series:
+            self._series.clear()
+            self._series[step, count] = ExponentialSeries(self.generator, step, self.start_with_force, count)
+        return self._series[step, count]
+
+    @cached_property
+    def _series(self) -> dict[tuple[float, int], ExponentialSeries]:
         return {}
 
     def taylor_start(self, *, modal: bool) -> TaylorStart:

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import log2
 
 import numpy as np
 
 from ..ground.checks import OF_FUNCTION, counted, real_array
-from ..ground.errors import InputError
+from ..ground.errors import InputError, named
 from ..ground.tolerances import EPS, PROBE_SIZE
 from ..linalg.blocks import block_matrix, block_slices
+from ..linalg.exponential import block_states
 from ..linalg.rank import Noisy
 from ..polynomial.decoupling import WeierstrassForm
+from ..polynomial.delayed_terms import DelayedTerm, delayed_terms
 from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..signals.approximated import approximated
 from ..signals.bohl import BohlFunction, Restarts
 from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
-from ..signals.inputs import zero
+from ..signals.inputs import step, zero
 
 # The initial value problem A(d/dt) x = f with validated data, and the problem with data perturbed by a rounding error.
 
@@ -36,25 +40,39 @@ class Problem:
         initial: x^(i)(0-) as row i, shape (q, r).
         force: f, r rows.
         rank_tolerance: as given to ``solve``; None for rounding errors of float64.
+        delayed: the terms with dead time, ascending by it.
+        past: x before t = 0 as a function of the time since the longest delay before it; None for zero.
+        subdivisions: more knots within each delay than necessary.
     """
 
     polynomial_matrix: PolynomialMatrix
     initial: np.ndarray
     force: ImpulsiveSmooth
     rank_tolerance: float | None = None
+    delayed: tuple[DelayedTerm, ...] = ()
+    past: BohlFunction | None = None
+    subdivisions: int = 0
 
     @classmethod
-    def checked(cls, A: PolynomialMatrix, initial=None, force=None, rank_tolerance: float | None = None) -> Problem:
+    def checked(
+        cls, A: PolynomialMatrix, initial=None, force=None, rank_tolerance: float | None = None, delayed=None, history=None
+    ) -> Problem:
         """The problem of a user's data, None standing for zeros."""
         shape = checked_matrix(A).degree, A.size
+        terms = delayed_terms(delayed, A.size) if delayed else ()
+        past = None if history is None else checked_history(history, A.size, terms)
+        if initial is None and past is not None:
+            initial = [past.derivative(order).coefficients @ states_before(past, terms[-1].delay) for order in range(A.degree)]
         initial = np.zeros(shape) if initial is None else real_array(initial, "initial", shape=shape)
-        return cls(A, initial, checked_force(force, A.size), rank_tolerance)
+        return cls(A, initial, checked_force(force, A.size), rank_tolerance, terms, past)
 
     def moved(self, seed: int) -> Problem:
         """The problem with all data perturbed, entry by entry, by about a rounding error."""
         random = np.random.default_rng(seed)
         A = self.polynomial_matrix.moved(random, lambda entries, uncertainty: _moved(entries, random, uncertainty))
-        return Problem(A, _moved(self.initial, random), _moved_force(self.force, random), self.rank_tolerance)
+        terms = tuple(replace(term, coefficients=_moved(term.coefficients, random)) for term in self.delayed)
+        initial, force = _moved(self.initial, random), _moved_force(self.force, random)
+        return Problem(A, initial, force, self.rank_tolerance, terms, self.past, self.subdivisions + 1 + seed)
 
 
 def checked_matrix(A) -> PolynomialMatrix:
@@ -74,6 +92,30 @@ def checked_force(force, size: int) -> ImpulsiveSmooth:
     if force.size != size:
         raise InputError(f"force: it has {counted(force.size, 'row')}, but A(s) has {size}")
     return force
+
+
+def checked_history(history, size: int, terms: Sequence[DelayedTerm]) -> BohlFunction:
+    """x for -longest delay <= t < 0 as a function of the time since then, or an InputError."""
+    if not terms:
+        raise InputError("history: these equations have no delays, and the motion before t = 0 does not enter; leave it out")
+    if not isinstance(history, ImpulsiveSmooth) and not callable(history):
+        history = step(real_array(history, "history", shape=(size,)))
+    if not isinstance(history, ImpulsiveSmooth):
+        function, longest = history, terms[-1].delay
+        with named("history"):
+            history = approximated(lambda t: function(np.asarray(t) - longest), longest)
+    if history.size != size:
+        raise InputError(f"history: it has {counted(history.size, 'row')}; expected {size}, one for each coordinate")
+    if history.impulses or history.later:
+        raise InputError("history: it contains Dirac impulses; expected a motion without them before t = 0")
+    return history.smooth
+
+
+def states_before(function: BohlFunction, time: float) -> np.ndarray:
+    """The states of a function just before a time, shape (n,)."""
+    restarts = function.restarts
+    piece = int(np.searchsorted(restarts.knots, time)) - 1
+    return block_states(function.blocks, restarts.states[:, piece : piece + 1], np.array([time - restarts.knots[piece]]))[:, 0]
 
 
 def _moved_force(force: ImpulsiveSmooth, random) -> ImpulsiveSmooth:

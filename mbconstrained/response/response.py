@@ -24,7 +24,6 @@ from .choose import PAIRS, Method, Request, choose, unproved
 from .estimate import TRIALS, error_estimate, errors_at
 from .events import Event, kinks_of
 from .methods.defect import Defect, Rounding
-from .methods.pair_solution import PairSolution
 from .methods.proved import ProvedFunction, proved_event
 from .methods.reduced_solution import ReducedSolution
 from .methods.refined import RefinedDefect
@@ -34,6 +33,8 @@ from .response_notices import response_notices, unsatisfied
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
     from ..exact.enclosure.intervals import Enclosure
+    from .methods.method_of_steps import StepsSolution
+    from .methods.pair_solution import PairSolution
 
 #: Number of coordinates named where a response is shown in one line.
 MOST_NAMES = 6
@@ -52,7 +53,7 @@ class Response(Exported, Presented):
     """
 
     problem: Problem
-    solution: PairSolution | ReducedSolution
+    solution: PairSolution | ReducedSolution | StepsSolution
 
     @classmethod
     def _solved(cls, problem: Problem, request: Request = Request()) -> Response:
@@ -73,6 +74,12 @@ class Response(Exported, Presented):
             method = choose(problem, request)
             if method.flow is not None:
                 return Response(problem, ReducedSolution.of(method))
+            if problem.delayed:
+                from .methods.method_of_steps import Steps, StepsSolution
+
+                return Response(problem, StepsSolution(method, Steps(problem, A.jordan_pairs(problem.rank_tolerance))))
+            from .methods.pair_solution import PairSolution
+
             return Response(problem, PairSolution.of(problem, method, A.jordan_pairs(problem.rank_tolerance)))
 
     @classmethod
@@ -87,6 +94,8 @@ class Response(Exported, Presented):
         Returns:
             A ``Response``.
         """
+        from .methods.pair_solution import PairSolution
+
         problem = Problem(cast(PolynomialMatrix, pairs.polynomial_matrix), initial, force, pairs.rank_tolerance)
         with within_float64():
             return Response(problem, PairSolution.of(problem, Method(PAIRS, "by the Jordan pairs, which were given"), pairs))
@@ -304,6 +313,13 @@ class Response(Exported, Presented):
     @cached_property
     def exact(self) -> ExactResponse:
         """The exact solution for the same data taken as exact numbers: impulses, values at 0+, intervals."""
+        if delayed := self.problem.delayed:
+            from ..exact.enclosure.delayed_response import ExactDelayedResponse
+            from ..exact.rational import regular_matrix
+            from .methods.method_of_steps import past_force
+
+            force = self.force + past_force(delayed, self.problem.past, self.polynomial_matrix.size)
+            return ExactDelayedResponse(regular_matrix(self.polynomial_matrix), delayed, self.initial, force)
         from ..exact.enclosure.exact_response import exact_response
 
         return exact_response(self.polynomial_matrix, self.initial, self.force)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -369,6 +369,8 @@ def solve(
     rank_tolerance: float | None = None,
     *,
     evaluations: Evaluations = "once",
+    delayed: Mapping | None = None,
+    history=None,
 ) -> Response | Any:
     """Solve A(d/dt) x = f on t >= 0 from any values at 0- (Moysis et al., Theorem 3.1, corrected).
 
@@ -385,6 +387,11 @@ def solve(
         force: f with r rows, see ``mbconstrained.signals``; None for zero. A list of S forces: S solutions at once.
         rank_tolerance: overrides how rank decisions are made: a difference of entries of A(s) counts as zero if it is no
             larger than this part of them (1e-9 for measured data, say); None for rounding errors of float64.
+        delayed: terms with dead time, A_j(s) by their delays in s: a polynomial matrix, a list of coefficients, or one matrix. The equations
+            are A(d/dt) x + sum of A_j(d/dt) x(t - delay_j) = f, solved from delay to delay (``response.methods.method_of_steps``).
+        history: x before t = 0, which enters with delays only: a function of t < 0 that returns (r,), a constant vector, or an input as
+            a function of the time since the longest delay before t = 0; None for zero. Where ``initial`` is None it also gives the
+            values at 0-.
         evaluations: "once": each evaluation takes the method that costs least for its own times; even times of a large model
             then need no eigenvectors. "many": all evaluations share the modes, which are computed at the first one. Small
             models, and solutions by the Jordan pairs, have their modes in any case.
@@ -393,18 +400,24 @@ def solve(
         A ``Response``; of S starts or forces a ``Responses``, which is evaluated for all of them together.
 
     Raises:
-        InputError: shapes that do not fit, values that are not finite, another word for ``evaluations``.
+        InputError: shapes that do not fit, values that are not finite, another word for ``evaluations``; delayed terms of neutral or
+            advanced type, whose jumps return after each delay.
         SingularPolynomialMatrix: det A(s) = 0 for every s.
 
     >>> A = PolynomialMatrix([[[4.0]], [[0.0]], [[1.0]]])
     >>> x = solve(A, initial=[[1.0], [0.0]])
     >>> bool(np.isclose(x(0.5)[0], np.cos(1.0)))
     True
+    >>> late = solve(PolynomialMatrix([[[0.0]], [[1.0]]]), [[1.0]], delayed={1.0: [[1.0]]})  # x' = -x(t - 1), zero before t = 0
+    >>> late([1.0, 2.0]).round(12).tolist()  # 1, and 1 - (t - 1)
+    [[1.0, 0.0]]
     """
     request = Request(evaluations)
     if _is_family(initial, force):
+        if delayed:
+            raise InputError("delayed: several starts or forces are given; equations with delays are solved for one of each")
         return solve_many(checked_matrix(A), initial, force, rank_tolerance, request)
-    return Response._solved(Problem.checked(A, initial, force, rank_tolerance), request)
+    return Response._solved(Problem.checked(A, initial, force, rank_tolerance, delayed, history), request)
 
 
 def _is_family(initial, force) -> bool:

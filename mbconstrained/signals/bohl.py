@@ -90,7 +90,7 @@ class Restarts:
         errors += np.broadcast_to(self.remainders, self.knots.shape)[first:]
         rounded = later + errors
         moments = np.append(0.0, rounded + 1j * (errors - (rounded - later)))
-        return _restarts(moments, *(np.hstack([nothing, values[:, first:]]) for values in (self.states, self.jumps)))
+        return restarts_at(moments, *(np.hstack([nothing, values[:, first:]]) for values in (self.states, self.jumps)))
 
     def on(self, blocks: Sequence[np.ndarray], moments: np.ndarray) -> Restarts:
         """The restarts of the same function at more knots."""
@@ -102,10 +102,10 @@ class Restarts:
             states = block_states(blocks, self.states[:, piece], _differences(moments - own[piece]))
         jumps, places = np.zeros_like(states), np.searchsorted(moments, own)
         states[:, places], jumps[:, places] = self.states, self.jumps
-        return _restarts(moments, states, jumps)
+        return restarts_at(moments, states, jumps)
 
 
-def _restarts(moments: np.ndarray, states: np.ndarray, jumps: np.ndarray) -> Restarts:
+def restarts_at(moments: np.ndarray, states: np.ndarray, jumps: np.ndarray) -> Restarts:
     """Restarts at distinct knots: of two knots rounded to the same number, the later one gets the next number, and a remainder."""
     knots, remainders = moments.real.copy(), moments.imag.copy()
     while (same := np.flatnonzero(np.diff(knots) <= 0) + 1).size:

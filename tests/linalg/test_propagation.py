@@ -4,9 +4,10 @@ import mpmath
 import numpy as np
 import pytest
 import scipy.linalg
+import scipy.sparse
 
 from mbconstrained.ground.tolerances import EPS
-from mbconstrained.linalg.recursion import Propagator
+from mbconstrained.linalg.recursion import ExponentialSeries, Propagator
 
 COUNTS = (1, 2, 31, 33, 1000)
 
@@ -98,3 +99,23 @@ def test_a_tiny_coupling_is_no_remote_entry(coupling):
     found = Propagator(np.array([[1.0, 0.0], [coupling, 1.0]]), 0.25).values(np.eye(2), np.array([1.0, 0.0]), 100)
     expected = np.exp(times) * np.array([np.ones(100), coupling * times])
     assert (np.abs(found - expected) <= 1e-12 * np.abs(expected)).all()
+
+
+@pytest.mark.parametrize("step", [0.01, 0.5, 7.0])
+def test_series_of_a_sparse_model_agree_with_its_exponential(step):
+    """Vectors by products with the sparse S and by powers of e^(S h), many rows of them, stiff and soft units included."""
+    n, random = 60, np.random.default_rng(3)
+    S = np.diag(-random.random(n)) + np.diag(random.random(n - 1), 1) - np.diag(random.random(n - 1), -1)
+    units = 2.0 ** random.integers(-20, 20, n)
+    S, start, output = S * units / units[:, None], random.standard_normal(n) / units, np.eye(n)[[0, 7, 31]] * units
+    expected = Propagator(S, step).values(output, start, 40)
+    for matrix in (S, scipy.sparse.csr_array(S)):
+        found = ExponentialSeries(matrix, step, start, 40).values(output)
+        assert found == pytest.approx(expected, rel=0, abs=4e-14 * np.abs(expected).max())
+
+
+def test_series_of_nothing_that_moves():
+    """Without entries of S vectors stay as they are, and with few times or none there are as many."""
+    for count in (0, 1, 5):
+        values = ExponentialSeries(np.zeros((3, 3)), 1.0, np.arange(3.0), count).values(np.eye(3)[:2])
+        assert np.array_equal(values, [[0.0] * count, [1.0] * count])

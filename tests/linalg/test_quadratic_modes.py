@@ -209,3 +209,18 @@ def test_pairs_become_real_zeros_and_real_zeros_pairs(roots, start):
 def test_what_does_not_settle_is_none():
     random = np.random.default_rng(0)
     assert zeros_near(lambda s: random.normal(size=len(s)) + 0j, np.array([1.0 + 1j, 1.0 - 1j, 2.0]), 1e-10) is None
+
+
+@pytest.mark.parametrize("count", [550, 650])
+@pytest.mark.parametrize("damping", [1e-4, 0.01])
+def test_close_zeros_of_a_lightly_damped_chain_of_unlike_springs(count, damping):
+    """Pairs of zeros that are millionths of the fastest apart settle slowly. Sums of powers: tr S = -tr C and tr S^2 = tr C^2 - 2 tr K."""
+    springs = 1 + 0.3 * np.sin(np.arange(count + 1))
+    K, C = (
+        np.diag(each[1:] + each[:-1]) - np.diag(each[1:-1], 1) - np.diag(each[1:-1], -1)
+        for each in (springs, np.full(count + 1, damping))
+    )
+    zeros = zeros_of(quadratic_modes(np.eye(count), C, K))
+    assert len(np.unique(zeros)) == 2 * count
+    assert zeros.sum().real == pytest.approx(-np.trace(C), rel=1e-9)
+    assert (zeros**2).sum().real == pytest.approx(np.trace(C @ C) - 2 * np.trace(K), rel=1e-11)

@@ -620,6 +620,8 @@ def _middle(job: Job, scene: Scene, samples: ParameterSamples) -> Scene:
             raise InputError(f'"{name}" is set and varied; do one of them')
         _check_unit(job, name, variation)
     middle = job.scene(samples.nominal)
+    if middle.equations.system is not None:
+        middle.equations.system._refuse_delays("sweep")
     middle.equations.polynomial_matrix.jordan_pairs()  # a motion is determined
     for name in samples.variations:
         if name in middle.parameters.unused:

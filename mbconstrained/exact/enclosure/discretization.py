@@ -14,9 +14,9 @@ from typing import Literal, TypeAlias
 
 import flint
 import numpy as np
-import scipy.linalg
+import scipy
 
-from ..rational import rational, working_precision
+from ..rational import rational, rational_matrix, working_precision
 
 Hold: TypeAlias = Literal[0, 1, "impulse"]
 
@@ -118,9 +118,7 @@ def _in_balls(A, B, descriptor) -> tuple[flint.arb_mat, flint.arb_mat]:
     if descriptor is None:
         return _balls(A), _balls(B)
     n, p = B.shape
-    E = flint.fmpq_mat([[rational(v) for v in row] for row in descriptor.tolist()])
-    right = flint.fmpq_mat([[rational(v) for v in row] for row in np.hstack([A, B]).tolist()])
-    solution = E.solve(right)
+    solution = rational_matrix(descriptor).solve(rational_matrix(np.hstack([A, B])))
     states, inputs = (
         flint.arb_mat(n, end - begin, [flint.arb(solution[i, j]) for i in range(n) for j in range(begin, end)])
         for begin, end in ((0, n), (n, n + p))

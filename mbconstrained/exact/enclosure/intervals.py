@@ -14,6 +14,7 @@ import numpy as np
 from ...ground.checks import counted, whole_number
 from ...ground.errors import InputError, Overflow
 from ...ground.notices import Notice
+from ...polynomial.delayed_terms import DelayedTerm
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..rational import rational, working_precision
 
@@ -184,13 +185,22 @@ def _decimal(value: flint.arb, digits: int, rounded: Callable[[Fraction], int]) 
 GUARDS = (64, 256, 1024, 4096)
 
 
-def enclosed_transfer(A: PolynomialMatrix, imaginary, inputs, outputs, power: int, frequency_hz: float, digits: int) -> Enclosure:
-    """s^p C (A(s) + i H)^-1 B at one frequency."""
+def enclosed_transfer(
+    A: PolynomialMatrix,
+    imaginary,
+    inputs,
+    outputs,
+    power: int,
+    frequency_hz: float,
+    digits: int,
+    delayed: Sequence[DelayedTerm] = (),
+) -> Enclosure:
+    """s^p C (A(s) + i H + delayed terms)^-1 B at one frequency."""
     digits = whole_number(digits, "digits", minimum=1)
     exact = [matrix.tolist() for matrix in A.exact_coefficients]
     for guard in GUARDS:
         with working_precision(bits_of(digits) + guard):
-            values = _transfer(exact, imaginary, inputs, outputs, power, frequency_hz)
+            values = _transfer(exact, imaginary, inputs, outputs, power, frequency_hz, delayed)
             if values is not None and all(_is_known(value, digits) for value in values):
                 return Enclosure.of([[v.real for v in values], [v.imag for v in values]], np.zeros(len(values)), digits)
     raise InputError(f"frequency_hz: found {frequency_hz:g} Hz, where the response has a pole; enclose it at another frequency")
@@ -204,13 +214,22 @@ def _is_known(value: flint.acb, digits: int) -> bool:
     return all(part == 0 or has_digits(part, digits) or bool(part.abs_upper() < limit) for part in (value.real, value.imag))
 
 
-def _transfer(exact, imaginary, inputs, outputs, power: int, frequency_hz: float) -> list[flint.acb] | None:
-    omega = 2 * flint.arb.pi() * flint.arb(rational(Fraction(frequency_hz)))
-    s = flint.acb(0, omega)
+def _polynomial(coefficients, s: flint.acb) -> flint.acb_mat:
     matrix = None
-    for coefficient in exact[::-1]:
+    for coefficient in coefficients[::-1]:
         own = flint.acb_mat([[flint.acb(flint.arb(rational(entry))) for entry in row] for row in coefficient])
         matrix = own if matrix is None else matrix * s + own
+    return matrix
+
+
+def _transfer(
+    exact, imaginary, inputs, outputs, power: int, frequency_hz: float, delayed: Sequence[DelayedTerm]
+) -> list[flint.acb] | None:
+    omega = 2 * flint.arb.pi() * flint.arb(rational(Fraction(frequency_hz)))
+    s = flint.acb(0, omega)
+    matrix = _polynomial(exact, s)
+    for term in delayed:
+        matrix = matrix + _polynomial(term.coefficients.tolist(), s) * (-s * flint.arb(rational(term.decimal))).exp()
     if imaginary is not None:
         matrix = matrix + flint.acb_mat([[flint.acb(0, flint.arb(rational(entry))) for entry in row] for row in imaginary.tolist()])
     try:

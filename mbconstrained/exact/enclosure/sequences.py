@@ -16,7 +16,7 @@ import numpy as np
 
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.sequences import GeometricSequence, GeometricTerm, stirling_numbers
-from ..rational import RationalMatrix, exact_value, rational, working_precision
+from ..rational import RationalMatrix, exact_value, rational, rational_matrix, working_precision
 from .exact_response import MOST_BITS, ROUNDED_BITS, SMALLEST_EXPONENT, Inverse, RationalResponse
 from .exact_sources import ball, phase_factors
 
@@ -73,7 +73,7 @@ def response_to(
     inverse: Inverse, A: PolynomialMatrix, initial: np.ndarray, sequence: GeometricSequence | None, matrix: np.ndarray | None = None
 ) -> RationalResponse:
     """The response to a start of shape (q, r) and to a force in closed form, a sequence or the product of a matrix with it."""
-    b, below = start_transform([_rational_matrix(matrix) for matrix in A.exact_coefficients], initial.tolist()), ONE_POLYNOMIAL
+    b, below = start_transform([rational_matrix(one) for one in A.exact_coefficients], initial.tolist()), ONE_POLYNOMIAL
     if sequence is not None:
         own, below = transform_of(sequence)
         own = own if matrix is None else applied(exact_matrix(matrix), own)
@@ -89,10 +89,6 @@ def rows_at_zero(response: RationalResponse) -> list[np.ndarray]:
 def rows_before(response: RationalResponse) -> list[np.ndarray]:
     """The coefficients of z^0, z^1, ..., which are x_-1, x_-2, ..., rounded."""
     return [np.array([float(flint.arb(entry)) for entry in column]) for column in response.impulses]
-
-
-def _rational_matrix(matrix) -> flint.fmpq_mat:
-    return flint.fmpq_mat([[rational(entry) for entry in row] for row in matrix.tolist()])
 
 
 # Transforms of the start and of sequences in closed form.

@@ -8,8 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.linalg
-from scipy.special import gamma
+import scipy
 
 from ...ground.checks import counted, nearest, optional_package, real_array, real_number, whole_number
 from ...ground.display import Displayed, TextTable, notice_table, number_text
@@ -645,7 +644,7 @@ class RandomResponse(Displayed):
             raise InputError(f"method: found {method!r}; expected one of {', '.join(METHODS)}{nearest(str(method), METHODS)}")
         moments = {order: self.moment(order) for order in (0, 1, 2, 4)}
         sigma = np.sqrt(moments[0]) / strength
-        each = (np.sqrt(2.0) * sigma) ** k * gamma(1 + k / 2)
+        each = (np.sqrt(2.0) * sigma) ** k * scipy.special.gamma(1 + k / 2)
         if method == "narrow-band":
             return self.crossing_rate() * each
         ratio, rate = np.minimum(self.irregularity, 1.0), self.peak_rate
@@ -656,7 +655,9 @@ class RandomResponse(Displayed):
             second = np.where(R != 1, (1 - ratio - first + first**2) / (1 - R), 0.0)
             third = 1 - first - second
             Q = np.where(first > 0, 1.25 * (ratio - third - second * R) / first, 0.0)
-            shape = first * np.abs(Q) ** k * gamma(1 + k) + np.sqrt(2.0) ** k * gamma(1 + k / 2) * (second * np.abs(R) ** k + third)
+            shape = first * np.abs(Q) ** k * scipy.special.gamma(1 + k) + np.sqrt(2.0) ** k * scipy.special.gamma(1 + k / 2) * (
+                second * np.abs(R) ** k + third
+            )
             damage, limit = rate * sigma**k * shape, moments[1] / moments[0] * each if k > 1 else np.inf
         damage = np.where(np.isinf(moments[4]), np.where(np.isinf(moments[2]), np.inf, limit), damage)
         return np.where(moments[0] > 0, damage, 0.0)

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from ...ground.errors import InputError, Overflow
 from ...ground.tolerances import EPS, EXTREMA_ACCURACY, ROUGH_PART, VISIBLE_PART

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from ...ground.checks import counted, nearest, optional_package, real_array, real_number
 from ...ground.display import Displayed
@@ -28,11 +30,12 @@ from .extrema import extrema, falling_root
 #: Steps that differ by so many units in the last place of the last time are equal.
 EQUAL = 8.0
 
-#: So many steps of equal length are one product of matrices.
-BLOCK = 64
+#: So many steps of equal length are one product of matrices, and the ends of so many blocks another one.
+BLOCK, GROUP = 32, 64
 
-#: So many intervals are searched at once, those with the highest bounds first; then twice as many each time, up to the most.
-TOGETHER, MOST_TOGETHER = 64, 4096
+#: So many intervals of an oscillator are searched at once, those with the highest bounds first; then twice as many each time, up to the
+#: most. Oscillators are searched together once they have so many intervals.
+TOGETHER, MOST_TOGETHER, ALL_TOGETHER = 64, 4096, 1 << 17
 
 #: Up to this damping ratio the conjugate roots are so far from each other that u alone has y.
 LIGHT = 0.9
@@ -49,7 +52,8 @@ CLOSE = 0.1
 #: Up to this damping ratio the extrema of successive cycles are ordered.
 ORDERED = 0.35
 
-#: Steps shorter than this, in units of the fastest rate, take Taylor's series of so many terms at most: 1 / 20! is below rounding error.
+#: Steps shorter than this, in units of the fastest rate, take Taylor's series, after the slope of so many terms at most: 1 / 20! is below
+#: rounding error.
 SHORT, DEGREE = 1.0, 20
 
 
@@ -82,26 +86,50 @@ class ShockRecord:
 
     @cached_property
     def blocks(self) -> np.ndarray:
-        """The values of ``BLOCK`` intervals with both ends, shape (number, BLOCK + 1)."""
+        """The values of ``BLOCK`` intervals with both ends, and two columns for the start of the filter, shape (number, BLOCK + 3)."""
         count = -(-len(self.h) // BLOCK)
         padded = np.pad(self.values, (0, count * BLOCK + 1 - len(self.values)))
-        return np.column_stack([padded[:-1].reshape(count, BLOCK), padded[BLOCK::BLOCK]])
+        return np.column_stack([padded[:-1].reshape(count, BLOCK), padded[BLOCK::BLOCK], np.zeros((count, 2))])
 
-    def filtered(self, rate: complex, constant: complex, rising: complex) -> np.ndarray:
-        """Re z and Im z of z_(k+1) = e^(rate step) z_k + constant a_k + rising (a_(k+1) - a_k), z_0 = 0: blocks as products of matrices."""
+    @property
+    def room(self) -> np.ndarray:
+        """Room for two functions at the samples, and at those that fill the last block, shape (2, N or more)."""
+        return np.zeros((2, len(self.blocks) * BLOCK + 1))
+
+    def filtered(self, rate: complex, constant: complex, rising: complex, shares: np.ndarray, room: np.ndarray) -> np.ndarray:
+        """Sums shares @ (Re z, Im z) of z_(k+1) = e^(rate step) z_k + constant a_k + rising (a_(k+1) - a_k), z_0 = 0, in the room for them.
+
+        Blocks are products of matrices, and so are their starts.
+        """
         powers = np.exp(rate * self.step * np.arange(BLOCK + 1))
         # A sample adds rising at its own time, and from the next one on:
         later = (constant - rising + powers[1] * rising) * powers[:-2]
-        first = np.append(rising, np.zeros(BLOCK - 1))
-        gains = np.vstack([(constant - rising) * powers[:-1], scipy.linalg.toeplitz(first, np.append(rising, later)), powers[1:]])
-        ends = self.blocks[:-1] @ gains[:-1, [-1]].view(float)
-        starts = itertools.accumulate(ends.view(complex)[:, 0].tolist(), lambda z, end: powers[-1] * z + end, initial=0j)
-        inputs = np.hstack([self.blocks, np.array(list(starts)).view(float).reshape(-1, 2)])
-        parts = (np.vstack([gains.real, -gains.imag[-1:]]), np.vstack([gains.imag, gains.real[-1:]]))
-        z = np.zeros((2, len(self.values)))
-        for own, part in zip(z, parts):
-            own[1:] = (inputs @ part).reshape(-1)[: len(self.h)]
-        return z
+        gains = np.vstack([(constant - rising) * powers[:-1], _toeplitz(np.append(rising, later)), powers[1:]])
+        inputs = self.blocks
+        inputs[:, -2:] = _accumulated(rate * self.step * BLOCK, inputs[:, :-2] @ gains[:-1, [-1]].view(float)).view(float)
+        for own, (real, imaginary) in zip(room, shares):
+            part = complex(real, -imaginary) * gains
+            np.matmul(inputs, np.vstack([part.real, -part.imag[-1:]]), out=own[1:].reshape(len(inputs), BLOCK))
+        return room[:, : len(self.values)]
+
+
+def _toeplitz(row: np.ndarray) -> np.ndarray:
+    """The upper triangle with this first row and equal entries on each diagonal."""
+    places = np.arange(len(row))
+    return np.triu(row[places - places[:, None]])
+
+
+def _accumulated(rate: complex, ends: np.ndarray) -> np.ndarray:
+    """z_(k+1) = e^rate z_k + e_k, z_0 = 0, of complex e as real and imaginary parts (K, 2): all z but the last, shape (K, 1)."""
+    count = -(-len(ends) // GROUP)
+    groups = np.zeros((count, GROUP), dtype=complex)
+    groups.view(float).reshape(-1, 2)[: len(ends)] = ends
+    powers = np.exp(rate * np.arange(GROUP + 1))
+    within = groups @ _toeplitz(powers[:-1])
+    starts = itertools.accumulate(within[:-1, -1].tolist(), lambda z, end: powers[-1] * z + end, initial=0j)
+    states = np.multiply.outer(np.array(list(starts)), powers[:-1])
+    states[:, 1:] += within[:, :-1]
+    return states.reshape(-1, 1)[: len(ends)]
 
 
 def _phi(order: int, x: np.ndarray) -> np.ndarray:
@@ -117,42 +145,45 @@ class Oscillator:
     """y'' + 2 z w y' + w^2 y = a.
 
     Attributes:
-        w: natural angular frequency in rad/s.
+        w: natural angular frequency in rad/s; of several oscillators an array.
         zeta: damping ratio.
     """
 
-    w: float
+    w: Any
     zeta: float
 
+    def __getitem__(self, places) -> Oscillator:
+        """Some of several oscillators."""
+        return Oscillator(self.w[places], self.zeta)
+
     @property
-    def roots(self) -> tuple[complex, complex]:
+    def roots(self) -> tuple[Any, Any]:
         """l1 and l2, without cancellation for heavy damping; of two real ones l2 is the slower."""
         w, z = self.w, self.zeta
         if z <= 1:
-            l1 = complex(-z * w, np.sqrt((1 - z) * (1 + z)) * w)
+            l1 = complex(-z, np.sqrt((1 - z) * (1 + z))) * w
             return l1, l1.conjugate()
         fast = -(z + np.sqrt((z - 1) * (z + 1))) * w
-        return complex(fast), complex(w**2 / fast)
+        return fast + 0j, w**2 / fast + 0j
 
     def steps(self, h: np.ndarray) -> np.ndarray:
-        """The exponentials of steps h of (y, u, a, a'), complex, shape (H, 4, 4)."""
-        l1, l2 = self.roots
+        """The exponentials of steps h of (y, u, a, a'), complex, shape (H, 4, 4); of several oscillators one each."""
+        unit, radians = Oscillator(1.0, self.zeta), np.atleast_1d(h * self.w)
+        units = np.power.outer(self.w * np.ones(len(radians)), np.arange(4.0))  # y w^2, u w, a, a' / w have one size
+        l1, l2 = unit.roots
         J = np.array([[l2, 1, 0, 0], [0, l1, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]], dtype=complex)
-        units = np.array([1.0, self.w, self.w**2, self.w**3])  # y w^2, u w, a, a' / w have one size
-        is_long = np.asarray(h) * self.w > CLOSED
-        close = abs(l1 - l2) < CLOSE * self.w
+        is_long, close = radians > CLOSED, abs(l1 - l2) < CLOSE
         if close:  # SciPy takes differences of the diagonal of a triangle: (y, y', a, a') has none
-            J = np.array([[0, 1, 0, 0], [-(self.w**2), -2 * self.zeta * self.w, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]], dtype=float)
-        scaled = np.multiply.outer(np.where(is_long, 0.0, h), J * units / units[:, None])
-        result = scipy.linalg.expm(scaled) * units[:, None] / units
+            J = np.array([[0, 1, 0, 0], [-1, -2 * self.zeta, 1, 0], [0, 0, 0, 1], [0, 0, 0, 0]], dtype=float)
+        result = scipy.linalg.expm(np.multiply.outer(np.where(is_long, 0.0, radians), J)).astype(complex)
         if close:
             change = np.eye(4, dtype=complex)
             change[1, 0] = -l2
             result = change @ result @ (2 * np.eye(4) - change)
             result[:, 1, 0] = 0.0  # u' = l1 u + a is without y: what the change of variables leaves there is rounding error
         if is_long.any():
-            result[is_long] = self._long_steps(h[is_long])
-        return result
+            result[is_long] = unit._long_steps(radians[is_long])
+        return result * units[:, :, None] / units[:, None, :]
 
     def _long_steps(self, h: np.ndarray) -> np.ndarray:
         """Exponentials of long steps in closed form: squaring loses the phase, SciPy's recurrence loses values near underflow."""
@@ -171,13 +202,22 @@ class Oscillator:
 
     def states(self, record: ShockRecord) -> tuple[np.ndarray, np.ndarray]:
         """y and y' at the samples, from rest before the first."""
+        y, v = self.combinations(record, np.eye(2))
+        return y, v
+
+    def combinations(self, record: ShockRecord, weights: np.ndarray, step=None, room: np.ndarray | None = None) -> np.ndarray:
+        """Two sums weights @ (y, y') at the samples, shape (2, N); those of an even record, whose exponential may be given, in the room for them."""
+        if record.step is None or self.zeta > LIGHT:
+            return weights @ self._states(record)
+        l1, E = self.roots[0], self.steps(np.array([record.step]))[0] if step is None else step
+        shares = np.array([[0.0, 1 / l1.imag], [1.0, l1.real / l1.imag]])  # u = (d/dt - l2) y with l2 the conjugate of l1
+        return record.filtered(l1, E[1, 2], E[1, 3] / record.step, weights @ shares, record.room if room is None else room)
+
+    def _states(self, record: ShockRecord) -> np.ndarray:
         (l1, l2), h, values = self.roots, record.h, record.values
         if record.step is not None:
             E = self.steps(np.array([record.step]))[0]
-            real, imaginary = record.filtered(l1, E[1, 2], E[1, 3] / record.step)
-            if self.zeta <= LIGHT:  # u = (d/dt - l2) y with l2 the conjugate of l1
-                y = imaginary / l1.imag
-                return y, real - self.zeta * self.w * y
+            real, imaginary = record.filtered(l1, E[1, 2], E[1, 3] / record.step, np.eye(2), record.room)
             from scipy.signal import lfilter  # scipy.signal takes a second to import
 
             u, y = real + 1j * imaginary, np.zeros(len(values), dtype=complex)
@@ -196,15 +236,16 @@ class Oscillator:
                 ys.append(now_y)
                 us.append(now_u)
             y, u = np.array(ys), np.array(us)
-        return y.real, (l2 * y + u).real
+        return np.array([y.real, (l2 * y + u).real])
 
     def inside(self, y, v, a, slope, tau) -> tuple[np.ndarray, np.ndarray]:
         """y and y' at times tau after samples with y, v = y', a and the slope of a; all of shape (K,) or broadcast to it."""
         w, z = self.w, self.zeta
-        if (
-            x := float(np.max(tau, initial=0.0)) * w * (1 + 2 * z)
-        ) < SHORT:  # Taylor's series, in which no particular solution cancels
-            degree = next(n for n in range(5, DEGREE + 1) if x**n * math.factorial(DEGREE) <= math.factorial(n))
+        x = float(np.max(tau * w, initial=0.0)) * (1 + 2 * z)
+        if x < SHORT:  # Taylor's series, in which no particular solution cancels
+            degree = 3 + next(
+                n for n in range(2, DEGREE + 1) if x**n * math.factorial(DEGREE) <= math.factorial(n)
+            )  # a slope begins at t^3
             terms = [y, v, a - 2 * z * w * v - w**2 * y]
             terms.append(slope - 2 * z * w * terms[2] - w**2 * v)
             while len(terms) < degree:
@@ -241,43 +282,71 @@ class Oscillator:
         """(e^{l2 tau} - e^{l1 tau}) / (l2 - l1) of real roots."""
         l1, l2 = (root.real for root in self.roots)
         first, gap = np.exp(l2 * tau), l2 - l1
-        return first * -np.expm1(-gap * tau) / gap if gap else tau * first
+        return first * -np.expm1(-gap * tau) / gap if self.zeta > 1 else tau * first
 
-    def peaks(self, record: ShockRecord, output) -> tuple[float, float, float, float]:
-        """max and min of c_0 y + c_1 y' during the record, and after it."""
-        y, v = self.states(record)
-        c0, c1 = output
-        r = c0 * y + c1 * v if c1 else c0 * y
-        high, low = max(float(r.max()), 0.0), min(float(r.min()), 0.0)
+    def peaks(self, record: ShockRecord, output) -> np.ndarray:
+        """max and min of c_0 y + c_1 y' during the record, and after it, shape (4,); of F oscillators (4, F)."""
+        each = Oscillator(np.atleast_1d(self.w), self.zeta)
+        outputs = np.array([np.broadcast_to(one, each.w.shape) for one in output])
+        best, last = np.zeros((len(each.w), 2)), np.zeros((2, len(each.w)))  # the largest known r and -r, and the last y and y'
+        is_even, waiting = record.step is not None, []
+        room, steps = (record.room, each.steps(record.step)) if is_even else (None, [None] * len(each.w))
+        for place, w in enumerate(each.w.tolist()):
+            c0, c1 = outputs[:, place].tolist()
+            weights = np.array([[c0, c1], [0.0, 1.0] if c0 else [1.0, 0.0]])  # r, and what is not in it
+            own, back = Oscillator(w, self.zeta), np.linalg.inv(weights)
+            both = own.combinations(record, weights, steps[place], room)
+            last[:, place] = back @ both[:, -1]
+            waiting += own._candidates(record, both, back, (c0, c1), best[place], 2 * place)
+            if sum(map(len, waiting)) > ALL_TOGETHER:
+                each._search(waiting, outputs, best)
+                waiting = []
+        each._search(waiting, outputs, best)
+        high, low = best.T
+        return np.array([high, -low, *each.residual(last[0], last[1], outputs)]).reshape(4, *np.shape(self.w))
+
+    def _candidates(
+        self, record: ShockRecord, both: np.ndarray, back: np.ndarray, output, best: np.ndarray, which: int
+    ) -> list[_Intervals]:
+        """The intervals in which r = c_0 y + c_1 y' or -r may exceed its largest sample, which is put into ``best``.
+
+        y and y' are back @ both, the first of which is r.
+        """
+        (c0, c1), r = output, both[0]
+        largest, least = both.max(axis=1), both.min(axis=1)
+        best[:] = max(largest[0], 0.0), max(-least[0], 0.0)
         # A bound of the free motions in all intervals, by their energy; a curve leaves its chord by an eighth of its curvature times h^2.
         whole = (abs(c0) + abs(c1) * self.w) * (1 + 2 * self.zeta) ** 2
         speed, load = record.steepest / self.w**2, record.load / self.w**2
-        far, fast = (max(one.max(), -one.min()) for one in (y, v))
+        far, fast = np.abs(back) @ np.maximum(largest, -least)
         most = whole * (far + load + fast / self.w + (1 + 2 * self.zeta) * speed / self.w)
-        bend = most * min(2.0, (self.w * record.longest) ** 2 / 8)
-        for sign in (1.0, -1.0):
-            best, signed = high if sign > 0 else -low, (sign * c0, sign * c1)
-            near = np.flatnonzero(
-                r > best - bend if sign > 0 else r < bend - best
-            )  # an end of each interval that may exceed the best
-            chosen = np.unique(np.concatenate([near[near > 0] - 1, near[near < len(r) - 1]]))
-            highest = np.maximum(sign * r[chosen], sign * r[chosen + 1])
-            y0, v0, a0, s0, own = (one[chosen] for one in (y, v, record.values, record.slopes, record.h))
-            limit = self._limits(y0, v0, a0, s0, own, highest, signed)
-            left, together = np.arange(len(limit)), TOGETHER
-            while len(left := left[limit[left] > best]):
-                now = left[np.argpartition(-limit[left], together)[:together]] if len(left) > together else left
-                is_short, is_long = own[now] * self.w * (1 + 2 * self.zeta) < SHORT, (own[now] * self.w > LONG) & (self.zeta < 1)
-                for at in (now[is_short], now[~is_short & ~is_long]):
-                    if len(at):
-                        best = self._highest(y0[at], v0[at], a0[at], s0[at], own[at], signed, best)
-                at = now[is_long]
-                for part in self._ends(y0[at], v0[at], a0[at], s0[at], own[at]) if len(at) else ():
-                    best = self._highest(*part, signed, best)
-                limit[now], together = -np.inf, min(2 * together, MOST_TOGETHER)
-            high, low = (best, low) if sign > 0 else (high, -best)
-        after = self.residual(y[-1], v[-1], output)
-        return high, low, *after
+        bend, result = most * min(2.0, (self.w * record.longest) ** 2 / 8), []
+        for place, sign in enumerate((1.0, -1.0)):
+            near = r > best[place] - bend if sign > 0 else r < bend - best[place]
+            chosen = np.flatnonzero(near[:-1] | near[1:])  # an end of each interval may exceed the best
+            (y, v), a, slope, h = back @ both[:, chosen], record.values[chosen], record.slopes[chosen], record.h[chosen]
+            limit = self._limits(y, v, a, slope, h, np.maximum(sign * r[chosen], sign * r[chosen + 1]), (sign * c0, sign * c1))
+            result.append(_Intervals(np.full(len(h), which + place), y, v, a, slope, h, limit)[limit > best[place]])
+        return result
+
+    def _search(self, waiting: Sequence[_Intervals], outputs: np.ndarray, best: np.ndarray) -> None:
+        """Raise the largest values of r and of -r to those inside intervals, of each oscillator those with the highest limits first."""
+        if not waiting:
+            return
+        every, highest = _Intervals(*map(np.concatenate, zip(*(vars(one).values() for one in waiting)))), best.reshape(-1)
+        every = every[np.lexsort((-every.limit, every.which))]
+        oscillators, signed = self[every.which // 2], outputs[:, every.which // 2] * np.where(every.which % 2, -1.0, 1.0)
+        radians = every.h * oscillators.w
+        is_short, is_long = radians * (1 + 2 * self.zeta) < SHORT, (radians > LONG) & (self.zeta < 1)
+        left, limit, together = np.arange(len(every)), every.limit.copy(), TOGETHER
+        while len(left := left[limit[left] > highest[every.which[left]]]):
+            now = left[np.arange(len(left)) - np.searchsorted(every.which[left], every.which[left]) < together]
+            for kind in (is_short, ~is_short & ~is_long, is_long):
+                if len(at := now[kind[now]]):
+                    own, one = oscillators[at], every[at]
+                    for motion in own._ends(*one.motion) if kind is is_long else (one.motion,):
+                        own._raise(*motion, signed[:, at], highest, one.which)
+            limit[now], together = -np.inf, min(2 * together, MOST_TOGETHER)
 
     def _rates(self, y, v, a, slope, output) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """The second and third derivative of y, and the first three of r = c_0 y + c_1 y', at one time."""
@@ -325,52 +394,85 @@ class Oscillator:
             if self.zeta < 1:
                 return np.arctan2(-g * l1.imag, rate + self.zeta * self.w * g) % np.pi / l1.imag
             share, gap = -g / (rate - l2.real * g), (l2 - l1).real
-            return np.where((share >= 0) & (gap * share < 1), -np.log1p(-gap * share) / gap if gap else share, np.inf)
+            return np.where((share >= 0) & (gap * share < 1), -np.log1p(-gap * share) / gap if self.zeta > 1 else share, np.inf)
 
-    def _highest(self, y, v, a, slope, h, output, best: float) -> float:
-        """The largest value of r = c_0 y + c_1 y' inside these intervals, or a known larger one.
+    def _raise(self, y, v, a, slope, h, output, highest: np.ndarray, which: np.ndarray) -> None:
+        """Raise the highest known values to those of r = c_0 y + c_1 y' inside these intervals.
 
         The curvature r'' is a free motion, whose zeros are known. Between them r' is monotone: r has one maximum at most there, where r' falls from
         positive to negative, and lies below the tangents at both ends.
         """
         c0, c1 = output
         bend, twist, _, *curvature = self._rates(y, v, a, slope, output)
-        zero = self._zero(*curvature)
-        more, turning = np.zeros(1), self.roots[0].imag
+        zero, more = self._zero(*curvature)[:, None], np.zeros((len(h), 1))
         if self.zeta < 1:
-            more = np.pi / turning * np.arange(np.ceil(h.max() * turning / np.pi))
-        grid = np.minimum(np.column_stack([np.zeros(len(h)), zero[:, None] + more, h]), h[:, None])
+            half = np.pi / self.roots[0].imag
+            more = half[:, None] * np.arange(np.ceil((h / half).max()))
+        grid = np.minimum(np.hstack([np.zeros((len(h), 1)), zero + more, h[:, None]]), h[:, None])
 
         def curve(row, tau):
             """r and r'; y'' is a free motion as well."""
-            now_y, now_v = self.inside(y[row], v[row], a[row], slope[row], tau)
-            now_bend = self.free(bend[row], twist[row], tau)[0] if c1 else 0.0
-            return c0 * now_y + c1 * now_v, c0 * now_v + c1 * now_bend
+            now_y, now_v = self[row].inside(y[row], v[row], a[row], slope[row], tau)
+            now_bend = self[row].free(bend[row], twist[row], tau)[0] if c1.any() else 0.0
+            return c0[row] * now_y + c1[row] * now_v, c0[row] * now_v + c1[row] * now_bend
 
         values, rates = curve(np.arange(len(h))[:, None], grid)
-        best, length = max(best, float(values.max())), np.diff(grid, axis=1)
+        np.maximum.at(highest, which, values.max(axis=1))
+        length, best = np.diff(grid, axis=1), highest[which][:, None]
         reach = np.minimum(values[:, :-1] + rates[:, :-1] * length, values[:, 1:] - rates[:, 1:] * length)
         row, place = np.nonzero((rates[:, :-1] > 0) & (rates[:, 1:] < 0) & (reach > best))
         if not len(row):
-            return best
+            return
         top = falling_root(
             lambda tau: curve(row, tau)[1],
             grid[row, place],
             grid[row, place + 1],
             rates[row, place],
             rates[row, place + 1],
-            lambda now, width: (np.abs(now) * width).max() <= EPS * abs(best),  # no more is left to gain
+            lambda now, width: (np.abs(now) * width <= EPS * best[row, 0]).all(),  # no more is left to gain
         )
-        return max(best, float(curve(row, top)[0].max()))
+        np.maximum.at(highest, which[row], curve(row, top)[0])
 
-    def residual(self, y: float, v: float, output) -> tuple[float, float]:
+    def residual(self, y, v, output) -> tuple[np.ndarray, np.ndarray]:
         """The extrema of the free motion after the record: at its start or where its rate is zero, the first two times."""
         c0, c1 = output
-        first = self._zero(*self._rates(np.float64(y), v, 0.0, 0.0, output)[2:4])
-        times = np.array([0.0, first, first + np.pi / self.roots[0].imag if self.zeta < 1 else 0.0])
+        first = self._zero(*self._rates(np.asarray(y, dtype=float), v, 0.0, 0.0, output)[2:4])
+        start = np.zeros(np.shape(first))
+        times = np.array([start, first, first + np.pi / self.roots[0].imag if self.zeta < 1 else start])
         later_y, later_v = self.free(y, v, np.where(np.isfinite(times), times, 0.0))
         values = c0 * later_y + c1 * later_v
-        return max(float(values.max()), 0.0), min(float(values.min()), 0.0)
+        return np.maximum(values.max(axis=0), 0.0), np.minimum(values.min(axis=0), 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class _Intervals:
+    """Intervals of a record with the motions of oscillators at their starts.
+
+    Attributes:
+        which: twice the place of the oscillator, and one more for the opposite of its function, shape (K,).
+        y, v, a, slope: y and y', the value of the record and its slope.
+        h: length of the intervals.
+        limit: bound of the function inside.
+    """
+
+    which: np.ndarray
+    y: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    slope: np.ndarray
+    h: np.ndarray
+    limit: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.which)
+
+    def __getitem__(self, places: np.ndarray) -> _Intervals:
+        return _Intervals(*(one[places] for one in vars(self).values()))
+
+    @property
+    def motion(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """y, v, a, slope and h."""
+        return self.y, self.v, self.a, self.slope, self.h
 
 
 # Shock response spectra: the peaks of single oscillators on a base that follows a signal, over their natural frequency.
@@ -523,12 +625,13 @@ def shock_response_spectrum(
         else:
             text = 'the record is read as linear between its samples; interpolation="band-limited" reads it without frequencies above half of its rate'
         notices.append(Notice(NoticeKind.ACCURACY, text))
-    rows, record = [], None if samples is None else ShockRecord(times, values)
-    for own in f:
-        oscillator = Oscillator(2 * np.pi * float(own), zeta)
-        output = QUANTITIES[quantity](oscillator)
-        rows.append(_closed_form_peaks(signal, oscillator, output) if record is None else oscillator.peaks(record, output))
-    high, low, after_high, after_low = np.array(rows).reshape(-1, 4).T
+    if samples is None:
+        each = [Oscillator(2 * np.pi * own, zeta) for own in f.tolist()]
+        peaks = np.array([_closed_form_peaks(signal, one, QUANTITIES[quantity](one)) for one in each]).reshape(-1, 4).T
+    else:
+        oscillators = Oscillator(2 * np.pi * f, zeta)
+        peaks = oscillators.peaks(ShockRecord(times, values), QUANTITIES[quantity](oscillators))
+    high, low, after_high, after_low = peaks
     return ShockResponseSpectrum(f, zeta, quantity, high, 0.0 - low, after_high, 0.0 - after_low, tuple(notices))
 
 
@@ -586,5 +689,5 @@ def _closed_form_peaks(signal: ImpulsiveSmooth, oscillator: Oscillator, output) 
     c0, c1 = output
     peaks = extrema(x.function.differential(np.array([[c0]]), np.array([[c1]])), 0.0, end)
     last = float(x(np.array([end]))[0, 0]), float(x.derivative(1)(np.array([end]))[0, 0])
-    after = oscillator.residual(*last, output)
-    return max(float(peaks.maximum[0]), 0.0), min(float(peaks.minimum[0]), 0.0), *after
+    high, low = oscillator.residual(*last, output)
+    return max(float(peaks.maximum[0]), 0.0), min(float(peaks.minimum[0]), 0.0), float(high), float(low)

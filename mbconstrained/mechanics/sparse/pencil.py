@@ -15,10 +15,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse
-import scipy.sparse.linalg
-from scipy.sparse.linalg import SuperLU, splu
+import scipy
 
 from ...ground.checks import real_array
 from ...ground.errors import ContradictoryConstraints, InputError, SingularPolynomialMatrix
@@ -173,7 +170,7 @@ Solver = Callable[[np.ndarray], np.ndarray]
 class Factorization:
     """The factors of P = K - s M."""
 
-    lower_upper: SuperLU  # SuperLU's factors of P
+    lower_upper: scipy.sparse.linalg.SuperLU  # SuperLU's factors of P
     negative: int | None  # number of eigenvalues of the pencil below s; None where it could not be counted
     solve: Solver
     is_bordered: bool  # whether rows L remain
@@ -197,7 +194,7 @@ def factorize(matrix: scipy.sparse.csc_array, rows: scipy.sparse.csr_array, desc
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", scipy.sparse.SparseEfficiencyWarning)
-            factors = splu(scipy.sparse.csc_array(matrix), **SYMMETRIC)
+            factors = scipy.sparse.linalg.splu(scipy.sparse.csc_array(matrix), **SYMMETRIC)
     except RuntimeError:
         raise _singular(matrix, describe) from None
     negative = _negative(matrix, factors) if counted else None
@@ -232,7 +229,7 @@ def _singular(matrix, describe) -> SingularPolynomialMatrix:
     size = abs(matrix.diagonal())
     added = NOISE_SAFETY * EPS * np.where(size > 0, size, size.max(initial=0.0) or 1.0)
     changed = scipy.sparse.csc_array(matrix + scipy.sparse.diags_array(added))
-    factors = splu(changed, **SYMMETRIC)
+    factors = scipy.sparse.linalg.splu(changed, **SYMMETRIC)
     pivots = np.abs(factors.U.diagonal())[factors.perm_c]
     loose = np.flatnonzero(pivots <= NOISE_SAFETY * added)
     named = describe(loose[:3]) if len(loose) else "some coordinates"

@@ -8,10 +8,7 @@ from functools import cached_property
 from itertools import pairwise, repeat
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse
-from scipy.sparse.csgraph import reverse_cuthill_mckee
-from scipy.sparse.linalg import splu
+import scipy
 
 from ...ground.checks import counted
 from ...ground.errors import IllConditioned
@@ -126,7 +123,7 @@ class QuadraticPencil:
     @cached_property
     def _narrow(self) -> tuple[np.ndarray, int]:
         """The order of Cuthill and McKee, and how far from the diagonal there are entries in it."""
-        order = reverse_cuthill_mckee(self._entries_off_diagonal, symmetric_mode=True)
+        order = scipy.sparse.csgraph.reverse_cuthill_mckee(self._entries_off_diagonal, symmetric_mode=True)
         place, entries = np.argsort(order), self._entries_off_diagonal.tocoo()
         return order, int(np.abs(place[entries.row] - place[entries.col]).max())
 
@@ -170,7 +167,9 @@ class QuadraticPencil:
                 solve = _banded(data, self._diagonals, self._narrow[1])
             else:
                 matrix = scipy.sparse.csc_array((data, whole.indices, whole.indptr), shape=whole.shape)
-                solve = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve
+                solve = scipy.sparse.linalg.splu(
+                    matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+                ).solve
         except (RuntimeError, np.linalg.LinAlgError):
             raise IllConditioned(f"s^2 M + s C + K is singular at s = {s:.6g} 1/s") from None
 

@@ -8,9 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse
-from scipy.sparse.linalg import splu
+import scipy
 
 from ...ground.checks import counted, places_of
 from ...ground.display import Displayed, TextTable, notice_table
@@ -363,7 +361,7 @@ def _relaxed(pencil: ReducedPencil, rest: np.ndarray) -> tuple[np.ndarray, bool]
     if (np.abs(forces) <= noise).all():
         return rest, False
     relaxed = rest.copy()
-    relaxed[empty] -= splu(own).solve(forces)
+    relaxed[empty] -= scipy.sparse.linalg.splu(own).solve(forces)
     moved = np.abs(relaxed - rest).max()
     return relaxed, bool(moved > EPS**0.5 * np.abs(rest).max())
 
@@ -454,7 +452,7 @@ class SparseMotion(SystemMotion, Displayed):
         """lambda for t > 0 in closed form, k rows."""
         pencil, system, force = self.system.pencil, self.system, self.applied.smooth
         A = pencil.constraints.matrix[pencil.independent]
-        gram = splu(scipy.sparse.csc_array(A @ A.T)) if A.shape[0] else None
+        gram = scipy.sparse.linalg.splu(scipy.sparse.csc_array(A @ A.T)) if A.shape[0] else None
 
         def multipliers(columns) -> np.ndarray:
             forces = np.asarray(A @ columns)

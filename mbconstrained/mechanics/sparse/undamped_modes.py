@@ -11,8 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse
+import scipy
 
 from ...ground.errors import InputError
 from ...ground.tolerances import EPS, FREQUENCY_GAP, NOISE_SAFETY, RIGID_BODY_FORCE, RITZ_RESIDUAL, noise_of

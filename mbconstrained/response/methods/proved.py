@@ -132,7 +132,11 @@ class ProvedFunction(BohlFunction):
 
     def _begun(self, values: np.ndarray, times: np.ndarray, doubtful: np.ndarray) -> np.ndarray:
         """Replace values at the first doubtful times by the Taylor series, and return the indices that remain doubtful."""
-        start = self.defect.flow.taylor_start(modal=True)
+        flow = self.defect.flow
+        if not flow.jumping and flow.impulsive is None and self.order < len(flow.initial) and not flow.initial[self.order].any():
+            values[:, doubtful[times[doubtful] == 0]] = 0.0  # as given
+            doubtful = doubtful[times[doubtful] > 0]
+        start = flow.taylor_start(modal=True)
         early = doubtful[times[doubtful] < start.end]
         if not len(early):
             return doubtful

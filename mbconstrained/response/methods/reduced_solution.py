@@ -18,7 +18,7 @@ from ...linalg.arrays import Matrix, full, of_like_kind
 from ...linalg.exponential import BlockGroups, block_states
 from ...linalg.recursion import ModalBasis, advance, powers, scanned, shared_gaps, values_of_steps
 from ...signals.bohl import BohlFunction, as_slice
-from ..choose import MODES, POWERS, STEPS, Evaluations, Method, Request, evaluation_method
+from ..choose import MODES, POWERS, STEPS, Evaluations, Method, Request, evaluation_method, is_by_series
 from ..events import Event
 from ..flow import FEWEST_KNOTS, Flow
 from ..response_notices import growth_notice, modal_sums
@@ -516,7 +516,10 @@ class FlowFunction(BohlFunction):
         return super()._values(times) if record is None else record.values(self, times)
 
     def _by_powers(self, times: np.ndarray) -> np.ndarray:
-        propagator = self.flow.propagator(float(times[-1]) / (len(times) - 1))
+        step = float(times[-1]) / (len(times) - 1)
+        if is_by_series(self.flow, times):
+            return self.flow.series(step, len(times)).values(self.output)
+        propagator = self.flow.propagator(step)
         return propagator.values(self.output, self.flow.start_with_force, len(times))
 
     def _by_steps(self, times: np.ndarray) -> np.ndarray:

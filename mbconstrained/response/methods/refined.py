@@ -13,9 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from ...ground.tolerances import EPS, LEAST_NUMBER
 from ...linalg.arrays import full
@@ -289,7 +287,7 @@ def _mixed(change: np.ndarray, distance: np.ndarray, poles: np.ndarray) -> list[
     np.fill_diagonal(mixed, False)
     if not mixed.any():
         return []
-    result, which = [], connected_components(csr_array(mixed), directed=False)[1]
+    result, which = [], scipy.sparse.csgraph.connected_components(scipy.sparse.csr_array(mixed), directed=False)[1]
     for number in range(which.max() + 1):
         group = np.flatnonzero(which == number)
         real = poles[group].imag == 0

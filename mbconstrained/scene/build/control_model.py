@@ -29,6 +29,7 @@ from ...signals.inputs import power, zero
 from ..file import at
 from ..quantities.coordinates import Coordinates, initial_values, state_values
 from .data_files import entries_of
+from .ends import shaped_inputs
 from .forces import input_of
 from .model import Decision, Equations, ModelTables
 
@@ -142,6 +143,10 @@ class ControlEquations(Equations):
 
     control: ControlScene = None
 
+    @property
+    def has_forces(self) -> bool:
+        return self.control.system is not None and bool(self.control.inputs.names)
+
     def solve(self) -> Response:
         function = self.control.transfer_function
         from_rest = function.response() if function else None
@@ -225,7 +230,11 @@ class ControlEquations(Equations):
         return requested, "C x + D u, of the states that were given" if requested else "output is not among the plots"
 
     def unproved(self, reason: str, plots: Sequence[str]) -> str:
-        return unproved(self.control.response.together.problem) if reason and self.control.form and "output" in plots else reason
+        return (
+            unproved(self.control.response.together.problem)
+            if reason and self.control.form and "output" in plots
+            else super().unproved(reason, plots)
+        )
 
     @property
     def without_energy(self) -> str:
@@ -260,7 +269,10 @@ def transfer_function(table, folder: Path, file_name: str) -> ControlEquations:
             raise InputError("nothing acts: give gamma = 1 (a step), a [[force]] on the input, or a start of the output")
     G = TransferFunction(model.numerator, model.denominator, zero(1) if u is None else u, start if start.any() else None)
     control, A = ControlScene(inputs, outputs, G), G.polynomial_matrix
-    return ControlEquations(outputs, A, np.zeros((A.degree, 1)) if G.start is None else start, G.force, control=control)
+    shaped = shaped_inputs(table.force, file_name)
+    return ControlEquations(
+        outputs, A, np.zeros((A.degree, 1)) if G.start is None else start, G.force, control=control, ends=shaped
+    )
 
 
 def state_space_scene(table, folder: Path, file_name: str) -> ControlScene:
@@ -296,19 +308,23 @@ def mechanical_scene(
     space, model, initial = control.system, table.model, table.initial
     lap("assemble the model")
     with at(file_name, "model.normal_form"):
+        if space.is_descriptor:
+            space.polynomial_matrix().jordan_pairs()  # where det(s E - A) is zero for every s they name the states of the scene
         try:
             form = mechanical_normal_form(space.A, space.B, space.C, space.D, descriptor=space.E if space.is_descriptor else None)
         except NoNormalForm as problem:
             raise SceneError(f"{file_name}: model.normal_form: {problem}") from problem
     lap("mechanical normal form")
-    names = _displacement_names(model, len(space.states))
+    names = _displacement_names(model, 2 * form.size)
     with at(file_name, "model.coordinates"):
         if len(names) != form.size:
-            raise InputError(f"found {len(names)} names; expected {form.size}, half as many as states")
-    units = {name: model.units.get(name, "m") for name in names}
+            which = "states" if form.infinite is None else "states of the finite part"
+            raise InputError(f"found {counted(len(names), 'name')}; expected {form.size}, half as many as {which}")
+    massless = _massless_names(form, {*space.states, *space.inputs, *space.outputs, *names})
+    units = {name: model.units.get(name, "m") for name in names} | dict.fromkeys(massless, "1")
     with at(file_name, "model.units"):
-        system = form.system(names, units)
-    coordinates, start = Coordinates(names, tuple(units.values())), control.start
+        system = form.system([*names, *massless], units)
+    coordinates, start = Coordinates((*names, *massless), tuple(units.values())), control.start
     if initial.rows and initial.state:
         with at(file_name, "initial"):
             raise InputError("found state and values of the displacements; give one of them")
@@ -324,6 +340,14 @@ def _displacement_names(model, states: int) -> tuple[str, ...]:
     return tuple(model.coordinates or (f"q{i + 1}" for i in range(states // 2)))
 
 
+def _massless_names(form: NormalForm, others: set[str]) -> tuple[str, ...]:
+    """z1, z2, ... for the infinite part, with more letters z where other names are the same."""
+    count, letters = form.infinite.size if form.infinite else 0, "z"
+    while others & {f"{letters}{place + 1}" for place in range(count)}:
+        letters += "z"
+    return tuple(f"{letters}{place + 1}" for place in range(count))
+
+
 def _check_start(initial, file_name: str) -> None:
     if initial.follow:
         with at(file_name, "initial.follow"):
@@ -336,15 +360,15 @@ def _named(names, units) -> Coordinates:
 
 def state_space(table, folder: Path, file_name: str, lap: Callable[[str], object]) -> ControlEquations:
     """The equations of a scene of kind "state-space", of its normal form where that is requested."""
-    control = state_space_scene(table, folder, file_name)
+    control, ends = state_space_scene(table, folder, file_name), shaped_inputs(table.force, file_name)
     if table.model.normal_form:
         control, system, coordinates, initial = mechanical_scene(control, table, file_name, lap)
         force = control.form.force(control.input)
-        return ControlEquations(coordinates, system.polynomial_matrix(), initial, force, system, control=control)
+        return ControlEquations(coordinates, system.polynomial_matrix(), initial, force, system, control=control, ends=ends)
     space = control.system
     A, initial = space.polynomial_matrix_with_outputs(), space.start_with_outputs(control.start)
     coordinates = Coordinates(A.coordinates, tuple(space.units[name] for name in A.coordinates))
-    return ControlEquations(coordinates, A, initial, space.force_with_outputs(control.input), control=control)
+    return ControlEquations(coordinates, A, initial, space.force_with_outputs(control.input), control=control, ends=ends)
 
 
 # Reports: transfer functions and the normal form.
@@ -365,7 +389,11 @@ def _transfer_json(G: Transfer | None) -> dict:
 def _form_json(form) -> dict:
     matrices = ("transformation", "stiffness", "damping", "input_matrix", "output_matrix", "feedthrough")
     data = {key: None if getattr(form, key) is None else getattr(form, key).tolist() for key in matrices}
-    return {**data, "condition": form.condition, "unique": form.is_unique, "freedom": form.freedom}
+    data |= {"condition": form.condition, "unique": form.is_unique, "freedom": form.freedom}
+    if form.infinite is None:
+        return data
+    infinite = {key: getattr(form.infinite, key).tolist() for key in ("nilpotent", "input_matrix", "states", "rows")}
+    return data | {"infinite": {**infinite, "index": form.infinite.index}}
 
 
 def _transfer_table(control: ControlScene) -> TextTable:
@@ -420,5 +448,8 @@ def _form_table(form: NormalForm) -> TextTable:
     """Relation of the states to displacements and velocities."""
     choice = "there is no other" if form.is_unique else f"one of a family of {form.freedom} dimensions, of small condition"
     rows = [("transformation", f"{2 * form.size} states to {counted(form.size, 'displacement')} and as many velocities; {choice}")]
+    if form.infinite is not None:
+        size, index = counted(form.infinite.size, "more state"), form.infinite.index
+        rows.append(("infinite part", f"{size}, index {index}: massless coordinates, which follow the inputs at once"))
     rows += [(item.name, f"{item.value:.2g}: {item.text}") for item in form.evidence]
     return TextTable("Mechanical normal form", ("what", "value"), tuple(rows))

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...exchange.matrices import full_matrix, read_matrix
-from ...exchange.samples import Samples, read_samples
 from ...ground.checks import counted, real_number
 from ...ground.display import Displayed
 from ...ground.errors import InputError, named, shown
@@ -30,6 +29,9 @@ from ...ground.quantities import (
 from ...signals.inputs import ImpulsiveSmooth, sampled
 from ..file import inside
 from ..quantities.coordinates import force_value
+
+if TYPE_CHECKING:
+    from ...exchange.samples import Samples
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -131,6 +133,8 @@ def record_in_si(
     **reading,
 ) -> Record:
     """``read_record`` with an offset in SI and checked units."""
+    from ...exchange.samples import read_samples
+
     samples = read_samples(path, **reading)
     if samples.is_scaled and (unit or time_unit):
         raise InputError(
@@ -227,6 +231,8 @@ def entries_of(source, folder: Path) -> np.ndarray:
     """The entries of a matrix, with expressions of parameters unevaluated."""
     if isinstance(source, np.ndarray):
         return source
+    from ...exchange.matrices import full_matrix, read_matrix
+
     matrix = full_matrix(read_matrix(_data_file(folder, source.file), source.array), source.file)
     sizes = np.abs(matrix[matrix != 0])
     if sizes.size and not (LEAST <= sizes.min() and sizes.max() <= LARGEST):

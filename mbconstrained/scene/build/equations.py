@@ -15,21 +15,24 @@ from ...ground.quantities import Expressed, quantity
 from ...ground.tolerances import CONSISTENT_ROWS
 from ...linalg.scaling import equilibration
 from ...mechanics.channels import channels
-from ...models.lumped import LumpedModel
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..file import SceneName, at
 from ..quantities.coordinates import DERIVATIVES, FORCE_UNITS, Coordinates, constraint_row, initial_values
 from .data_files import entries_of
-from .forces import force_of, load_patterns, loads_of, prescribed_motions, unbalance_loads
+from .ends import shaped, shaped_inputs, with_end
+from .forces import NONE_SHAPED, Shapers, force_of, load_patterns, loads_of, prescribed_motions, shapers_of, unbalance_loads
 from .model import Equations
 
 if TYPE_CHECKING:
     from ...mechanics.system import MechanicalSystem
+    from ...models.lumped import LumpedModel
     from .robot_model import RobotScene
 
 
 def lumped_model(table, file_name: str) -> LumpedModel:
     """The model: bodies first, in the order of the file, then what joins them; a SceneError names the file and the entry."""
+    from ...models.lumped import LumpedModel
+
     model = LumpedModel()
     for key, number, entry in table.elements:
         owner = f' (of "{entry.name}")' if entry.name else ""
@@ -61,7 +64,17 @@ ENTRY_UNITS = {
 
 
 def equations_of(table, folder: Path, file_name: SceneName, lap: Callable[[str], object] = lambda stage: None) -> Equations:
-    """Assemble the equations of a scene."""
+    """Assemble the equations of a scene, with the input or the motion that reaches its end where one is given."""
+    equations = _assembled(table, folder, file_name, lap)
+    if table.boundary is None and table.least_energy is None:
+        return equations
+    lap("assemble the model")
+    equations = with_end(table, equations, file_name)
+    lap("boundary values" if table.boundary else "input of least energy")
+    return equations
+
+
+def _assembled(table, folder: Path, file_name: SceneName, lap: Callable[[str], object]) -> Equations:
     kind = table.model.kind
     if kind in ("transfer-function", "state-space"):
         from .control_model import state_space, transfer_function
@@ -92,7 +105,6 @@ def _matrices(table, folder: Path, file_name: str) -> Equations:
     from ...mechanics.constraints import Constraint
     from ...mechanics.element_matrix import unbalance_of
     from ...mechanics.system import MechanicalSystem
-    from ...models.lumped import coordinate_row
 
     matrices = {}
     for key in ENTRY_UNITS:
@@ -105,7 +117,7 @@ def _matrices(table, folder: Path, file_name: str) -> Equations:
     for number, row in enumerate(table.model.constraint, 1):
         with at(file_name, f"model.constraint[{number}]"):
             factors, value, unit = constraint_row(row, coordinates)
-            coefficients = coordinate_row(factors, coordinates.names)
+            coefficients = np.array([factors.get(name, 0.0) for name in coordinates.names], float)
             constraints.append(Constraint(coefficients, level=row.level, value=value, names=row.name, unit=unit))
     units = dict(zip(coordinates.names, coordinates.units))
     with at(file_name, "model"):
@@ -134,22 +146,15 @@ def _mechanical(
     table, system, coordinates, folder, file_name, model: LumpedModel | None = None, robot: RobotScene | None = None
 ) -> Equations:
     """The equations of a mechanical system with the motions, damping, speed, start and loads of the scene."""
-    linearized = robot and robot.system  # which knows inputs by name
-    if table.motion:
-        prescribed = prescribed_motions(table.motion, coordinates, folder, file_name, linearized)
-        with at(file_name, "motion"):
-            if robot:  # a moving base is at rest where nothing else is prescribed
-                system = system.without_rows(f"motion of {name}" for motion in table.motion for name, _ in motion.rows.values())
-            system = system.with_constraints(*prescribed)
-    system = _damped(table, system, file_name)  # of the modes with the supports at rest
-    system, rotor = _turning(getattr(table.model, "speed", None), system, file_name)
+    system, rotor, of_motions = _moving(table, system, coordinates, folder, file_name, robot)
+    shapers = shapers_of(table.force, "force", system.modes, file_name)
     linearized = robot and system
     with at(file_name, "model"):
-        polynomial_matrix = system.polynomial_matrix()
+        polynomial_matrix = system.undelayed_form().polynomial_matrix
     initial = initial_values(table.initial, coordinates, 2, file_name).astype(float)
     if table.initial.follow:
         initial = consistent_values(initial, table.initial, system, coordinates, file_name)
-    loads = loads_of(table.force, coordinates, folder, file_name, linearized)
+    loads = loads_of(table.force, coordinates, folder, file_name, linearized, shapers)
     if any(load.factors for load in table.force):
         patterns = load_patterns(table.force, coordinates, channels(system, "inputs"), file_name, linearized)
         for one in (system, rotor):
@@ -158,11 +163,36 @@ def _mechanical(
     if rotor is not None and rotor.unbalance is not None:
         loads += unbalance_loads(rotor.unbalance, table.model.speed or 0.0, coordinates)
     problem = coordinates, polynomial_matrix, initial, force_of(loads), system
+    ends = shaped(table.motion, of_motions, table.force, shapers)
     if robot is None:
-        return Equations(*problem, model, loads=loads, rotor=rotor)
+        return Equations(*problem, model, loads=loads, rotor=rotor, ends=ends)
     from .robot_model import RobotEquations
 
-    return RobotEquations(*problem, robot_scene=replace(robot, system=system), loads=loads, rotor=rotor)
+    return RobotEquations(*problem, robot_scene=replace(robot, system=system), loads=loads, rotor=rotor, ends=ends)
+
+
+def _moving(
+    table, system: MechanicalSystem, coordinates: Coordinates, folder: Path, file_name: str, robot: RobotScene | None
+) -> tuple[MechanicalSystem, MechanicalSystem | None, Shapers]:
+    """The system with prescribed motions, damping and speed, the rotor at rest, and the shapers of the motions."""
+
+    def moving(shapers: Shapers) -> tuple[MechanicalSystem, MechanicalSystem | None]:
+        own = system
+        if table.motion:
+            linearized = robot and robot.system  # which knows inputs by name
+            prescribed = prescribed_motions(table.motion, coordinates, folder, file_name, linearized, shapers)
+            with at(file_name, "motion"):
+                if linearized:  # a moving base is at rest where nothing else is prescribed
+                    own = linearized.without_rows(
+                        f"motion of {name}" for motion in table.motion for name, _ in motion.rows.values()
+                    )
+                own = own.with_constraints(*prescribed)
+        own = _damped(table, own, file_name)  # of the modes with the supports at rest
+        return _turning(getattr(table.model, "speed", None), own, file_name)
+
+    moved, rotor = moving(NONE_SHAPED)
+    shapers = shapers_of(table.motion, "motion", moved.modes, file_name)
+    return (*(moving(shapers) if shapers else (moved, rotor)), shapers)
 
 
 def _turning(speed: float | None, system: MechanicalSystem, file_name: str) -> tuple[MechanicalSystem, MechanicalSystem | None]:
@@ -208,8 +238,9 @@ def _coefficients(table, folder: Path, file_name: str) -> Equations:
         with at(file_name, "initial.follow"):
             raise InputError("equations given by coefficients have no constraint rows to follow; give all values")
     initial = initial_values(table.initial, coordinates, A.degree, file_name).astype(float)
-    loads = loads_of(table.force, coordinates, folder, file_name)
-    return Equations(coordinates, A, initial, force_of(loads), loads=loads)
+    shapers = shapers_of(table.force, "force", None, file_name)
+    loads = loads_of(table.force, coordinates, folder, file_name, shapers=shapers)
+    return Equations(coordinates, A, initial, force_of(loads), loads=loads, ends=shaped_inputs(table.force, file_name))
 
 
 def _square(matrix: np.ndarray) -> np.ndarray:

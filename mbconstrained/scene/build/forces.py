@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import reduce
 from operator import add
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,13 +16,19 @@ import numpy as np
 from ...ground.checks import nearest
 from ...ground.errors import InputError, named, shown
 from ...mechanics.constraints import LEVELS, Constraint
+from ...mechanics.input_shaper import InputShaper, input_shaper
 from ...signals import inputs as signals
 from ..file import at
 from ..quantities.coordinates import FORCE_UNITS, Coordinates, force_value, with_time
 from .data_files import record_of
 
 if TYPE_CHECKING:
+    from ...mechanics.modes import Modes
     from ...robot.linearized import LinearizedRobot
+
+#: Input shapers by the number of the table that has them.
+Shapers = Mapping[int, InputShaper]
+NONE_SHAPED: Shapers = MappingProxyType({})
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,14 +49,19 @@ class SceneForce:
 
 
 def loads_of(
-    tables: Sequence, coordinates: Coordinates, folder: Path, file_name: str, robot: LinearizedRobot | None = None
+    tables: Sequence,
+    coordinates: Coordinates,
+    folder: Path,
+    file_name: str,
+    robot: LinearizedRobot | None = None,
+    shapers: Shapers = NONE_SHAPED,
 ) -> tuple[SceneForce, ...]:
     """The loads of all [[force]] tables."""
     loads = []
     for number, table in enumerate(tables, 1):
         with at(file_name, f"force[{number}]"):
             places = _places(table, coordinates, robot)
-            signal = _signal(table, FORCE_UNITS.get(_common_unit(places)), folder)
+            signal = _signal(table, FORCE_UNITS.get(_common_unit(places)), folder, shapers.get(number))
             for name, (direction, unit) in places.items():
                 factor = table.places[name]
                 loads.append(SceneForce(name, unit, direction, signal if factor == 1 else factor * signal))
@@ -109,7 +121,12 @@ def unbalance_loads(unbalance: np.ndarray, speed: float, coordinates: Coordinate
 
 
 def prescribed_motions(
-    tables: Sequence, coordinates: Coordinates, folder: Path, file_name: str, robot: LinearizedRobot | None = None
+    tables: Sequence,
+    coordinates: Coordinates,
+    folder: Path,
+    file_name: str,
+    robot: LinearizedRobot | None = None,
+    shapers: Shapers = NONE_SHAPED,
 ) -> list[Constraint]:
     """The constraint rows of all [[motion]] tables."""
     outputs = robot.outputs if robot else {}
@@ -122,7 +139,8 @@ def prescribed_motions(
                 else:
                     index = coordinates.number(name, *outputs)
                     coefficients, unit = np.eye(len(coordinates.names))[index], coordinates.units[index]
-                signal = float(factor) * _signal(table, with_time(unit, -LEVELS.index(table.level)), folder)
+                unit_of_value = with_time(unit, -LEVELS.index(table.level))
+                signal = float(factor) * _signal(table, unit_of_value, folder, shapers.get(number))
                 constraints.append(Constraint(coefficients, level=table.level, value=signal, names=row, unit=unit))
     return constraints
 
@@ -134,7 +152,7 @@ def force_of(loads: Sequence[SceneForce]) -> signals.ImpulsiveSmooth | None:
 
 def input_of(tables: Sequence, inputs: Coordinates, folder: Path, file_name: str) -> signals.ImpulsiveSmooth | None:
     """The inputs of a transfer function or state space."""
-    rows = []
+    rows, shapers = [], shapers_of(tables, "force", None, file_name)
     for number, table in enumerate(tables, 1):
         with at(file_name, f"force[{number}]"):
             places = {}
@@ -145,12 +163,44 @@ def input_of(tables: Sequence, inputs: Coordinates, folder: Path, file_name: str
                 row = inputs.names.index(name)
                 places[name] = factor * np.eye(len(inputs.names))[row], inputs.units[row]
             column = sum(direction for direction, _ in places.values())[:, None]
-            rows.append(_signal(table, _common_unit(places), folder).mapped(column))
+            rows.append(_signal(table, _common_unit(places), folder, shapers.get(number)).mapped(column))
     return reduce(add, rows) if rows else None
 
 
-def _signal(table, unit: str | None, folder: Path) -> signals.ImpulsiveSmooth:
-    """The signal of a table, one row."""
+def shapers_of(tables: Sequence, key: str, modes: Callable[[], Modes] | None, file_name: str) -> Shapers:
+    """The input shapers of [[force]] or [[motion]] tables, by the number of the table."""
+    shapers = {}
+    for number, table in enumerate(tables, 1):
+        if (own := table.shaper) is not None:
+            with at(file_name, f"{key}[{number}].shaper"):
+                shapers[number] = input_shaper(_aims(own.modes, modes), own.kind, vibration_limit=own.vibration_limit)
+    return shapers
+
+
+def _aims(given: Sequence | None, modes: Callable[[], Modes] | None):
+    """Modes of the model by number, all of them where none are given, and pairs of frequency and damping ratio."""
+    if given is not None and not any(isinstance(one, int) for one in given):
+        return given
+    if modes is None:
+        raise InputError('modes: this model has none with numbers; give frequency and damping ratio, e.g. [["0.2 Hz", 0.01]]')
+    own = modes()
+    if given is None:
+        return own
+    by_number = [mode for mode in own for _ in range(max(1, mode.shapes.shape[1]))]  # as in the table of natural frequencies
+    if wrong := [one for one in given if isinstance(one, int) and one > len(by_number)]:
+        raise InputError(f"modes: found {wrong[0]}; expected numbers from 1 to {len(by_number)}")
+    if still := [one for one in given if isinstance(one, int) and not by_number[one - 1].eigenvalue.imag]:
+        raise InputError(f"modes: mode {still[0]} does not oscillate; choose others")
+    return [by_number[one - 1] if isinstance(one, int) else one for one in given]
+
+
+def _signal(table, unit: str | None, folder: Path, shaper: InputShaper | None = None) -> signals.ImpulsiveSmooth:
+    """The signal of a table, one row, shaped where it has a shaper."""
+    signal = _unshaped(table, unit, folder)
+    return signal if shaper is None else shaper.shape(signal)
+
+
+def _unshaped(table, unit: str | None, folder: Path) -> signals.ImpulsiveSmooth:
     if table.kind == "sampled":
         times, values = sampled_force(table, unit, folder)
         with named(table.file) if table.file else nullcontext():

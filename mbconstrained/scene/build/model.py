@@ -15,9 +15,9 @@ from ...ground.display import TextTable
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...polynomial.polynomial_matrix import PolynomialMatrix
+from ...polynomial.reduced_equations import Reduction
 from ...response.events import start_of
 from ...response.response import Response
-from ...response.solve import solve
 from ...signals.bohl import BohlFunction
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import zero
@@ -44,6 +44,34 @@ class ModelTables(NamedTuple):
     evidence: Sequence[tuple[str, str, str]] = ()
 
 
+class End:
+    """End of a motion as given in a scene: the interface of reports.
+
+    Attributes:
+        key: its name in scenes and in JSON.
+        title: heading of its table.
+        duration: T in s; 0 where there is none.
+        notices: what is undetermined, ill-conditioned or inaccurate.
+        unproved: the reason why no error is bounded; empty where one is.
+        uncertified: the reason why exact arithmetic proves no digits; empty where it does.
+    """
+
+    key: ClassVar[str]
+    title: ClassVar[str]
+    duration: float = 0.0
+    notices: tuple[Notice, ...] = ()
+    unproved: ClassVar[str] = ""
+    uncertified: str = ""
+
+    def table(self, coordinates: Coordinates) -> TextTable:
+        """The given values, with evidence."""
+        raise NotImplementedError
+
+    def to_dict(self) -> Any:
+        """The end as plain data, in SI."""
+        raise NotImplementedError
+
+
 @dataclass(frozen=True, eq=False)
 class Equations:
     """The equations of a scene, their start and force, names and units, and what reports say about a model of its kind.
@@ -52,7 +80,7 @@ class Equations:
 
     Attributes:
         coordinates: names and units.
-        polynomial_matrix: A(s), for a mechanical system that of its constrained form.
+        polynomial_matrix: A(s), for a mechanical system that of its constrained form, without delayed terms.
         initial: x^(i)(0-) as row i, shape (q, r).
         force: on [0, inf), or None.
         system: mass, damping, stiffness and constraint rows; None where A(s) was given itself.
@@ -62,6 +90,7 @@ class Equations:
         loads: the forces of the [[force]] tables and of unbalance, one by one, but for inputs of a transfer function or state space.
         rotor: the rotor at rest whose speed the system has, or None.
         response: the motion, where it is already known.
+        ends: what brings the motion to its end: boundary values, an input of least energy, input shapers.
     """
 
     coordinates: Coordinates
@@ -75,6 +104,7 @@ class Equations:
     loads: tuple[SceneForce, ...] = ()
     rotor: MechanicalSystem | None = None
     response: Response | None = None
+    ends: tuple[End, ...] = ()
 
     # The problem, and its solution.
 
@@ -84,7 +114,7 @@ class Equations:
         if self.response is not None:
             return self.response.problem.force
         force = zero(len(self.coordinates.names)) if self.force is None else self.force
-        return force if self.system is None else self.system.constrained_form().force(self.system.force + force)
+        return force if self.system is None else self.system.undelayed_form().force(self.system.force + force)
 
     @property
     def are_bare(self) -> bool:
@@ -97,8 +127,16 @@ class Equations:
         return self.right_hand_side.is_zero
 
     @property
+    def has_regular_leading_coefficient(self) -> bool:
+        """Whether A_q is surely nonsingular: there is no infinite part, and any values at 0- are admissible."""
+        A = self.polynomial_matrix
+        return isinstance(A.reduction, Reduction) and A.reduction.state_count == A.degree * A.size
+
+    @property
     def start_fits(self) -> bool:
         """Whether the values at 0- continue without a jump or an impulse."""
+        if self.has_regular_leading_coefficient and not self.right_hand_side.impulses:
+            return True
         start = start_of(self.polynomial_matrix.jordan_pairs().form, self.initial, self.right_hand_side)
         jumps = any(beyond_noise(jump, old, jump + old).size for jump, old in zip(start.jump, self.initial))
         return not (jumps or any(impulse.any() for impulse in start.impulses))
@@ -109,6 +147,8 @@ class Equations:
             return self.response
         if self.system is not None:
             return self.system.solve(*self.initial, force=self.force)
+        from ...response.solve import solve
+
         return solve(self.polynomial_matrix, initial=self.initial, force=self.force)
 
     @property
@@ -122,6 +162,11 @@ class Equations:
         return self.robot_scene and self.robot_scene.posture
 
     # Names, outputs and forces besides those of the coordinates.
+
+    @property
+    def has_forces(self) -> bool:
+        """Whether something acts that could be plotted."""
+        return bool(self.loads)
 
     coordinates_called = "coordinates"  # in reports
     has_outputs_among_coordinates = False  # outputs are solved for like coordinates
@@ -199,12 +244,16 @@ class Equations:
 
     def unproved(self, reason: str, plots: Sequence[str]) -> str:
         """The reason why an output is not proved, in addition to that of the coordinates."""
-        return reason
+        return reason or next((end.unproved for end in self.ends if end.unproved), "")
 
     def without_formula(self, modal_damping: bool) -> str:
         """The reason why there are no formulas with symbols; empty where there are."""
         if self.rotor is not None:
             return "a rotor"
+        if self.ends:
+            return f"a motion with {self.ends[-1].title.lower()}"
+        if self.system is not None and self.system.delayed:
+            return "delays"
         return "modal damping" if modal_damping else ""
 
     @property

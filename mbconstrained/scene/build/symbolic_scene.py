@@ -126,6 +126,8 @@ class ExactEquations:
 def exact_equations(scene: SceneData, symbols: Symbols) -> ExactEquations:
     """The equations, exactly."""
     kind = scene.table.model.kind
+    if reason := next((end for end in scene.equations.ends if end.key != "shapers"), None):
+        raise InputError(f"there is no formula with symbols for a motion with {reason.title.lower()}; leave [{reason.key}] out")
     if kind == "robot":
         raise InputError(
             "there is no formula with symbols for a robot: its equilibrium and its linearized equations are computed in floating "
@@ -259,6 +261,8 @@ def _exact_force(
     force = [symbols.of(0)] * len(coordinates.names)
     for number, table in enumerate(tables, 1):
         with at(file_name, f"force[{number}]"):
+            if table.shaper is not None:
+                raise InputError("formulas know no input shapers; write the delayed copies as [[force]] tables")
             for name, factor in (table.factors or {table.coordinate: 1}).items():
                 place = coordinates.number(name)
                 unit = coordinates.units[place] if inputs else FORCE_UNITS.get(coordinates.units[place])

@@ -87,17 +87,25 @@ def state_values(given: dict | list, states: Coordinates, file_name: str) -> np.
 
 
 def _row(row: dict | list, coordinates: Coordinates, order: int) -> np.ndarray:
+    values = np.full(len(coordinates.names), 0.0, dtype=object)
+    for name, value in given_values(row, coordinates, order).items():
+        values[coordinates.names.index(name)] = value
+    return values
+
+
+def given_values(row: dict | list, coordinates: Coordinates, order: int) -> dict[str, Any]:
+    """The values of a row in SI by name, those that are not given left out."""
     if isinstance(row, list):
         if len(row) != len(coordinates.names):
             names = ", ".join(coordinates.names)
             raise InputError(f"found {len(row)} values; expected {len(coordinates.names)}, one for each of {names}")
         row = dict(zip(coordinates.names, row))
-    values = np.full(len(coordinates.names), 0.0, dtype=object)
+    values = {}
     for name, value in row.items():
         try:
             index = coordinates.number(name)
             with named(name):
-                values[index] = quantity(value, rate_unit(coordinates.units[index], order))
+                values[name] = quantity(value, rate_unit(coordinates.units[index], order))
         except InputError as problem:
             raise EntryError(str(problem), name) from None
     return values

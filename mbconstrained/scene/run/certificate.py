@@ -14,7 +14,7 @@ from ...ground.tolerances import TRUST_LIMIT
 from ...mechanics.motion import Motion
 from .plan import OutOfTime, time_limit
 from .result import ORDERS, Result
-from .stages import too_large_to_certify
+from .stages import without_certificate
 
 #: At most so many of the times are certified, evenly chosen, the first and the last among them.
 MOST_TIMES = 101
@@ -101,7 +101,7 @@ class Certificate:
 def certificate_of(result: Result) -> Certificate:
     """Certify the available curves of a result: displacements, velocities, accelerations and reactions."""
     chosen = np.unique(np.linspace(0, len(result.times) - 1, MOST_TIMES).round().astype(int))
-    if reason := too_large_to_certify(result.scene.equations):
+    if reason := without_certificate(result.scene.equations):
         return _nothing(result, Notice(NoticeKind.OMITTED, f"nothing is certified: {reason}"))
     try:
         with time_limit(SECONDS):

@@ -11,7 +11,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
@@ -160,16 +160,21 @@ class Stage:
     Attributes:
         name: name of the stage.
         needed: whether this scene needs it.
-        reason: the reason for needing or omitting it.
+        because: the reason for needing or omitting it, or a function that returns it: some take an analysis of their own.
         cost: time and memory, once it has run.
         part_of: the stage that contains it, including its cost, or an empty string.
     """
 
     name: str
     needed: bool
-    reason: str
+    because: str | Callable[[], str]
     cost: Cost | None = None
     part_of: str = ""
+
+    @property
+    def reason(self) -> str:
+        """The reason for needing or omitting it."""
+        return self.because if isinstance(self.because, str) else self.because()
 
     @property
     def seconds(self) -> float | None:

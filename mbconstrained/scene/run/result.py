@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from operator import methodcaller
+from functools import cached_property, partial, reduce
+from operator import add, methodcaller
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -26,10 +26,10 @@ from ...ground.display import number_text
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import NOT_DRAWN
 from ...linalg.blocks import block_slices, zeros_of
+from ...mechanics.boundary import BoundaryResponse
 from ...mechanics.modes import Conservation, Mode, Modes, cleaned, kind_of
 from ...mechanics.motion import DELTAS
 from ...polynomial.reduced_equations import Reduction
-from ...response.admissible import admissible
 from ...response.estimate import error_estimate
 from ...response.events import Event
 from ...response.response_notices import first_and_count, kink_notices, sides, without_kinks
@@ -180,6 +180,8 @@ def _causes(equations: Equations, motion: Response) -> Iterator[Notice]:
     rows = [notice for notice in motion.notices if notice.kind == NoticeKind.JUMP and notice.text.startswith("constraint ")]
     yield from rows
     if not rows:
+        from ...response.admissible import admissible
+
         admissibility = admissible(equations.polynomial_matrix, initial=equations.initial, force=equations.right_hand_side)
         for violation in admissibility.violations:
             _, _, text = violation.text.partition(": ")
@@ -335,7 +337,7 @@ def _parts(angular: np.ndarray, share: np.ndarray, length: float) -> np.ndarray:
 def visible(values: np.ndarray, units: tuple[str, ...]) -> np.ndarray:
     """Range of the coordinates by unit, which decides what is visible."""
     reach = np.ptp(values, axis=1)
-    furthest = {unit: max(own for own, other in zip(reach, units) if other == unit) for unit in units}
+    furthest = {unit: reach[[other == unit for other in units]].max() for unit in dict.fromkeys(units)}
     return np.array([max(furthest[unit] / 2, NOT_DRAWN * np.abs(values).max()) for unit in units])[:, None]
 
 
@@ -346,6 +348,7 @@ PARTS = {  # curves that are made of others
     "phase": ("displacement", "velocity"),
     "quantity": ("displacement", "velocity"),
     "ground_reaction": ("displacement", "velocity", "reaction"),
+    "force": (),
 }
 
 #: Errors of trajectories, relative to the largest value of a kind, that are assumed at least and at most.
@@ -446,6 +449,7 @@ class Result:
             "reaction": bool(self._rows),
             "ground_reaction": equations.has_connections,
             "output": not equations.has_outputs_among_coordinates,
+            "force": equations.has_forces,
         }
         return [kind for kind in dict.fromkeys(requested) if available.get(kind, True)]
 
@@ -489,6 +493,8 @@ class Result:
             return KindOfCurves(names, units, of_elements, lambda: motion.function.differential(*matrices), constants, titles)
         if kind == "ground_reaction":
             return self._connection_forces()
+        if kind == "force":
+            return _forces(equations)
         energies = lambda times: np.array([getattr(motion.energy(times), name) for name in ENERGIES])  # noqa: E731
         return KindOfCurves(ENERGIES, ("J",) * len(ENERGIES), energies)
 
@@ -536,6 +542,10 @@ class Result:
         """The motion from which the curves are computed, where a force restarts; at its knots all values up to the degree of A(s)."""
         from ...page.content import RecordResponse
 
+        if (
+            self.system is not None and self.system.delayed
+        ):  # the coordinates do not follow from their values at the knots of the force
+            return None
         restarts, degree = self.motion.force.smooth.restarts, self.scene.equations.polynomial_matrix.degree
         views = [self.motion, *(self.motion.derivative(order) for order in range(1, degree))]
         states = lambda times: np.vstack([view(times) for view in views])  # noqa: E731
@@ -544,7 +554,10 @@ class Result:
     @property
     def _breaks(self) -> np.ndarray:
         """Times at which the motion or a derivative of it may jump."""
-        return np.unique([*self.motion.force.knots, *(event.time for event in self.motion.events)])
+        times = [*self.motion.force.knots, *(event.time for event in self.motion.events)]
+        if self.system is not None and self.system.delayed:
+            times += self.motion.solution.steps.kinks(float(self.times[-1]))
+        return np.unique(times)
 
     # Extrema and means, of the closed form.
 
@@ -652,6 +665,8 @@ class Result:
         watched = ["ground_reaction"] if self.scene.equations.has_connections and self.watches_connections else []
         parts = (part for kind in (*self.kinds, *watched) for part in PARTS.get(kind, (kind,)))
         kinds = [kind for kind in dict.fromkeys(parts) if kind != "reaction" or self._rows]
+        if isinstance(self.motion, BoundaryResponse):  # which is no motion of its start alone
+            return {kind: self.motion.error_estimate(self.times, **_of_boundary(kind, self.system)) for kind in kinds}
         views = {kind: methodcaller("derivative", order) for kind, order in ORDERS.items()}
         views["reaction"] = getattr(self.motion, "_reaction_of", None)
         estimates = {kind: error_estimate(self.motion, self.times, views[kind]) for kind in kinds}
@@ -667,6 +682,26 @@ class Result:
     def linear_range(self) -> LinearRange | None:
         """Linear range of the motion of a robot; None for other models."""
         return self.scene.equations.linear_range(self.motion, self.times)
+
+
+def _of_boundary(kind: str, system: MechanicalSystem | None) -> dict:
+    """The arguments of the error estimate of a kind of curves, of a motion with boundary values."""
+    return {"order": ORDERS.get(kind, 0)} if system is None else {"of": kind if kind in (*ORDERS, "reaction") else "displacement"}
+
+
+def _forces(equations: Equations) -> KindOfCurves:
+    """The loads by name, or the inputs of a transfer function or state space; impulses are left out."""
+    control = equations.control
+    if control is not None:
+        inputs, signal = control.inputs, control.input
+        return KindOfCurves(inputs.names, inputs.units, signal, lambda: signal.smooth, None, ("input",) * len(inputs.names))
+    names = tuple(dict.fromkeys(load.name for load in equations.loads))
+    units = tuple(force_unit(next(load.unit for load in equations.loads if load.name == name)) for name in names)
+    rows = np.eye(len(names))
+    parts = (load.signal.mapped(rows[:, [names.index(load.name)]]) for load in equations.loads)
+    total = reduce(add, parts)
+    titles = tuple("torque" if unit == "N m" else "force" for unit in units)
+    return KindOfCurves(names, units, total, lambda: total.smooth, None, titles)
 
 
 def in_units(curves: Curves, units: OutputUnits) -> Curves:

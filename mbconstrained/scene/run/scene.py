@@ -315,6 +315,8 @@ def check_output(output, equations: Equations, file_name: str, modal_damping: bo
             )
         if "energy" in output.plots and equations.without_energy:
             raise InputError(equations.without_energy)
+        if "force" in output.plots and not equations.has_forces:
+            raise InputError("found force, but nothing acts that has a name: give a [[force]] or [least_energy], or leave it out")
         if "ground_reaction" in output.plots and not equations.has_connections:
             raise InputError("found ground_reaction, but there is no robot with loops, springs or bushings; leave it out")
         if "reaction" in output.plots and not (system and system.rows):

@@ -18,7 +18,7 @@ from ...ground.tolerances import EPS, noise_of
 from ...mechanics.element_matrix import ElementMatrix
 from ...response.choose import Method, Request, choose
 from ...response.problem import Problem
-from ..build.model import Equations
+from ..build.model import End, Equations
 from ..file import SceneName
 from ..quantities.parameters import Parameters
 from ..quantities.settings import Setting
@@ -81,6 +81,7 @@ class SceneData(Displayed):
         given = (
             *self.parameters.notices,
             *_late_loads(self.table),
+            *(notice for end in self.equations.ends for notice in (*_late_end(end, self.table.time.end), *end.notices)),
             *_assumed_lengths(self.table.model),
             *_matrix_notices(self.table, self.equations.system),
         )
@@ -96,7 +97,9 @@ class SceneData(Displayed):
     def problem(self) -> Problem:
         """A(d/dt) x = f with the values at 0-."""
         equations = self.equations
-        return Problem(equations.polynomial_matrix, equations.initial, equations.right_hand_side)
+        system = equations.system
+        delayed = system.delayed_equations() if system is not None and system.delayed else ()
+        return Problem(equations.polynomial_matrix, equations.initial, equations.right_hand_side, delayed=delayed)
 
     def certified(self) -> Self:
         """The scene with certify = true, unless it states what to certify."""
@@ -140,6 +143,12 @@ def _late_loads(table) -> Iterator[Notice]:
         if begin > table.time.end:
             text = f"it begins at {begin:g} s, after the last time, {table.time.end:g} s, and has no effect before"
             yield Notice(NoticeKind.OMITTED, f'force[{number}] on "{load.title}": {text}')
+
+
+def _late_end(end: End, last: float) -> Iterator[Notice]:
+    """A notice where the times do not reach the end."""
+    if end.duration > last:
+        yield Notice(NoticeKind.OMITTED, f"{end.key}: T is {end.duration:g} s, after the last time, {last:g} s, and is not shown")
 
 
 #: Elements that a notice lists.
@@ -202,6 +211,8 @@ def free_motion_notices(system: MechanicalSystem) -> tuple[Notice, ...]:
     rows = np.vstack(rows_of_elements)
     _, sizes, right = np.linalg.svd(rows, full_matrices=True)
     null = right[int((sizes > noise_of(sizes.max(initial=0.0), max(rows.shape))).sum()) :]
+    if not len(null):
+        return ()
     free = null.T @ null  # the orthogonal projection onto the null space of the rows
     groups = ((group, round(float(free[group, group].sum()))) for group in _groups(free))  # the trace of a projection is its rank
     return tuple(_free_notice([system.names[i] for i in group], count) for group, count in groups)

@@ -6,7 +6,7 @@ while a scene is read.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter, methodcaller
@@ -17,6 +17,8 @@ from ...response.choose import PAIRS, unproved
 from ..build.model import Decision, Equations
 from .plan import PAGE, Plan, Stage
 from .scene_data import SceneData
+
+LateDecision = tuple[bool, Callable[[], str]]  # whose reason takes an analysis of its own, once it is shown
 
 #: Most states (coordinates and multipliers times the degree) of a certificate: exact arithmetic with more takes minutes.
 MOST_CERTIFIED_STATES = 240
@@ -41,7 +43,8 @@ def normal_form(scene: SceneData) -> Decision:
     form = scene.equations.control.form
     if form is None:
         return False, "normal_form = false: the states as given"
-    return True, f"normal_form = true: {counted(form.size, 'displacement')} and as many velocities"
+    massless = f", {counted(form.infinite.size, 'massless coordinate')}" if form.infinite else ""
+    return True, f"normal_form = true: {counted(form.size, 'displacement')} and as many velocities{massless}"
 
 
 def robot_model(scene: SceneData) -> Decision:
@@ -76,6 +79,8 @@ def constrained_form(scene: SceneData) -> Decision:
 def _serves_reduced(scene: SceneData) -> bool:
     """Whether the reduced equations give motion and eigenvalues, and neither file nor frequency response needs the Jordan pairs."""
     equations, table = scene.equations, scene.table
+    if scene.problem.delayed:
+        return False
     if equations.polynomial_matrix.large_reduction is not None:
         return True
     return not (equations.system is None or table.output.npz or table.frequency or scene.method.name == PAIRS)
@@ -88,13 +93,14 @@ def staircase(scene: SceneData) -> Decision:
     return True, "splits the finite from the infinite part by rank decisions"
 
 
-def finite_pair(scene: SceneData) -> Decision:
+def finite_pair(scene: SceneData) -> Decision | LateDecision:
     """Eigenvalues are always listed; the motion comes from the pair only where the chosen method uses pairs."""
     if _serves_reduced(scene):
         return False, "the modes have the eigenvalues"
-    if scene.method.name == PAIRS:
-        return True, "the motion for t > 0, and the eigenvalues"
-    return True, "the eigenvalues; the motion comes from the reduced equations"
+    if scene.problem.delayed:
+        return True, "the motion within each delay"
+    only = "the eigenvalues; the motion comes from the reduced equations"
+    return True, lambda: "the motion for t > 0, and the eigenvalues" if scene.method.name == PAIRS else only
 
 
 def infinite_pair(scene: SceneData) -> Decision:
@@ -103,16 +109,16 @@ def infinite_pair(scene: SceneData) -> Decision:
     A = equations.polynomial_matrix
     if _serves_reduced(scene):
         return False, "the reduced equations, which have no infinite part, serve"
-    if not any(A.jordan_pairs().form.split.infinite_divisors):
+    if equations.has_regular_leading_coefficient or not any(A.jordan_pairs().form.split.infinite_divisors):
         return False, f"A_{A.degree} is nonsingular: there is no infinite part"
     if equations.is_free and equations.start_fits:
         return False, "no force and a start that fits: the infinite part stays zero"
     return True, f"A_{A.degree} is singular and {'the start does not fit' if equations.is_free else 'a force acts'}"
 
 
-def response(scene: SceneData) -> Decision:
+def response(scene: SceneData) -> LateDecision:
     """The response, and the method that gives its values at the times of the scene."""
-    return True, f"from the values at 0-, with jumps and impulses; values {scene.method.reason}"
+    return True, lambda: f"from the values at 0-, with jumps and impulses; values {scene.method.reason}"
 
 
 def modes(scene: SceneData) -> Decision:
@@ -182,7 +188,7 @@ def certificate(scene: SceneData) -> Decision:
     certify = scene.table.output.certify
     if not certify:
         return False, "not requested (--certify, or certify = true in [output])"
-    if reason := too_large_to_certify(scene.equations):
+    if reason := without_certificate(scene.equations):
         return False, reason
     return True, "digits of every coordinate" if certify is True else f"digits of {', '.join(certify)}"
 
@@ -297,6 +303,11 @@ def too_large_to_certify(equations: Equations) -> str:
     return f"exact arithmetic with {states} states takes too long, {MOST_CERTIFIED_STATES} is the most"
 
 
+def without_certificate(equations: Equations) -> str:
+    """The reason why the equations of a scene are not certified; empty where they are."""
+    return too_large_to_certify(equations) or next((end.uncertified for end in equations.ends if end.uncertified), "")
+
+
 def too_large_for_formula(scene: SceneData) -> str:
     """The reason why no formula is computed; empty where one is."""
     A = scene.equations.polynomial_matrix
@@ -322,7 +333,7 @@ class PossibleStage:
     """
 
     name: str
-    decide: Callable[[SceneData], Decision] | Decision
+    decide: Callable[[SceneData], Decision | LateDecision] | Decision
     work: Callable[[Any], object] | None = None
     writes: bool = False
     part_of: str = ""
@@ -351,6 +362,7 @@ CONTROL_NEXT = {  # the same of a state space
     "displacements": (OUTPUTS,),
     "modes": (PossibleStage("transfer functions", transfer_functions, attrgetter("scene.equations.control.transfers")),),
 }
+FORCES = PossibleStage("forces", partial(plotted, kind="force"), methodcaller("curves", "force"))
 STEPS = (
     PossibleStage("assemble the model", lambda scene: scene.equations.size_decision()),
     PossibleStage("dependent constraint rows", lambda scene: scene.equations.rows_decision(), part_of="assemble the model"),
@@ -399,8 +411,19 @@ def steps_of(scene: SceneData) -> tuple[PossibleStage, ...]:
     first = ROBOT_STEPS if kind == "robot" else NO_ROBOT_STEPS
     if scene.table.time.step_domain == "discrete":
         return (*FILE_STEPS, *first, *DISCRETE_STEPS)
-    following = {"robot": ROBOT_NEXT, "state-space": CONTROL_NEXT}.get(kind, {})
-    return (*FILE_STEPS, *first, *(each for step in STEPS for each in (step, *following.get(step.name, ()))))
+    following = {"robot": ROBOT_NEXT, "state-space": CONTROL_NEXT}.get(kind, {}), _of_ends(scene)
+    return (*FILE_STEPS, *first, *(each for step in STEPS for each in (step, *_next(step.name, *following))))
+
+
+def _next(name: str, *following: Mapping[str, Sequence[PossibleStage]]) -> Iterator[PossibleStage]:
+    return (stage for stages in following for stage in stages.get(name, ()))
+
+
+def _of_ends(scene: SceneData) -> dict[str, tuple[PossibleStage, ...]]:
+    """The stages of scenes that decide the end of the motion, or plot what acts, by the stage before."""
+    ends = (end for end in scene.equations.ends if end.duration)
+    solved = tuple(PossibleStage(end.title.lower(), (True, f"[{end.key}]: over {end.duration:g} s")) for end in ends)
+    return {"assemble the model": solved, "energy": (FORCES,) if "force" in scene.table.output.plots else ()}
 
 
 def plan_of(scene: SceneData, *, writing: bool = True) -> Plan:

@@ -27,7 +27,7 @@ from ...ground.errors import InputError, SceneError, quoted, shown
 from ...ground.quantities import KINDS, quantity, unit_name
 from ..file import EntryError, place, together
 
-LONGEST_TEXT = 2000
+LONGEST_TEXT, MOST_POWER = 2000, 20
 _NAME = re.compile(r"[^\W\d][\w .'()-]{0,39}")
 
 
@@ -288,11 +288,28 @@ Pair = Annotated[list[Name], Field(min_length=2, max_length=2)]
 Vector = Annotated[list[Length], Field(min_length=3, max_length=3)]  # type: ignore[valid-type]
 
 
-SIGNALS = '"step", "ramp", "power", "impulse", "harmonic", "term", "pulse" or "sampled"'
+def _values(value):
+    if not isinstance(value, (dict, list)):
+        raise InputError(f'found {shown(value)}; expected {{ x1 = "0.8 m" }} or an array with a value for every coordinate')
+    return value
+
+
+VALUES_SCHEMAS = [{"type": "object", "additionalProperties": NUMBER_SCHEMA}, {"type": "array", "items": NUMBER_SCHEMA}]
+
+Values = Annotated[
+    Any,
+    BeforeValidator(_values),
+    WithJsonSchema({"title": "values by coordinate, or an array of all", "anyOf": VALUES_SCHEMAS}),
+]
+
+
+#: Kinds of signals of forces and prescribed motions.
+SIGNALS = ("step", "ramp", "power", "impulse", "harmonic", "term", "pulse", "sampled")
+_ANY_SIGNAL = f"""{", ".join(f'"{kind}"' for kind in SIGNALS[:-1])} or "{SIGNALS[-1]}\""""
 KINDS_OF_ENTRIES = {
     "model": '"lumped", "matrices", "robot", "state-space" or "transfer-function"',
-    "force": SIGNALS,
-    "motion": SIGNALS,
+    "force": _ANY_SIGNAL,
+    "motion": _ANY_SIGNAL,
 }
 
 #: Common names of a kind: its name in scenes.

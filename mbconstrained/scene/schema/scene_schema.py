@@ -21,6 +21,7 @@ from ..quantities.coordinates import DERIVATIVES
 from ..quantities.output_units import output_units
 from .entry_types import (
     NUMBER_SCHEMA,
+    SIGNALS,
     Angle,
     LateTable,
     Name,
@@ -32,9 +33,9 @@ from .entry_types import (
     Teeth,
     Text,
     Time,
+    Values,
     Vector,
 )
-from .model_tables import ForceTable, MotionTable, lumped_table
 
 Shape = Literal["box", "sphere", "disc", "gear", "ring", "mark", "rail", "ground", "base"]
 LinkKind = Literal["spring", "damper", "strut", "rod", "bushing", "loop", "torsion spring", "torsion damper", "belt"]
@@ -183,21 +184,6 @@ def _check_axes(table: BodyTable | DrawingTable) -> None:
 CONTROL = ("transfer-function", "state-space")
 
 
-def _values(value):
-    if not isinstance(value, (dict, list)):
-        raise InputError(f'found {shown(value)}; expected {{ x1 = "0.8 m" }} or an array with a value for every coordinate')
-    return value
-
-
-VALUES = [{"type": "object", "additionalProperties": NUMBER_SCHEMA}, {"type": "array", "items": NUMBER_SCHEMA}]
-
-Values = Annotated[
-    Any,
-    BeforeValidator(_values),
-    WithJsonSchema({"title": "values by coordinate, or an array of all", "anyOf": VALUES}),
-]
-
-
 Parameters = Annotated[  # their values are checked by ``with_parameters``, before the schema sees the scene
     dict[str, Any],
     WithJsonSchema(
@@ -321,7 +307,7 @@ class TimeTable(Table):
         return f"{self.start:g} to {self.end:g} s"
 
 
-Curve = Literal["displacement", "velocity", "acceleration", "reaction", "ground_reaction", "energy", "output", "phase"]
+Curve = Literal["displacement", "velocity", "acceleration", "reaction", "ground_reaction", "energy", "output", "force", "phase"]
 
 
 def _flag_or_names(value):
@@ -360,7 +346,9 @@ class OutputTable(Table):
         "inside",
         description="The script of the 3-D viewer: in the page, in a separate file for many pages, or compressed in the page.",
     )
-    plots: list[Curve] = Field(["displacement"], description="Plots of the page; phase is the velocity over the displacement.")
+    plots: list[Curve] = Field(
+        ["displacement"], description="Plots of the page; force is that of the loads, phase the velocity over the displacement."
+    )
     coordinates: list[Name] | None = Field(None, description="Only these coordinates are plotted; left out: all.")
     quantity: list[QuantityTable] = Field([], description="Forces, elongations and relative motions for plots, CSV and npz.")
     reactions: bool = Field(False, description="Forces of constraints, and of a robot's springs, in files.")
@@ -396,18 +384,42 @@ def _late(name: str, module: str = ".analysis_tables") -> LateTable:
     return LateTable(partial(_named, module, name))
 
 
+def _lumped_table() -> Any:
+    from .element_tables import lumped_table
+
+    return lumped_table()
+
+
+def _force_table(kind: str) -> Any:
+    from .force_tables import FORCES
+
+    return FORCES[kind]
+
+
+def _motion_table(kind: str) -> Any:
+    from .force_tables import motion_table
+
+    return motion_table(kind)
+
+
+ForceTable = Annotated[Any, TablesByKind(**{kind: partial(_force_table, kind) for kind in SIGNALS})]
+MotionTable = Annotated[Any, TablesByKind(**{kind: partial(_motion_table, kind) for kind in SIGNALS})]
+
 _MODELS = {
+    "lumped": _lumped_table,
     "matrices": partial(_named, ".model_tables", "MatricesTable"),
     "robot": partial(_named, ".robot_tables", "RobotTable"),
     "transfer_function": partial(_named, ".model_tables", "TransferFunctionTable"),
     "state_space": partial(_named, ".model_tables", "StateSpaceTable"),
 }
-Model = Annotated[Any, TablesByKind(lumped=lumped_table, **_MODELS)]
+Model = Annotated[Any, TablesByKind(**_MODELS)]
 Changes = Annotated[Annotated[Any, _late("RobotChanges", ".robot_tables")] | None, SkipValidation]
 Frequency = Annotated[Any, _late("FrequencyTable")]
 Random = Annotated[Any, _late("RandomTable")]
 Shock = Annotated[Any, _late("ShockTable")]
 Vary = Annotated[Any, _late("VaryTable")]
+Boundary = Annotated[Any, _late("BoundaryTable", ".end_tables")]
+LeastEnergy = Annotated[Any, _late("LeastEnergyTable", ".end_tables")]
 Campbell = Annotated[Any, _late("CampbellTable")]
 RobotPath = Annotated[Any, _late("PathTable")]
 
@@ -426,6 +438,10 @@ class SceneFile(Table):
     initial: InitialTable = Field(InitialTable.model_construct(), description="The values just before t = 0.")
     force: list[ForceTable] = Field([], description="Forces from t = 0 or from their delays on; entries on one coordinate add up.")
     motion: list[MotionTable] = Field([], description="Prescribed motions of coordinates: supports that move.")
+    boundary: Boundary | None = Field(None, description="Values at both ends of the motion, instead of [initial]; left out: none.")
+    least_energy: LeastEnergy | None = Field(
+        None, description="The input of least energy from [initial] to another state; left out: none."
+    )
     time: TimeTable = Field(description="Times of the answer.")
     frequency: Frequency | None = Field(None, description="The frequency response that is computed, too; left out: none.")
     random: Random | None = Field(None, description="Random vibration, by the command random; left out: none.")
@@ -438,7 +454,7 @@ class SceneFile(Table):
 
     @classmethod
     def _hint(cls, key: str) -> str:
-        if key not in lumped_table().model_fields:
+        if key not in _lumped_table().model_fields:
             return ""
         return f"; it belongs to the model: write [[model.{key}]], or {key} = … below [model]"
 
@@ -464,6 +480,22 @@ class SceneFile(Table):
         if self.output.still is not None and not self.time.start <= self.output.still <= self.time.end:
             still, end = f"{self.output.still:g} s", f"{self.time.end:g} s"
             raise InputError(f"output.still is {still}; expected a time from {self.time.start:g} to time.end, which is {end}")
+        return self
+
+    @model_validator(mode="after")
+    def _one_end(self):
+        if self.boundary is None and self.least_energy is None:
+            return self
+        if self.boundary is not None and self.least_energy is not None:
+            raise InputError("boundary and least_energy both decide the end of the motion; leave out one of them")
+        own = "boundary" if self.least_energy is None else "least_energy"
+        if self.boundary is not None and self.initial.model_fields_set:
+            raise EntryError("boundary has the values at both ends; write those at the start as [boundary.start]", "initial")
+        if self.time.step_domain == "discrete":
+            raise InputError(f'{own} needs a motion between samples, which step_domain = "discrete" has not; leave it out')
+        if self.model.kind == "transfer-function" or getattr(self.model, "normal_form", False):
+            kind = "a transfer function" if self.model.kind == "transfer-function" else "a normal form"
+            raise InputError(f"{own} needs coordinates or states, and {kind} has others; write a state space")
         return self
 
     @model_validator(mode="after")
