@@ -29,12 +29,13 @@ from ..exact.enclosure.sequences import (
     applied,
     closed_terms,
     exact_matrix,
+    exact_values,
     inverse_columns,
     response_to,
     rounded_values,
-    rows_at_zero,
+    without_cancelled,
 )
-from ..exact.rational import RationalMatrix, rational, regular_matrix
+from ..exact.rational import RationalMatrix, fraction, rational, regular_matrix
 from ..ground.checks import counted, places_of, real_array, whole_number
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import IllConditioned, InputError, Overflow
@@ -378,11 +379,11 @@ class DiscreteResponse(DiscreteFunction):
         values, errors = super()._evaluated(indices)
         for column, k in enumerate(indices.reshape(-1).tolist()):
             if self._backward and self.horizon - k < len(self._backward):
-                added = self._backward[self.horizon - k]
-                values[:, column] += added
-                rounding = EPS * self.polynomial_matrix.size * max(np.abs(one).max(initial=0.0) for one in self._backward)
-                largest = np.abs(values[:, column]).max()
-                errors[column] += rounding / largest if largest else 0.0
+                (forward,) = exact_values([self._closed], self._sums, [k])
+                backward = self._backward[self.horizon - k]
+                (total,) = without_cancelled([[a + b for a, b in zip(forward, backward)]], [forward, *self._backward])
+                values[:, column] = [float(fraction(entry)) for entry in total]
+                errors[column] = 0.0
         return values, errors
 
     @cached_property
@@ -410,16 +411,17 @@ class DiscreteResponse(DiscreteFunction):
         return (ForceSums(self.equations.columns, self.force.exact, self.force.end),)
 
     @cached_property
-    def _backward(self) -> list[np.ndarray]:
-        """The part that runs backwards from the end, at k = N, N - 1, ...: the zeros at z = 0 of the dual matrix."""
+    def _backward(self) -> list[list]:
+        """The part that runs backwards from the end, at k = N, N - 1, ...: the zeros at z = 0 of the dual matrix, as exact numbers."""
         if self.final is None:
             return []
         A, N = self.polynomial_matrix, self.horizon
-        ends = np.arange(N, N - A.degree, -1)
-        free = self._from_start(ends)[0].T if A.degree else np.zeros((0, A.size))
-        difference = self.final[::-1] - free
+        free = exact_values([self._closed], self._sums, list(range(N, N - A.degree, -1)))
+        difference = [[rational(given) - own for given, own in zip(*rows)] for rows in zip(self.final[::-1].tolist(), free)]
         dual = ExactInverse(A.dual, self.equations.rank_tolerance)
-        return rows_at_zero(response_to(dual.inverse, A.dual, difference, None))
+        difference = without_cancelled(difference, [*free, *difference])
+        rows = response_to(dual.inverse, A.dual, np.array(difference, dtype=object).reshape(self.final.shape), None).at_zero
+        return without_cancelled(rows, rows)
 
     # The given values against the solution.
 

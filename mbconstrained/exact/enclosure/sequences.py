@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import comb, inf
+from typing import TypeAlias
 
 import flint
 import numpy as np
@@ -23,10 +24,13 @@ from .exact_sources import ball, phase_factors
 #: Bits of the first attempt, and of ratios e^(a + i w), whose error then does not matter up to any k that has a value in float64.
 FIRST_BITS, RATIO_BITS = 128, 600
 
+#: Bits of values at the end of a horizon, of which those that run forwards and backwards may cancel most.
+BOUNDARY_BITS = 256
+
 #: Values below this vanish in float64.
 SMALLEST = flint.arb(2) ** SMALLEST_EXPONENT
 
-ZERO_POLYNOMIAL, ONE_POLYNOMIAL = flint.fmpq_poly([0]), flint.fmpq_poly([1])
+ZERO, ZERO_POLYNOMIAL, ONE_POLYNOMIAL = flint.fmpq(0), flint.fmpq_poly([0]), flint.fmpq_poly([1])
 
 
 class RealizedMatrix:
@@ -79,11 +83,6 @@ def response_to(
         own = own if matrix is None else applied(exact_matrix(matrix), own)
         b = [one * below + other for one, other in zip(b, own)]
     return RationalResponse(inverse, b, below, range(A.size))
-
-
-def rows_at_zero(response: RationalResponse) -> list[np.ndarray]:
-    """The contributions of the poles at z = 0 to x_0, x_1, ..., rounded."""
-    return [np.array([float(flint.arb(entry)) for entry in column]) for column in response.at_zero]
 
 
 def rows_before(response: RationalResponse) -> list[np.ndarray]:
@@ -291,11 +290,13 @@ def _radius(number: flint.acb) -> flint.arb:
     return number.real.rad() + number.imag.rad()
 
 
-def rounded_values(closed: Sequence[RationalResponse], sums: Sequence[ForceSums], indices: Sequence[int]):
-    """Values (r, T) rounded to float64, and bounds of their errors relative to the largest entry of each column, shape (T,)."""
-    size = closed[0].size
-    values, errors = np.zeros((size, len(indices))), np.zeros(len(indices))
-    pending, precision = sorted(range(len(indices)), key=indices.__getitem__), FIRST_BITS
+Row: TypeAlias = "tuple[list[flint.arb], flint.arb, float]"
+
+
+def ball_values(closed: Sequence[RationalResponse], sums: Sequence[ForceSums], indices: Sequence[int], bits: int) -> list[Row]:
+    """Balls with so many bits relative to the largest entry of a sample, an additional bound, and the relative error of each sample."""
+    size, result = closed[0].size, [([], flint.arb(0), 0.0) for _ in indices]
+    pending, precision = sorted(range(len(indices)), key=indices.__getitem__), max(FIRST_BITS, 2 * bits)
     while pending and size:
         numbers = [indices[place] for place in pending]
         with working_precision(precision):
@@ -309,13 +310,32 @@ def rounded_values(closed: Sequence[RationalResponse], sums: Sequence[ForceSums]
             left = []
             for place, row, bound in zip(pending, rows, bounds):
                 radius, largest = max(entry.rad() for entry in row) + bound, max(entry.abs_lower() for entry in row)
-                values[:, place] = [0.0 if abs(entry.mid()) <= entry.rad() + bound else float(entry.mid()) for entry in row]
-                settled = bool(radius * 2**ROUNDED_BITS <= largest) or bool(largest + radius < SMALLEST)
-                errors[place] = float(radius / largest) if largest > 0 else (0.0 if settled else inf)
+                settled = bool(radius * 2**bits <= largest) or bool(largest + radius < SMALLEST)
+                result[place] = row, bound, float(radius / largest) if largest > 0 else (0.0 if settled else inf)
                 if not settled and precision < MOST_BITS:
                     left.append(place)
         pending, precision = left, 2 * precision
+    return result
+
+
+def rounded_values(closed: Sequence[RationalResponse], sums: Sequence[ForceSums], indices: Sequence[int]):
+    """Values (r, T) rounded to float64, and bounds of their errors relative to the largest entry of each column, shape (T,)."""
+    values, errors = np.zeros((closed[0].size, len(indices))), np.zeros(len(indices))
+    for place, (row, bound, errors[place]) in enumerate(ball_values(closed, sums, indices, ROUNDED_BITS)):
+        for i, entry in enumerate(row):
+            values[i, place] = 0.0 if abs(entry.mid()) <= entry.rad() + bound else float(entry.mid())
     return values, errors
+
+
+def exact_values(closed: Sequence[RationalResponse], sums: Sequence[ForceSums], indices: Sequence[int]) -> list[list[flint.fmpq]]:
+    """Numbers that agree with the samples to ``BOUNDARY_BITS`` bits of the largest entry."""
+    return [[_middle(entry) for entry in row] for row, *_ in ball_values(closed, sums, indices, BOUNDARY_BITS)]
+
+
+def without_cancelled(rows: Sequence[Sequence[flint.fmpq]], terms: Sequence[Sequence[flint.fmpq]]) -> list[list[flint.fmpq]]:
+    """Rows in which sums of terms that agree to half of ``BOUNDARY_BITS`` are zero."""
+    noise = max((abs(entry) for row in terms for entry in row), default=ZERO) / 2 ** (BOUNDARY_BITS // 2)
+    return [[entry if abs(entry) > noise else ZERO for entry in row] for row in rows]
 
 
 @dataclass(frozen=True, eq=False)
