@@ -52,7 +52,9 @@ class DiscreteRunAnswer(RunAnswer):
 
     @property
     def _called(self) -> str:
-        return "outputs" if self._coordinates is not self.scene.equations.coordinates else self.scene.equations.coordinates_called
+        equations = self.scene.equations
+        has_outputs_alone = self._coordinates is not equations.coordinates and self._robot_outputs is None
+        return "outputs" if has_outputs_alone else equations.coordinates_called
 
     @property
     def _samples_text(self) -> str:

@@ -187,7 +187,15 @@ class DiscreteStateSpace(Displayed):
     def of_continuous(
         cls, system: StateEquations, step: float, hold: int | str, delays: Mapping[str, float] | None
     ) -> DiscreteStateSpace:
-        """The states and outputs of a continuous system at t = k step under a hold of its input (``StateSpace.discretize``)."""
+        """The states and outputs of a continuous system at t = k step under a hold of its input (``StateSpace.discretize``).
+
+        Args:
+            system: the continuous system.
+            step, hold, delays: as in ``StateSpace.discretize``.
+
+        Returns:
+            The state space with its ``origin``.
+        """
         form = sampled_equations(system, step, hold, delays)
         matrices = form.matrices
         count = len(matrices.A) - len(matrices.delayed)
@@ -348,7 +356,8 @@ class DiscreteStateSpace(Displayed):
             distances = {(i, j): abs(z - e) for i, z in enumerate(single) if i not in near for j, e in enumerate(images)}
             i, j = min(distances, key=distances.__getitem__)
             near[i] = images.pop(j)
-        order = 0 if self.origin.is_delayed else {0: excess, 1: excess + 1}.get(self.origin.hold, 0)
+        hold = self.origin.hold
+        order = 0 if self.origin.is_delayed or isinstance(hold, str) else excess + hold
         limits = list(euler_frobenius_roots(order)) if order > 0 else []
         result = []
         for i, value in enumerate(single):

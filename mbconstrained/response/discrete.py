@@ -276,14 +276,13 @@ class DiscreteFunction(Displayed, ABC):
             return rounded_values([self._closed], self._sums, indices.tolist())
         values, errors = known[0][:, indices], known[1][indices]
         left = np.flatnonzero(~(errors <= SETTLED))
-        beyond = indices[left][~np.isfinite(values[:, left]).all(axis=0)]
+        beyond, count = np.sort(indices[left][~np.isfinite(values[:, left]).all(axis=0)]), 1
         while left.size:
-            first = beyond.min(initial=np.iinfo(int).max)  # where one value lies beyond float64, later ones need no balls
-            some, left = left[indices[left] <= first], left[indices[left] > first]
+            last = beyond[count - 1] if count <= len(beyond) else np.iinfo(int).max
+            some, left, count = left[indices[left] <= last], left[indices[left] > last], 2 * count
             values[:, some], errors[some] = rounded_values([self._closed], self._sums, indices[some].tolist())
-            if not np.isfinite(values[:, some]).all():
+            if not np.isfinite(values[:, some]).all():  # beyond the range of float64 later values need no balls
                 values[:, left], errors[left], left = np.inf, np.inf, left[:0]
-            beyond = beyond[beyond > first]
         return values, errors
 
     def _recursive(self, last: int) -> tuple[np.ndarray, np.ndarray] | None:

@@ -243,7 +243,7 @@ def refined(recursion: ShiftRecursion, forces: DoubleDouble) -> tuple[np.ndarray
             bounds, last = recursion.carried(sizes)[own], errors
             values = np.where(np.abs(x.high[-size:, own]) > bounds, x.high[-size:, own], 0.0)
             largest = np.abs(x.high[-size:, own]).max(axis=0, initial=0.0)
-            errors = np.divide(bounds, largest, out=np.zeros(count), where=bounds > 0)
+            errors = np.divide(bounds, largest, out=np.zeros(count), where=bounds != 0)
             gaining = errors < LEAST_GAIN * last if number else errors < np.inf
             if (errors <= SETTLED).all() or not gaining[errors > SETTLED].any():
                 break

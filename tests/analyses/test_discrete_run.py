@@ -125,3 +125,38 @@ def test_the_command_prints_samples(command, tmp_path):
     assert code == 0 and data["step_domain"] == "discrete" and data["samples"][-1] == 60
     code, output, _ = command("run", EXAMPLES / "sampled_quarter_car.toml")
     assert code == 0 and "Largest samples" in output
+
+
+def sampled_robot(name: str, step: float, hold: int, plots: list[str]) -> mb.Scene:
+    changes = {"time.step_domain": "discrete", "time.step": step, "time.hold": hold, "output.plots": plots}
+    return mb.read_scene(EXAMPLES / f"{name}.toml", changes)
+
+
+def test_robots_are_sampled_on_their_motion_with_outputs_and_a_page(tmp_path):
+    answer = sampled_robot("trapezoid", 0.1, 0, ["output", "displacement"]).run(tmp_path)
+    continuous = mb.read_scene(EXAMPLES / "trapezoid.toml", {"time.step": 0.1}).run()
+    assert np.abs(answer.values[:3] - continuous.values).max() < 1e-12 * np.abs(continuous.values).max()
+    outputs = continuous.curves("output").values
+    assert np.allclose(answer.values[3:], outputs, atol=1e-12 * np.abs(outputs).max())
+    assert [plot.quantity for plot in answer.plots()].count("output") == 2
+    assert "middle x" in (tmp_path / "trapezoid.csv").read_text().splitlines()[0]
+    assert (tmp_path / "trapezoid.html").stat().st_size > 100_000 and not answer.animation.rates.any()
+    path = next(body.path for body in answer.animation.drawing.bodies if body.path is not None and body.path.count > 1)
+    poses = path.positions.reshape(3, -1, 6)
+    assert (poses == poses[:, :, :1]).all()  # nothing moves between samples
+
+
+def test_signals_between_samples_that_are_not_as_the_hold_are_reported():
+    (notice,) = [one for one in sampled_robot("delta", 0.04, 0, ["output"]).run().notices if one.kind == "aliasing"]
+    assert "between samples the given signal is up to 100 %" in notice.text
+    assert not [one for one in sampled_robot("satellite", 0.5, 0, ["displacement"]).run().notices if one.kind == "aliasing"]
+
+
+def test_impulses_on_a_robot_are_refused_by_name():
+    with pytest.raises(mb.SceneError, match="Dirac impulses, which have no value at k"):
+        sampled_robot("seven_joint_arm", 0.01, 1, ["displacement"]).run()
+
+
+def test_a_frequency_response_is_left_out_with_a_notice(tmp_path):
+    answer = scene(tmp_path, CART + '[frequency]\nfrequencies = ["1 Hz"]\n').run()
+    assert any("[frequency] is left out" in notice.text for notice in answer.notices)

@@ -184,3 +184,49 @@ def test_refusals():
 def test_growth_outside_the_circle_is_reported():
     assert "unit circle" in mb.DiscreteStateSpace([[1.5]], [[1.0]], [[1.0]]).notices[0].text
     assert not mb.DiscreteStateSpace([[1.0]], [[1.0]], [[1.0]]).notices
+
+
+def test_zeros_agree_with_exact_ones_within_their_errors():
+    random = np.random.default_rng(0)
+    systems = [
+        mb.DiscreteStateSpace(*(random.standard_normal(shape) for shape in ((n, n), (n, 1), (1, n), (1, 1)))) for n in (1, 3, 5)
+    ]
+    chain = mb.StateSpace.from_transfer_function([1.0, 0.5], np.poly(-np.arange(1.0, 6)))
+    systems += [chain.discretize(h, hold) for h in (0.01, 0.1) for hold in (0, 1)]
+    for system in systems:
+        zeros, exact = system.zeros(), system.zeros(exact=True)
+        assert len(zeros) == len(exact) and [zero.origin for zero in zeros] == [zero.origin for zero in exact]
+        for zero in zeros:
+            nearest = min(exact, key=lambda other: abs(other.value - zero.value))
+            assert abs(nearest.value - zero.value) <= zero.error and 1 <= zero.condition < 1e6
+            assert nearest.error <= 2.0**-53 * abs(nearest.value)
+
+
+def test_rounding_errors_of_the_matrices_move_zeros_by_no_more_than_their_errors():
+    system = mb.StateSpace.from_transfer_function([1.0, 0.5], np.poly(-np.arange(1.0, 5))).discretize(0.1, 0)
+    random = np.random.default_rng(1)
+    for _ in range(20):
+        moved = [M * (1 + random.uniform(-1, 1, M.shape) * 2.0**-53) for M in (system.A, system.B, system.C, system.D)]
+        others = mb.DiscreteStateSpace(*moved).zeros(exact=True)
+        for zero in system.zeros():
+            assert min(abs(other.value - zero.value) for other in others) <= zero.error
+
+
+def test_a_channel_that_is_zero_has_no_zeros():
+    system = mb.DiscreteStateSpace([[0.5]], [[0.0]], [[1.0]])
+    assert system.zeros() == system.zeros(exact=True) == ()
+
+
+def test_more_refusals():
+    system = random_system(1)
+    with pytest.raises(mb.InputError, match="delay of u1: found 1e.09 s, which is more than 2000 steps"):
+        system.discretize(0.1, delays={"u1": 1e9})
+    with pytest.raises(mb.InputError, match="found int; expected a system of scipy.signal"):
+        mb.DiscreteStateSpace.from_scipy(3)
+    with pytest.raises(mb.InputError, match="at most 2.53"):
+        system.discretize(0.1).solve([1.0, 0.0, 0.0, 0.0])(10**19)
+
+
+def test_states_and_outputs_of_like_names():
+    system = mb.DiscreteStateSpace([[0.5]], [[1.0]], [[2.0]], states=["a"], outputs=["state a"])
+    assert system.solve([1.0]).output(2).tolist() == [0.5]
