@@ -48,7 +48,7 @@ def test_a_formula_has_the_factors_of_rayleigh_damping_as_symbols(tmp_path):
         ("modal_damping = [0.1, 0.2]", r"model.modal_damping: damping ratios: found 2; there is 1 oscillating mode"),
         ("modal_damping = -0.1", r"model.modal_damping: damping ratios: found -0.1; expected 0 or a positive number"),
         ('modal_damping = "2 s"', r'model.*modal_damping: found "2 s"; expected a plain number'),
-        ("rayleigh_damping = { mass = -1 }", r"rayleigh_damping: mass: found -1; expected at least 0"),
+        ("rayleigh_damping = { mass = -1 }", r"model.rayleigh_damping.mass: found -1.0; expected at least 0"),
         ('rayleigh_damping = { stiffness = "1 kg" }', r'found "1 kg", a mass; expected a time'),
     ],
 )
