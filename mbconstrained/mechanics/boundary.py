@@ -15,7 +15,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
-import scipy.linalg
+import scipy
 
 from ..ground.checks import counted, evaluation_times, listed, nearest, real_array, real_number, whole_number
 from ..ground.errors import ContradictoryConstraints, InputError, Overflow, within_float64
