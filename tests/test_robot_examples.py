@@ -416,3 +416,31 @@ def test_engine_settles_into_the_period_of_its_crankshaft():
     period = 60 / 750
     values = late(t)
     assert values == pytest.approx(late(t + period), abs=1e-9 * np.abs(values).max())
+
+
+def test_the_flexible_arm_turns_by_the_torque_of_least_energy():
+    """Two inertias on an elastic shaft; the Gramian by an exponential with 40 digits."""
+    arm, motor, k, c = 0.1618 + 3 * 0.4**2 + 0.003 + 2 * 0.8**2, 40e-6 * 100**2, 400.0, 0.5
+    result = run("flexible_arm")
+    with mpmath.workdps(40):
+        A, B = mpmath.zeros(4), mpmath.matrix([0, 0, 0, 1 / mpf(motor)])
+        for row, inertia, sign in ((2, arm, -1), (3, motor, 1)):
+            for column, (first, second) in enumerate(((k, -k), (c, -c))):
+                A[row, 2 * column], A[row, 2 * column + 1] = sign * first / mpf(inertia), sign * second / mpf(inertia)
+        A[0, 2] = A[1, 3] = 1
+        whole = mpmath.zeros(8)
+        whole[:4, :4], whole[:4, 4:], whole[4:, 4:] = -A, B * B.T, A.T
+        exponential = mpmath.expm(whole)
+        W = exponential[4:, 4:].T * exponential[:4, 4:]
+        end = mpmath.matrix([mpmath.pi / 2, mpmath.pi / 2, 0, 0])
+        weights = mpmath.lu_solve(W, end)
+        energy = (end.T * weights)[0]
+        torque = [float((B.T * mpmath.expm(A.T * (1 - mpf(t))) * weights)[0]) for t in (0, 0.25, 0.75)]
+    own = result.to_dict()["least_energy"]
+    assert own["energy"] == pytest.approx(float(energy), rel=1e-11) and own["unit"] == "N^2 m^2 s" and own["error_at_end"] < 1e-12
+    assert result.curves("force").names == ("shoulder motor",)
+    assert result.functions("force")(np.array([0.0, 0.25, 0.75]))[0] == pytest.approx(torque, rel=1e-10)
+    after = np.linspace(1.0, 1.5, 11)
+    assert not result.functions("force")(after).any()
+    assert np.abs(result.motion(after) - math.pi / 2).max() < 1e-12 > np.abs(result.motion.derivative()(after)).max() / 100
+    assert not result.notices

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.linalg import expm
+from scipy.linalg import eigh, expm
 from scipy.signal import lsim
 
 from mbconstrained.analyses.frequency import Frequency
@@ -302,3 +302,31 @@ def test_chatter_grows_between_two_lobes_and_decays_on_one():
     s = 2j * math.pi * peak.frequency_hz
     own = 2 * s * s + 4 * math.pi * 0.03 * 2 * 250 * s + k + pressure * 4e-4 * (1 - np.exp(-0.012 * s))
     assert peak.amplitude == pytest.approx(1 / abs(own), rel=1e-10)
+
+
+def test_the_crane_with_a_shaper_stops_without_swing_and_the_other_one_swings_as_its_closed_form():
+    """Modes of the double pendulum; the swing after a versed sine of the velocity by its Fourier integral (Duhamel)."""
+    hook, load, upper, lower, speed, T = 200.0, 1000.0, (1200 * 9.81) / 6, (1000 * 9.81) / 2, 1.0, 4.0
+    M, K = np.diag([hook, load]), np.array([[upper + lower, -lower], [-lower, lower]])
+    squares, shapes = eigh(K, M)
+    w, excited = np.sqrt(squares), shapes.T @ M @ [1.0, 1.0]
+    result = read_scene(EXAMPLES / "crane.toml").run()
+    place = result.scene.equations.coordinates.names.index
+    t = np.linspace(4.0, 20.0, 65)
+    forced = 2 * math.pi / T
+    integral = speed * math.pi / T * forced * (1 - np.exp(-1j * w * T)) / (forced**2 - squares)
+    swing = shapes @ (-(excited / w)[:, None] * np.imag(np.exp(1j * np.outer(w, t)) * integral[:, None]))
+    rear = [place("rear hook"), place("rear load")]
+    assert result.motion(t)[rear] == pytest.approx(2.0 + swing, abs=1e-12)
+    [shaper] = result.to_dict()["shapers"]
+    halves = math.pi / w
+    times = np.add.outer(halves[0] * np.arange(3), halves[1] * np.arange(3)).ravel()
+    weights = np.multiply.outer([0.25, 0.5, 0.25], [0.25, 0.5, 0.25]).ravel()
+    order = np.argsort(times)
+    assert shaper["on"] == "motion of front trolley" and len(shaper["modes"]) == 2
+    assert shaper["times"] == pytest.approx(times[order], rel=1e-12) and shaper["amplitudes"] == pytest.approx(weights[order], rel=1e-14)
+    after = T + times.max() + np.linspace(1e-9, 5.0, 21)
+    front = [place("front trolley"), place("front hook"), place("front load")]
+    assert np.abs(result.motion(after)[front] - 2.0).max() < 1e-13
+    assert np.abs(result.motion.derivative()(after)[front]).max() < 1e-13 < 0.1 < np.abs(swing).max()
+    assert not any(notice.doubtful for notice in result.notices)

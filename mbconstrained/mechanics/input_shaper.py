@@ -21,6 +21,9 @@ Kind = Literal["ZV", "ZVD", "EI"]
 #: The vibration that EI leaves at the frequency of the mode, as a part of that of an input that is not shaped.
 DEFAULT_VIBRATION_LIMIT = 0.05
 
+#: Impulses of a shaper: a factor of 2 or 3 for each mode.
+MOST_IMPULSES = 1000
+
 
 class ShapedMode(NamedTuple):
     """A mode at which a shaper is aimed."""
@@ -127,7 +130,7 @@ def input_shaper(modes, kind: Kind = "ZVD", *, vibration_limit: float | None = N
         An ``InputShaper``.
 
     Raises:
-        InputError: another kind, no mode, a mode that does not oscillate or grows, a limit that the damping does not allow.
+        InputError: another kind, no mode or too many, a mode that does not oscillate or grows, a limit that the damping does not allow.
 
     Sources: Singer and Seering, J. Dyn. Syst. Meas. Control 112 (1990) 76-82 (ZV, ZVD); Singhose, Derezinski and Singer, "Extra-insensitive
     input shapers for controlling flexible spacecraft", J. Guid. Control Dyn. 19 (1996) 385-391 (EI, without damping).
@@ -144,6 +147,11 @@ def input_shaper(modes, kind: Kind = "ZVD", *, vibration_limit: float | None = N
     if limit >= 1:
         raise InputError(f"vibration_limit: found {limit:g}; expected a part below 1, such as 0.05 for 5 %")
     aims = _aims(modes)
+    count = len(_AMPLITUDES[kind](1.0, limit)) ** len(aims)
+    if count > MOST_IMPULSES:
+        raise InputError(
+            f"modes: {kind} has {count} impulses for {len(aims)} modes, more than {MOST_IMPULSES}; choose those that the input excites most"
+        )
     times, amplitudes = np.zeros(1), np.ones(1)
     for frequency_hz, damping in aims:
         root = math.sqrt(1 - damping**2)

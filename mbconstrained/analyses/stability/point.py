@@ -229,7 +229,10 @@ def condition_of(problem: StudyProblem, exact: ExactResponse, draws: int = DRAWS
     change = max(changes, default=Fraction(0))
     if largest == 0:
         return 0.0 if change == 0 else math.inf
-    return float(change / (STEP * largest))
+    try:
+        return float(change / (STEP * largest))
+    except OverflowError:  # a force that grows and is cut off, which its perturbed copy is not
+        return math.inf
 
 
 def _largest_change(problem, exact, truth, seed) -> Fraction:
