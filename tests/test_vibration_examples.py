@@ -324,7 +324,9 @@ def test_the_crane_with_a_shaper_stops_without_swing_and_the_other_one_swings_as
     weights = np.multiply.outer([0.25, 0.5, 0.25], [0.25, 0.5, 0.25]).ravel()
     order = np.argsort(times)
     assert shaper["on"] == "motion of front trolley" and len(shaper["modes"]) == 2
-    assert shaper["times"] == pytest.approx(times[order], rel=1e-12) and shaper["amplitudes"] == pytest.approx(weights[order], rel=1e-14)
+    assert shaper["times"] == pytest.approx(times[order], rel=1e-12) and shaper["amplitudes"] == pytest.approx(
+        weights[order], rel=1e-14
+    )
     after = T + times.max() + np.linspace(1e-9, 5.0, 21)
     front = [place("front trolley"), place("front hook"), place("front load")]
     assert np.abs(result.motion(after)[front] - 2.0).max() < 1e-13

@@ -197,7 +197,7 @@ class DiscreteRunAnswer(RunAnswer):
 
     @cached_property
     def _hold_notices(self) -> tuple[Notice, ...]:
-        """A notice where forces between samples are not as they are held."""
+        """A notice where forces between samples differ from their hold."""
         x, equations, time = self.sequence, self.scene.equations, self.scene.table.time
         if not isinstance(x, DiscreteStateSpaceResponse):
             return ()
@@ -213,7 +213,7 @@ class DiscreteRunAnswer(RunAnswer):
             return ()
         text = (
             f"{x.system.inputs[int(part.argmax())]}: between samples the given signal is up to {100 * part.max():.3g} % of its largest value "
-            f"off the held one (hold = {time.hold}); the samples are those of the held one, a smaller step brings them nearer"
+            f"off its hold (hold = {time.hold}); the samples are those of the hold, a smaller step brings them nearer"
         )
         return (Notice(NoticeKind.ALIASING, text),)
 

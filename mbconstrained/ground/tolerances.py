@@ -443,7 +443,7 @@ COMPLEX_STEP = 1e-40
 #: Steps of iterative refinement with residuals of long double: each gains the digits that the condition leaves.
 REFINEMENT_STEPS = 3
 
-#: A signal that differs from the held one between samples by less than this part of its largest value is the held one.
+#: A signal that differs from its hold between samples by less than this part of its largest value is its hold.
 SAME_HOLD = 1e-9
 
 # Scenes: consistent initial values and drawings (``scene``).

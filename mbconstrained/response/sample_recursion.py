@@ -143,7 +143,7 @@ class ShiftRecursion:
         step = np.abs(W @ self.step @ V) + rounding
         return np.abs(self.output @ V), step, np.abs(W @ self.input), *map(np.abs, self.taps)
 
-    def carried(self, residuals: np.ndarray) -> np.ndarray:
+    def propagated(self, residuals: np.ndarray) -> np.ndarray:
         """A bound of the largest entry of x at each sample under residuals of these sizes, shape (T,)."""
         output, step, entry, *taps = self._sizes
         return ROUNDED_SUM * _response(output, step, entry, taps, residuals).max(axis=0, initial=0.0)
@@ -240,7 +240,7 @@ def refined(recursion: ShiftRecursion, forces: DoubleDouble) -> tuple[np.ndarray
         for number in range(MOST_PASSES):
             x = x + recursion.solved(rest)
             rest, sizes = recursion.residual(g, x)
-            bounds, last = recursion.carried(sizes)[own], errors
+            bounds, last = recursion.propagated(sizes)[own], errors
             values = np.where(np.abs(x.high[-size:, own]) > bounds, x.high[-size:, own], 0.0)
             largest = np.abs(x.high[-size:, own]).max(axis=0, initial=0.0)
             errors = np.divide(bounds, largest, out=np.zeros(count), where=bounds != 0)

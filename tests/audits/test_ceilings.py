@@ -37,7 +37,7 @@ LINES = {
     "polynomial": 3307,
     "response": 7361,
     "robot": 8814,
-    "scene": 9914,
+    "scene": 9916,
     "signals": 1898,
 }
 

@@ -153,8 +153,8 @@ class Steps:
         self.force = problem.force + past_force(terms, problem.past, problem.polynomial_matrix.size)
         self.equations = equations = _DelayedEquations.of(pairs, terms, self.force.smooth)
         self.delays = tuple(term.decimal for term in terms)
-        couplings = [equations.inputs @ measured[:, : len(equations.inputs)] for measured in equations.measured]
-        size = sum(float(np.linalg.norm(one, 2)) for one in couplings if one.size)
+        gains = [equations.inputs @ measured[:, : len(equations.inputs)] for measured in equations.measured]
+        size = sum(float(np.linalg.norm(one, 2)) for one in gains if one.size)
         reach = REACH if len(terms) == 1 else REACH_OF_SEVERAL
         count = max(1, ceil(size * float(self.delays[0]) / reach)) + problem.subdivisions
         self.gap = self.delays[0] / count  # the longest between two knots

@@ -490,7 +490,9 @@ class SceneFile(Table):
             raise InputError("boundary and least_energy both decide the end of the motion; leave out one of them")
         own = "boundary" if self.least_energy is None else "least_energy"
         if self.boundary is not None and self.initial.model_fields_set:
-            raise EntryError("initial: boundary has the values at both ends; write those at the start as [boundary.start]", "initial")
+            raise EntryError(
+                "initial: boundary has the values at both ends; write those at the start as [boundary.start]", "initial"
+            )
         if self.time.step_domain == "discrete":
             raise InputError(f'{own} needs a motion between samples, which step_domain = "discrete" has not; leave it out')
         if self.model.kind == "transfer-function" or getattr(self.model, "normal_form", False):

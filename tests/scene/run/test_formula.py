@@ -27,7 +27,9 @@ NAMES = [
     for path in sorted(EXAMPLES.glob("*.toml"))
     if kind(path) != "robot"
     and not path.stem.startswith(QUARTIC)
-    and not any(table in path.read_text("utf-8") for table in ("[[motion]]", "[[model.rotor]]", "delayed_feedback"))  # of which there is no formula
+    and not any(
+        table in path.read_text("utf-8") for table in ("[[motion]]", "[[model.rotor]]", "delayed_feedback")
+    )  # of which there is no formula
 ]
 
 
