@@ -377,6 +377,7 @@ class RationalMatrix(ExactMatrix):
 
 def regular_matrix(A: PolynomialMatrix) -> RationalMatrix:
     """The regular matrix A(s) with its entries as exact numbers."""
+    A.check_square()
     if A not in _KNOWN:
         _KNOWN[A] = RationalMatrix.of(A)
     return regular(_KNOWN[A], A.equations, A.coordinates)

@@ -21,7 +21,9 @@ class SceneError(InputError):
 
 
 class SingularPolynomialMatrix(MbconstrainedError, ValueError):
-    """det A(s) = 0 for every s: some equations depend on each other, or some coordinates are free.
+    """A(s) is not regular: some equations depend on each other, or some coordinates are free.
+
+    Either det A(s) = 0 for every s, or there are more equations than coordinates, or fewer.
 
     Attributes:
         equations: indices of the rows that depend on each other.

@@ -9,8 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ..ground.checks import constant_zeros, names_of, real_array
-from ..ground.errors import InputError
+from ..ground.checks import constant_zeros, counted, names_of, real_array
+from ..ground.errors import InputError, SingularPolynomialMatrix
 
 
 class PolynomialCoefficients:
@@ -24,7 +24,7 @@ class PolynomialCoefficients:
         uncertainty=None,
     ):
         if not isinstance(coefficients, Iterable):
-            raise InputError(f"coefficients: found {coefficients!r}; expected a list of square matrices [A_0, A_1, ...]")
+            raise InputError(f"coefficients: found {coefficients!r}; expected a list of matrices [A_0, A_1, ...]")
         given = [  # the element matrix B^T diag(k) B of a coefficient given by its elements, directions B and constants k
             matrix.factors if hasattr(matrix, "directions") else matrix for matrix in coefficients
         ]
@@ -33,8 +33,8 @@ class PolynomialCoefficients:
         if not matrices:
             raise InputError("a polynomial matrix needs at least one coefficient, A_0; none was given")
         for power, matrix in enumerate(matrices):
-            if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
-                raise InputError(f"A_{power}: expected a square matrix, found shape {matrix.shape}")
+            if matrix.ndim != 2:
+                raise InputError(f"A_{power}: expected a matrix, found shape {matrix.shape}")
             if matrix.shape != matrices[0].shape:
                 raise InputError(f"A_{power} has shape {matrix.shape}, but A_0 has {matrices[0].shape}; all must agree")
         self.coefficients = np.array(matrices)
@@ -44,12 +44,12 @@ class PolynomialCoefficients:
             constant_zeros(shape) if uncertainty is None else np.abs(real_array(uncertainty, "uncertainty", shape=shape))
         )
         self._pairs: dict = {}
-        self.coordinates = names_of(coordinates, self.size, "coordinates", "x")
-        self.equations = names_of(equations, self.size, "equations", "equation ")
+        self.coordinates = names_of(coordinates, shape[2], "coordinates", "x")
+        self.equations = names_of(equations, shape[1], "equations", "equation ")
 
     @property
     def exact_coefficients(self) -> np.ndarray:
-        """The coefficients, shape (q + 1, r, r), exact Fractions of those that are given by their factors."""
+        """The coefficients, shape (q + 1, m, n), exact Fractions of those that are given by their factors."""
         result = self.coefficients.astype(object)
         for power, factors in enumerate(self.factors):
             if factors is not None:
@@ -62,12 +62,51 @@ class PolynomialCoefficients:
         return len(self.coefficients) - 1
 
     @property
+    def shape(self) -> tuple[int, int]:
+        """The numbers of equations and of coordinates, (m, n)."""
+        return self.coefficients.shape[1:]
+
+    @property
+    def is_square(self) -> bool:
+        """True with as many equations as coordinates."""
+        return self.shape[0] == self.shape[1]
+
+    @property
     def size(self) -> int:
-        """The number of rows and columns r."""
-        return self.coefficients.shape[1]
+        """The number r of equations, and of coordinates, where these are as many.
+
+        Raises:
+            SingularPolynomialMatrix: other numbers of equations and coordinates, which determine no motion.
+        """
+        self.check_square()
+        return self.shape[0]
+
+    def check_square(self) -> None:
+        """Check that there are as many equations as coordinates.
+
+        Raises:
+            SingularPolynomialMatrix: other numbers of them, which determine no motion.
+        """
+        if not self.is_square:
+            raise SingularPolynomialMatrix(_not_square(*self.shape))
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}(degree={self.degree}, size={self.size})"
+        size = f"size={self.size}" if self.is_square else f"shape={self.shape}"
+        return f"{type(self).__name__}(degree={self.degree}, {size})"
+
+
+def _not_square(equations: int, coordinates: int) -> str:
+    """Text on numbers of equations and coordinates that differ, with a remedy."""
+    text = (
+        f"A(s) has {counted(equations, 'equation')} for {counted(coordinates, 'coordinate')}, but a motion is determined by as many"
+    )
+    if equations < coordinates:
+        remedy = (
+            "some coordinates can move without any force. Attach them (by a mass, spring, damper, constraint or prescribed motion)"
+        )
+    else:
+        remedy = "some equations are redundant or contradict others. Leave those out"
+    return f"{text}: {remedy}; A.structure() shows which they are."
 
 
 def _assembled(matrix, what: str) -> np.ndarray:

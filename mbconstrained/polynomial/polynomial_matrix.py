@@ -24,22 +24,27 @@ MOST_PAIR_STATES = 150
 
 
 class PolynomialMatrix(PolynomialCoefficients):
-    """A(s) = A_0 + A_1 s + ... + A_q s^q, real and square, of any declared degree q >= 0 (Moysis et al., Eq. 4).
+    """A(s) = A_0 + A_1 s + ... + A_q s^q, real, of any declared degree q >= 0 (Moysis et al., Eq. 4).
+
+    Motions, eigenvalues and responses need a regular A(s): square, and det A(s) not zero for every s. Of every other one, with any
+    numbers of equations and coordinates, ``structure`` shows which coordinates are free and which equations are redundant.
 
     Args:
-        coefficients: A_0 ... A_q in ascending powers, each of shape (r, r), as an array, as ``Factors`` or by its
+        coefficients: A_0 ... A_q in ascending powers, each of shape (m, n), as an array, as ``Factors`` or by its
             elements (``mb.ElementMatrix``). A_q may be singular or zero.
-        coordinates: names of the r entries of x (x1, x2, ... when not given).
-        equations: names of the r rows (equation 1, ... when not given).
-        uncertainty: by how much entries may be wrong, in their own units, shape (q + 1, r, r); where it is less than a unit in
+        coordinates: names of the n entries of x, the columns (x1, x2, ... when not given).
+        equations: names of the m rows (equation 1, ... when not given).
+        uncertainty: by how much entries may be wrong, in their own units, shape (q + 1, m, n); where it is less than a unit in
             the last place, or not given, entries are taken to be rounded. Rank decisions are made against it.
 
     Raises:
-        InputError: not square, of different shapes, not finite or not real.
+        InputError: no matrices, of different shapes, not finite or not real.
 
     >>> A = PolynomialMatrix([[[1.0]], [[2.0]], [[1.0]]])
     >>> A.degree, A.size, A(-1).tolist()
     (2, 1, [[0.0]])
+    >>> PolynomialMatrix([[[1.0, -1.0]], [[0.0, 2.0]]]).shape
+    (1, 2)
     """
 
     _pairs: dict[float | None, JordanPairs]
@@ -47,10 +52,10 @@ class PolynomialMatrix(PolynomialCoefficients):
     _order: np.ndarray | None = None
 
     def __call__(self, s: complex) -> np.ndarray:
-        """A(s) at a finite number s, real or complex, shape (r, r), by Horner's rule."""
+        """A(s) at a finite number s, real or complex, shape (m, n), by Horner's rule."""
         if not isinstance(s, Number) or not np.isfinite(s):
             raise InputError(f"s: found {s!r}; expected a finite number, real or complex")
-        value = np.zeros((self.size, self.size))
+        value = np.zeros(self.shape)
         for matrix in self.coefficients[::-1]:
             value = value * s + matrix
         return value
@@ -97,7 +102,9 @@ class PolynomialMatrix(PolynomialCoefficients):
 
     @property
     def is_regular(self) -> bool:
-        """False where det A(s) = 0 for every s; True also where float64 cannot determine the structure of a regular A(s)."""
+        """False where A(s) is not square or det A(s) = 0 for every s; True also where float64 cannot determine the structure of a regular A(s)."""
+        if not self.is_square:
+            return False
         try:
             scaled_companion(self).split
         except SingularPencil:
