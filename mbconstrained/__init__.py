@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from .ground.errors import MbconstrainedError as MbconstrainedError
     from .ground.errors import MissingPackage as MissingPackage
     from .ground.errors import NoNormalForm as NoNormalForm
+    from .ground.errors import NotSolvable as NotSolvable
     from .ground.errors import NotUnique as NotUnique
     from .ground.errors import Overflow as Overflow
     from .ground.errors import SceneError as SceneError
@@ -90,6 +91,9 @@ if TYPE_CHECKING:
     from .response.discrete import solve_discrete as solve_discrete
     from .response.events import Event as Event
     from .response.response import Response as Response
+    from .response.solvability import Condition as Condition
+    from .response.solvability import Solvability as Solvability
+    from .response.solvability import solvability as solvability
     from .response.solve import Responses as Responses
     from .response.solve import solve as solve
     from .robot.connections import BodySpring as BodySpring
@@ -147,7 +151,7 @@ _NAMES = {
     "frequency.random.random_response": "RandomResponse octave_bands",
     "frequency.random.spectra": "Spectrum dryden kanai_tajimi psd rational_spectrum road_profile white_noise",
     "frequency.shock.response_spectrum": "ShockResponseSpectrum shock_response_spectrum",
-    "ground.errors": "ContradictoryConstraints IllConditioned InputError MbconstrainedError MissingPackage NoNormalForm NotUnique Overflow SceneError SingularPolynomialMatrix",
+    "ground.errors": "ContradictoryConstraints IllConditioned InputError MbconstrainedError MissingPackage NoNormalForm NotSolvable NotUnique Overflow SceneError SingularPolynomialMatrix",
     "ground.notices": "Notice NoticeKind",
     "mechanics.boundary": "BoundaryMotion BoundaryResponse boundary_solve",
     "mechanics.constraints": "Constraint",
@@ -173,6 +177,7 @@ _NAMES = {
     "response.discrete": "DiscreteResponse solve_discrete",
     "response.events": "Event",
     "response.response": "Response",
+    "response.solvability": "Condition Solvability solvability",
     "response.solve": "Responses solve",
     "robot.connections": "BodySpring Bushing Loop PointMotion",
     "robot.description.urdf": "Payload",

@@ -36,6 +36,18 @@ class SingularPolynomialMatrix(MbconstrainedError, ValueError):
         self.coordinates = coordinates
 
 
+class NotSolvable(MbconstrainedError, ValueError):
+    """No motion satisfies the equations: a combination of them has no coordinate left, but a force or an impulse.
+
+    Attributes:
+        conditions: ``Condition`` of each such combination, satisfied or not, from ``mb.solvability``.
+    """
+
+    def __init__(self, message: str, conditions: tuple = ()):
+        super().__init__(message)
+        self.conditions = conditions
+
+
 class ContradictoryConstraints(InputError):
     """Dependent constraint rows with different right-hand sides; the text names the rows."""
 

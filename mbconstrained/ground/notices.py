@@ -32,6 +32,7 @@ class NoticeKind(StrEnum):
     KINK = "kink", "the excitation is continuous but its slope is not, so that rates that follow it jump"
     IMPULSE = "impulse", "a value or a reaction contains Dirac's delta or one of its derivatives"
     REDUNDANT = "redundant", "a constraint row follows from others; the equations leave it out"
+    FREE = "free", "a coordinate that the equations leave free, and its motion"
     DRIFT = "drift", "a constraint at velocity or acceleration level, of which no equation corrects the position"
     RIGID_BODY = "rigid body", "an unconstrained motion, and the force or constraint that would remove it"
     UNSTABLE = "unstable", "an eigenvalue with a positive real part"

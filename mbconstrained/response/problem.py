@@ -10,6 +10,7 @@ import numpy as np
 
 from ..ground.checks import OF_FUNCTION, counted, real_array
 from ..ground.errors import InputError, named
+from ..ground.notices import Notice
 from ..ground.tolerances import EPS, PROBE_SIZE
 from ..linalg.blocks import block_matrix, block_slices
 from ..linalg.exponential import block_states
@@ -43,6 +44,7 @@ class Problem:
         delayed: the terms with dead time, ascending by it.
         past: x before t = 0 as a function of the time since the longest delay before it; None for zero.
         subdivisions: more knots within each delay than necessary.
+        notices: notices of equations that were completed to a regular system (``response.solvability``).
     """
 
     polynomial_matrix: PolynomialMatrix
@@ -52,6 +54,7 @@ class Problem:
     delayed: tuple[DelayedTerm, ...] = ()
     past: BohlFunction | None = None
     subdivisions: int = 0
+    notices: tuple[Notice, ...] = ()
 
     @classmethod
     def checked(

@@ -38,7 +38,7 @@ SolvedProblem: TypeAlias = Any
 @within_float64()
 def response_notices(x: SolvedProblem) -> tuple[Notice, ...]:
     """Jumps, impulses, the notices of the force, growth, doubtful rank decisions and unsatisfied equations of a response."""
-    return (*_jumps(x), *_impulses(x), *_later(x), *x.force.notices, *remaining_notices(x))
+    return (*_jumps(x), *_impulses(x), *_later(x), *x.force.notices, *x.problem.notices, *remaining_notices(x))
 
 
 def remaining_notices(x: SolvedProblem) -> tuple[Notice, ...]:

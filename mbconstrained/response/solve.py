@@ -24,6 +24,7 @@ from .events import Event, starts_of
 from .problem import Problem, checked_force, checked_matrix
 from .response import Response, start_after
 from .response_notices import remaining_notices
+from .solvability import solve_any
 
 if TYPE_CHECKING:
     from ..exact.enclosure.intervals import Enclosure
@@ -371,6 +372,7 @@ def solve(
     evaluations: Evaluations = "once",
     delayed: Mapping | None = None,
     history=None,
+    free: Mapping | None = None,
 ) -> Response | Any:
     """Solve A(d/dt) x = f on t >= 0 from any values at 0- (Moysis et al., Theorem 3.1, corrected).
 
@@ -395,6 +397,9 @@ def solve(
         evaluations: "once": each evaluation takes the method that costs least for its own times; even times of a large model
             then need no eigenvectors. "many": all evaluations share the modes, which are computed at the first one. Small
             models, and solutions by the Jordan pairs, have their modes in any case.
+        free: signals of coordinates that the equations do not determine, by name, each with one row: A(s) may be singular, or m x n,
+            and x with free coordinates that are not named is that in which they are zero; {} for zero motions of all of them. Dependent
+            equations must not contradict each other; ``mb.solvability`` reports both.
 
     Returns:
         A ``Response``; of S starts or forces a ``Responses``, which is evaluated for all of them together.
@@ -402,7 +407,8 @@ def solve(
     Raises:
         InputError: shapes that do not fit, values that are not finite, another word for ``evaluations``; delayed terms of neutral or
             advanced type, whose jumps return after each delay.
-        SingularPolynomialMatrix: det A(s) = 0 for every s.
+        SingularPolynomialMatrix: det A(s) = 0 for every s, or free coordinates and no ``free``.
+        NotSolvable: dependent equations contradict each other; ``.conditions`` has the combinations.
 
     >>> A = PolynomialMatrix([[[4.0]], [[0.0]], [[1.0]]])
     >>> x = solve(A, initial=[[1.0], [0.0]])
@@ -413,6 +419,13 @@ def solve(
     [[1.0, 0.0]]
     """
     request = Request(evaluations)
+    if free is not None or not checked_matrix(A).is_square:
+        if delayed or history is not None or _is_family(initial, force):
+            raise InputError(
+                "free: equations with free coordinates or of another number than the coordinates are solved without delays, for one start "
+                "and one force"
+            )
+        return solve_any(A, initial, force, free, rank_tolerance, request)
     if _is_family(initial, force):
         if delayed:
             raise InputError("delayed: several starts or forces are given; equations with delays are solved for one of each")

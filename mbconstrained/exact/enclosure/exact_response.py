@@ -28,7 +28,17 @@ from ...ground.tolerances import EPS
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.impulsive import ImpulsiveSmooth
 from ..engine import series_at_infinity
-from ..rational import RATIONALS, RationalMatrix, enclosed_roots, fraction, polynomial, rational, regular_matrix, working_precision
+from ..rational import (
+    RATIONALS,
+    RationalMatrix,
+    enclosed_roots,
+    fraction,
+    polynomial,
+    rational,
+    rational_matrix,
+    regular_matrix,
+    working_precision,
+)
 from .exact_sources import ONE, ExactSource, Factor, S, Shape, added, ball, delta, sources_of, vector_of
 from .intervals import Enclosure, bits_of, has_digits
 
@@ -616,6 +626,25 @@ def exact_fraction_response(
     ]
     a = RationalMatrix([[[c]] for c in denominator])
     return ExactResponse(a, np.zeros((len(denominator) - 1, 1)), sources)
+
+
+def exact_combination(row: np.ndarray, A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveSmooth) -> ExactResponse:
+    """The function N(d/dt) f with the values at 0-, N(s) (F(s) + X_in(s)), for a polynomial row N, shape (degree + 1, m)."""
+    unit, one = (flint.fmpq(1),), flint.fmpq(1)
+    polynomials = [polynomial(column) for column in row.T]
+    sources = [
+        replace(source, shape=Shape(source.shape.numerator * p, source.shape.denominator), vector=(entry,))
+        for source in sources_of(force)
+        for p, entry in zip(polynomials, source.vector)
+        if p and entry
+    ]
+    for power, matrix in enumerate(A.exact_coefficients):
+        for i in range(power):
+            vector = (rational_matrix(matrix) * flint.fmpq_mat([[entry] for entry in vector_of(initial[i])])).entries()
+            shape = sum((p * entry for p, entry in zip(polynomials, vector)), flint.fmpq_poly([0])) * S ** (power - 1 - i)
+            if shape:
+                sources.append(ExactSource(Shape(shape), unit, ZERO, one))
+    return ExactResponse(RationalMatrix([[[1]]]), np.zeros((0, 1)), sources)
 
 
 # Where the exact data have another structure than the numeric answer, and the entry of A(s) on which it depends.

@@ -1,0 +1,183 @@
+"""Rank, kernels and completion of any A(s), m x n, over the rationals: what decides whether A(d/dt) x = f can be solved, and how."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from itertools import combinations, islice
+from math import gcd, lcm
+
+import flint
+import numpy as np
+
+from .rational import POINTS, RationalMatrix, fraction, rational_matrix
+
+#: So many sets of rows are tried before the one with the fewest additional zeros is taken.
+MOST_SETS = 400
+
+
+def normal_rank(coefficients: np.ndarray) -> int:
+    """The rank of A(s) over the rational functions, from Fractions or floats taken as exact, shape (q + 1, m, n)."""
+    matrices = [rational_matrix(matrix) for matrix in coefficients]
+    ranks = []
+    for point in POINTS:
+        value = matrices[-1]
+        for matrix in matrices[-2::-1]:
+            value = value * point + matrix
+        ranks.append(value.rank())
+    return max(ranks)
+
+
+def minimal_basis(coefficients: np.ndarray, rank: int) -> list[np.ndarray]:
+    """A minimal polynomial basis of the right kernel of A(s): vectors K_j of whole numbers, shape (degree + 1, n), ascending degrees.
+
+    Polynomials of degree d in the kernel are the null space of a matrix with A_0 ... A_q in d + 1 block columns; those that are no
+    combinations of shorter ones are new (Forney 1975).
+    """
+    n, basis, degree = coefficients.shape[2], [], 0
+    while len(basis) < n - rank:
+        known = [_shifted(vector, shift, degree) for vector in basis for shift in range(degree - len(vector) + 2)]
+        for vector in _independent(known, _null_space(_convolution(coefficients, degree))):
+            basis.append(vector.reshape(degree + 1, n))
+        degree += 1
+    return basis
+
+
+def _convolution(coefficients: np.ndarray, degree: int) -> np.ndarray:
+    """The matrix of the map from the coefficients of a vector of this degree to those of its product with A(s)."""
+    q, (m, n) = len(coefficients) - 1, coefficients.shape[1:]
+    matrix = np.full(((q + degree + 1) * m, (degree + 1) * n), Fraction(0), dtype=object)
+    for column in range(degree + 1):
+        for power, part in enumerate(coefficients):
+            matrix[(column + power) * m : (column + power + 1) * m, column * n : (column + 1) * n] = part
+    return matrix
+
+
+def _shifted(vector: np.ndarray, shift: int, degree: int) -> np.ndarray:
+    """The coefficients of s^shift times a vector, up to this degree, in one row."""
+    result = np.full((degree + 1, vector.shape[1]), Fraction(0), dtype=object)
+    result[shift : shift + len(vector)] = vector
+    return result.ravel()
+
+
+def _null_space(matrix: np.ndarray) -> list[np.ndarray]:
+    """A basis of the null space, vectors of whole numbers without a common divisor."""
+    reduced, rank = rational_matrix(matrix).rref()
+    pivots = _pivots(reduced, rank)
+    basis = []
+    for free in (column for column in range(matrix.shape[1]) if column not in pivots):
+        vector = np.full(matrix.shape[1], Fraction(0), dtype=object)
+        vector[free] = Fraction(1)
+        for row, pivot in enumerate(pivots):
+            vector[pivot] = -fraction(reduced[row, free])
+        basis.append(whole(vector))
+    if len(basis) > 1:  # short vectors of the same space: readable, and exact in float64
+        short = flint.fmpz_mat([[int(entry) for entry in vector] for vector in basis]).lll()
+        basis = [whole(np.array([Fraction(int(entry)) for entry in row], dtype=object)) for row in short.table()]
+        basis.sort(key=lambda vector: (sum(map(bool, vector)), sum(abs(vector))))
+    return basis
+
+
+def _pivots(reduced: flint.fmpq_mat, rank: int) -> list[int]:
+    """The pivot columns of a reduced row echelon form."""
+    return [next(column for column in range(reduced.ncols()) if reduced[row, column]) for row in range(rank)]
+
+
+def _independent(known: Sequence[np.ndarray], vectors: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
+    """The vectors that are no combinations of known ones and of those before."""
+    if vectors:
+        reduced, rank = rational_matrix(np.array([*known, *vectors], dtype=object).T).rref()
+        yield from (vectors[pivot - len(known)] for pivot in _pivots(reduced, rank) if pivot >= len(known))
+
+
+def whole(vector: np.ndarray) -> np.ndarray:
+    """The multiple of a vector of Fractions that has whole numbers without a common divisor, the first one positive."""
+    entries = [entry for entry in vector.ravel().tolist() if entry]
+    if not entries:
+        return vector
+    factor = Fraction(lcm(*(entry.denominator for entry in entries)), gcd(*(entry.numerator for entry in entries)))
+    return vector * (factor if entries[0] > 0 else -factor)
+
+
+# Which rows make a square minor with the fewest zeros.
+
+
+def minor_zeros(vectors: Sequence[np.ndarray], rows: Sequence[int]) -> np.ndarray | None:
+    """The coefficients of the determinant of some rows of polynomial columns, lowest first, as floats; None where it is zero."""
+    determinant = RationalMatrix(stacked(vectors)[:, list(rows)].tolist()).determinant
+    return np.array([float(fraction(c)) for c in determinant.coeffs()]) if determinant else None
+
+
+def stacked(vectors: Sequence[np.ndarray]) -> np.ndarray:
+    """Polynomial vectors as columns of one polynomial matrix, shape (degree + 1, n, count)."""
+    degree = max(len(vector) for vector in vectors)
+    matrix = np.full((degree, vectors[0].shape[1], len(vectors)), Fraction(0), dtype=object)
+    for column, vector in enumerate(vectors):
+        matrix[: len(vector), :, column] = vector
+    return matrix
+
+
+def best_rows(
+    vectors: Sequence[np.ndarray], required: Sequence[int] = (), most: bool = False
+) -> tuple[tuple[int, ...], np.ndarray]:
+    """As many rows of polynomial columns as there are columns, whose minor has the fewest zeros, or the most; the last rows first.
+
+    Of rows with as many zeros those are preferred whose zeros are in the left half plane.
+
+    Args:
+        vectors: the columns of a minimal basis, at least one; no minor has more zeros than the sum of their degrees.
+        required: rows that must be among them; their minors must not all vanish.
+        most: whether as many zeros as possible are wanted. Free coordinates chosen so are inputs of which the others are proper functions,
+            so that they need no derivatives of them (Willems 1991, section VIII).
+
+    Returns:
+        The rows, ascending, and the coefficients of their determinant, lowest first.
+    """
+    used = np.flatnonzero(np.any([(vector != 0).any(axis=0) for vector in vectors], axis=0)).tolist()
+    others, best = [row for row in reversed(used) if row not in required], None
+    wanted = sum(len(vector) - 1 for vector in vectors) if most else 0
+    for more in islice(combinations(others, len(vectors) - len(required)), MOST_SETS):
+        rows = tuple(sorted((*required, *more)))
+        determinant = minor_zeros(vectors, rows)
+        if determinant is not None:
+            growth = float(np.roots(determinant[::-1]).real.max(initial=-np.inf))
+            rank = (abs(wanted - len(determinant) + 1), growth)
+            if best is None or rank < best[0]:
+                best = rank, rows, determinant
+            if rank[0] == 0 and growth <= 0:
+                break
+    if best is None:
+        rows = _any_rows(vectors, required)
+        return rows, minor_zeros(vectors, rows)
+    return best[1], best[2]
+
+
+def _any_rows(vectors: Sequence[np.ndarray], required: Sequence[int]) -> tuple[int, ...]:
+    """Rows with a minor that is not zero, found by elimination at a point."""
+    matrix = stacked(vectors)
+    value = sum(part * Fraction(POINTS[0]) ** power for power, part in enumerate(matrix))
+    order = [*required, *(row for row in range(len(value)) if row not in required)]
+    reduced, rank = rational_matrix(value[order].T).rref()
+    return tuple(sorted(order[pivot] for pivot in _pivots(reduced, rank)))
+
+
+def independent_rows(vectors: Sequence[np.ndarray], rows: Sequence[int]) -> int:
+    """The rank of some rows of polynomial columns."""
+    return normal_rank(stacked(vectors)[:, list(rows)]) if rows and vectors else 0
+
+
+def combinations_without_zeros(vectors: Sequence[np.ndarray]) -> np.ndarray | None:
+    """Combinations T of equations, whole numbers, shape (r, m), so that T A(s) has the finite zeros of A(s) alone; None where there are none.
+
+    With a constant B that the coefficients of s, s^2, ... of the left kernel N(s) annihilate and N_0 B regular, N(s) B is constant, and T
+    is the left null space of B. Pencils always have such a B.
+    """
+    matrix = stacked(vectors)  # (degree + 1, m, count)
+    higher = matrix[1:].transpose(0, 2, 1).reshape(-1, matrix.shape[1])
+    space = np.array(_null_space(higher) if len(higher) else np.eye(matrix.shape[1], dtype=int) + Fraction(0), dtype=object)
+    if len(space) < len(vectors):
+        return None
+    reduced, rank = rational_matrix(matrix[0].T @ space.T).rref()
+    if rank < len(vectors):
+        return None
+    return np.array(_null_space(space[_pivots(reduced, rank)]), dtype=object)
