@@ -412,7 +412,7 @@ class ElementaryDivisor:
         return sum(self.exponents)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, kw_only=True)
 class ExactStructure(Structure):
     """Zeros of A(s), finite and infinite, and the polynomials of the finite ones; nothing is rounded.
 
@@ -442,7 +442,7 @@ class ExactStructure(Structure):
     @property
     def invariant_polynomials(self) -> tuple:
         """f_1, ..., f_r of the Smith form, monic; each divides the next (Moysis et al., Eq. 5)."""
-        polynomials = [self.ring.polynomial([self.ring.one])] * self.size
+        polynomials = [self.ring.polynomial([self.ring.one])] * self.rank
         for each in self.elementary_divisors:
             for place, exponent in enumerate(reversed(each.exponents), start=1):
                 polynomials[-place] = polynomials[-place] * each.divisor**exponent
@@ -501,7 +501,7 @@ class ExactJordanPairs:
             divisors.append((p, multiplicity, tuple(lengths)))
         at_infinity = [term.length - max(A.degree, 1) + A.degree for term in self.infinity]
         return ExactStructure(
-            size=A.size,
+            shape=(A.size, A.size),
             degree=A.degree,
             finite_zeros=ring.finite_zeros(divisors),
             infinite_divisors=(*(0,) * (A.size - len(at_infinity)), *at_infinity),

@@ -262,7 +262,7 @@ def _zeros(harmonic: Harmonic, i: int, j: int) -> list[complex]:
     coefficients = [np.pad(matrix, ((0, b.shape[1]),) * 2) for matrix in A.coefficients]
     coefficients[0][:r, r:], coefficients[0][r:, :r] = -b, c
     try:
-        zeros = PolynomialMatrix(coefficients).structure().finite_zeros
+        zeros = PolynomialMatrix(coefficients).jordan_pairs().structure.finite_zeros
     except SingularPolynomialMatrix:  # H = 0
         return []
     both = [root for zero in zeros for root in (zero.value,)]

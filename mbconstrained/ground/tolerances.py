@@ -143,6 +143,12 @@ RANK_TRIALS = (1.0, 10.0, 100.0, CLUSTER_SAFETY)
 #: Up to this many states the pairs of the data taken exactly are computed in precise arithmetic: a quarter of a second.
 AS_WRITTEN_STATES = 24
 
+#: A number of so many units of its leading binary digit is meant as written; rounded results have more digits, but for one in 2^27.
+SHORT_NUMBER = 2.0**26
+
+#: Up to this many states the Kronecker form of the data taken exactly is computed in precise arithmetic: some seconds.
+PRECISE_KRONECKER_STATES = 60
+
 #: Where the stiffnesses of modes have a larger ratio, undamped modes are refined: their shapes have lost six digits.
 REFINED_SPREAD = 1e6
 

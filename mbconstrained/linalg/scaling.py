@@ -55,7 +55,7 @@ class Scaling:
     columns: np.ndarray
 
     def apply(self, coefficients: np.ndarray) -> np.ndarray:
-        """The scaled coefficients, shape (q + 1, r, r)."""
+        """The scaled coefficients, shape (q + 1, m, n)."""
         powers = np.arange(len(coefficients))[:, None, None] * np.log2(self.time)
         exponents = powers + np.log2(self.rows)[:, None] + np.log2(self.columns)
         if is_precise(coefficients):
@@ -64,7 +64,7 @@ class Scaling:
 
 
 def joint_scaling(coefficients: np.ndarray) -> Scaling:
-    """The scaling of time, rows and columns for coefficients of shape (q + 1, r, r).
+    """The scaling of time, rows and columns for coefficients of shape (q + 1, m, n).
 
     Entries that turn out as mere rounding error next to others of their row and of their column are left out of a second fit.
     """
@@ -79,7 +79,7 @@ def _fitted(coefficients: np.ndarray) -> Scaling:
     time, rows, columns = _log_fit(coefficients)
     scaling = Scaling(_power_of_two(time), _power_of_two(rows), _power_of_two(columns))
     size = np.abs(scaling.apply(coefficients)).max(axis=0, initial=0.0)
-    more_rows, more_columns = equilibration(size) if len(size) else (np.ones(0), np.ones(0))
+    more_rows, more_columns = equilibration(size)
     return Scaling(scaling.time, scaling.rows * more_rows, scaling.columns * more_columns)
 
 
@@ -258,24 +258,24 @@ def _mutual(generator: scipy.sparse.csr_array) -> tuple[np.ndarray, np.ndarray, 
 def _log_fit(coefficients):
     """Minimum-norm least-squares exponents (time, rows, columns) over the nonzero entries."""
     powers, i, j = np.nonzero(coefficients)
-    r = coefficients.shape[1]
+    _, m, n = coefficients.shape
     if not powers.size:
-        return 0.0, np.zeros(r), np.zeros(r)
-    logs = np.log2(np.abs(coefficients[powers, i, j]))
-    places = np.concatenate([np.zeros_like(i), 1 + i, 1 + r + j])
-    right = np.bincount(places, np.concatenate([-powers * logs, -logs, -logs]), 1 + 2 * r)
+        return 0.0, np.zeros(m), np.zeros(n)
+    logs, unknowns = np.log2(np.abs(coefficients[powers, i, j])), 1 + m + n
+    places = np.concatenate([np.zeros_like(i), 1 + i, 1 + m + j])
+    right = np.bincount(places, np.concatenate([-powers * logs, -logs, -logs]), unknowns)
     each, ones = np.tile(np.arange(len(logs)), 3), np.ones(2 * len(logs))
-    if len(logs) * r > LARGE_DESIGN:
-        design: Matrix = scipy.sparse.csr_array((np.concatenate([powers, ones]), (each, places)), shape=(len(logs), 1 + 2 * r))
+    if len(logs) * max(m, n) > LARGE_DESIGN:
+        design: Matrix = scipy.sparse.csr_array((np.concatenate([powers, ones]), (each, places)), shape=(len(logs), unknowns))
     else:
-        design = np.zeros((len(logs), 1 + 2 * r))
+        design = np.zeros((len(logs), unknowns))
         design[each, places] = np.concatenate([powers, ones])
     normal = design.T @ design  # whole numbers, and the sums in order: what is halfway between two powers stays so
-    if r > MANY_ROWS and len(logs) * FILLED < r * r:
-        fit = scipy.sparse.linalg.spsolve((normal + SLIGHT * scipy.sparse.eye_array(1 + 2 * r)).tocsc(), right)
+    if max(m, n) > MANY_ROWS and len(logs) * FILLED < m * n:
+        fit = scipy.sparse.linalg.spsolve((normal + SLIGHT * scipy.sparse.eye_array(unknowns)).tocsc(), right)
     else:
         fit = np.linalg.lstsq(full(normal), right, rcond=None)[0]
-    return fit[0], fit[1 : 1 + r], fit[1 + r :]
+    return fit[0], fit[1 : 1 + m], fit[1 + m :]
 
 
 def _power_of_two(exponents):

@@ -1,4 +1,4 @@
-"""A regular pencil s E - F split into its finite and its infinite part.
+"""A regular pencil s E - F split into its finite and its infinite part, and the Kronecker form of any other pencil.
 
 The infinite part is deflated step by step: rows of E that vanish are found by a rank decision, the same rows
 of F are compressed to the right, and what is left is a smaller pencil with the same finite zeros (Van Dooren
@@ -8,7 +8,7 @@ The number of vanishing rows in step i is the number of infinite elementary divi
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -191,3 +191,77 @@ def _finished(work: _Work, n: int, deficiencies, decisions) -> SplitPencil:
 
 def _with_rounding(matrix: np.ndarray) -> Noisy:
     return Noisy(matrix, unit(matrix) * magnitude(matrix))
+
+
+# The Kronecker form of a singular or rectangular pencil s E - F, shape (m, n), without its transformations.
+#
+# Null columns of E are the ends of chains: combinations of columns that F alone acts on. Where F maps a combination of them to zero,
+# a block L_k of k rows and k + 1 columns ends, otherwise an infinite elementary divisor goes on. Both, and the rows that F maps the
+# null columns to, are taken out, and so on (Van Dooren 1979, Algorithm 4.1; Demmel and Kagstrom 1993). Of s_1, s_2, ... null columns
+# mapped to r_1, r_2, ... rows, s_k - r_k are ends of L_(k - 1), and r_k - s_(k + 1) are infinite elementary divisors of degree k. What
+# remains has an E of full column rank: finite zeros, and the transposed blocks L_k^T, which the same steps find in its transpose.
+
+
+@dataclass(frozen=True, eq=False)
+class RightStaircase:
+    """The right minimal indices of s E - F and its infinite elementary divisors.
+
+    Attributes:
+        E, F: what remains without both, E of full column rank.
+        vectors: a minimal basis of the x(s) with (s E - F) x(s) = 0, ascending degrees, the coefficients of each as columns, shape
+            (n, degree + 1).
+        divisors: degrees of the infinite elementary divisors, ascending.
+        decisions: the rank decisions taken, in order.
+    """
+
+    E: Noisy
+    F: Noisy
+    vectors: tuple[Noisy, ...]
+    divisors: tuple[int, ...]
+    decisions: tuple[RankDecision, ...]
+
+    @property
+    def indices(self) -> tuple[int, ...]:
+        """The right minimal indices, ascending."""
+        return tuple(vector.data.shape[1] - 1 for vector in self.vectors)
+
+
+def right_staircase(E: Noisy, F: Noisy, decided: Iterator[RankDecision] | None = None) -> RightStaircase:
+    """Take the right minimal indices and the infinite elementary divisors out of s E - F, with its noise."""
+    steps: list[tuple] = []
+    decisions: list[RankDecision] = []
+    while True:
+        columns = null_columns(E, ~(E.data != 0).any(axis=0), _next(decided))
+        decisions.append(columns.decision)
+        if columns.decision.rank == E.data.shape[1]:
+            break
+        image = F @ columns.null.T
+        rows = compress_rows(image, decided=_next(decided))
+        decisions.append(rows.decision)
+        steps.append((columns, image[rows.pivots], E[rows.pivots][:, columns.pivots], F[rows.pivots][:, columns.pivots]))
+        E, F = rows.combined(E[:, columns.pivots]), rows.combined(F[:, columns.pivots])
+    ranks = [decision.rank for decision in decisions[1::2]]
+    nullities = [*(len(columns.null.data) for columns, *_ in steps), 0]
+    divisors = tuple(k + 1 for k, rank in enumerate(ranks) for _ in range(rank - nullities[k + 1]))
+    vectors: list[Noisy] = []
+    for step in reversed(steps):
+        vectors = _extended(vectors, *step)
+    return RightStaircase(E, F, tuple(sorted(vectors, key=lambda vector: vector.data.shape[1])), divisors, tuple(decisions))
+
+
+def _extended(vectors: Sequence[Noisy], columns: RowCompression, image: Noisy, E: Noisy, F: Noisy) -> list[Noisy]:
+    """Kernel vectors of a step from those of the next one, and those that end here.
+
+    x = null^T u + v at the pivots, v a vector of the next step, solves (s E - F) x = 0 where image u = (s E - F) v: its degree is one more.
+    """
+    null, result = columns.null.T, []
+    ends = null_columns(image, decided=RankDecision(len(image.data), np.inf, 0.0))
+    solution = _with_rounding(inverse(image.data[:, ends.pivots]))
+    for v in vectors:
+        pushed, kept = (Noisy.exact(of_kind(np.zeros((len(E.data), v.data.shape[1] + 1)), v.data)) for _ in range(2))
+        pushed[:, 1:], kept[:, :-1] = E @ v, -(F @ v)
+        x = null[:, ends.pivots] @ (solution @ (pushed + kept))
+        x[columns.pivots, :-1] = x[columns.pivots, :-1] + v
+        result.append(x)
+    ended = null @ ends.null.T
+    return result + [ended[:, [place]] for place in range(ended.data.shape[1])]

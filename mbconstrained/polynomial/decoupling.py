@@ -30,7 +30,7 @@ class ScaledCompanion:
     """The companion pencil of the scaled coefficients.
 
     Attributes:
-        known: scaled A_0 ... A_g with g = max(q, 1), shape (g + 1, r, r), in float64 or precise, and how well they are known.
+        known: scaled A_0 ... A_g with g = max(q, 1), shape (g + 1, m, n), in float64 or precise, and how well they are known.
         scaling: the powers of two used.
     """
 
@@ -69,14 +69,22 @@ class ScaledCompanion:
 
     @cached_property
     def pencil(self) -> tuple[Noisy, Noisy]:
-        """E and F with their uncertainty."""
-        r, g = self.size, self.grade
-        E, F = (Noisy.exact(of_kind(np.eye(g * r, k=shift), self.known.data)) for shift in (0, r))
-        last = slice((g - 1) * r, None)
+        """E and F with their uncertainty, shape ((g - 1) n + m, g n)."""
+        (_, m, n), g = self.known.data.shape, self.grade
+        last = slice((g - 1) * n, None)
+        E, F = (Noisy.exact(of_kind(np.eye((g - 1) * n + m, g * n, k=shift), self.known.data)) for shift in (0, n))
         E[last, last] = self.known[g]
         for power in range(g):
-            F[last, power * r : (power + 1) * r] = -self.known[power]
+            F[last, power * n : (power + 1) * n] = -self.known[power]
         return E, F
+
+    @property
+    def transposed(self) -> ScaledCompanion:
+        """The companion pencil of A(s)^T in the same units."""
+        known, (time, rows, columns) = self.known, (self.scaling.time, self.scaling.rows, self.scaling.columns)
+        return ScaledCompanion(
+            Noisy(known.data.transpose(0, 2, 1), known.noise.transpose(0, 2, 1)), Scaling(time, rows=columns, columns=rows)
+        )
 
     @cached_property
     def split(self) -> SplitPencil:

@@ -383,7 +383,7 @@ class JordanPairs(Displayed):
         if A.degree == 0:  # the pencil declared one power more
             divisors = tuple(degree - 1 for degree in divisors)
         divisors = (0,) * (A.size - len(divisors)) + divisors
-        return Structure(A.size, A.degree, self.finite.zeros, divisors)
+        return Structure(A.shape, A.degree, self.finite.zeros, divisors)
 
     @cached_property
     def as_written(self) -> JordanPairs | None:

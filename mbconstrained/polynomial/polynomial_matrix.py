@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from numbers import Number
@@ -10,12 +11,13 @@ from numbers import Number
 import numpy as np
 
 from ..ground.checks import real_number
-from ..ground.errors import IllConditioned, InputError
+from ..ground.errors import IllConditioned, InputError, SingularPolynomialMatrix
 from ..linalg.staircase import SingularPencil
 from .coefficients import PolynomialCoefficients
 from .decoupling import scaled_companion
 from .direct_reduction import reduction_of
 from .jordan_pairs import JordanPairs, jordan_pairs
+from .kronecker_form import kronecker_structure
 from .reduced_equations import NotReducible, Reduction
 from .structure import Structure
 
@@ -144,7 +146,10 @@ class PolynomialMatrix(PolynomialCoefficients):
 
     def structure(self, rank_tolerance: float | None = None) -> Structure:
         """Finite zeros with multiplicities, pole and zero orders q_i at infinity, infinite elementary divisors (Moysis et al., Eqs.
-        5-15).
+        5-15), and of an A(s) that is not regular the right and left kernel with their minimal indices.
+
+        The Kronecker form of the scaled companion pencil, by a staircase of rank decisions (Van Dooren 1979; De Teran, Dopico and
+        Mackey 2009).
 
         Args:
             rank_tolerance: as in ``jordan_pairs``.
@@ -153,13 +158,19 @@ class PolynomialMatrix(PolynomialCoefficients):
             A ``Structure``; ``mb.exact.structure(A)`` gives that of the exact numbers, with the Smith form.
 
         Raises:
-            SingularPolynomialMatrix, IllConditioned: as ``jordan_pairs``.
+            IllConditioned: float64 cannot tell the structure of A(s).
+            InputError: the tolerance is no number >= 0.
 
         >>> A = PolynomialMatrix([[[1.0, 0.0], [0.0, 1.0]], [[2.0, 1.0], [0.0, 0.0]], [[1.0, 0.0], [0.0, 0.0]]])
         >>> A.structure().infinite_divisors, A.structure().finite_zeros[0].partial_multiplicities
         ((0, 2), (2,))
+        >>> PolynomialMatrix([[[0.0, -1.0]], [[1.0, 0.0]]], coordinates=["position", "input"]).structure().right_kernel
+        (PolynomialVector(position: 1, input: s),)
         """
-        return self.jordan_pairs(rank_tolerance).structure
+        if self.is_square:
+            with suppress(SingularPolynomialMatrix):
+                return self.jordan_pairs(rank_tolerance).structure
+        return kronecker_structure(self, _checked(rank_tolerance))
 
     def jordan_pairs(self, rank_tolerance: float | None = None) -> JordanPairs:
         """The finite pair (C, J, B) and the infinite pair (C_inf, J_inf, B_inf), computed once for each tolerance.
@@ -184,8 +195,11 @@ class PolynomialMatrix(PolynomialCoefficients):
         >>> pairs.finite.J.tolist()
         [[0.0, 2.0], [-2.0, 0.0]]
         """
-        if rank_tolerance is not None:
-            rank_tolerance = real_number(rank_tolerance, "rank_tolerance", minimum=0.0)
+        rank_tolerance = _checked(rank_tolerance)
         if rank_tolerance not in self._pairs:
             self._pairs[rank_tolerance] = jordan_pairs(self, rank_tolerance)
         return self._pairs[rank_tolerance]
+
+
+def _checked(rank_tolerance: float | None) -> float | None:
+    return None if rank_tolerance is None else real_number(rank_tolerance, "rank_tolerance", minimum=0.0)

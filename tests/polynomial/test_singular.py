@@ -57,7 +57,7 @@ def test_scattered_units_do_not_hide_a_singular_matrix(name, seed):
     rows, columns = np.exp2(random.integers(-20, 21, (2, len(A[0]))))
     times = np.exp2(random.integers(-20, 21)) ** np.arange(len(A))
     with pytest.raises(mb.SingularPolynomialMatrix) as caught:
-        mb.PolynomialMatrix(rows[:, None] * A * columns * times[:, None, None]).structure()
+        mb.PolynomialMatrix(rows[:, None] * A * columns * times[:, None, None]).jordan_pairs()
     assert (caught.value.equations, caught.value.coordinates) == (equations, coordinates)
 
 

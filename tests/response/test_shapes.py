@@ -15,7 +15,7 @@ def test_no_coordinates_at_all(degree):
     assert x([1.0, 2.0]).shape == (0, 2)
     assert x.jump.shape == x.start.shape == x.initial.shape == (degree, 0)
     assert (x.impulses, x.notices) == ((), ())
-    assert A.structure() == mb.polynomial.structure.Structure(0, degree, (), ())
+    assert A.structure() == mb.polynomial.structure.Structure((0, 0), degree, (), ())
     assert x.error_estimate([1.0]) < 1e-15
     assert mb.admissible(A).dimensions == (0, 0, 0)
 

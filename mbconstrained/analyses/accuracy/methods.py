@@ -465,7 +465,7 @@ def descriptor(problem: StudyProblem, index: int) -> Descriptor:
     steps = [(at[k, order], at[k, order + 1]) for k, order in places if (k, order + 1) in at]
     for row, (lower, upper) in enumerate(steps, start=size):
         E[row, lower], F[row, upper] = 1.0, -1.0
-    index = index or max(PolynomialMatrix([F, E]).structure().infinite_divisors, default=0)
+    index = index or max(PolynomialMatrix([F, E]).jordan_pairs().structure.infinite_divisors, default=0)
     count = problem.system.size if problem.system is not None and problem.system.rows else size
     return Descriptor(E, F, force.mapped(np.eye(len(places), size)), places, function, index, count, problem.times)
 
