@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import combinations, islice
-from math import gcd, lcm
+from math import gcd, lcm, prod
 
 import flint
 import numpy as np
@@ -14,6 +14,9 @@ from .rational import POINTS, RationalMatrix, fraction, rational_matrix
 
 #: So many sets of rows are tried before the one with the fewest additional zeros is taken.
 MOST_SETS = 400
+
+#: Vectors with larger whole numbers, those of data with all digits of float64, are not made shorter.
+LONGEST = 2**200
 
 
 def normal_rank(coefficients: np.ndarray) -> int:
@@ -71,7 +74,7 @@ def _null_space(matrix: np.ndarray) -> list[np.ndarray]:
         for row, pivot in enumerate(pivots):
             vector[pivot] = -fraction(reduced[row, free])
         basis.append(whole(vector))
-    if len(basis) > 1:  # short vectors of the same space: readable, and exact in float64
+    if len(basis) > 1 and all(abs(entry) < LONGEST for vector in basis for entry in vector):  # short vectors of the same space: readable, and exact in float64
         short = flint.fmpz_mat([[int(entry) for entry in vector] for vector in basis]).lll()
         basis = [whole(np.array([Fraction(int(entry)) for entry in row], dtype=object)) for row in short.table()]
         basis.sort(key=lambda vector: (sum(map(bool, vector)), sum(abs(vector))))
@@ -99,13 +102,27 @@ def whole(vector: np.ndarray) -> np.ndarray:
     return vector * (factor if entries[0] > 0 else -factor)
 
 
+def floats(vector: np.ndarray) -> np.ndarray:
+    """A vector in float64: itself, or where its whole numbers have more digits, its multiple with the largest entry 1."""
+    largest = max(map(abs, vector.ravel().tolist()), default=0)
+    return (vector / largest if largest > 2**53 else vector).astype(float)
+
+
 # Which rows make a square minor with the fewest zeros.
 
 
-def minor_zeros(vectors: Sequence[np.ndarray], rows: Sequence[int]) -> np.ndarray | None:
-    """The coefficients of the determinant of some rows of polynomial columns, lowest first, as floats; None where it is zero."""
-    determinant = RationalMatrix(stacked(vectors)[:, list(rows)].tolist()).determinant
-    return np.array([float(fraction(c)) for c in determinant.coeffs()]) if determinant else None
+def minor_zeros(vectors: Sequence[np.ndarray], rows: Sequence[int], noise: float = 0.0) -> np.ndarray | None:
+    """The coefficients of the determinant of some rows of polynomial columns, lowest first, the largest 1 or -1; None where it is zero.
+
+    With vectors known to a relative error ``noise`` coefficients below this part of what the rows allow are zero.
+    """
+    minor = stacked(vectors)[:, list(rows)]
+    determinant = [fraction(c) for c in RationalMatrix(minor.tolist()).determinant.coeffs()]
+    least = Fraction(noise) * prod(np.abs(minor).max(axis=(0, 1)).tolist())
+    while determinant and abs(determinant[-1]) <= least:
+        determinant.pop()
+    largest = max(map(abs, determinant), default=None)
+    return None if largest is None else np.array([float(c / largest) for c in determinant])
 
 
 def stacked(vectors: Sequence[np.ndarray]) -> np.ndarray:
@@ -118,7 +135,7 @@ def stacked(vectors: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def best_rows(
-    vectors: Sequence[np.ndarray], required: Sequence[int] = (), most: bool = False
+    vectors: Sequence[np.ndarray], required: Sequence[int] = (), most: bool = False, noise: float = 0.0
 ) -> tuple[tuple[int, ...], np.ndarray]:
     """As many rows of polynomial columns as there are columns, whose minor has the fewest zeros, or the most; the last rows first.
 
@@ -129,6 +146,7 @@ def best_rows(
         required: rows that must be among them; their minors must not all vanish.
         most: whether as many zeros as possible are wanted. Free coordinates chosen so are inputs of which the others are proper functions,
             so that they need no derivatives of them (Willems 1991, section VIII).
+        noise: relative error of the vectors.
 
     Returns:
         The rows, ascending, and the coefficients of their determinant, lowest first.
@@ -138,7 +156,7 @@ def best_rows(
     wanted = sum(len(vector) - 1 for vector in vectors) if most else 0
     for more in islice(combinations(others, len(vectors) - len(required)), MOST_SETS):
         rows = tuple(sorted((*required, *more)))
-        determinant = minor_zeros(vectors, rows)
+        determinant = minor_zeros(vectors, rows, noise)
         if determinant is not None:
             growth = float(np.roots(determinant[::-1]).real.max(initial=-np.inf))
             rank = (abs(wanted - len(determinant) + 1), growth)

@@ -24,10 +24,8 @@ from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import CLEAR_DROPPED, CLEAR_KEPT, EPS, NOISE_SAFETY, PROVED_RESTARTS, noise_of
 from ..linalg.blocks import block_matrix, zeros_of
 from ..linalg.exponential import block_states
-from ..linalg.staircase import GENERIC
 from ..polynomial.coefficients import Factors
-from ..polynomial.decoupling import scaled_companion
-from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..polynomial.polynomial_matrix import MOST_PAIR_STATES, PolynomialMatrix
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import step, zero
 from .choose import Request
@@ -95,7 +93,7 @@ class Condition:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Solvability(Displayed):
-    """Whether A(d/dt) x = f has solutions, and which of its coordinates are free; ``print`` shows the report.
+    """Whether A(d/dt) x = f has solutions, and which of its coordinates are free.
 
     Attributes:
         polynomial_matrix: A(s), m x n.
@@ -156,7 +154,8 @@ class Solvability(Displayed):
             notice_table(self.notices),
         )
 
-    def __str__(self) -> str:
+    def summary(self) -> str:
+        """The report as text of at most 80 columns."""
         head = f"A(d/dt) x = f is {self._summary()}"
         return "\n".join([table_text(TextTable(head, (), ())), *(table_text(table) for table in self._tables() if table.rows)])
 
@@ -214,7 +213,7 @@ def solvability(
         IllConditioned: float64 does not determine the rank.
 
     >>> A = PolynomialMatrix([[[0.0], [1.0]], [[1.0], [0.0]]], equations=["speed", "place"])  # x' = f1, x = f2
-    >>> print(solvability(A, force=step([0.0, 3.0]) + step([0.0, 2.0]).delayed(1.0)))
+    >>> print(solvability(A, force=step([0.0, 3.0]) + step([0.0, 2.0]).delayed(1.0)).summary())
     A(d/dt) x = f is not solvable: 2 equations of rank 1 for 1 coordinate, 1
       condition, 0 free
     Conditions: combinations of equations that leave no coordinate
@@ -266,65 +265,63 @@ def _undetermined(report: Solvability) -> str:
 # Rank, kernels and the completed system.
 
 
-def _exact_data(A: PolynomialMatrix, rank_tolerance: float | None) -> tuple[np.ndarray, int]:
-    """The coefficients as Fractions whose rank is that of the given numbers to rounding errors, and this rank.
+@dataclass(frozen=True, eq=False)
+class _Kernels:
+    """Rank and minimal bases of the kernels of A(s).
+
+    Attributes:
+        coefficients: the numbers that they belong to, Fractions, shape (q + 1, m, n).
+        rank: of A(s).
+        left, right: polynomial vectors, shapes (degree + 1, m) and (degree + 1, n).
+        noise: rounding errors of the vectors relative to them; 0.0 where they are exact.
+    """
+
+    coefficients: np.ndarray
+    rank: int
+    left: list[np.ndarray]
+    right: list[np.ndarray]
+    noise: float = 0.0
+
+
+def _kernels(A: PolynomialMatrix, rank_tolerance: float | None) -> _Kernels:
+    """Kernels from exact numbers whose rank is that of the given ones to rounding errors; others, and large ones, from float64.
 
     Numbers such as 0.1 are no binary fractions: where their rounding errors make equations independent, the decimals are taken.
     """
-    from ..exact.minimal_bases import normal_rank
+    from ..exact.minimal_bases import minimal_basis, normal_rank
 
-    numeric, clear = numeric_rank(A, rank_tolerance)
-    binary = A.exact_coefficients
-    rank = normal_rank(binary)
-    if rank <= numeric:
-        return _fractions(binary), rank
-    decimal = np.array([Fraction(repr(float(entry))) for entry in A.coefficients.ravel()], dtype=object).reshape(
-        A.coefficients.shape
+    structure, binary = A.structure(rank_tolerance), _fractions(A.exact_coefficients)
+    if A.degree * max(A.shape) <= MOST_PAIR_STATES:
+        rank = normal_rank(binary)
+        if rank > structure.rank:
+            binary = _fractions(A.coefficients, lambda entry: Fraction(repr(entry)))
+            rank = normal_rank(binary)
+        if rank <= structure.rank:
+            return _Kernels(binary, rank, minimal_basis(binary.transpose(0, 2, 1), rank), minimal_basis(binary, rank))
+    left, right = (
+        [_fractions(vector.coefficients) for vector in vectors] for vectors in (structure.left_kernel, structure.right_kernel)
     )
-    if normal_rank(decimal) == numeric:
-        return decimal, numeric
-    if clear and rank_tolerance is None:
-        raise IllConditioned(
-            f"the equations have rank {numeric} to rounding errors, but {rank} as exact numbers: write their entries as decimals or whole "
-            "numbers with the digits that make them dependent, or leave the dependent ones out"
-        )
-    return _fractions(binary), rank
+    return _Kernels(_fractions(A.exact_coefficients), structure.rank, left, right, EPS**0.5)
 
 
-def _fractions(array: np.ndarray) -> np.ndarray:
-    return np.array([Fraction(entry) for entry in array.ravel().tolist()], dtype=object).reshape(array.shape)
-
-
-def numeric_rank(A: PolynomialMatrix, rank_tolerance: float | None = None) -> tuple[int, bool]:
-    """The rank of A(s) at generic points beyond rounding errors, and whether the gap is clear."""
-    (m, n), ranks = A.shape, []
-    size = max(m, n)
-    square = np.zeros((A.degree + 1, size, size))
-    square[:, :m, :n] = A.coefficients
-    coefficients = scaled_companion(PolynomialMatrix(square)).coefficients
-    for s in GENERIC:
-        value = sum(matrix * s**power for power, matrix in enumerate(coefficients))
-        sizes = np.linalg.svd(value, compute_uv=False) if size else np.ones(0)
-        bound = max(NOISE_SAFETY * EPS * size, rank_tolerance or 0.0) * max(sizes.max(initial=0.0), EPS)
-        rank = int((sizes > bound).sum())
-        clear = bool((sizes[:rank] > CLEAR_KEPT * bound).all() and (sizes[rank:] <= CLEAR_DROPPED * bound).all())
-        ranks.append((rank, clear))
-    return max(ranks)
+def _fractions(array: np.ndarray, exact=Fraction) -> np.ndarray:
+    result = np.empty(array.shape, dtype=object)
+    result.ravel()[:] = [exact(entry) for entry in array.ravel().tolist()]
+    return result
 
 
 def _completed(A, initial, force, free: Mapping, rank_tolerance: float | None) -> tuple[Solvability, Problem]:
-    from ..exact import minimal_bases
+    from ..exact.minimal_bases import best_rows, floats
 
     (m, n), q = checked_matrix(A).shape, A.degree
     initial = np.zeros((q, n)) if initial is None else real_array(initial, "initial", shape=(q, n))
     force = checked_force(force, m)
-    exact, rank = _exact_data(A, rank_tolerance)
-    left = minimal_bases.minimal_basis(exact.transpose(0, 2, 1), rank)
-    right = minimal_bases.minimal_basis(exact, rank)
+    kernels = _kernels(A, rank_tolerance)
+    rank, left, right = kernels.rank, kernels.left, kernels.right
     required, signals = _checked_free(A, right, free)
-    chosen = minimal_bases.best_rows(right, required, most=True)[0] if right else ()
+    chosen = best_rows(right, required, most=True, noise=kernels.noise)[0] if right else ()
     notices: list[Notice] = []
-    kept, completed = _regular(A, exact, left, chosen, notices)
+    kept, completed = _regular(A, kernels, chosen, notices)
     with within_float64():
         conditions = tuple(_condition(A, row, initial, force, rank_tolerance) for row in left)
     notices += _notices(A, conditions, kept, chosen, required)
@@ -332,7 +329,7 @@ def _completed(A, initial, force, free: Mapping, rank_tolerance: float | None) -
     for place, signal in signals.items():
         load = load + signal.mapped(np.eye(n)[:, [rank + chosen.index(place)]])
     may = tuple(A.coordinates[i] for i in range(n) if any((column[:, i] != 0).any() for column in right))
-    kernel = tuple(column.astype(float) for column in right)
+    kernel = tuple(map(floats, right))
     names = tuple(A.coordinates[i] for i in chosen)
     report = Solvability(A, rank, conditions, may, names, kernel, kept, completed, tuple(notices))
     return report, Problem(completed, initial, load, rank_tolerance)
@@ -378,20 +375,20 @@ def checked_signal(signal) -> ImpulsiveSmooth:
     return zero(1) if signal is None else checked_force(signal, 1)
 
 
-def _regular(A: PolynomialMatrix, exact: np.ndarray, left, chosen, notices: list[Notice]) -> tuple[np.ndarray, PolynomialMatrix]:
+def _regular(A: PolynomialMatrix, kernels: _Kernels, chosen, notices: list[Notice]) -> tuple[np.ndarray, PolynomialMatrix]:
     """The combinations T, and [T A(s); C]."""
-    from ..exact.minimal_bases import best_rows, combinations_without_zeros
+    from ..exact.minimal_bases import best_rows, combinations_without_zeros, floats
 
-    (m, n), count = A.shape, A.shape[1] - len(chosen)
+    (m, n), count, left = A.shape, A.shape[1] - len(chosen), kernels.left
     T = np.eye(m, dtype=int) + Fraction(0)
     if left:
-        dropped, determinant = best_rows(left)
+        dropped, determinant = best_rows(left, noise=kernels.noise)
         T = np.delete(T, dropped, axis=0)
         if len(determinant) > 1 and (combined := combinations_without_zeros(left)) is not None:
             T = combined
         elif len(determinant) > 1:
             notices.append(_additional(np.roots(determinant[::-1])))
-    kept = T.astype(float)
+    kept = np.array([floats(row) for row in T]).reshape(T.shape)
     names = [
         sum_text(((t,), f'"{A.equations[i]}"') for i, t in enumerate(row) if t)
         if np.count_nonzero(row) > 1
@@ -405,11 +402,13 @@ def _regular(A: PolynomialMatrix, exact: np.ndarray, left, chosen, notices: list
     if is_selection:
         coefficients[:, :count] = kept @ A.coefficients
     else:
-        product = np.array([T @ matrix for matrix in exact])
+        product = np.array([_fractions(kept) @ matrix for matrix in kernels.coefficients])
         coefficients[:, :count] = product.astype(float)
-        inexact = _fractions(coefficients[:, :count]) != product
+        inexact = (_fractions(coefficients[:, :count]) != product) | (np.abs(T).max() > 2**53)
         uncertainty[:, :count] = EPS * np.abs(coefficients[:, :count]) * inexact
     uncertainty[:, :count] = np.maximum(uncertainty[:, :count], np.abs(kept) @ A.uncertainty)
+    if kernels.noise:
+        uncertainty = np.maximum(uncertainty, EPS * np.abs(coefficients))
     coefficients[0, count:] = choices
     matrices: list = list(coefficients)
     if is_selection:
@@ -469,7 +468,9 @@ class _Residual:
 def _condition(
     A: PolynomialMatrix, row: np.ndarray, initial: np.ndarray, force: ImpulsiveSmooth, tolerance: float | None
 ) -> Condition:
-    n = row.astype(float)
+    from ..exact.minimal_bases import floats
+
+    n = floats(row)
     used = np.flatnonzero(n.any(axis=0))
     equations = tuple((A.equations[i], tuple(np.trim_zeros(n[:, i], "b").tolist())) for i in used)
     moving = A.coefficients[1:][:, used].any(axis=(0, 1)) if A.degree else np.zeros(A.shape[1], bool)
@@ -525,32 +526,26 @@ def _function_residuals(n: np.ndarray, force: ImpulsiveSmooth) -> Iterator[_Resi
 
 def _impulse_residuals(A: PolynomialMatrix, n: np.ndarray, initial: np.ndarray, force: ImpulsiveSmooth) -> Iterator[_Residual]:
     """Factors of impulses of N(s) (F(s) + X_in(s)) at t = 0 and later."""
-    smooth, q = force.smooth, A.degree
+    smooth = force.smooth
     restarts, J = smooth.restarts, block_matrix(smooth.blocks)
     impulses = {0.0: force.impulses, **{load.time: load.impulses for load in force.later}}
     jumps = {float(t): jump for t, jump in zip(restarts.knots, restarts.jumps.T)}
     for time in sorted({*impulses, *jumps}):
-        terms: dict[int, list[tuple[float, float]]] = {}
-
-        def add(order: int, factors: np.ndarray, vector: np.ndarray, size: np.ndarray) -> None:
-            terms.setdefault(order, []).append((float(factors @ vector), float(np.abs(factors) @ size)))
-
+        vectors: list[tuple[int, np.ndarray, np.ndarray]] = []  # order of the impulse, its factors, sizes of their terms
         jump, derivative, size = jumps.get(time), smooth.coefficients, np.abs(smooth.coefficients)
-        for i in range(len(n) - 1) if jump is not None and jump.any() else ():  # the jump of f^(i) at order k - 1 - i
-            for k in range(i + 1, len(n)):
-                add(k - 1 - i, n[k], derivative @ jump, size @ np.abs(jump))
+        for i in range(len(n) - 1) if jump is not None and jump.any() else ():  # the jump of f^(i)
+            vectors.append((-1 - i, derivative @ jump, size @ np.abs(jump)))
             derivative, size = derivative @ J, size @ np.abs(J)
-        for order, vector in enumerate(impulses.get(time, ())):
+        vectors += [(order, vector, np.abs(vector)) for order, vector in enumerate(impulses.get(time, ()))]
+        for power, matrix in enumerate(A.coefficients if time == 0 else ()):  # A_power s^(power - 1 - i) x^(i)(0-)
+            vectors += [(power - 1 - i, matrix @ initial[i], np.abs(matrix) @ np.abs(initial[i])) for i in range(power)]
+        terms: dict[int, list[tuple[float, float]]] = {}
+        for order, vector, size in vectors:
             for k, factors in enumerate(n):
-                add(k + order, factors, vector, np.abs(vector))
-        for power in range(1, q + 1) if time == 0 else ():
-            for i in range(power):  # A_power s^(power - 1 - i) x^(i)(0-)
-                vector, size = A.coefficients[power] @ initial[i], np.abs(A.coefficients[power]) @ np.abs(initial[i])
-                for k, factors in enumerate(n):
-                    add(k + power - 1 - i, factors, vector, size)
+                terms.setdefault(order + k, []).append((float(factors @ vector), float(np.abs(factors) @ size)))
         for order, pairs in sorted(terms.items()):
             value, sizes = map(sum, zip(*pairs))
-            if sizes > 0:
+            if sizes > 0 and order >= 0:
                 yield _Residual(time, time, order, value, sizes)
 
 
