@@ -74,7 +74,9 @@ def _null_space(matrix: np.ndarray) -> list[np.ndarray]:
         for row, pivot in enumerate(pivots):
             vector[pivot] = -fraction(reduced[row, free])
         basis.append(whole(vector))
-    if len(basis) > 1 and all(abs(entry) < LONGEST for vector in basis for entry in vector):  # short vectors of the same space: readable, and exact in float64
+    if len(basis) > 1 and all(
+        abs(entry) < LONGEST for vector in basis for entry in vector
+    ):  # short vectors of the same space: readable, and exact in float64
         short = flint.fmpz_mat([[int(entry) for entry in vector] for vector in basis]).lll()
         basis = [whole(np.array([Fraction(int(entry)) for entry in row], dtype=object)) for row in short.table()]
         basis.sort(key=lambda vector: (sum(map(bool, vector)), sum(abs(vector))))

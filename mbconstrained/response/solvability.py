@@ -19,9 +19,9 @@ import numpy as np
 
 from ..ground.checks import counted, places_of, real_array
 from ..ground.display import Displayed, TextTable, notice_table, number_text, table_text
-from ..ground.errors import IllConditioned, InputError, NotSolvable, SingularPolynomialMatrix, named, within_float64
+from ..ground.errors import InputError, NotSolvable, SingularPolynomialMatrix, named, within_float64
 from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import CLEAR_DROPPED, CLEAR_KEPT, EPS, NOISE_SAFETY, PROVED_RESTARTS, noise_of
+from ..ground.tolerances import CLEAR_KEPT, EPS, PROVED_RESTARTS, noise_of
 from ..linalg.blocks import block_matrix, zeros_of
 from ..linalg.exponential import block_states
 from ..polynomial.coefficients import Factors
@@ -37,6 +37,9 @@ PARTS = np.array([0.0, 0.3, 0.7, 0.95])
 
 #: More pieces are tested at these parts alone.
 MANY_PIECES = 200
+
+#: Numbers of so many bits are meant as written; rounded results have more.
+SHORT_BITS = 26
 
 #: Number of coordinates named in an error.
 MOST_NAMES = 12
@@ -284,20 +287,22 @@ class _Kernels:
 
 
 def _kernels(A: PolynomialMatrix, rank_tolerance: float | None) -> _Kernels:
-    """Kernels from exact numbers whose rank is that of the given ones to rounding errors; others, and large ones, from float64.
+    """Kernels from exact numbers whose rank and minimal indices are those to rounding errors; others, and large ones, from float64.
 
     Numbers such as 0.1 are no binary fractions: where their rounding errors make equations independent, the decimals are taken.
     """
     from ..exact.minimal_bases import minimal_basis, normal_rank
 
     structure, binary = A.structure(rank_tolerance), _fractions(A.exact_coefficients)
+    expected = structure.left_minimal_indices, structure.right_minimal_indices
     if A.degree * max(A.shape) <= MOST_PAIR_STATES:
-        rank = normal_rank(binary)
-        if rank > structure.rank:
-            binary = _fractions(A.coefficients, lambda entry: Fraction(repr(entry)))
-            rank = normal_rank(binary)
-        if rank <= structure.rank:
-            return _Kernels(binary, rank, minimal_basis(binary.transpose(0, 2, 1), rank), minimal_basis(binary, rank))
+        is_short = all(entry.numerator.bit_length() <= SHORT_BITS for entry in binary.ravel().tolist())
+        for numbers in (binary, _fractions(A.coefficients, lambda entry: Fraction(repr(entry)))):
+            rank = normal_rank(numbers)
+            if rank <= structure.rank:
+                left, right = minimal_basis(numbers.transpose(0, 2, 1), rank), minimal_basis(numbers, rank)
+                if is_short or expected == tuple(tuple(len(vector) - 1 for vector in side) for side in (left, right)):
+                    return _Kernels(numbers, rank, left, right)
     left, right = (
         [_fractions(vector.coefficients) for vector in vectors] for vectors in (structure.left_kernel, structure.right_kernel)
     )
@@ -384,7 +389,10 @@ def _regular(A: PolynomialMatrix, kernels: _Kernels, chosen, notices: list[Notic
     if left:
         dropped, determinant = best_rows(left, noise=kernels.noise)
         T = np.delete(T, dropped, axis=0)
-        if len(determinant) > 1 and (combined := combinations_without_zeros(left)) is not None:
+        combined = None
+        if len(determinant) > 1:
+            combined = _orthonormal_combinations(left) if kernels.noise else combinations_without_zeros(left)
+        if combined is not None:
             T = combined
         elif len(determinant) > 1:
             notices.append(_additional(np.roots(determinant[::-1])))
@@ -417,6 +425,21 @@ def _regular(A: PolynomialMatrix, kernels: _Kernels, chosen, notices: list[Notic
                 matrices[power] = _with_choices(factors, kept, choices if power == 0 else 0.0 * choices)
     chosen_names = [f'choice of "{A.coordinates[i]}"' for i in chosen]
     return kept, PolynomialMatrix(matrices, A.coordinates, [*names, *chosen_names], uncertainty if uncertainty.any() else None)
+
+
+def _orthonormal_combinations(left: list[np.ndarray]) -> np.ndarray | None:
+    """``combinations_without_zeros`` of vectors with rounding errors: N(s) B is the unit matrix, T orthonormal."""
+    from ..exact.minimal_bases import floats, stacked
+
+    matrix = stacked([_fractions(floats(vector) / np.abs(floats(vector)).max()) for vector in left]).astype(float)
+    higher = matrix[1:].transpose(0, 2, 1).reshape(-1, matrix.shape[1])
+    _, sizes, rows = np.linalg.svd(higher)
+    space = rows[int((sizes > EPS**0.5 * sizes.max(initial=0.0)).sum()) :].T
+    lowest = matrix[0].T @ space
+    if np.linalg.matrix_rank(lowest, tol=EPS**0.5) < len(left):
+        return None
+    u, _, _ = np.linalg.svd(space @ np.linalg.pinv(lowest))
+    return _fractions(u[:, len(left) :].T)
 
 
 def _with_choices(factors: Factors, kept: np.ndarray, choices: np.ndarray) -> Factors:

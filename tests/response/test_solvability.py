@@ -306,3 +306,22 @@ def test_choices_that_are_none_are_refused(A, free, text):
 def test_without_a_choice_free_coordinates_are_refused_by_name():
     with pytest.raises(mb.SingularPolynomialMatrix, match='leave 1 coordinate free, of "a", "b": give free='):
         mb.solve(BEAM)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_rounded_equations_are_solved_like_the_exact_ones(seed):
+    """Q A(s) Z with orthogonal Q and Z: every number is rounded, rank and free motions are those of A(s)."""
+    planted, random = Planted(seed), np.random.default_rng(seed)
+    Q, Z = (np.linalg.qr(random.normal(size=(k, k)))[0] for k in planted.shape)
+    A = mb.PolynomialMatrix(Q @ planted.A.coefficients @ Z)
+    initial, force = planted.initial @ Z, planted.force.mapped(Q)
+    report = mb.solvability(A, initial, force)
+    assert (len(report.conditions), report.freedom) == (planted.redundancy, planted.freedom) and report.is_solvable
+    signals = (planted.signal(i) for i in range(planted.shape[1]))
+    columns = [signal.mapped(Z.T[:, [i]]) for i, signal in enumerate(signals)]
+    motion = sum(columns[1:], columns[0])
+    free = {name: motion.mapped(np.eye(planted.shape[1])[[A.coordinates.index(name)]]) for name in report.chosen}
+    x = mb.solve(A, initial, force, free=free)
+    expected = Z.T @ planted.values(TIMES)
+    error = np.abs(x(TIMES) - expected).max() / np.abs(expected).max()
+    assert error <= max(x.error_estimate(TIMES), 1e-14) and error < 1e-10
