@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..ground.errors import InputError
+from ..ground.errors import InputError, SingularPolynomialMatrix
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 
 if TYPE_CHECKING:
@@ -28,14 +28,25 @@ def structure(A: PolynomialMatrix | SymbolicPolynomialMatrix) -> ExactStructure:
     """The structure of A(s), finite and at infinity, without a rounding error.
 
     det A(s), the elementary divisors p(s)^k over the field of the entries, the Smith form diag(f_1(s), ..., f_r(s)), the zeros with
-    their partial multiplicities and the orders q_1 >= ... >= q_r at infinity (Moysis et al., Eqs. 5-15).
+    their partial multiplicities and the orders q_1 >= ... >= q_r at infinity (Moysis et al., Eqs. 5-15). Of a ``PolynomialMatrix`` that
+    is not regular also minimal bases of both kernels, with Fractions.
 
     >>> import mbconstrained as mb
+    >>> wide = mb.exact.structure(mb.PolynomialMatrix([[[4, -1]], [[0, 0]], [[2, 0]]], ["cart", "force"]))  # 2 x'' + 4 x = force
+    >>> wide.right_kernel, wide.right_minimal_indices, wide.rank
+    ((PolynomialVector(cart: 1, force: 2 s^2 + 4),), (2,), 1)
     >>> found = mb.exact.structure(mb.PolynomialMatrix([[[2.0]], [[0.0]], [[1.0]]]))
     >>> [str(c) for c in found.determinant], found.finite_zeros[0].value
     (['2', '0', '1'], 1.4142135623730951j)
     """
-    return jordan_pairs(A).structure
+    try:
+        return jordan_pairs(A).structure
+    except SingularPolynomialMatrix:
+        if not isinstance(A, PolynomialMatrix):
+            raise
+        from .kernels import kernel_structure
+
+        return kernel_structure(A)
 
 
 def jordan_pairs(A: PolynomialMatrix | SymbolicPolynomialMatrix) -> ExactJordanPairs:

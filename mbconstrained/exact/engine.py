@@ -146,6 +146,19 @@ def eliminated(ring: PolynomialRing, adjugate, determinant: Polynomial, p: Polyn
     return terms[::-1]
 
 
+def local_exponents(ring: PolynomialRing, rows, p: Polynomial, bound: int) -> tuple[int, ...]:
+    """The exponents of p among the elementary divisors of a matrix of polynomials, ascending, zeros too; all are below a bound."""
+    modulus, found = p**bound, []
+    rows = [[entry % modulus for entry in row] for row in rows]
+    while place := _pivot(ring, rows, p):
+        a, i, j = place
+        inverse = ring.inverse(rows[i][j] // p**a, modulus)
+        others = [(row, row[j] // p**a * inverse % modulus) for row in rows[:i] + rows[i + 1 :]]
+        rows = [[(entry - c * d) % modulus for entry, d in zip(row, rows[i])] for row, c in others]
+        found.append(a)
+    return tuple(found)
+
+
 def _valuation(entry: Polynomial, p: Polynomial) -> int:
     """The highest power of p that divides an entry other than zero."""
     power = 0
@@ -419,8 +432,10 @@ class ExactStructure(Structure):
     With symbols it holds for generic positive values of them. The finite zeros are those of ``polynomial.structure.FiniteZero``
     with the nearest float64 numbers, or ``SymbolicZero`` with expressions where zeros have a closed form.
 
+    Of an A(s) that is not regular the exact sum of all indices proves that the vectors of both kernels have the least possible degrees.
+
     Attributes:
-        determinant: det A(s).
+        determinant: det A(s), zero where A(s) is square and not regular; None where it is not square.
         elementary_divisors: by degree, then by coefficients.
         assumptions: expressions in the symbols that must not vanish: the leading coefficient of det A(s), pivots, differences of
             zeros. Expressions that have one sign for all positive symbols are left out.
@@ -441,7 +456,7 @@ class ExactStructure(Structure):
 
     @property
     def invariant_polynomials(self) -> tuple:
-        """f_1, ..., f_r of the Smith form, monic; each divides the next (Moysis et al., Eq. 5)."""
+        """f_1, ..., f_r of the Smith form, r the rank, monic; each divides the next (Moysis et al., Eq. 5)."""
         polynomials = [self.ring.polynomial([self.ring.one])] * self.rank
         for each in self.elementary_divisors:
             for place, exponent in enumerate(reversed(each.exponents), start=1):

@@ -236,18 +236,21 @@ _KNOWN: WeakKeyDictionary[PolynomialMatrix, RationalMatrix] = WeakKeyDictionary(
 
 
 class RationalMatrix(ExactMatrix):
-    """A(s) = A_0 + A_1 s + ... + A_q s^q with rational coefficients, r x r.
+    """A(s) = A_0 + A_1 s + ... + A_q s^q with rational coefficients, r x r; other shapes have kernels only (``exact.kernels``).
 
     Computations take W(s) = diag(factors) A(s), whose rows have whole coefficients without a common divisor.
 
     Args:
-        coefficients: A_0 ... A_q as nested lists of ints, floats (the exact numbers that they are) or Fractions.
+        coefficients: A_0 ... A_q as matrices of FLINT, or as nested lists of ints, floats (the exact numbers that they are) or Fractions.
     """
 
     ring = RATIONALS
 
     def __init__(self, coefficients: Sequence):
-        self.coefficients = tuple(flint.fmpq_mat([[rational(entry) for entry in row] for row in matrix]) for matrix in coefficients)
+        self.coefficients = tuple(
+            matrix if isinstance(matrix, flint.fmpq_mat) else flint.fmpq_mat([[rational(entry) for entry in row] for row in matrix])
+            for matrix in coefficients
+        )
         self.size = self.coefficients[0].nrows()
         self._points = (sign * number for number in count() for sign in (1, -1)[: number + 1])  # 0, 1, -1, 2, -2, ...
         self._samples, self._singular = [], 0
@@ -258,12 +261,12 @@ class RationalMatrix(ExactMatrix):
     @classmethod
     def of(cls, A: PolynomialMatrix) -> RationalMatrix:
         """The entries of A(s) as exact numbers; for a matrix given by its elements those of the elements."""
-        return cls([matrix.tolist() for matrix in A.exact_coefficients])
+        return cls([rational_matrix(matrix) for matrix in A.exact_coefficients])
 
     @cached_property
     def entries(self) -> list[list[flint.fmpq_poly]]:
-        r = self.size
-        return [[flint.fmpq_poly([matrix[i, j] for matrix in self.coefficients]) for j in range(r)] for i in range(r)]
+        columns = range(self.coefficients[0].ncols())
+        return [[flint.fmpq_poly([matrix[i, j] for matrix in self.coefficients]) for j in columns] for i in range(self.size)]
 
     @cached_property
     def determinant(self) -> flint.fmpq_poly:
@@ -282,7 +285,7 @@ class RationalMatrix(ExactMatrix):
 
     @cached_property
     def transposed(self) -> RationalMatrix:
-        return RationalMatrix([matrix.transpose().tolist() for matrix in self.coefficients])
+        return RationalMatrix([matrix.transpose() for matrix in self.coefficients])
 
     def numerators(self, b: Sequence[flint.fmpq_poly]) -> list[flint.fmpq_poly]:
         """N(s) with A(s) N(s) = det A(s) b(s), shape (r,), for a regular A(s)."""
@@ -344,13 +347,14 @@ class RationalMatrix(ExactMatrix):
     @cached_property
     def whole(self) -> list[flint.fmpz_mat]:
         """W_0 ... W_q, the coefficients of W(s)."""
-        rows = [[p * factor for p in row] for row, factor in zip(self.entries, self.factors)]
-        return [flint.fmpz_mat([[p[power].p for p in row] for row in rows]) for power in range(self.degree + 1)]
+        entries = [p * factor for row, factor in zip(self.entries, self.factors) for p in row]
+        shape = self.size, self.coefficients[0].ncols()
+        return [flint.fmpz_mat(*shape, [p[power].p for p in entries]) for power in range(self.degree + 1)]
 
     @cached_property
     def row_degrees(self) -> list[int]:
         """The degrees of the rows, 0 for a row of zeros."""
-        return [max(0, *(p.degree() for p in row)) for row in self.entries]
+        return [max([0, *(p.degree() for p in row)]) for row in self.entries]
 
     def whole_at(self, point: int) -> flint.fmpz_mat:
         """W at a whole number, by Horner's rule."""

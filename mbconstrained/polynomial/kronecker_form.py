@@ -16,7 +16,7 @@ import numpy as np
 
 from ..ground.errors import IllConditioned, SingularPolynomialMatrix
 from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import PRECISE_KRONECKER_STATES, SHORT_NUMBER
+from ..ground.tolerances import PRECISE_KRONECKER_STATES, SHORT_NUMBER, noise_of
 from ..linalg.precise import floats, precise_arithmetic
 from ..linalg.rank import RankDecision
 from ..linalg.staircase import RightStaircase, right_staircase
@@ -30,10 +30,9 @@ def kronecker_structure(A: PolynomialCoefficients, rank_tolerance: float | None 
     """The structure of any A(s), as ``PolynomialMatrix.structure``."""
     in_float64 = rank_tolerance != 0 and all(factors is None for factors in A.factors)
     form = _form(A, rank_tolerance, in_float64)
-    states = len(form.right.vectors) and A.shape[1] * form.companion.grade
     settled = form.is_clear or not in_float64 or rank_tolerance is not None or A.uncertainty.any()
     doubt = ""
-    if not settled and states <= PRECISE_KRONECKER_STATES:
+    if not settled and max(form.companion.pencil[0].data.shape) <= PRECISE_KRONECKER_STATES:
         written = _form(A, 0.0, in_float64=False)
         if _is_short(A.coefficients) or written.indices == form.indices:
             form = written
@@ -150,9 +149,11 @@ def _kernel(staircase: RightStaircase, companion: ScaledCompanion, names: tuple[
     vectors, units = [], companion.scaling.columns
     for each in staircase.vectors:
         degree = each.data.shape[1] - companion.grade
-        v = floats(each.cleaned()[: len(units), : degree + 1]).T
-        own = units * v * companion.scaling.time ** -np.arange(degree + 1.0)[:, None]
-        vectors.append(PolynomialVector.of(own, names, _residual(companion.coefficients, v)))
+        own = each[: len(units), : degree + 1]  # entries within their noise are zero where that does not show in the residual
+        choices = [(floats(array).T, _residual(companion.coefficients, floats(array).T)) for array in (own.cleaned(), own.data)]
+        v, residual = choices[choices[0][1] > noise_of(1.0, len(units))]
+        in_units = units * v * companion.scaling.time ** -np.arange(degree + 1.0)[:, None]
+        vectors.append(PolynomialVector.of(in_units, names, residual))
     return tuple(vectors)
 
 
