@@ -204,6 +204,10 @@ class Answer(Displayed):
         return self.tables
 
 
+#: Analyses of the motion, which equations with free coordinates have once these are chosen.
+ANSWERED_WITH_CHOICES = ("run", "formula", "accuracy", "stability", "sweep", "optimise", "compare")
+
+
 class Analysis:
     """A question: a name, a sentence of help, settings, and a function from a scene to an answer.
 
@@ -248,6 +252,11 @@ class Analysis:
                 raise InputError(
                     f"{cls.name}: the coefficients are those of the shift in discrete time, not of d/dt; only a run has them"
                 )
+        if scene.equations.solvability is not None and cls.name not in ANSWERED_WITH_CHOICES:
+            from ..scene.build.model import no_modes
+
+            with at(scene.file_name, "model.coefficients"):
+                raise InputError(no_modes(cls.name))
         if not cls.handles_delays and (system := scene.equations.system) is not None:
             with at(scene.file_name, "model"):
                 system._refuse_delays(cls.name)

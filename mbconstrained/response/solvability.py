@@ -28,9 +28,7 @@ from ..polynomial.coefficients import Factors
 from ..polynomial.polynomial_matrix import MOST_PAIR_STATES, PolynomialMatrix
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import step, zero
-from .choose import Request
 from .problem import Problem, checked_force, checked_matrix
-from .response import Response
 
 #: Times within each piece of a force at which a condition is tested, as parts of a finite piece.
 PARTS = np.array([0.0, 0.3, 0.7, 0.95])
@@ -228,23 +226,20 @@ def solvability(
     return _completed(A, initial, force, free or {}, rank_tolerance)[0]
 
 
-def solve_any(
+def completed(
     A: PolynomialMatrix,
     initial=None,
     force: ImpulsiveSmooth | None = None,
     free: Mapping | None = None,
     rank_tolerance: float | None = None,
-    request: Request = Request(),
-) -> Response:
-    """``solve`` for a matrix that may be singular or not square; free coordinates move as given, or stay zero where free is {}."""
+) -> tuple[Problem, Solvability]:
+    """The regular problem whose solution is x, with the report; NotSolvable, or SingularPolynomialMatrix where free is None and needed."""
     report, problem = _completed(A, initial, force, free or {}, rank_tolerance)
     if not report.is_solvable:
         raise NotSolvable(_refusal(report), report.conditions)
     if report.freedom and free is None:
-        raise SingularPolynomialMatrix(
-            _undetermined(report), (), tuple(places_of(report.may_be_chosen, A.coordinates, "coordinate"))
-        )
-    return Response._solved(replace(problem, notices=report.notices), request)
+        raise SingularPolynomialMatrix(_undetermined(report), (), tuple(places_of(report.may_be_chosen, A.coordinates, "coordinate")))
+    return replace(problem, notices=report.notices), report
 
 
 def _refusal(report: Solvability) -> str:

@@ -24,7 +24,7 @@ from .events import Event, starts_of
 from .problem import Problem, checked_force, checked_matrix
 from .response import Response, start_after
 from .response_notices import remaining_notices
-from .solvability import solve_any
+from .solvability import completed
 
 if TYPE_CHECKING:
     from ..exact.enclosure.intervals import Enclosure
@@ -425,7 +425,7 @@ def solve(
                 "free: equations with free coordinates or of another number than the coordinates are solved without delays, for one start "
                 "and one force"
             )
-        return solve_any(A, initial, force, free, rank_tolerance, request)
+        return Response._solved(completed(A, initial, force, free, rank_tolerance)[0], request)
     if _is_family(initial, force):
         if delayed:
             raise InputError("delayed: several starts or forces are given; equations with delays are solved for one of each")

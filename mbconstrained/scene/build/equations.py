@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...ground.errors import InputError, shown
+from ...ground.checks import counted
+from ...ground.errors import InputError, SingularPolynomialMatrix, shown
 from ...ground.quantities import Expressed, quantity
 from ...ground.tolerances import CONSISTENT_ROWS
 from ...linalg.scaling import equilibration
@@ -21,7 +22,7 @@ from ..quantities.coordinates import DERIVATIVES, FORCE_UNITS, Coordinates, cons
 from .data_files import entries_of
 from .ends import shaped, shaped_inputs, with_end
 from .forces import NONE_SHAPED, Shapers, force_of, load_patterns, loads_of, prescribed_motions, shapers_of, unbalance_loads
-from .model import Equations
+from .model import Equations, no_modes
 
 if TYPE_CHECKING:
     from ...mechanics.system import MechanicalSystem
@@ -227,20 +228,66 @@ def _damped(table, system: MechanicalSystem, file_name: str) -> MechanicalSystem
 
 
 def _coefficients(table, folder: Path, file_name: str) -> Equations:
-    matrices = []
-    for number, source in enumerate(table.model.coefficients):
+    model, matrices = table.model, []
+    for number, source in enumerate(model.coefficients):
         with at(file_name, f"model.coefficients[{number + 1}] (A_{number})"):
-            matrices.append(_square(entries_of(source, folder)))
-    coordinates = _coordinates(table.model, len(matrices[0]), file_name)
+            matrices.append(_filled(entries_of(source, folder)))
+    rows, columns = matrices[0].shape
+    coordinates = _coordinates(model, columns, file_name)
     with at(file_name, "model.coefficients"):
-        A = PolynomialMatrix(matrices, coordinates=coordinates.names)
+        A = PolynomialMatrix(matrices, coordinates=coordinates.names, equations=model.equations)
     if table.initial.follow:
         with at(file_name, "initial.follow"):
             raise InputError("equations given by coefficients have no constraint rows to follow; give all values")
     initial = initial_values(table.initial, coordinates, A.degree, file_name).astype(float)
     shapers = shapers_of(table.force, "force", None, file_name)
-    loads = loads_of(table.force, coordinates, folder, file_name, shapers=shapers)
-    return Equations(coordinates, A, initial, force_of(loads), loads=loads, ends=shaped_inputs(table.force, file_name))
+    named = model.equations is None and rows == columns
+    places = coordinates if named else Coordinates(A.equations, ("1",) * rows)
+    loads = loads_of(table.force, places, folder, file_name, shapers=shapers)
+    equations = Equations(coordinates, A, initial, force_of(loads), loads=loads, ends=shaped_inputs(table.force, file_name))
+    if A.is_square and not table.motion and A.is_regular:
+        return equations
+    return _with_free_coordinates(table, equations, folder, file_name)
+
+
+def _with_free_coordinates(table, equations: Equations, folder: Path, file_name: str) -> Equations:
+    """The equations with free coordinates that move as [[motion]] tables have it, and without redundant ones; both are checked."""
+    from ...response.solvability import completed, solvability
+
+    A, coordinates = equations.polynomial_matrix, equations.coordinates
+    if table.time.step_domain == "discrete":
+        with at(file_name, "time.step_domain"):
+            raise InputError("in discrete time coefficients must be those of a regular system: square, with det A(z) not zero for every z")
+    for key in (key for key in ("frequency", "random", "campbell") if getattr(table, key) is not None):
+        with at(file_name, key):
+            raise InputError(no_modes(key))
+    if not table.motion and (report := solvability(A, equations.initial, equations.force)).freedom:
+        choices = "; or ".join(f'[[motion]] with coordinate = "{name}"' for name in report.may_be_chosen)
+        where = "det A(s) is zero for every s: " * A.is_square
+        raise SingularPolynomialMatrix(
+            f"{file_name}: model.coefficients: {where}the equations leave {counted(report.freedom, 'coordinate')} free. Choose "
+            f"{'its motion' if report.freedom == 1 else 'their motions'} by {choices}\n{report.summary()}"
+        )
+    free, shapers = {}, shapers_of(table.motion, "motion", None, file_name)
+    for number, row in enumerate(prescribed_motions(table.motion, coordinates, folder, file_name, shapers=shapers), 1):
+        with at(file_name, f"motion[{number}]"):
+            name = coordinates.names[int(np.argmax(np.abs(row.rows[0])))]
+            if row.level != "position" or name in free:
+                raise InputError(
+                    f'the motion of "{name}" is chosen once, at the level "position"; found {"a second one" if name in free else row.level}'
+                )
+            free[name] = row.signal
+    with at(file_name, "motion" if free else "model.coefficients"):
+        problem, report = completed(A, equations.initial, equations.force, free)
+    force = problem.force
+    return replace(equations, polynomial_matrix=problem.polynomial_matrix, force=force, solvability=report)
+
+
+def _filled(matrix: np.ndarray) -> np.ndarray:
+    """A matrix with its parameters at their default values, or an InputError."""
+    if not matrix.size:
+        raise InputError("found an empty matrix; expected rows of numbers")
+    return matrix.astype(float)
 
 
 def _square(matrix: np.ndarray) -> np.ndarray:

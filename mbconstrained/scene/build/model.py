@@ -28,6 +28,7 @@ from .forces import SceneForce
 if TYPE_CHECKING:
     from ...mechanics.system import MechanicalSystem
     from ...models.lumped import LumpedModel
+    from ...response.solvability import Solvability
     from ...robot.linear_range import LinearRange
     from ...robot.robot import Robot
     from ...robot.statics import Posture
@@ -72,6 +73,14 @@ class End:
         raise NotImplementedError
 
 
+def no_modes(what: str) -> str:
+    """Why equations that are no regular system have no answer of this kind."""
+    return (
+        f"{what}: the equations are no regular system: eigenvalues and responses would be those of the choices. Write what moves a free "
+        "coordinate, and leave redundant rows out, in the coefficients; a run has the motion"
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class Equations:
     """The equations of a scene, their start and force, names and units, and what reports say about a model of its kind.
@@ -91,6 +100,8 @@ class Equations:
         rotor: the rotor at rest whose speed the system has, or None.
         response: the motion, where it is already known.
         ends: what brings the motion to its end: boundary values, an input of least energy, input shapers.
+        solvability: conditions and free coordinates of equations that are no regular system by themselves; the polynomial matrix is that
+            of the completed system. None where they are one.
     """
 
     coordinates: Coordinates
@@ -105,6 +116,7 @@ class Equations:
     rotor: MechanicalSystem | None = None
     response: Response | None = None
     ends: tuple[End, ...] = ()
+    solvability: Solvability | None = None
 
     # The problem, and its solution.
 

@@ -10,7 +10,7 @@ from types import MethodType
 from typing import TYPE_CHECKING, Any
 
 from ...analyses import ANALYSES, load
-from ...ground.errors import InputError
+from ...ground.errors import InputError, SingularPolynomialMatrix
 from ...ground.quantities import count_texts
 from ...ground.units import unit_in_si
 from ..build.equations import equations_of
@@ -256,9 +256,26 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
     scene = assembled(path, *read_tables(path), settings or {}, costs)
     scene.check_drawing()
     costs.lap("assemble the model")
-    scene.equations.polynomial_matrix.check_regular()
+    try:
+        scene.equations.polynomial_matrix.check_regular()
+    except SingularPolynomialMatrix as problem:
+        raise SingularPolynomialMatrix(
+            f"{problem}{_choices(scene.equations)}", problem.equations, problem.coordinates
+        ) from None
     costs.lap("scaling and staircase")
     return scene
+
+
+def _choices(equations: Equations) -> str:
+    """How the free coordinates of a mechanical system may be chosen, with the report on its equations; empty for others."""
+    from ...response.solvability import solvability
+
+    if equations.system is None or not equations.polynomial_matrix.is_square:
+        return ""
+    report = solvability(equations.polynomial_matrix, equations.initial, equations.right_hand_side)
+    names = [name for name in report.may_be_chosen if name in equations.coordinates.names]
+    choices = "; or ".join(f'[[motion]] with coordinate = "{name}"' for name in names)
+    return f"\nA motion may be chosen by {choices}\n{report.summary()}" if names else ""
 
 
 def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, Any], costs: Costs | None = None) -> Scene:

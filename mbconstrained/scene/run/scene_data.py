@@ -82,6 +82,7 @@ class SceneData(Displayed):
             *self.parameters.notices,
             *_late_loads(self.table),
             *(notice for end in self.equations.ends for notice in (*_late_end(end, self.table.time.end), *end.notices)),
+            *(self.equations.solvability.notices if self.equations.solvability else ()),
             *_assumed_lengths(self.table.model),
             *_matrix_notices(self.table, self.equations.system),
         )

@@ -164,13 +164,22 @@ class MatricesTable(DampedTable):
     speed: AngularVelocity | None = SPEED
     unbalance: list[MatrixUnbalanceTable] = Field([], description="Eccentric masses of a rotor.")
     constraint: list[ConstraintTable] = Field([], description="Constraint rows.")
-    coefficients: list[Matrix] | None = Field(None, description="[A_0, A_1, …, A_q] instead of mass, damping and stiffness.")
+    coefficients: list[Matrix] | None = Field(
+        None,
+        description="[A_0, A_1, …, A_q] instead of mass, damping and stiffness; with free coordinates, which [[motion]] chooses, or more "
+        "equations than coordinates they need not be square.",
+    )
+    equations: list[Name] | None = Field(
+        None, description="Names of the rows of coefficients, to which forces belong; those of the coordinates when left out."
+    )
 
     @model_validator(mode="after")
     def _one_form(self):
         if (self.mass is None) == (self.coefficients is None):
             raise InputError("give either mass (with damping and stiffness) or coefficients = [A_0, A_1, …]")
         if self.coefficients is None:
+            if self.equations is not None:
+                raise InputError("equations names the rows of coefficients; leave it out")
             return self
         if given := [key for key in WITHOUT_COEFFICIENTS if key in self.model_fields_set]:
             raise InputError(f"{given[0]} cannot stand with coefficients; write it into A_0, A_1, … or give mass instead")
