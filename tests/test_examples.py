@@ -277,6 +277,18 @@ def test_samples_of_the_quarter_car_lie_on_its_continuous_motion():
     assert result.values == pytest.approx(motion.displacement(result.times), abs=1e-12 * np.abs(result.values).max())
 
 
+def test_chosen_gripper_follows_the_choice_and_drags_the_arm():
+    """2 x'' + 4 x' + 200 x = 200 g; on the ramp g = 0.1 t the arm is behind by 4 * 0.1 / 200, and swings with 9.95 rad/s."""
+    result = run("chosen_gripper")
+    t = np.linspace(0.0, 1.0, 30)
+    arm, gripper, tool = result.motion(t)
+    decay, w = 1.0, np.sqrt(99.0)
+    free = np.exp(-decay * t) * (0.002 * np.cos(w * t) + (0.002 - 0.1) / w * np.sin(w * t))  # x(0) = 0, x'(0) = 0
+    np.testing.assert_allclose(arm, 0.1 * t - 0.002 + free, atol=1e-14)
+    np.testing.assert_allclose([gripper, tool], [0.1 * t, (arm + 0.1 * t) / 2], atol=1e-14)
+    assert any('"gauge" follows from the others' in notice.text for notice in result.notices)
+
+
 def test_every_scene_has_a_thumbnail_in_the_index():
     names = {path.stem for path in EXAMPLES.glob("*.toml")}
     pictures = {path.stem: path.read_bytes() for path in (EXAMPLES / "thumbnails").glob("*")}

@@ -418,7 +418,7 @@ def _regular(A: PolynomialMatrix, kernels: _Kernels, chosen, notices: list[Notic
         for power, factors in enumerate(A.factors):
             if factors is not None:
                 matrices[power] = _with_choices(factors, kept, choices if power == 0 else 0.0 * choices)
-    chosen_names = [f'choice of "{A.coordinates[i]}"' for i in chosen]
+    chosen_names = [f'choice of {A.coordinates[i]}' for i in chosen]
     return kept, PolynomialMatrix(matrices, A.coordinates, [*names, *chosen_names], uncertainty if uncertainty.any() else None)
 
 
