@@ -22,7 +22,7 @@ from tests.audits.source import FILES, MODULES, ROOT, expect_none, room, text, t
 LINES = {
     "__init__": 212,
     "__main__": 8,
-    "analyses": 10719,
+    "analyses": 10720,
     "cli": 980,
     "control": 2593,
     "docs": 284,
