@@ -26,7 +26,7 @@ def test_the_short_summary_has_the_requested_end_of_a_motion():
     (end,) = scene.equations.ends
     whole, short = _printed(overview(result)), _printed(overview(result, lines=18))
     assert f"energy                     {end.input.energy:.6g} N^2 m^2 s" in whole and len(whole.splitlines()) <= SCREEN
-    assert "energy" in short and "and 4 more" in short and len(short.splitlines()) <= 18
+    assert "energy" in short and re.search(r"and \d more", short) and len(short.splitlines()) <= 18
 
 
 def test_a_meaning_stands_where_it_adds_something(tmp_path):
