@@ -381,7 +381,7 @@ def _normal_form(equations: Equations, h: float, hold: int) -> DiscreteStateSpac
     names = {"inputs": control.inputs.names, "outputs": [*coordinates, *control.outputs.names]}
     states = [f"state {name} of the normal form" for name in own.states]  # its own names may be those of outputs
     space = StateSpace(own.A, own.B, C, D, own.E if own.is_descriptor else None, states=states, **names)
-    return space.discretize(h, hold).solve(control.form.coordinates(control.start), control.input)
+    return space.discretize(h, hold, delays=control.delays).solve(control.form.coordinates(control.start), control.input)
 
 
 def _control(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceResponse:
@@ -392,11 +392,12 @@ def _control(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceRes
         names = {"inputs": given.inputs, "outputs": control.outputs.names or [f"sample of {name}" for name in given.states]}
         C, D = (given.C, given.D) if control.outputs.names else (np.eye(len(given.A)), None)
         space = StateSpace(given.A, given.B, C, D, given.E if given.is_descriptor else None, states=given.states, **names)
-        return space.discretize(h, hold).solve(control.start, _forces(equations))
+        return space.discretize(h, hold, delays=control.delays).solve(control.start, _forces(equations))
     own = control.transfer_function
     if own.start is not None:
         raise InputError("a transfer function in discrete time starts from rest; give a state space for other starts")
-    return StateSpace.from_transfer_function(own.numerator, own.denominator).discretize(h, hold).solve(input=_forces(equations))
+    space = StateSpace.from_transfer_function(own.numerator, own.denominator, inputs=control.inputs.names)
+    return space.discretize(h, hold, delays=control.delays).solve(input=_forces(equations))
 
 
 def _forces(equations: Equations) -> ImpulsiveSmooth:

@@ -217,6 +217,9 @@ def _with_least_energy(table, equations: Equations, file_name: str) -> Equations
     with at(file_name, "least_energy"):
         if equations.control is not None:
             space, control = equations.control.system, equations.control
+            if control.delays:
+                name = next(iter(control.delays))
+                raise InputError(f'the input "{name}" has a dead time, which an input of least energy has not; leave out delays')
             u = least_energy_input(space, table.inputs, control.start, end.get(DERIVATIVES[0]), table.duration, force=control.input)
             total = control.input + u.force
             units = tuple(space.units[name] for name in u.inputs)
