@@ -193,7 +193,7 @@ class StateSpace(StateEquations):
         >>> lag = StateSpace([[-2.0]], [[2.0]], [[1.0]])
         >>> lag.frequency_response([1 / np.pi]).values.item()
         (0.5-0.5j)
-        >>> lag.frequency_response([1 / np.pi], delays={"u1": np.pi / 4}).values.item().round(15)
+        >>> complex(lag.frequency_response([1 / np.pi], delays={"u1": np.pi / 4}).values.round(15).item())
         (-0.5-0.5j)
         """
         late = delays_of_inputs(self, delays)
