@@ -194,13 +194,14 @@ def enclosed_transfer(
     frequency_hz: float,
     digits: int,
     delayed: Sequence[DelayedTerm] = (),
+    input_delays: Sequence[float] = (),
 ) -> Enclosure:
-    """s^p C (A(s) + i H + delayed terms)^-1 B at one frequency."""
+    """s^p C (A(s) + i H + delayed terms)^-1 B at one frequency, with the dead times of the inputs."""
     digits = whole_number(digits, "digits", minimum=1)
     exact = [matrix.tolist() for matrix in A.exact_coefficients]
     for guard in GUARDS:
         with working_precision(bits_of(digits) + guard):
-            values = _transfer(exact, imaginary, inputs, outputs, power, frequency_hz, delayed)
+            values = _transfer(exact, imaginary, inputs, outputs, power, frequency_hz, delayed, input_delays)
             if values is not None and all(_is_known(value, digits) for value in values):
                 return Enclosure.of([[v.real for v in values], [v.imag for v in values]], np.zeros(len(values)), digits)
     raise InputError(f"frequency_hz: found {frequency_hz:g} Hz, where the response has a pole; enclose it at another frequency")
@@ -223,7 +224,14 @@ def _polynomial(coefficients, s: flint.acb) -> flint.acb_mat:
 
 
 def _transfer(
-    exact, imaginary, inputs, outputs, power: int, frequency_hz: float, delayed: Sequence[DelayedTerm]
+    exact,
+    imaginary,
+    inputs,
+    outputs,
+    power: int,
+    frequency_hz: float,
+    delayed: Sequence[DelayedTerm],
+    input_delays: Sequence[float],
 ) -> list[flint.acb] | None:
     omega = 2 * flint.arb.pi() * flint.arb(rational(Fraction(frequency_hz)))
     s = flint.acb(0, omega)
@@ -237,4 +245,8 @@ def _transfer(
     except ZeroDivisionError:
         return None
     H = flint.acb_mat(outputs.tolist()) * X * s**power
+    for j, delay in enumerate(input_delays):
+        late = (-s * flint.arb(rational(Fraction(repr(delay))))).exp()
+        for i in range(H.nrows()):
+            H[i, j] *= late
     return [H[i, j] for i in range(H.nrows()) for j in range(H.ncols())]
