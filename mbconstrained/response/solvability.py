@@ -238,7 +238,9 @@ def completed(
     if not report.is_solvable:
         raise NotSolvable(_refusal(report), report.conditions)
     if report.freedom and free is None:
-        raise SingularPolynomialMatrix(_undetermined(report), (), tuple(places_of(report.may_be_chosen, A.coordinates, "coordinate")))
+        raise SingularPolynomialMatrix(
+            _undetermined(report), (), tuple(places_of(report.may_be_chosen, A.coordinates, "coordinate"))
+        )
     return replace(problem, notices=report.notices), report
 
 
@@ -286,7 +288,7 @@ def _kernels(A: PolynomialMatrix, rank_tolerance: float | None) -> _Kernels:
 
     Numbers such as 0.1 are no binary fractions: where their rounding errors make equations independent, the decimals are taken.
     """
-    from ..exact.minimal_bases import minimal_basis, normal_rank
+    from ..exact.completion import normal_rank, whole_basis
 
     structure, binary = A.structure(rank_tolerance), _fractions(A.exact_coefficients)
     expected = structure.left_minimal_indices, structure.right_minimal_indices
@@ -295,7 +297,7 @@ def _kernels(A: PolynomialMatrix, rank_tolerance: float | None) -> _Kernels:
         for numbers in (binary, _fractions(A.coefficients, lambda entry: Fraction(repr(entry)))):
             rank = normal_rank(numbers)
             if rank <= structure.rank:
-                left, right = minimal_basis(numbers.transpose(0, 2, 1), rank), minimal_basis(numbers, rank)
+                left, right = whole_basis(numbers.transpose(0, 2, 1), rank), whole_basis(numbers, rank)
                 if is_short or expected == tuple(tuple(len(vector) - 1 for vector in side) for side in (left, right)):
                     return _Kernels(numbers, rank, left, right)
     left, right = (
@@ -311,7 +313,7 @@ def _fractions(array: np.ndarray, exact=Fraction) -> np.ndarray:
 
 
 def _completed(A, initial, force, free: Mapping, rank_tolerance: float | None) -> tuple[Solvability, Problem]:
-    from ..exact.minimal_bases import best_rows, floats
+    from ..exact.completion import best_rows, floats
 
     (m, n), q = checked_matrix(A).shape, A.degree
     initial = np.zeros((q, n)) if initial is None else real_array(initial, "initial", shape=(q, n))
@@ -337,7 +339,7 @@ def _completed(A, initial, force, free: Mapping, rank_tolerance: float | None) -
 
 def _checked_free(A: PolynomialMatrix, right: Sequence[np.ndarray], free: Mapping) -> tuple[list[int], dict[int, ImpulsiveSmooth]]:
     """Places of the coordinates that the user chooses, with their signals of one row."""
-    from ..exact.minimal_bases import independent_rows
+    from ..exact.completion import independent_rows
 
     if not isinstance(free, Mapping):
         raise InputError(
@@ -377,7 +379,7 @@ def checked_signal(signal) -> ImpulsiveSmooth:
 
 def _regular(A: PolynomialMatrix, kernels: _Kernels, chosen, notices: list[Notice]) -> tuple[np.ndarray, PolynomialMatrix]:
     """The combinations T, and [T A(s); C]."""
-    from ..exact.minimal_bases import best_rows, combinations_without_zeros, floats
+    from ..exact.completion import best_rows, combinations_without_zeros, floats
 
     (m, n), count, left = A.shape, A.shape[1] - len(chosen), kernels.left
     T = np.eye(m, dtype=int) + Fraction(0)
@@ -418,13 +420,13 @@ def _regular(A: PolynomialMatrix, kernels: _Kernels, chosen, notices: list[Notic
         for power, factors in enumerate(A.factors):
             if factors is not None:
                 matrices[power] = _with_choices(factors, kept, choices if power == 0 else 0.0 * choices)
-    chosen_names = [f'choice of {A.coordinates[i]}' for i in chosen]
+    chosen_names = [f"choice of {A.coordinates[i]}" for i in chosen]
     return kept, PolynomialMatrix(matrices, A.coordinates, [*names, *chosen_names], uncertainty if uncertainty.any() else None)
 
 
 def _orthonormal_combinations(left: list[np.ndarray]) -> np.ndarray | None:
     """``combinations_without_zeros`` of vectors with rounding errors: N(s) B is the unit matrix, T orthonormal."""
-    from ..exact.minimal_bases import floats, stacked
+    from ..exact.completion import floats, stacked
 
     matrix = stacked([_fractions(floats(vector) / np.abs(floats(vector)).max()) for vector in left]).astype(float)
     higher = matrix[1:].transpose(0, 2, 1).reshape(-1, matrix.shape[1])
@@ -456,9 +458,9 @@ def _additional(roots: np.ndarray) -> Notice:
 
 
 def _notices(A: PolynomialMatrix, conditions, kept: np.ndarray, chosen, required) -> Iterator[Notice]:
-    used = kept.any(axis=0)
+    used = {A.equations[row] for row in np.flatnonzero(kept.any(axis=0))}
     for condition in conditions:
-        own = [name for name, _ in condition.equations if not used[A.equations.index(name)]]
+        own = [name for name, _ in condition.equations if name not in used]
         what = f'"{own[0]}" follows from the others and is left out: ' if len(own) == 1 else "redundant equations, satisfied: "
         if condition.is_satisfied:
             yield Notice(NoticeKind.REDUNDANT, f"{what}{condition.combination} leaves no coordinate and no force")
@@ -486,7 +488,7 @@ class _Residual:
 def _condition(
     A: PolynomialMatrix, row: np.ndarray, initial: np.ndarray, force: ImpulsiveSmooth, tolerance: float | None
 ) -> Condition:
-    from ..exact.minimal_bases import floats
+    from ..exact.completion import floats
 
     n = floats(row)
     used = np.flatnonzero(n.any(axis=0))

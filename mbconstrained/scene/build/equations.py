@@ -257,7 +257,9 @@ def _with_free_coordinates(table, equations: Equations, folder: Path, file_name:
     A, coordinates = equations.polynomial_matrix, equations.coordinates
     if table.time.step_domain == "discrete":
         with at(file_name, "time.step_domain"):
-            raise InputError("in discrete time coefficients must be those of a regular system: square, with det A(z) not zero for every z")
+            raise InputError(
+                "in discrete time coefficients must be those of a regular system: square, with det A(z) not zero for every z"
+            )
     for key in (key for key in ("frequency", "random", "campbell") if getattr(table, key) is not None):
         with at(file_name, key):
             raise InputError(no_modes(key))

@@ -259,15 +259,13 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
     try:
         scene.equations.polynomial_matrix.check_regular()
     except SingularPolynomialMatrix as problem:
-        raise SingularPolynomialMatrix(
-            f"{problem}{_choices(scene.equations)}", problem.equations, problem.coordinates
-        ) from None
+        raise SingularPolynomialMatrix(f"{problem}{_choices(scene.equations)}", problem.equations, problem.coordinates) from None
     costs.lap("scaling and staircase")
     return scene
 
 
 def _choices(equations: Equations) -> str:
-    """How the free coordinates of a mechanical system may be chosen, with the report on its equations; empty for others."""
+    """Advice on free coordinates of a mechanical system with the report on its equations; empty for other models."""
     from ...response.solvability import solvability
 
     if equations.system is None or not equations.polynomial_matrix.is_square:

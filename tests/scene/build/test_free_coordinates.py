@@ -50,11 +50,26 @@ def test_consistent_rows_run_with_a_notice(tmp_path):
 @pytest.mark.parametrize(
     "old, new, error, text",
     [
-        ('coordinate = "gripper"', 'coordinate = "griper"', mb.SceneError, r'motion\[1\]: there is no coordinate "griper"; did you mean'),
-        ('kind = "sampled"', 'level = "velocity"\nkind = "sampled"', mb.SceneError, 'chosen once, at the level "position"; found velocity'),
+        (
+            'coordinate = "gripper"',
+            'coordinate = "griper"',
+            mb.SceneError,
+            r'motion\[1\]: there is no coordinate "griper"; did you mean',
+        ),
+        (
+            'kind = "sampled"',
+            'level = "velocity"\nkind = "sampled"',
+            mb.SceneError,
+            'chosen once, at the level "position"; found velocity',
+        ),
         (MOTION, MOTION + MOTION, mb.SceneError, r"motion\[2\]: .*found a second one"),
         (MOTION, MOTION + MOTION.replace("gripper", "arm"), mb.SceneError, "motion: free: .*1 coordinate may be chosen"),
-        ("[output]", '[frequency]\nfrom = "1 Hz"\nto = "5 Hz"\n[output]', mb.SceneError, "frequency: the equations are no regular system"),
+        (
+            "[output]",
+            '[frequency]\nfrom = "1 Hz"\nto = "5 Hz"\n[output]',
+            mb.SceneError,
+            "frequency: the equations are no regular system",
+        ),
         ('end = "6 s"', 'end = "6 s"\nstep_domain = "discrete"\nstep = "1 s"', mb.SceneError, "time"),
     ],
 )

@@ -1,8 +1,8 @@
-"""Rank, kernels and completion of any A(s), m x n, over the rationals: what decides whether A(d/dt) x = f can be solved, and how."""
+"""Rank and completion of any A(s), m x n, over the rationals: what decides whether A(d/dt) x = f can be solved, and how."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from itertools import combinations, islice
 from math import gcd, lcm, prod
@@ -10,57 +10,22 @@ from math import gcd, lcm, prod
 import flint
 import numpy as np
 
+from .kernels import minimal_basis
 from .rational import POINTS, RationalMatrix, fraction, rational_matrix
 
 #: So many sets of rows are tried before the one with the fewest additional zeros is taken.
 MOST_SETS = 400
 
-#: Vectors with larger whole numbers, those of data with all digits of float64, are not made shorter.
-LONGEST = 2**200
-
 
 def normal_rank(coefficients: np.ndarray) -> int:
     """The rank of A(s) over the rational functions, from Fractions or floats taken as exact, shape (q + 1, m, n)."""
-    matrices = [rational_matrix(matrix) for matrix in coefficients]
-    ranks = []
-    for point in POINTS:
-        value = matrices[-1]
-        for matrix in matrices[-2::-1]:
-            value = value * point + matrix
-        ranks.append(value.rank())
-    return max(ranks)
+    matrix = RationalMatrix(coefficients.tolist())
+    return max(matrix.whole_at(point).rank() for point in POINTS)
 
 
-def minimal_basis(coefficients: np.ndarray, rank: int) -> list[np.ndarray]:
-    """A minimal polynomial basis of the right kernel of A(s): vectors K_j of whole numbers, shape (degree + 1, n), ascending degrees.
-
-    Polynomials of degree d in the kernel are the null space of a matrix with A_0 ... A_q in d + 1 block columns; those that are no
-    combinations of shorter ones are new (Forney 1975).
-    """
-    n, basis, degree = coefficients.shape[2], [], 0
-    while len(basis) < n - rank:
-        known = [_shifted(vector, shift, degree) for vector in basis for shift in range(degree - len(vector) + 2)]
-        for vector in _independent(known, _null_space(_convolution(coefficients, degree))):
-            basis.append(vector.reshape(degree + 1, n))
-        degree += 1
-    return basis
-
-
-def _convolution(coefficients: np.ndarray, degree: int) -> np.ndarray:
-    """The matrix of the map from the coefficients of a vector of this degree to those of its product with A(s)."""
-    q, (m, n) = len(coefficients) - 1, coefficients.shape[1:]
-    matrix = np.full(((q + degree + 1) * m, (degree + 1) * n), Fraction(0), dtype=object)
-    for column in range(degree + 1):
-        for power, part in enumerate(coefficients):
-            matrix[(column + power) * m : (column + power + 1) * m, column * n : (column + 1) * n] = part
-    return matrix
-
-
-def _shifted(vector: np.ndarray, shift: int, degree: int) -> np.ndarray:
-    """The coefficients of s^shift times a vector, up to this degree, in one row."""
-    result = np.full((degree + 1, vector.shape[1]), Fraction(0), dtype=object)
-    result[shift : shift + len(vector)] = vector
-    return result.ravel()
+def whole_basis(coefficients: np.ndarray, rank: int) -> list[np.ndarray]:
+    """A minimal basis of the right kernel: vectors of whole numbers without a common divisor, shape (degree + 1, n)."""
+    return [whole(vector) for vector in minimal_basis(RationalMatrix(coefficients.tolist()), coefficients.shape[2] - rank)]
 
 
 def _null_space(matrix: np.ndarray) -> list[np.ndarray]:
@@ -74,25 +39,12 @@ def _null_space(matrix: np.ndarray) -> list[np.ndarray]:
         for row, pivot in enumerate(pivots):
             vector[pivot] = -fraction(reduced[row, free])
         basis.append(whole(vector))
-    if len(basis) > 1 and all(
-        abs(entry) < LONGEST for vector in basis for entry in vector
-    ):  # short vectors of the same space: readable, and exact in float64
-        short = flint.fmpz_mat([[int(entry) for entry in vector] for vector in basis]).lll()
-        basis = [whole(np.array([Fraction(int(entry)) for entry in row], dtype=object)) for row in short.table()]
-        basis.sort(key=lambda vector: (sum(map(bool, vector)), sum(abs(vector))))
     return basis
 
 
 def _pivots(reduced: flint.fmpq_mat, rank: int) -> list[int]:
     """The pivot columns of a reduced row echelon form."""
     return [next(column for column in range(reduced.ncols()) if reduced[row, column]) for row in range(rank)]
-
-
-def _independent(known: Sequence[np.ndarray], vectors: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
-    """The vectors that are no combinations of known ones and of those before."""
-    if vectors:
-        reduced, rank = rational_matrix(np.array([*known, *vectors], dtype=object).T).rref()
-        yield from (vectors[pivot - len(known)] for pivot in _pivots(reduced, rank) if pivot >= len(known))
 
 
 def whole(vector: np.ndarray) -> np.ndarray:
