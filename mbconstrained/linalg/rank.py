@@ -235,6 +235,47 @@ class RowCompression:
         used = self.null.size.any(axis=0) | self.null.noise.any(axis=0)
         return self.null[:, used] @ rows[used]
 
+    def kept(self, rows: Noisy) -> Noisy:
+        """Rows, or combinations of them, that are as independent as those of S that are kept."""
+        return rows[self.pivots]
+
+    def placed(self, kept: Noisy) -> Noisy:
+        """The transpose of ``kept``: k rows as m."""
+        rows = _zeros_like(kept, (self.null.data.shape[1], kept.data.shape[1]))
+        rows[self.pivots] = kept
+        return rows
+
+
+@dataclass(frozen=True, eq=False)
+class RowRotation(RowCompression):
+    """The same by orthogonal matrices: ``basis`` and ``null`` are orthonormal, and there are no pivots."""
+
+    basis: Noisy
+
+    def kept(self, rows: Noisy) -> Noisy:
+        """basis @ rows."""
+        return self.basis @ rows
+
+    def placed(self, kept: Noisy) -> Noisy:
+        """basis^T @ kept."""
+        return self.basis.T @ kept
+
+
+def rotate_rows(matrix: Noisy) -> RowRotation:
+    """Find the dependent rows of a matrix by its singular values, which count as zero within the norm of the noise.
+
+    Noise does not grow by orthogonal matrices, so that many steps in a row remain clear; but an entry that is small and well known is
+    lost next to large ones that are not.
+    """
+    u, values, _ = np.linalg.svd(matrix.data)
+    bound = NOISE_SAFETY * max(np.linalg.norm(matrix.noise), EPS * values.max(initial=0.0))
+    rank = int((values > bound).sum())
+    kept = values[rank - 1] / bound if rank and bound else np.inf
+    dropped = values[rank] / bound if bound and rank < len(values) else 0.0
+    decision = RankDecision(rank, float(kept), float(dropped), tuple(values.tolist()))
+    basis, null = (Noisy.exact(part.T) for part in (u[:, :rank], u[:, rank:]))
+    return RowRotation(np.zeros(0, dtype=int), null, decision, basis)
+
 
 def compress_rows(
     matrix: Noisy, weights: np.ndarray | None = None, preferred: np.ndarray | None = None, decided: RankDecision | None = None

@@ -17,7 +17,7 @@ import scipy
 from ..ground.errors import IllConditioned
 from ..ground.tolerances import EPS, NOISE_SAFETY
 from .precise import inverse, is_precise, magnitude, of_kind, unit
-from .rank import Noisy, RankDecision, RowCompression, compress_rows, null_columns, stacked
+from .rank import Noisy, RankDecision, RowCompression, compress_rows, null_columns, rotate_rows, stacked
 
 
 class SingularPencil(ArithmeticError):
@@ -226,20 +226,20 @@ class RightStaircase:
         return tuple(vector.data.shape[1] - 1 for vector in self.vectors)
 
 
-def right_staircase(E: Noisy, F: Noisy, decided: Iterator[RankDecision] | None = None) -> RightStaircase:
-    """Take the right minimal indices and the infinite elementary divisors out of s E - F, with its noise."""
+def right_staircase(E: Noisy, F: Noisy, by_rotation: bool = False) -> RightStaircase:
+    """Take the right minimal indices and the infinite elementary divisors out of s E - F, with its noise, by elimination or orthogonally."""
     steps: list[tuple] = []
     decisions: list[RankDecision] = []
     while True:
-        columns = null_columns(E, ~(E.data != 0).any(axis=0), _next(decided))
+        columns = rotate_rows(E.T) if by_rotation else null_columns(E, ~(E.data != 0).any(axis=0))
         decisions.append(columns.decision)
         if columns.decision.rank == E.data.shape[1]:
             break
-        image = F @ columns.null.T
-        rows = compress_rows(image, decided=_next(decided))
+        image, E, F = F @ columns.null.T, columns.kept(E.T).T, columns.kept(F.T).T
+        rows = rotate_rows(image) if by_rotation else compress_rows(image)
         decisions.append(rows.decision)
-        steps.append((columns, image[rows.pivots], E[rows.pivots][:, columns.pivots], F[rows.pivots][:, columns.pivots]))
-        E, F = rows.combined(E[:, columns.pivots]), rows.combined(F[:, columns.pivots])
+        steps.append((columns, *map(rows.kept, (image, E, F))))
+        E, F = rows.combined(E), rows.combined(F)
     ranks = [decision.rank for decision in decisions[1::2]]
     nullities = [*(len(columns.null.data) for columns, *_ in steps), 0]
     divisors = tuple(k + 1 for k, rank in enumerate(ranks) for _ in range(rank - nullities[k + 1]))
@@ -252,7 +252,8 @@ def right_staircase(E: Noisy, F: Noisy, decided: Iterator[RankDecision] | None =
 def _extended(vectors: Sequence[Noisy], columns: RowCompression, image: Noisy, E: Noisy, F: Noisy) -> list[Noisy]:
     """Kernel vectors of a step from those of the next one, and those that end here.
 
-    x = null^T u + v at the pivots, v a vector of the next step, solves (s E - F) x = 0 where image u = (s E - F) v: its degree is one more.
+    x = null^T u + v in the columns kept, v a vector of the next step, solves (s E - F) x = 0 where image u = (s E - F) v: its degree is
+    one more.
     """
     null, result = columns.null.T, []
     ends = null_columns(image, decided=RankDecision(len(image.data), np.inf, 0.0))
@@ -261,7 +262,7 @@ def _extended(vectors: Sequence[Noisy], columns: RowCompression, image: Noisy, E
         pushed, kept = (Noisy.exact(of_kind(np.zeros((len(E.data), v.data.shape[1] + 1)), v.data)) for _ in range(2))
         pushed[:, 1:], kept[:, :-1] = E @ v, -(F @ v)
         x = null[:, ends.pivots] @ (solution @ (pushed + kept))
-        x[columns.pivots, :-1] = x[columns.pivots, :-1] + v
+        x[:, :-1] = x[:, :-1] + columns.placed(v)
         result.append(x)
     ended = null @ ends.null.T
     return result + [ended[:, [place]] for place in range(ended.data.shape[1])]

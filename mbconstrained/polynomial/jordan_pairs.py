@@ -12,7 +12,7 @@ import scipy
 from ..ground.checks import counted
 from ..ground.display import Displayed, TextTable
 from ..ground.errors import IllConditioned, InputError, Overflow, SingularPolynomialMatrix
-from ..ground.notices import Evidence
+from ..ground.notices import Evidence, Notice, NoticeKind
 from ..ground.threads import short_work
 from ..ground.tolerances import (
     AS_WRITTEN_STATES,
@@ -383,7 +383,11 @@ class JordanPairs(Displayed):
         if A.degree == 0:  # the pencil declared one power more
             divisors = tuple(degree - 1 for degree in divisors)
         divisors = (0,) * (A.size - len(divisors)) + divisors
-        return Structure(A.shape, A.degree, self.finite.zeros, divisors)
+        is_clear = all(decision.clear for decision in self.form.split.decisions)
+        doubts = (
+            () if is_clear else (Notice(NoticeKind.RANK, "rounding errors of the data decide: A(s) is taken for regular", True),)
+        )
+        return Structure(A.shape, A.degree, self.finite.zeros, divisors, doubts=doubts)
 
     @cached_property
     def as_written(self) -> JordanPairs | None:

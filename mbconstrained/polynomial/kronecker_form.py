@@ -27,12 +27,18 @@ from .structure import FiniteZero, PolynomialVector, Structure
 
 
 def kronecker_structure(A: PolynomialCoefficients, rank_tolerance: float | None = None) -> Structure:
-    """The structure of any A(s), as ``PolynomialMatrix.structure``."""
+    """The structure of any A(s), as ``PolynomialMatrix.structure``.
+
+    By elimination first, which keeps small entries and exact zeros; where its noise grows too much, by orthogonal matrices. Where both
+    leave a doubt, whole numbers and other short ones are taken exactly, and so are data of which that confirms the decision.
+    """
     in_float64 = rank_tolerance != 0 and all(factors is None for factors in A.factors)
-    form = _form(A, rank_tolerance, in_float64)
-    settled = form.is_clear or not in_float64 or rank_tolerance is not None or A.uncertainty.any()
-    doubt = ""
-    if not settled and max(form.companion.pencil[0].data.shape) <= PRECISE_KRONECKER_STATES:
+    form, doubt = _form(A, rank_tolerance, in_float64), ""
+    if in_float64 and not form.is_clear:
+        rotated = _form(A, rank_tolerance, by_rotation=True)
+        form = rotated if rotated.is_consistent else form
+    is_small = max(form.companion.pencil[0].data.shape) <= PRECISE_KRONECKER_STATES
+    if in_float64 and not form.is_clear and rank_tolerance is None and is_small and not A.uncertainty.any():
         written = _form(A, 0.0, in_float64=False)
         if _is_short(A.coefficients) or written.indices == form.indices:
             form = written
@@ -57,11 +63,11 @@ def _is_short(coefficients: np.ndarray) -> bool:
     return not np.mod(mantissas * SHORT_NUMBER, 1).any()
 
 
-def _form(A: PolynomialCoefficients, rank_tolerance: float | None, in_float64: bool) -> KroneckerForm:
+def _form(A: PolynomialCoefficients, rank_tolerance: float | None, in_float64=True, by_rotation=False) -> KroneckerForm:
     with nullcontext() if in_float64 else precise_arithmetic():
         companion = scaled_companion(A, rank_tolerance, in_float64)
-        right, left = (right_staircase(*each.pencil) for each in (companion, companion.transposed))
-        return KroneckerForm(companion, right, left, right_staircase(right.E.T, right.F.T))
+        right, left = (right_staircase(*each.pencil, by_rotation) for each in (companion, companion.transposed))
+        return KroneckerForm(companion, right, left, right_staircase(right.E.T, right.F.T, by_rotation))
 
 
 @dataclass(frozen=True, eq=False)

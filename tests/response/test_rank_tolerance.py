@@ -31,7 +31,7 @@ def test_a_tolerance_may_make_the_equations_dependent():
     A = mb.PolynomialMatrix([[[1, 1], [1, 1 + 1e-9]], [[1, 1], [1, 1]]])
     assert zeros(A) == [pytest.approx(-1)]
     with pytest.raises(mb.SingularPolynomialMatrix, match="equation 1"):
-        A.structure(1e-6)
+        A.jordan_pairs(1e-6)
 
 
 @pytest.mark.parametrize("parts", [1, 26])
