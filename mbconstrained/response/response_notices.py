@@ -277,7 +277,7 @@ def unsatisfied(x: SolvedProblem) -> Iterator[Notice]:
         begin = np.where(np.abs(x.initial + jump) <= noise_of(np.abs(jump)), 0.0, x.initial + jump)
         times, derivatives, states, rate = x.solution.sums(A.degree + 1)
         rate = np.float64(rate)  # its powers overflow to infinity
-        loads, sizes = x.force(times), [np.abs(rows @ states).max(axis=0, initial=0.0) for rows in derivatives]
+        loads, sizes = x.force.smooth._values(times), [np.abs(rows @ states).max(axis=0, initial=0.0) for rows in derivatives]
         largest = np.max([size / rate**order for order, size in enumerate(sizes)], axis=0)
         residual, terms, noise = -loads, np.abs(loads), noise_of(np.abs(loads))
         starts = []

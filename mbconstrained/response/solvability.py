@@ -25,7 +25,7 @@ from ..ground.tolerances import CLEAR_KEPT, EPS, PROVED_RESTARTS, noise_of
 from ..linalg.blocks import block_matrix, zeros_of
 from ..linalg.exponential import block_states
 from ..polynomial.coefficients import Factors
-from ..polynomial.polynomial_matrix import MOST_PAIR_STATES, PolynomialMatrix
+from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import step, zero
 from .problem import Problem, checked_force, checked_matrix
@@ -35,6 +35,9 @@ PARTS = np.array([0.0, 0.3, 0.7, 0.95])
 
 #: More pieces are tested at these parts alone.
 MANY_PIECES = 200
+
+#: Kernels of matrices of up to so many states are exact: some seconds.
+MOST_EXACT_STATES = 64
 
 #: Numbers of so many bits are meant as written; rounded results have more.
 SHORT_BITS = 26
@@ -288,22 +291,31 @@ def _kernels(A: PolynomialMatrix, rank_tolerance: float | None) -> _Kernels:
 
     Numbers such as 0.1 are no binary fractions: where their rounding errors make equations independent, the decimals are taken.
     """
-    from ..exact.completion import normal_rank, whole_basis
+    from ..exact.completion import normal_rank
 
-    structure, binary = A.structure(rank_tolerance), _fractions(A.exact_coefficients)
+    binary = _fractions(A.exact_coefficients)
+    is_small = A.degree * max(A.shape) <= MOST_EXACT_STATES
+    if is_small and rank_tolerance is None and all(entry.numerator.bit_length() <= SHORT_BITS for entry in binary.ravel().tolist()):
+        return _exact_kernels(binary)
+    structure = A.structure(rank_tolerance)
     expected = structure.left_minimal_indices, structure.right_minimal_indices
-    if A.degree * max(A.shape) <= MOST_PAIR_STATES:
-        is_short = all(entry.numerator.bit_length() <= SHORT_BITS for entry in binary.ravel().tolist())
-        for numbers in (binary, _fractions(A.coefficients, lambda entry: Fraction(repr(entry)))):
-            rank = normal_rank(numbers)
-            if rank <= structure.rank:
-                left, right = whole_basis(numbers.transpose(0, 2, 1), rank), whole_basis(numbers, rank)
-                if is_short or expected == tuple(tuple(len(vector) - 1 for vector in side) for side in (left, right)):
-                    return _Kernels(numbers, rank, left, right)
+    for numbers in (binary, _fractions(A.coefficients, lambda entry: Fraction(repr(entry)))) if is_small else ():
+        if normal_rank(numbers) == structure.rank:
+            kernels = _exact_kernels(numbers)
+            if expected == tuple(tuple(len(vector) - 1 for vector in side) for side in (kernels.left, kernels.right)):
+                return kernels
     left, right = (
         [_fractions(vector.coefficients) for vector in vectors] for vectors in (structure.left_kernel, structure.right_kernel)
     )
     return _Kernels(_fractions(A.exact_coefficients), structure.rank, left, right, EPS**0.5)
+
+
+def _exact_kernels(numbers: np.ndarray) -> _Kernels:
+    """Rank and kernels of exact numbers."""
+    from ..exact.completion import normal_rank, whole_basis
+
+    rank = normal_rank(numbers)
+    return _Kernels(numbers, rank, whole_basis(numbers.transpose(0, 2, 1), rank), whole_basis(numbers, rank))
 
 
 def _fractions(array: np.ndarray, exact=Fraction) -> np.ndarray:

@@ -144,6 +144,12 @@ def test_five_hundred_planted_solutions_are_found(part):
         check_planted(seed)
 
 
+def test_a_growing_force_and_a_slow_motion_are_reported_without_overflow():
+    """Notices test the equations up to ten times the slowest time, where e^t is beyond the range of float64."""
+    x = mb.solve(mb.PolynomialMatrix([[[0.001, 0.0]], [[1.0, -1.0]]]), None, mb.term([1.0], rate=1.0), free={"x2": mb.step([1.0])})
+    assert not any(notice.doubtful for notice in x.notices)
+
+
 # Contradictions: the force of a planted solution and another outside the range of A(d/dt).
 
 
