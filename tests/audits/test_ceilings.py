@@ -26,7 +26,7 @@ LINES = {
     "cli": 980,
     "control": 2612,
     "docs": 284,
-    "exact": 7012,
+    "exact": 7022,
     "exchange": 1394,
     "frequency": 5551,
     "ground": 2083,
