@@ -53,7 +53,7 @@ class DiscreteRunAnswer(RunAnswer):
     @property
     def _called(self) -> str:
         equations = self.scene.equations
-        has_outputs_alone = self._coordinates is not equations.coordinates and self._robot_outputs is None
+        has_outputs_alone = self._coordinates is not equations.coordinates and self._further_outputs is None
         return "outputs" if has_outputs_alone else equations.coordinates_called
 
     @property
@@ -95,16 +95,17 @@ class DiscreteRunAnswer(RunAnswer):
         """Names and units of the samples."""
         equations, control = self.scene.equations, self.scene.equations.control
         if control is None or equations.system is not None:
-            own, outputs = equations.coordinates, self._robot_outputs
+            own, outputs = equations.coordinates, self._further_outputs
             return own if outputs is None else replace(own, names=own.names + outputs.names, units=own.units + outputs.units)
         if control.system is None or control.outputs.names:
             return control.outputs
         return self.scene.equations.coordinates
 
     @property
-    def _robot_outputs(self) -> Coordinates | None:
-        """Outputs of a robot, which follow from its coordinates."""
-        return self.scene.equations.outputs if self.scene.equations.robot_scene is not None else None
+    def _further_outputs(self) -> Coordinates | None:
+        """Outputs next to the coordinates: of a robot, and of a state space in its normal form."""
+        equations = self.scene.equations
+        return equations.outputs if equations.robot_scene is not None or equations.original is not None else None
 
     @cached_property
     def sequence(self) -> DiscreteResponse | DiscreteStateSpaceResponse:
@@ -117,6 +118,8 @@ class DiscreteRunAnswer(RunAnswer):
                 return from_start(
                     A, equations.initial, discrete_force(force, A.size, "force", time.step), is_given=bool(equations.initial.any())
                 )
+            if equations.original is not None:
+                return _normal_form(equations, time.step, time.hold)
             if equations.system is not None:
                 return _mechanical(equations, time.step, time.hold)
             return _control(equations, time.step, time.hold)
@@ -126,7 +129,8 @@ class DiscreteRunAnswer(RunAnswer):
         """The samples in SI, shape (n, T)."""
         x, equations = self.sequence, self.scene.equations
         values = x.output(self.numbers) if isinstance(x, DiscreteStateSpaceResponse) else x(self.numbers)
-        return values if self._robot_outputs is None else np.vstack([values, equations.output_values(self.times, values)])
+        is_robot = equations.robot_scene is not None and equations.outputs is not None
+        return np.vstack([values, equations.output_values(self.times, values)]) if is_robot else values
 
     @cached_property
     def error_estimates(self) -> dict[str, float]:
@@ -262,7 +266,7 @@ class DiscreteRunAnswer(RunAnswer):
     def plots(self) -> Iterable[Plot]:
         """The samples as points over k, one plot for each unit; no line joins them."""
         wanted, coordinates = self.scene.table.output.coordinates, self._coordinates
-        outputs = len(self._robot_outputs.names) if self._robot_outputs else 0
+        outputs = len(self._further_outputs.names) if self._further_outputs else 0
         plotted, own = self.scene.table.output.plots, len(coordinates.names) - outputs
         chosen = [i for i, name in enumerate(coordinates.names[:own]) if wanted is None or name in wanted]
         parts = [("", chosen)] if "displacement" in plotted or not outputs else []
@@ -366,6 +370,20 @@ def _mechanical(equations: Equations, h: float, hold: int) -> DiscreteStateSpace
     return space.discretize(h, hold).solve(start, _forces(equations))
 
 
+def _normal_form(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceResponse:
+    """Coordinates of a mechanical normal form, then the outputs of the state space, under a hold of its inputs."""
+    control, coordinates = equations.original, equations.coordinates.names
+    own, size = control.form.state_space(), control.form.size
+    C = np.eye(len(own.A))[[*range(size), *range(2 * size, len(own.A))]]
+    D = np.zeros((len(C), len(own.inputs)))
+    if control.outputs.names:
+        C, D = np.vstack([C, own.C]), np.vstack([D, own.D])
+    names = {"inputs": control.inputs.names, "outputs": [*coordinates, *control.outputs.names]}
+    states = [f"state {name} of the normal form" for name in own.states]  # its own names may be those of outputs
+    space = StateSpace(own.A, own.B, C, D, own.E if own.is_descriptor else None, states=states, **names)
+    return space.discretize(h, hold, delays=control.delays).solve(control.form.coordinates(control.start), control.input)
+
+
 def _control(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceResponse:
     """Outputs, or else states, of a transfer function or state space under a hold of its input."""
     control = equations.control
@@ -374,17 +392,18 @@ def _control(equations: Equations, h: float, hold: int) -> DiscreteStateSpaceRes
         names = {"inputs": given.inputs, "outputs": control.outputs.names or [f"sample of {name}" for name in given.states]}
         C, D = (given.C, given.D) if control.outputs.names else (np.eye(len(given.A)), None)
         space = StateSpace(given.A, given.B, C, D, given.E if given.is_descriptor else None, states=given.states, **names)
-        return space.discretize(h, hold).solve(control.start, _forces(equations))
+        return space.discretize(h, hold, delays=control.delays).solve(control.start, _forces(equations))
     own = control.transfer_function
     if own.start is not None:
         raise InputError("a transfer function in discrete time starts from rest; give a state space for other starts")
-    return StateSpace.from_transfer_function(own.numerator, own.denominator).discretize(h, hold).solve(input=_forces(equations))
+    space = StateSpace.from_transfer_function(own.numerator, own.denominator, inputs=control.inputs.names)
+    return space.discretize(h, hold, delays=control.delays).solve(input=_forces(equations))
 
 
 def _forces(equations: Equations) -> ImpulsiveSmooth:
     """The inputs of the continuous model: forces and values of constraint rows, or those of a state space or transfer function."""
     system = equations.system
-    if system is not None:
+    if system is not None and equations.original is None:
         return with_right_sides(system.force if equations.force is None else system.force + equations.force, system.rows)
     own = equations.control.transfer_function
     if own is None:

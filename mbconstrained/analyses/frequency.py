@@ -188,11 +188,16 @@ def _phase(drawn: _Drawn, entries: list[_Entry]) -> Callable[[_Entry, np.ndarray
 
     if drawn.table.phase != "unwrapped":
         return lambda entry, _, H: principal(H)
-    along = {each: np.unwrap(principal(drawn.values[each.i, each.j]), period=360.0) for each in entries}
+    turns = {each: drawn.harmonic.input_delays[each.j] if drawn.harmonic.input_delays else 0.0 for each in entries}
+
+    def undelayed(each: _Entry) -> np.ndarray:  # dead times may turn it by more than half a turn from line to line
+        return np.unwrap(principal(drawn.values[each.i, each.j] * np.exp(2j * np.pi * turns[each] * drawn.lines)), period=360.0)
+
+    along = {each: undelayed(each) for each in entries}
 
     def unwrapped(entry: _Entry, frequencies: np.ndarray, H: np.ndarray) -> np.ndarray:
-        own = principal(H)
-        return own + 360.0 * np.round((np.interp(frequencies, drawn.lines, along[entry]) - own) / 360.0)
+        own, near = principal(H), np.interp(frequencies, drawn.lines, along[entry]) - 360.0 * turns[entry] * frequencies
+        return own + 360.0 * np.round((near - own) / 360.0)
 
     return unwrapped
 
@@ -299,12 +304,12 @@ class Frequency(Analysis):
         if equations.control is None:
             return frequency_response(equations.polynomial_matrix, [], table.inputs, table.outputs)
         if equations.control.system is not None:
-            return equations.control.system.frequency_response([], table.inputs, table.outputs)
+            return equations.control.system.frequency_response([], table.inputs, table.outputs, delays=equations.control.delays)
         control = equations.control
         if given := [key for key in ("inputs", "outputs") if key in table.model_fields_set]:
             raise InputError(f"{given[0]}: a transfer function has one input and one output; leave it out")
         fraction = transfer_function_response(control.transfer_function.numerator, control.transfer_function.denominator, 1)
-        response = fraction.frequency_response([])
+        response = fraction.frequency_response([], delay=sum(control.delays.values()))
         of_input, of_output = control.inputs.names, control.outputs.names
         return replace(response, harmonic=replace(response.harmonic, input_names=of_input, output_names=of_output))
 

@@ -463,7 +463,9 @@ def _printed(parts: Sequence[str | TextTable], width: int = WIDTH) -> str:
 
 
 def overview(answer: RunAnswer, width: int = WIDTH, lines: int = SCREEN) -> list[str | TextTable]:
-    """The parts of the summary that fit on a screen: natural frequencies, warnings, files, and the number of omitted lines."""
+    """The parts of the summary that fit on a screen: natural frequencies, warnings, files, and the number of omitted lines.
+
+    Tables that do not fit are left out, but for those of a requested end of the motion, of which the first rows are shown."""
     title = "\n".join(_first_lines(text, width, 2) for text in (answer.title, answer.source) if text)
     figures = f"Error estimate {max(answer.error_estimates.values()):.2g}; {answer.plan.totals()}"
     end = "\n".join(wrapped(text, width) for text in (_files(answer), figures, "All tables and notices: --verbose") if text)
@@ -473,7 +475,9 @@ def overview(answer: RunAnswer, width: int = WIDTH, lines: int = SCREEN) -> list
     left -= _height(notes, width)
     shown = [_some_rows(answer.tables[0], width, left - 1)]
     for table in answer.tables[1:]:
-        if not table.folded and _height([*shown, table], width) <= left:
+        if table.title in {end.title for end in answer.scene.equations.ends}:
+            table = _some_rows(table, width, left - _height(shown, width) - 1)
+        if not table.folded and table.rows and _height([*shown, table], width) <= left:
             shown.append(table)
     return [title, *shown, *notes, end]
 

@@ -108,6 +108,7 @@ def again(system: MechanicalSystem, given=None, uncertainty=None) -> MechanicalS
         units=system.units,
         energy_parts=None if given else system.energy_parts,
         uncertainty=uncertainty,
+        delayed=system.delayed,
     )
 
 

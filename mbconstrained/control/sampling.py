@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..exact.enclosure.discretization import DiscretizedSystem, discretized
-from ..ground.checks import nearest, real_number
+from ..ground.checks import real_number
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
 from .conversions import through
+from .state_equations import delays_of_inputs
 
 if TYPE_CHECKING:
     from .state_equations import StateEquations
@@ -87,13 +88,7 @@ def _refuse_feedthrough(system: StateEquations, D: np.ndarray, hold) -> None:
 
 def _delays(system: StateEquations, delays: Mapping[str, float] | None, step: Fraction) -> list[Fraction]:
     """The delay of each input in s."""
-    given = {} if delays is None else delays
-    if not isinstance(given, Mapping):
-        raise InputError(f"delays: found {type(given).__name__}; expected a mapping from names of inputs to delays in s")
-    for name in given:
-        if name not in system.inputs:
-            raise InputError(f'delays: there is no input "{name}"{nearest(name, system.inputs)}')
-    late = [Fraction(real_number(given.get(name, 0.0), f"delay of {name}", minimum=0.0)) for name in system.inputs]
+    late = [Fraction(delay) for delay in delays_of_inputs(system, delays)]
     for name, delay in zip(system.inputs, late):
         if delay > MOST_DELAYED * step:
             raise InputError(

@@ -10,7 +10,7 @@ from numbers import Number
 
 import numpy as np
 
-from ..ground.checks import counted, names_of, nearest, places_of, real_array
+from ..ground.checks import counted, names_of, nearest, places_of, real_array, real_number
 from ..ground.display import Displayed
 from ..ground.errors import IllConditioned, InputError, SingularPolynomialMatrix
 from ..ground.tolerances import GAIN_AGREEMENT, noise_of
@@ -125,6 +125,17 @@ def state_values(initial, states: Sequence[str], what: str = "initial") -> np.nd
         if name not in states:
             raise InputError(f'{what}: there is no state "{name}"{nearest(name, states)}')
     return np.array([float(real_array(initial.get(name, 0.0), f"{what} {name}", shape=())) for name in states])
+
+
+def delays_of_inputs(system: StateEquations, delays: Mapping[str, float] | None) -> list[float]:
+    """The delay of each input in s, 0 where none is given."""
+    given = {} if delays is None else delays
+    if not isinstance(given, Mapping):
+        raise InputError(f"delays: found {type(given).__name__}; expected a mapping from names of inputs to delays in s")
+    for name in given:
+        if name not in system.inputs:
+            raise InputError(f'delays: there is no input "{name}"{nearest(name, system.inputs)}')
+    return [real_number(given.get(name, 0.0), f"delay of {name}", minimum=0.0) for name in system.inputs]
 
 
 def channel_places(chosen, names: Sequence[str], what: str) -> list[int]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -22,7 +22,7 @@ from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
 from .conversions import factored_realization, ordinary_form, rational_realization, realization_of, to_control, to_scipy
 from .matrix_fraction import checked_input
-from .state_equations import StateEquations, channel_places, transfer_of
+from .state_equations import StateEquations, channel_places, delays_of_inputs, transfer_of
 
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
@@ -173,24 +173,30 @@ class StateSpace(StateEquations):
         response = solve(self._pencil, self.start(initial)[None, :], u.mapped(self.B), rank_tolerance)
         return StateSpaceResponse(response.problem, response.solution, self, u)
 
-    def frequency_response(self, frequencies_hz="auto", inputs=None, outputs=None) -> FrequencyResponse:
+    def frequency_response(
+        self, frequencies_hz="auto", inputs=None, outputs=None, *, delays: Mapping[str, float] | None = None
+    ) -> FrequencyResponse:
         """Return the frequency response G(i w) = C (i w E - A)^-1 B + D with error estimates, poles, residues and polynomial part.
 
         Args:
             frequencies_hz: in Hz, shape (F,), or "auto", placed by the poles.
             inputs, outputs: names or numbers from 0; all by default.
+            delays: dead times of inputs in s by name, G_j(i w) e^(-i w delay_j).
 
         Returns:
             A ``FrequencyResponse``.
 
         Raises:
-            InputError: unknown names, frequencies that are negative or not finite.
+            InputError: unknown names, negative delays, frequencies that are negative or not finite.
             SingularPolynomialMatrix: det (s E - A) = 0 for every s.
 
         >>> lag = StateSpace([[-2.0]], [[2.0]], [[1.0]])
         >>> lag.frequency_response([1 / np.pi]).values.item()
         (0.5-0.5j)
+        >>> complex(lag.frequency_response([1 / np.pi], delays={"u1": np.pi / 4}).values.round(15).item())
+        (-0.5-0.5j)
         """
+        late = delays_of_inputs(self, delays)
         columns, rows = channel_places(inputs, self.inputs, "input"), channel_places(outputs, self.outputs, "output")
         own_inputs, own_outputs = [self.inputs[j] for j in columns], [self.outputs[i] for i in rows]
         n, q = len(self.A), len(self.C)
@@ -198,7 +204,8 @@ class StateSpace(StateEquations):
         units = [[_unit_ratio(self.units[output], self.units[input]) for input in own_inputs] for output in own_outputs]
         names = tuple(own_inputs), tuple(own_outputs)
         harmonic = Harmonic(self._pencil_with_outputs, B, C, 0, None, None, *names, np.array(units), "transfer function")
-        return evaluated(harmonic, frequencies_hz)
+        own = tuple(late[j] for j in columns) if any(late) else ()
+        return evaluated(replace(harmonic, input_delays=own), frequencies_hz)
 
     transfer = transfer_of
     ordinary = ordinary_form

@@ -18,7 +18,7 @@ import scipy.linalg
 
 from ..frequency.frequency_response import FrequencyResponse, evaluated
 from ..frequency.harmonic import Harmonic
-from ..ground.checks import real_array
+from ..ground.checks import real_array, real_number
 from ..ground.errors import InputError, Overflow
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EARLY_ERROR, EPS, PRECISE_DIGITS, PROBE_SIZE, rounding_radius
@@ -410,14 +410,18 @@ class TransferFunctionResponse(Response):
         """a as given, Fractions, the highest power first."""
         return self.fraction.denominator[::-1]
 
-    def frequency_response(self, frequencies_hz="auto") -> FrequencyResponse:
+    def frequency_response(self, frequencies_hz="auto", *, delay: float = 0.0) -> FrequencyResponse:
         """Return the frequency response b(i w) / a(i w), without the common factor, with poles, residues, peaks and antiresonances.
 
         Args:
             frequencies_hz: in Hz, shape (F,), or "auto", placed by the poles.
+            delay: dead time of the input in s, a factor e^(-i w delay); the response over time has it in a delayed input.
 
         Returns:
             A ``FrequencyResponse`` of one output and one input.
+
+        Raises:
+            InputError: a negative delay, frequencies that are negative or not finite.
 
         >>> transfer_function_response([1], [1, 2, 1]).frequency_response([0.0]).values.item()
         (1+0j)
@@ -427,7 +431,9 @@ class TransferFunctionResponse(Response):
         coefficients = np.zeros((max(len(a), len(b), 1), 2, 2))  # a y = b v, v = u
         coefficients[: len(a), 0, 0], coefficients[: len(b), 0, 1], coefficients[0, 1, 1] = a, np.negative(b), 1.0
         A, names = PolynomialMatrix(coefficients), dict(input_names=("u",), output_names=("y",))
-        return evaluated(Harmonic(A, np.eye(2)[:, 1:], np.eye(2)[:1], **names, quantity="transfer function"), frequencies_hz)
+        late = real_number(delay, "delay", minimum=0.0)
+        harmonic = Harmonic(A, np.eye(2)[:, 1:], np.eye(2)[:1], **names, quantity="transfer function")
+        return evaluated(replace(harmonic, input_delays=(late,) if late else ()), frequencies_hz)
 
     @property
     def common_factor(self) -> Polynomial:

@@ -7,7 +7,7 @@ the poles each change of its sign is refined to rounding error. Zeros of an entr
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -118,7 +118,14 @@ def frequencies_by_poles(harmonic: Harmonic, with_peaks: bool = True) -> np.ndar
 
 
 def peaks_of(harmonic: Harmonic) -> Iterator[Peak]:
-    """The maxima of |H| of each entry, those at poles on the axis first."""
+    """The maxima of |H| of each entry, those at poles on the axis first; dead times of inputs turn the phases."""
+    late = dict(zip(harmonic.input_names, harmonic.input_delays))
+    for peak in _undelayed_peaks(harmonic):
+        turned = peak.phase - 2 * np.pi * peak.frequency_hz * late.get(peak.input, 0.0)
+        yield replace(peak, phase=float(np.angle(np.exp(1j * turned)))) if late else peak
+
+
+def _undelayed_peaks(harmonic: Harmonic) -> Iterator[Peak]:
     poles, grid = poles_of(harmonic), 2 * np.pi * frequencies_by_poles(harmonic, with_peaks=False)
     for i, output in enumerate(harmonic.output_names):
         for j, input in enumerate(harmonic.input_names):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import factorial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -22,7 +23,7 @@ from ..polynomial.delayed_terms import delayed_terms
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .features import Antiresonance, Peak, antiresonances_of, frequencies_by_poles, peaks_of
 from .harmonic import Harmonic
-from .pole_residue_form import PoleOnLine
+from .pole_residue_form import Pole, PoleOnLine
 
 if TYPE_CHECKING:
     from ..exact.enclosure.intervals import Enclosure
@@ -55,7 +56,8 @@ class FrequencyResponse(Displayed):
     """Frequency response H(i w): a load Re(f e^{+i w t}) has the steady-state response Re(H(i w) f e^{+i w t}).
 
     H(s) = C (s I - J)^-1 B + sum of D_k s^k, from the finite and the infinite Jordan pair of the equations (Moysis et al., Theorem
-    2.8); values come from solutions of A(i w) X = B, or from that sum where it is as accurate.
+    2.8); values come from solutions of A(i w) X = B, or from that sum where it is as accurate. Dead times of the inputs multiply
+    values by e^(-i w delay); poles, residues, polynomial part and antiresonances are those without them.
 
     Attributes:
         harmonic: the matrices.
@@ -161,7 +163,8 @@ class FrequencyResponse(Displayed):
         lines = self.harmonic.solver.solve(omega, with_solutions=True)
         if lines.solutions is None or not np.isfinite(lines.errors[:, place]).all():
             raise InputError(f"frequency_hz: {f:g} Hz is at a pole on the axis, where the amplitudes are infinite")
-        return dict(zip(self.harmonic.A.coordinates, lines.solutions[:, place, 0].tolist()))
+        late = np.exp(-1j * self.harmonic.phases(omega)[place, 0]).astype(complex)
+        return dict(zip(self.harmonic.A.coordinates, (lines.solutions[:, place, 0] * late).tolist()))
 
     @cached_property
     def peaks(self) -> tuple[Peak, ...]:
@@ -334,12 +337,20 @@ def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
     omega = exact.astype(float)
     H, errors = _values(harmonic, exact)
     H = H * (1j * omega) ** harmonic.power if harmonic.power else H
+    late, phases = np.ones(()), harmonic.phases(exact)
+    if harmonic.input_delays:
+        late = np.exp(-1j * phases).astype(complex)
+        H, errors = H * late, errors + EPS * (1 + phases.astype(float))
     _enclose_doubtful(harmonic, frequencies, H, errors)
     on_lines = []
     for line in np.flatnonzero(~(errors <= TRUST_LIMIT).all(axis=(0, 1))) if not harmonic.delayed else ():
         s, form = 1j * omega[line], harmonic.form
         if (pole := form.pole_at(s)) is not None:
-            on_lines.append(PoleOnLine(int(line), float(frequencies[line]), pole))
+            shown = pole
+            if harmonic.input_delays:
+                turned = late[:, line] * np.array([_delayed_term(pole, harmonic.input_delays, j) for j in range(pole.order)])
+                shown = replace(pole, residues=turned)
+            on_lines.append(PoleOnLine(int(line), float(frequencies[line]), shown))
         elif harmonic.solver.rounded and np.isfinite(errors[..., line]).all():
             continue  # rounding errors of the coefficients are in the poles, too, where no estimate has them
         total, size = form.finite_part(s if pole is None else pole.value, pole)
@@ -350,12 +361,20 @@ def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
         own = SUM_SAFETY * NOISE * np.maximum(size / np.maximum(np.abs(total), np.finfo(float).tiny), moved)
         if pole is not None:
             own[pole.residues.any(axis=0)] = np.inf
+        if harmonic.input_delays:
+            total = late[:, line] * (total + (0.0 if pole is None else _delayed_term(pole, harmonic.input_delays, -1)))
         replaced = ~(errors[..., line] <= np.where(np.isfinite(own), own, 0.0))
         H[..., line] = np.where(replaced, total, H[..., line])
         errors[..., line] = np.where(replaced, own, errors[..., line])
     if harmonic.left_out:
         errors = errors + harmonic.left_out.bound(omega) * omega**harmonic.power / np.maximum(np.abs(H), np.finfo(float).tiny)
     return FrequencyResponse(harmonic, frequencies, H, errors, tuple(on_lines))
+
+
+def _delayed_term(pole: Pole, delays: Sequence[float], order: int) -> np.ndarray:
+    """The coefficient of 1 / (s - pole)^(order + 1) in e^(-(s - pole) delay) times the terms of the pole, shape (p, m)."""
+    late = np.array(delays)
+    return sum(R * (-late) ** (j - order) / factorial(j - order) for j, R in enumerate(pole.residues) if j >= order)
 
 
 #: Enclosures of doubtful lines may take r^2 (r + 8 m) operations of so many, about 2 s, for a matrix of r rows with m inputs.
@@ -388,7 +407,9 @@ def _enclosed(harmonic: Harmonic, frequency_hz: float, digits: int) -> Enclosure
     from ..exact.enclosure.intervals import enclosed_transfer
 
     A, own = harmonic.A, harmonic
-    return enclosed_transfer(A, own.imaginary, own.inputs, own.outputs, own.power, frequency_hz, digits, own.delayed)
+    return enclosed_transfer(
+        A, own.imaginary, own.inputs, own.outputs, own.power, frequency_hz, digits, own.delayed, own.input_delays
+    )
 
 
 #: Rounding errors of residues, where they are not measured.

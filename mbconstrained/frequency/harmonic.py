@@ -455,6 +455,8 @@ class Harmonic:
         left_out: bound of the omitted part of a model that these matrices reduce; None for the model itself.
         notices: notices on the model.
         delayed: terms with dead time, A(s) + sum of A_j(s) e^(-s delay_j).
+        input_delays: dead time of each input in s, H_j(s) e^(-s delay_j); empty for none. Poles, residues, polynomial part and the
+            solver are those without it.
     """
 
     A: PolynomialMatrix
@@ -470,6 +472,11 @@ class Harmonic:
     left_out: LeftOut | None = None
     notices: tuple[Notice, ...] = ()
     delayed: tuple[DelayedTerm, ...] = ()
+    input_delays: tuple[float, ...] = ()
+
+    def phases(self, omega: np.ndarray) -> np.ndarray:
+        """w delay of each input in the precision of w in rad/s, shape (m, F); all 0 without delays."""
+        return np.multiply.outer(np.array(self.input_delays or np.zeros(self.inputs.shape[1]), dtype=omega.dtype), omega)
 
     @property
     def coefficients(self) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,12 +22,13 @@ FEW_DECADES = 12.0
 
 @dataclass(frozen=True)
 class PlotStyle:
-    """Style of the plot of a response; the attributes are the arguments of ``FrequencyResponse.plot``."""
+    """Style of the plot of a response: the arguments of ``FrequencyResponse.plot``, and the dead time of the input in s."""
 
     amplitude: str = "log"
     unwrapped: bool = True
     axis: str = "Hz"
     peaks: bool = True
+    dead_time: float = 0.0
 
     def __post_init__(self):
         if self.amplitude not in ("log", "linear", "dB"):
@@ -57,7 +58,8 @@ def draw(response, kind: str, figure=None, style: PlotStyle = PlotStyle()):
             H, unit = response.values[i, j, usable], response.units[i, j]
             own = axes[lower * i : lower * (i + 1), j]
             own[0].set_title(f"{output} / {input}")
-            _DRAWN[kind](own, f, H, response.quantity, "" if unit == "1" else unit, style)
+            late = response.harmonic.input_delays[j] if response.harmonic.input_delays else 0.0
+            _DRAWN[kind](own, f, H, response.quantity, "" if unit == "1" else unit, replace(style, dead_time=late))
             if kind == "bode":
                 if response.quantity == "transmissibility":
                     own[0].axhline(style.shown(1.0), color="0.5", linewidth=0.8)
@@ -87,8 +89,10 @@ def _bode(axes, f, H, quantity, unit, style) -> None:
     drawn(factor * f[there], style.shown(size[there]))
     shown = f"dB re 1 {unit}".rstrip() if style.amplitude == "dB" else unit
     axes[0].set_ylabel(f"{quantity} ({shown})" if shown else quantity)
-    phase = np.angle(H[f > 0])
-    axes[1].semilogx(factor * f[f > 0], np.degrees(np.unwrap(phase) if style.unwrapped else phase))
+    phase, turns = np.angle(H[f > 0]), 2 * np.pi * style.dead_time * f[f > 0]  # a dead time may turn by more than pi between lines
+    if style.unwrapped:
+        phase = np.unwrap(np.angle(H[f > 0] * np.exp(1j * turns))) - turns
+    axes[1].semilogx(factor * f[f > 0], np.degrees(phase))
     axes[1].set_ylabel("phase (°)")
     axes[1].set_xlabel(f"frequency ({style.axis})")
     for each in axes:  # decimal numbers; between the powers of ten only where few of these are in the picture

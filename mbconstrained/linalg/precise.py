@@ -144,7 +144,7 @@ def inverse(matrix: np.ndarray) -> np.ndarray:
 def _matrix(array: np.ndarray):
     from flint import arb_mat
 
-    return arb_mat(*array.shape, midpoints(array).ravel().tolist())
+    return arb_mat(*array.shape, array.ravel().tolist()).mid()
 
 
 def _array(values: list, shape: tuple[int, ...]) -> np.ndarray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import scipy
@@ -95,6 +95,7 @@ class PreciseSpectrum:
         values: values of complex pairs the one above the real axis.
         columns: which columns of the vectors belong to each of them.
         vectors, rows: precise, rows @ vectors = I.
+        projectors: those that are known by their cluster, as ``_projector`` returns them.
     """
 
     matrix: np.ndarray
@@ -102,6 +103,7 @@ class PreciseSpectrum:
     columns: list[np.ndarray]
     vectors: np.ndarray
     rows: np.ndarray
+    projectors: dict[tuple[int, ...], tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
     @staticmethod
     def of(matrix: np.ndarray, digits: int) -> PreciseSpectrum:
@@ -150,11 +152,15 @@ class PreciseSpectrum:
     def _projector(self, cluster: list[int]) -> tuple[np.ndarray, np.ndarray]:
         """The projector in float64, states in units in which the motion of the cluster is balanced, and these units, powers of
         two."""
+        known = self.projectors.get(tuple(cluster))
+        if known:
+            return known
         at = np.concatenate([self.columns[i] for i in cluster])
         projector = floats(product(self.vectors[:, at], self.rows[at]))
         motion = magnitude(product(product(self.matrix, self.vectors[:, at]), self.rows[at]))
         units = 2.0 ** _balancing_exponents(np.abs(self.values[cluster]).max() * np.abs(projector) + motion)
-        return projector * units / units[:, None], units
+        self.projectors[tuple(cluster)] = found = projector * units / units[:, None], units
+        return found
 
     def space(self, cluster: list[int]) -> InvariantSpace:
         """The range of the projector, by the singular vectors of its float64 copy."""

@@ -97,7 +97,7 @@ class EquationsOfMotion(Displayed):
         uncertainty: Mapping | None = None,
         gyroscopic=None,
         circulatory=None,
-        delayed: Mapping | None = None,
+        delayed: Mapping | Sequence[DelayedTerm] | None = None,
     ):
         self.is_sparse = any(map(is_sparse, (mass, damping, stiffness)))
         self.mass = self._matrix(mass, "mass", None)

@@ -25,7 +25,7 @@ from ..response.problem import Problem
 from ..response.response import Response
 from ..response.response_notices import first_and_count, kink_notices, remaining_notices, sides, without_kinks
 from ..signals.bohl import BohlFunction, BohlSum
-from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
+from ..signals.impulsive import ExactTerm, ImpulsiveLoad, ImpulsiveSmooth
 from ..signals.inputs import zero
 from .channels import reference
 from .energy import Energy, energy_of
@@ -540,7 +540,9 @@ def _drift(motion: Motion) -> Iterator[Notice]:
 
 
 def _drift_of_record(motion: Motion, row: ConstraintRow) -> Iterator[Notice]:
-    """Notice on the velocity and displacement that remain after a prescribed velocity or acceleration has ended."""
+    """Notice on what remains after a prescribed velocity or acceleration: of records a displacement, of all inputs a velocity.
+
+    A displacement after an input in closed form, such as the move of a crane by a pulse of its velocity, is the one intended."""
     end = row.signal.knots[-1] if row.signal is not None else 0.0
     if not end or row.signal is None or row.signal(end).any():
         return
@@ -550,10 +552,14 @@ def _drift_of_record(motion: Motion, row: ConstraintRow) -> Iterator[Notice]:
     size = np.abs(row.coefficients) @ np.abs(motion.derivative(1)(times)).max(axis=1)
     moves = abs(rate) > max(noise, noise_of(size, len(row.signal.knots)))
     moving = f" and moves on at {rate:.6g} {rate_unit(row.unit)}" if moves else ""
+    is_record = any(not isinstance(part.data, ExactTerm) for part in row.signal.exact_parts)
+    if not is_record and not moves:
+        return
+    what, remedy = ("record", "; a baseline correction changes this") if is_record else ("input", "")
     yield Notice(
         NoticeKind.DRIFT,
-        f'prescribed motion "{row.name}" ({row.level} level): at the end of the record, t = {end:.6g} s, the support is at {place + 0.0:.6g} '
-        f"{row.unit}{moving}; a baseline correction changes this",
+        f'prescribed motion "{row.name}" ({row.level} level): at the end of the {what}, t = {end:.6g} s, the support is at {place + 0.0:.6g} '
+        f"{row.unit}{moving}{remedy}",
     )
 
 

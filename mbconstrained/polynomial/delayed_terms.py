@@ -99,7 +99,7 @@ def check_retarded(pairs: JordanPairs, terms: Sequence[DelayedTerm]) -> None:
     """Raise an InputError for terms of neutral or advanced type: what they measure follows what they act on without any delay of its own."""
     A, highest = pairs.polynomial_matrix, pairs.form.highest_impulse
     for measuring in terms:
-        for order in range(highest + len(measuring.coefficients)):
+        for order in reversed(range(highest + len(measuring.coefficients))):  # the highest derivative names the type
             D = feedthrough(pairs, measuring, order)
             for acting in terms:
                 for matrix in acting.coefficients:

@@ -119,6 +119,19 @@ def test_state_spaces_and_transfer_functions(tmp_path):
     assert answer.values[0] == pytest.approx(2 * (answer.times - 1 + np.exp(-answer.times)), abs=1e-14)
 
 
+def test_a_normal_form_has_its_coordinates_and_the_outputs_of_the_state_space(tmp_path):
+    changes = {"time.step_domain": "discrete", "time.step": 0.05, "time.hold": 0}
+    form = mb.read_scene(EXAMPLES / "identified.toml", changes)
+    answer, given = form.run(), mb.read_scene(EXAMPLES / "identified.toml", {**changes, "model.normal_form": False}).run()
+    continuous = mb.read_scene(EXAMPLES / "identified.toml", {"time.step": 0.05}).run()
+    assert answer.values[2:] == pytest.approx(given.values, abs=1e-13)
+    assert answer.values[:2] == pytest.approx(continuous.values, abs=1e-13)  # a step is its own hold
+    assert [name.split()[0] for name in list(answer.columns()[""])[2:]] == ["q1", "q2", "x1", "x2"]
+    path = EXAMPLES / "identified_descriptor.toml"
+    with pytest.raises(mb.SceneError, match='follows the second derivative of the input "table"'):
+        mb.read_scene(path, {**changes, "time.hold": 1}).run()
+
+
 def test_the_command_prints_samples(command, tmp_path):
     code, output, _ = command("run", EXAMPLES / "reservoirs.toml", "--json")
     data = json.loads(output)

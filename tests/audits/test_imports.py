@@ -98,6 +98,16 @@ def test_check_and_plan_load_what_reading_the_scene_needs(tmp_path, command, sce
     assert loaded_by(f"{run}\n{silent}\n{left}") & set(HEAVY) == needed
 
 
+@pytest.mark.parametrize("scene", ["two_masses", "chatter", "sampled_quarter_car"])
+def test_checking_a_scene_without_modes_or_robots_loads_no_linear_algebra_of_scipy(scene):
+    script = (
+        f"import sys; from mbconstrained import cli; sys.argv = ['mbconstrained', 'check', {str(EXAMPLES / f'{scene}.toml')!r}]\n"
+        "try: cli.main()\nexcept SystemExit as left: assert not left.code\nprint('scipy.linalg' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.endswith("False\n")
+
+
 def test_importing_leaves_out_robots_pages_exact_answers_and_reports():
     parts = ("robot", "page", "exact", "analyses", "scene.schema")
     script = f"import mbconstrained, sys; print(*[part for part in {parts} if 'mbconstrained.' + part in sys.modules])"

@@ -1,5 +1,6 @@
 """State spaces, with descriptors singular or not, against closed forms that are written down here."""
 
+import mpmath
 import numpy as np
 import pytest
 import scipy.linalg
@@ -213,3 +214,22 @@ def test_the_error_estimate_of_the_outputs_covers_the_error():
     x = StateSpace(A, S @ np.ones((3, 1)), np.ones((1, 3)) @ np.linalg.inv(S)).solve(input=mb.step([1.0]))
     expected = sum((1 - np.exp(-k * T)) / k for k in (1, 2, 3))
     assert np.abs(x.output(T)[0] - expected).max() <= x.output_error_estimate(T) * expected.max() < 1e-11
+
+
+def test_at_a_pole_the_finite_part_has_the_dead_time_too():
+    """e^(-s/2) / (s^2 (s^2 + 4)) at its double pole 0 and at 2 i: its Laurent series, by mpmath."""
+    integrators = mb.StateSpace.from_transfer_function([1.0], [1.0, 0.0, 4.0, 0.0, 0.0])
+    f = np.array([0.0, 1 / np.pi])
+    H = integrators.frequency_response(f, delays={"u1": 0.5})
+    at_zero = mpmath.taylor(lambda s: mpmath.exp(-s / 2) / (s**2 + 4), 0, 2)
+    at_pole = mpmath.taylor(lambda s: mpmath.exp(-s / 2) / (s**2 * (s + 2j)), 2j, 1)
+    assert np.abs(H.values[0, 0] - np.array([complex(at_zero[2]), complex(at_pole[1])])).max() < 1e-12
+    residues = [one.pole.residues[:, 0, 0] for one in H.poles_on_lines]
+    assert residues[0] == pytest.approx([float(at_zero[1]), float(at_zero[0])], abs=1e-14)
+    assert np.abs(residues[1] - complex(at_pole[0])).max() < 1e-13
+    (peak,) = H.peaks
+    assert peak.phase == pytest.approx(np.angle(np.exp(1j * (np.angle(1j * residues[1][0])))), abs=1e-9)
+    box = integrators.frequency_response([0.1], delays={"u1": 0.5}).enclose(0.1)
+    s = 0.2j * np.pi
+    exact = np.exp(-s / 2) / (s**2 * (s**2 + 4))
+    assert box.middle.ravel() == pytest.approx([exact.real, exact.imag], rel=1e-11)

@@ -92,6 +92,15 @@ def test_what_remains_after_a_record_is_reported_with_its_size():
     assert "moves on" not in notice.text
 
 
+def test_the_displacement_after_a_pulse_is_the_one_intended_a_velocity_is_reported():
+    move = mb.pulse([1.0], duration=4.0, shape="versed-sine")  # of the velocity: 2 m
+    motion = quarter_car(move, "velocity").solve()
+    assert motion.notices == () and motion.of("road")(5.0) == pytest.approx(2.0, abs=1e-14)
+    (notice,) = quarter_car(move, "acceleration").solve().notices
+    assert "at the end of the input, t = 4 s, the support is at 4 m and moves on at 2 m/s" in notice.text
+    assert "baseline" not in notice.text
+
+
 def test_rows_that_repeat_a_motion_are_redundant_at_every_level():
     rows = [
         mb.Constraint([1.0, 0.0], value=SINE, names="base"),

@@ -78,7 +78,8 @@ METHODS = [
     ("some", {}, EVEN + 1.0, MODES, "by eigenvectors: the times are not even"),
     ("some", {}, EVEN, POWERS, r"by powers of e\^\(S h\): they cost about"),
     ("some", {}, None, MODES, "by eigenvectors, and at even times by powers"),
-    ("some", {"size": 320, "damped": 8}, EVEN, MODES, "by the modes of a sparse topology"),
+    ("some", {"size": 320, "damped": 8}, EVEN, POWERS, r"by powers of e\^\(S h\)"),
+    ("some", {"size": 320, "damped": 8}, EVEN + 1.0, MODES, "by the modes of a sparse topology"),
     ("some", {"kind": "grid", "size": 121}, EVEN + 1.0, MODES, "by eigenvectors"),
 ]
 

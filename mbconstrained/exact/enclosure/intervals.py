@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
-from math import ceil, floor, log10
+from functools import lru_cache
+from math import floor, log10
 
 import flint
 import numpy as np
@@ -16,7 +17,7 @@ from ...ground.errors import InputError, Overflow
 from ...ground.notices import Notice
 from ...polynomial.delayed_terms import DelayedTerm
 from ...polynomial.polynomial_matrix import PolynomialMatrix
-from ..rational import rational, working_precision
+from ..rational import rational, rational_matrix, working_precision
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -164,18 +165,22 @@ def decimal_bounds(value: flint.arb, digits: int) -> tuple[str, str]:
         if not largest.is_zero() and largest < flint.arb(10) ** -LARGEST_POWER:
             low, high = value.lower() < 0, value.upper() > 0
             return f"-1E-{LARGEST_POWER}" if low else "0", f"1E-{LARGEST_POWER}" if high else "0"
-        return _decimal(value.lower(), digits + MORE_DIGITS, floor), _decimal(value.upper(), digits + MORE_DIGITS, ceil)
+        return _decimal(value.lower(), digits + MORE_DIGITS, 1), _decimal(value.upper(), digits + MORE_DIGITS, -1)
 
 
-def _decimal(value: flint.arb, digits: int, rounded: Callable[[Fraction], int]) -> str:
-    """An exact ball, that is a number, rounded to a number of digits in one direction."""
+def _decimal(value: flint.arb, digits: int, side: int) -> str:
+    """An exact ball, that is a number, rounded to a number of digits: down (side 1) or up (side -1)."""
     mantissa, exponent = (int(part) for part in value.man_exp())
-    number = Fraction(mantissa) * Fraction(2) ** exponent
+
+    def rounded(power: int) -> int:
+        above = (side * mantissa << max(exponent, 0)) * 10 ** max(-power, 0)
+        return side * (above // (10 ** max(power, 0) << max(-exponent, 0)))
+
     power = floor((mantissa.bit_length() + exponent) * log10(2)) - digits
-    whole = rounded(number / Fraction(10) ** power)
+    whole = rounded(power)
     while abs(whole) >= 10**digits or (whole and whole % 10 == 0):
         power += 1
-        whole = rounded(number / Fraction(10) ** power) if abs(whole) >= 10**digits else whole // 10
+        whole = rounded(power) if abs(whole) >= 10**digits else whole // 10
     return str(Decimal(f"{whole}E{power}")) if whole else "0"
 
 
@@ -194,13 +199,13 @@ def enclosed_transfer(
     frequency_hz: float,
     digits: int,
     delayed: Sequence[DelayedTerm] = (),
+    input_delays: Sequence[float] = (),
 ) -> Enclosure:
-    """s^p C (A(s) + i H + delayed terms)^-1 B at one frequency."""
+    """s^p C (A(s) + i H + delayed terms)^-1 B at one frequency, with the dead times of the inputs."""
     digits = whole_number(digits, "digits", minimum=1)
-    exact = [matrix.tolist() for matrix in A.exact_coefficients]
     for guard in GUARDS:
         with working_precision(bits_of(digits) + guard):
-            values = _transfer(exact, imaginary, inputs, outputs, power, frequency_hz, delayed)
+            values = _transfer(A, imaginary, inputs, outputs, power, frequency_hz, delayed, input_delays)
             if values is not None and all(_is_known(value, digits) for value in values):
                 return Enclosure.of([[v.real for v in values], [v.imag for v in values]], np.zeros(len(values)), digits)
     raise InputError(f"frequency_hz: found {frequency_hz:g} Hz, where the response has a pole; enclose it at another frequency")
@@ -214,27 +219,44 @@ def _is_known(value: flint.acb, digits: int) -> bool:
     return all(part == 0 or has_digits(part, digits) or bool(part.abs_upper() < limit) for part in (value.real, value.imag))
 
 
-def _polynomial(coefficients, s: flint.acb) -> flint.acb_mat:
+@lru_cache(maxsize=16)
+def _exact_coefficients(term: PolynomialMatrix | DelayedTerm) -> list[flint.fmpq_mat]:
+    """The coefficients, converted once for all frequencies."""
+    return [rational_matrix(one) for one in (term.exact_coefficients if isinstance(term, PolynomialMatrix) else term.coefficients)]
+
+
+def _polynomial(term: PolynomialMatrix | DelayedTerm, s: flint.acb) -> flint.acb_mat:
     matrix = None
-    for coefficient in coefficients[::-1]:
-        own = flint.acb_mat([[flint.acb(flint.arb(rational(entry))) for entry in row] for row in coefficient])
+    for coefficient in _exact_coefficients(term)[::-1]:
+        own = flint.acb_mat(coefficient)
         matrix = own if matrix is None else matrix * s + own
     return matrix
 
 
 def _transfer(
-    exact, imaginary, inputs, outputs, power: int, frequency_hz: float, delayed: Sequence[DelayedTerm]
+    A: PolynomialMatrix,
+    imaginary,
+    inputs,
+    outputs,
+    power: int,
+    frequency_hz: float,
+    delayed: Sequence[DelayedTerm],
+    input_delays: Sequence[float],
 ) -> list[flint.acb] | None:
     omega = 2 * flint.arb.pi() * flint.arb(rational(Fraction(frequency_hz)))
     s = flint.acb(0, omega)
-    matrix = _polynomial(exact, s)
+    matrix = _polynomial(A, s)
     for term in delayed:
-        matrix = matrix + _polynomial(term.coefficients.tolist(), s) * (-s * flint.arb(rational(term.decimal))).exp()
+        matrix = matrix + _polynomial(term, s) * (-s * flint.arb(rational(term.decimal))).exp()
     if imaginary is not None:
-        matrix = matrix + flint.acb_mat([[flint.acb(0, flint.arb(rational(entry))) for entry in row] for row in imaginary.tolist()])
+        matrix = matrix + flint.acb_mat(rational_matrix(imaginary)) * flint.acb(0, 1)
     try:
         X = matrix.solve(flint.acb_mat(inputs.tolist()))
     except ZeroDivisionError:
         return None
     H = flint.acb_mat(outputs.tolist()) * X * s**power
+    for j, delay in enumerate(input_delays):
+        late = (-s * flint.arb(rational(Fraction(repr(delay))))).exp()
+        for i in range(H.nrows()):
+            H[i, j] *= late
     return [H[i, j] for i in range(H.nrows()) for j in range(H.ncols())]

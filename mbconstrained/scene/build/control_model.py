@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, reduce
+from operator import add
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,7 @@ import numpy as np
 
 from ...control.matrix_fraction import scalar_force, scalar_matrix
 from ...control.rational import RationalFunction, rational_function
-from ...control.state_equations import Transfer, rational_transfer, roots_of
+from ...control.state_equations import Transfer, delays_of_inputs, rational_transfer, roots_of
 from ...control.state_space import StateSpace
 from ...control.transfer_function import transfer_function_response
 from ...ground.checks import counted, nearest
@@ -50,17 +51,26 @@ class TransferFunction:
         numerator, denominator: b and a as given, the highest power first.
         input: gamma of I_gamma, or u with one row.
         start: y^(i)(0-) as row i, shape (n, 1); None from rest.
+        delay: dead time of the input in s.
     """
 
     numerator: list[float]
     denominator: list[float]
     input: int | ImpulsiveSmooth
     start: np.ndarray | None = None
+    delay: float = 0.0
 
     @cached_property
     def fraction(self) -> RationalFunction:
         """b(s)/a(s), exactly."""
         return rational_function(self.numerator, self.denominator)
+
+    @property
+    def late_input(self) -> int | ImpulsiveSmooth:
+        """The input after its dead time."""
+        if not self.delay:
+            return self.input
+        return (power([1.0], self.input) if isinstance(self.input, int) else self.input).delayed(self.delay)
 
     @property
     def acting(self) -> RationalFunction:
@@ -75,13 +85,13 @@ class TransferFunction:
     @property
     def force(self) -> ImpulsiveSmooth:
         """b(d/dt) u."""
-        return scalar_force(self.acting.numerator, self.input)
+        return scalar_force(self.acting.numerator, self.late_input)
 
     def response(self) -> Response | None:
         """y from rest; None where it starts from other values and is solved as other equations are."""
         if self.start is not None:
             return None
-        return transfer_function_response(self.numerator, self.denominator, self.input)
+        return transfer_function_response(self.numerator, self.denominator, self.late_input)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,9 +102,10 @@ class ControlScene:
         inputs, outputs: names and units.
         transfer_function: b(s)/a(s) with its input, or else None.
         system: the state space, or else None.
-        input: u, p rows, where it is a state space.
+        input: u, p rows, where it is a state space, before its dead times.
         start: x(0-), shape (n,), where it is a state space.
         form: its mechanical normal form, where requested.
+        delays: dead times of inputs in s by name, those that are not 0.
     """
 
     inputs: Coordinates
@@ -104,11 +115,21 @@ class ControlScene:
     input: ImpulsiveSmooth | None = None
     start: np.ndarray | None = None
     form: NormalForm | None = None
+    delays: Mapping[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def late_input(self) -> ImpulsiveSmooth:
+        """u after its dead times."""
+        if not self.delays:
+            return self.input
+        rows = np.eye(len(self.inputs.names))
+        columns = zip(self.inputs.names, rows)
+        return reduce(add, (self.input.mapped(np.diag(row)).delayed(self.delays.get(name, 0.0)) for name, row in columns))
 
     @cached_property
     def response(self) -> StateSpaceResponse:
         """x and y of the state space, with the outputs also where the normal form is solved."""
-        return self.system.solve(self.start, self.input)
+        return self.system.solve(self.start, self.late_input)
 
     @cached_property
     def transfers(self) -> tuple[tuple[str, str, Transfer | None], ...]:
@@ -189,10 +210,14 @@ class ControlEquations(Equations):
 
     @property
     def facts(self) -> tuple[tuple[str, str], ...]:  # type: ignore[override]
+        late = tuple((f"dead time of {name}", f"{number_text(delay)} s") for name, delay in self.control.delays.items())
         if self.control.transfer_function is None:
-            return ()
+            return late
         fraction = self.control.transfer_function.fraction
-        return (("transfer function", f"({polynomial_text(fraction.numerator)}) / ({polynomial_text(fraction.denominator)})"),)
+        return (
+            ("transfer function", f"({polynomial_text(fraction.numerator)}) / ({polynomial_text(fraction.denominator)})"),
+            *late,
+        )
 
     @property
     def form_notices(self) -> tuple[Notice, ...]:  # type: ignore[override]
@@ -208,6 +233,7 @@ class ControlEquations(Equations):
         data["transfer_functions"] = [
             {"input": u, "output": y, "dc_gain": _dc_gain(control, u, y, G), **_transfer_json(G)} for u, y, G in control.transfers
         ]
+        data |= {"delays": dict(control.delays)} if control.delays else {}
         return data | ({"normal_form": _form_json(control.form)} if control.form is not None else {})
 
     def size_decision(self) -> Decision:
@@ -267,8 +293,10 @@ def transfer_function(table, folder: Path, file_name: str) -> ControlEquations:
     if u is None and not start.any():
         with at(file_name, "model"):
             raise InputError("nothing acts: give gamma = 1 (a step), a [[force]] on the input, or a start of the output")
-    G = TransferFunction(model.numerator, model.denominator, zero(1) if u is None else u, start if start.any() else None)
-    control, A = ControlScene(inputs, outputs, G), G.polynomial_matrix
+    own = zero(1) if u is None else u, start if start.any() else None
+    G = TransferFunction(model.numerator, model.denominator, *own, float(model.delay))
+    delays = {model.input: G.delay} if G.delay else {}
+    control, A = ControlScene(inputs, outputs, G, delays=delays), G.polynomial_matrix
     shaped = shaped_inputs(table.force, file_name)
     return ControlEquations(
         outputs, A, np.zeros((A.degree, 1)) if G.start is None else start, G.force, control=control, ends=shaped
@@ -287,6 +315,7 @@ def state_space_scene(table, folder: Path, file_name: str) -> ControlScene:
         units = {name: unit for name, unit in model.units.items() if name not in displacements}
         system = StateSpace(**matrices, states=model.states, inputs=model.inputs, outputs=model.outputs, units=units)
         names = (*system.states, *system.inputs, *system.outputs, *displacements)
+        delays = dict(zip(system.inputs, delays_of_inputs(system, {name: float(one) for name, one in model.delays.items()})))
         if repeated := next((name for name in names if names.count(name) > 1), None):
             raise InputError(f'the name "{repeated}" is used twice; states, inputs, outputs and coordinates must differ in name')
     inputs, outputs = (_named(names, system.units) for names in (system.inputs, system.outputs))
@@ -296,7 +325,8 @@ def state_space_scene(table, folder: Path, file_name: str) -> ControlScene:
     if table.initial.rows and not model.normal_form:
         with at(file_name, "initial"):
             raise InputError("a state space starts from its states; write state = { x1 = 0.1 } or state = [0.1, 0]")
-    return ControlScene(inputs, outputs, None, system, zero(len(inputs.names)) if u is None else u, start)
+    late = {name: delay for name, delay in delays.items() if delay}
+    return ControlScene(inputs, outputs, None, system, zero(len(inputs.names)) if u is None else u, start, delays=late)
 
 
 def mechanical_scene(
@@ -363,12 +393,12 @@ def state_space(table, folder: Path, file_name: str, lap: Callable[[str], object
     control, ends = state_space_scene(table, folder, file_name), shaped_inputs(table.force, file_name)
     if table.model.normal_form:
         control, system, coordinates, initial = mechanical_scene(control, table, file_name, lap)
-        force = control.form.force(control.input)
+        force = control.form.force(control.late_input)
         return ControlEquations(coordinates, system.polynomial_matrix(), initial, force, system, control=control, ends=ends)
     space = control.system
     A, initial = space.polynomial_matrix_with_outputs(), space.start_with_outputs(control.start)
     coordinates = Coordinates(A.coordinates, tuple(space.units[name] for name in A.coordinates))
-    return ControlEquations(coordinates, A, initial, space.force_with_outputs(control.input), control=control, ends=ends)
+    return ControlEquations(coordinates, A, initial, space.force_with_outputs(control.late_input), control=control, ends=ends)
 
 
 # Reports: transfer functions and the normal form.
@@ -401,6 +431,8 @@ def _transfer_table(control: ControlScene) -> TextTable:
     units = {name: unit for names in (control.inputs, control.outputs) for name, unit in zip(names.names, names.units)}
     rows = [(u, y, *_cells(control, u, y, G, _quotient(units[y], units[u]))) for u, y, G in control.transfers[:MOST_CHANNELS]]
     note = "G(s) = gain times the product of s - zeros over that of s - poles; the DC gain is G(0)."
+    late = [f"from {name} times e^(-{number_text(delay)} s)" for name, delay in control.delays.items()]
+    note += f" Dead time: G(s) {', '.join(late)}." if late else ""
     if len(control.transfers) > MOST_CHANNELS:
         note += f" The first {MOST_CHANNELS} of {len(control.transfers)} are shown."
     return TextTable("Transfer functions", ("from", "to", "zeros (1/s)", "gain", "DC gain"), tuple(rows), note)

@@ -166,16 +166,16 @@ class LeastEnergyEnd(End):
         u = self.input
         size = extrema(u.signal.smooth, 0.0, u.duration).largest
         largest = tuple(
-            (f"largest of {name}", coordinates.shown.text(float(one), unit), "of its values")
+            (f"largest of {name}", coordinates.shown.text(float(one), unit), "largest modulus")
             for name, one, unit in zip(u.inputs, size, self.units)
         )
+        energy = ("energy", with_unit(u.energy, self.unit), "integral of the squared input")
         evidence = (
-            ("T", f"{number_text(u.duration)} s", "time to the end; the input is zero after it"),
-            ("energy", with_unit(u.energy, self.unit), "integral of the square of the input"),
-            ("error at the end", f"{u.error:.2g}", "difference from the given state, relative to the largest value on the way"),
+            ("T", f"{number_text(u.duration)} s", "then the input is zero"),
+            ("error at the end", f"{u.error:.2g}", "of the largest value on the way"),
             ("condition number", f"{u.condition:.2g}", "of the scaled Gramian"),
         )
-        return TextTable(self.title, COLUMNS, (*evidence, *largest))
+        return TextTable(self.title, COLUMNS, (energy, *largest, *evidence))
 
     def to_dict(self) -> dict:
         u = self.input
@@ -217,6 +217,9 @@ def _with_least_energy(table, equations: Equations, file_name: str) -> Equations
     with at(file_name, "least_energy"):
         if equations.control is not None:
             space, control = equations.control.system, equations.control
+            if control.delays:
+                name = next(iter(control.delays))
+                raise InputError(f'the input "{name}" has a dead time, which an input of least energy has not; leave out delays')
             u = least_energy_input(space, table.inputs, control.start, end.get(DERIVATIVES[0]), table.duration, force=control.input)
             total = control.input + u.force
             units = tuple(space.units[name] for name in u.inputs)

@@ -220,7 +220,8 @@ def _state_space(scene: SceneData, symbols: Symbols) -> ExactEquations:
     names = (*system.states, *system.outputs)
     states = Coordinates(system.states, tuple(system.units[name] for name in system.states))
     start = symbols.all_of(state_values(scene.table.initial.state, states, scene.path.name))
-    u = _exact_force(scene.table.force, inputs, symbols, scene.path.parent, scene.path.name, inputs=True)
+    late = {name: symbols.of(delay) for name, delay in scene.table.model.delays.items()}
+    u = _exact_force(scene.table.force, inputs, symbols, scene.path.parent, scene.path.name, late)
     force = list(np.vstack([B, D]) @ np.array(u, dtype=object)) if u else [symbols.of(0)] * (n + q)
     initial = np.concatenate([start, C @ start])[None]
     outputs = {name: dict(zip(system.states, row)) for name, row in zip(system.outputs, C)}
@@ -230,7 +231,7 @@ def _state_space(scene: SceneData, symbols: Symbols) -> ExactEquations:
 def _transfer_function(scene: SceneData, symbols: Symbols) -> ExactEquations:
     """[[a(s), -b(s)], [0, 1]] [y; u] = [0; u]: from rest, b(d/dt) acts on u with its jumps."""
     from ...exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
-    from ...exact.symbolic_equations import power_input
+    from ...exact.symbolic_equations import begun, power_input
 
     model, control = scene.table.model, scene.equations.control
     a, b = (symbols.all_of(coefficients[::-1]) for coefficients in (model.denominator, model.numerator))
@@ -242,10 +243,11 @@ def _transfer_function(scene: SceneData, symbols: Symbols) -> ExactEquations:
     matrices[0][1, 1] = symbols.of(1)
     while len(matrices) > 1 and not any(matrices[-1].flat):
         matrices.pop()
-    u = _exact_force(scene.table.force, control.inputs, symbols, scene.path.parent, scene.path.name, inputs=True)[0]
-    if model.gamma is not None:
-        u = u + power_input(symbols.of(1), symbols.time, model.gamma)
     names = (control.outputs.names[0], control.inputs.names[0])
+    delay = symbols.of(model.delay)
+    u = _exact_force(scene.table.force, control.inputs, symbols, scene.path.parent, scene.path.name, {names[1]: delay})[0]
+    if model.gamma is not None:
+        u = u + begun(power_input(symbols.of(1), symbols.time, model.gamma), symbols.time, delay)
     initial = symbols.all_of(np.zeros((len(matrices) - 1, 2)))
     given = initial_values(scene.table.initial, control.outputs, len(a) - 1, scene.path.name)
     initial[: len(given), 0] = symbols.all_of(given[:, 0][: len(initial)])
@@ -253,9 +255,14 @@ def _transfer_function(scene: SceneData, symbols: Symbols) -> ExactEquations:
 
 
 def _exact_force(
-    tables: Sequence, coordinates: Coordinates, symbols: Symbols, folder: Path, file_name: str, *, inputs: bool = False
+    tables: Sequence,
+    coordinates: Coordinates,
+    symbols: Symbols,
+    folder: Path,
+    file_name: str,
+    dead_times: Mapping[str, Any] | None = None,
 ) -> list[Any]:
-    """The sum of the forces on each coordinate, or of the signals on each input."""
+    """The sum of the forces on each coordinate, or of the signals on each input, whose dead times are given where they are not 0."""
     from ...exact import symbolic_equations as signals
 
     force = [symbols.of(0)] * len(coordinates.names)
@@ -265,9 +272,11 @@ def _exact_force(
                 raise InputError("formulas know no input shapers; write the delayed copies as [[force]] tables")
             for name, factor in (table.factors or {table.coordinate: 1}).items():
                 place = coordinates.number(name)
-                unit = coordinates.units[place] if inputs else FORCE_UNITS.get(coordinates.units[place])
+                unit = coordinates.units[place]
+                unit = FORCE_UNITS.get(unit) if dead_times is None else unit
+                late = symbols.of(table.delay) + (dead_times or {}).get(name, symbols.of(0))
                 signal = symbols.of(factor) * _signal(table, unit, symbols, folder, signals)
-                force[place] = force[place] + signals.begun(signal, symbols.time, symbols.of(table.delay))
+                force[place] = force[place] + signals.begun(signal, symbols.time, late)
     return force
 
 

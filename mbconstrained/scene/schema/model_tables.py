@@ -23,6 +23,7 @@ from .entry_types import (
     Pair,
     Table,
     Text,
+    Time,
     Unit,
 )
 
@@ -41,6 +42,8 @@ WITHOUT_COEFFICIENTS = (
     "damping", "stiffness", "gyroscopic", "circulatory", "speed", "unbalance", "constraint", "rayleigh_damping", "modal_damping",
 )  # fmt: skip
 
+Delay = Annotated[Time, Field(ge=0)]
+
 Coefficients = Annotated[list[Number], Field(min_length=1, max_length=200)]
 
 
@@ -56,6 +59,7 @@ class TransferFunctionTable(Table):
         le=MOST_POWER,
         description="The input I_gamma: 1 a step, 2 a ramp, 0 an impulse; [[force]] tables add.",
     )
+    delay: Time = Field(0.0, ge=0, description='Dead time of the input, a factor e^(-delay s), e.g. "0.1 s".')
     input: Name = Field("u", description="The name of the input, on which [[force]] tables act.")
     output: Name = Field("y", description="The name of the output.")
     units: dict[Name, Unit] = Field({}, description='Units of both, e.g. { u = "V", y = "rad" }; "1" when left out.')
@@ -79,6 +83,7 @@ class StateSpaceTable(Table):
     states: list[Name] | None = Field(None, description="The names of the states; x1, x2, … when left out.")
     inputs: list[Name] | None = Field(None, description="The names of the inputs, where [[force]] tables act; u1, …")
     outputs: list[Name] | None = Field(None, description="The names of the outputs; y1, y2, … when left out.")
+    delays: dict[Name, Delay] = Field({}, description='Dead times of inputs, e.g. { u1 = "0.1 s" }; none when left out.')
     units: dict[Name, Unit] = Field({}, description='Units of states, inputs, outputs, e.g. { y1 = "m" }; "1" when left out.')
     normal_form: bool = Field(
         False,

@@ -245,3 +245,38 @@ def test_no_outputs_to_plot(tmp_path):
 def test_a_singular_pencil(tmp_path):
     with pytest.raises(mb.SingularPolynomialMatrix):
         scene_of(tmp_path, STATES.replace("[[0, 1], [-4, -5]]", "[[0, 1], [0, 0]]\ndescriptor = [[1, 0], [0, 0]]"))
+
+
+LATE = [
+    (FRACTION.replace("units =", 'delay = "0.3 s"\nunits ='), FRACTION),
+    (STATES.replace("units =", 'delays = { u1 = "0.3 s" }\nunits ='), STATES),
+]
+
+
+@pytest.mark.parametrize(("late", "own"), LATE)
+def test_a_dead_time_of_an_input_delays_its_force_and_turns_the_phase(tmp_path, late, own):
+    (late_scene, own_scene) = (scene_of(tmp_path, text, f"{name}.toml") for name, text in (("late", late), ("own", own)))
+    delayed = scene_of(tmp_path, own.replace('kind = "step"', 'kind = "step"\ndelay = "0.3 s"'), "delayed.toml")
+    answer = late_scene.run()
+    assert (answer.values == delayed.run().values).all() and answer.error_estimate < 1e-13
+    frequencies = {"frequencies": ["0.1 Hz", "3 Hz", "1 kHz"]}
+    H, G = (scene.frequency(**frequencies) for scene in (late_scene, own_scene))
+    values, without, f = H.arrays()["values"], G.arrays()["values"], H.arrays()["frequencies_hz"]
+    assert np.abs(values / (without * np.exp(-0.6j * np.pi * f)) - 1).max() < 1e-12
+    assert (H.arrays()["error_estimate"] >= G.arrays()["error_estimate"]).all()
+
+
+def test_dead_times_in_discrete_time_act_after_the_hold(tmp_path):
+    late = LATE[1][0].replace("end = 2", 'end = 2\nstep = 0.2\nstep_domain = "discrete"\nhold = 0').replace("points = 5\n", "")
+    values = scene_of(tmp_path, late).run().values
+    delayed = scene_of(tmp_path, STATES.replace('kind = "step"', 'kind = "step"\ndelay = "0.3 s"')).run()
+    assert values[0] == pytest.approx(delayed.motion.of("y1")(0.2 * np.arange(11))[0], abs=1e-14)
+
+
+def test_dead_times_that_are_wrong_are_refused_by_name(tmp_path):
+    with pytest.raises(mb.SceneError, match="delay: found -1"):
+        scene_of(tmp_path, FRACTION.replace("units =", "delay = -1\nunits ="))
+    with pytest.raises(mb.SceneError, match='delays: there is no input "u2"; the nearest is "u1"|delays: there is no input "u2"'):
+        scene_of(tmp_path, STATES.replace("units =", "delays = { u2 = 1 }\nunits ="))
+    with pytest.raises(mb.SceneError, match='least_energy: the input "u1" has a dead time'):
+        scene_of(tmp_path, LATE[1][0] + "[least_energy]\nduration = 1\n").run()

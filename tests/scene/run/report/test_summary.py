@@ -20,6 +20,15 @@ def test_the_short_summary_fits_a_screen_and_both_fit_80_columns(example):
         assert re.search(rf"^  {row[0]} +{re.escape(row[1])}", short, re.MULTILINE) or re.search(r"and \d+ more", short)
 
 
+def test_the_short_summary_has_the_requested_end_of_a_motion():
+    scene = mb.read_scene(EXAMPLES / "flexible_arm.toml")
+    result = scene.run()
+    (end,) = scene.equations.ends
+    whole, short = _printed(overview(result)), _printed(overview(result, lines=18))
+    assert f"energy                     {end.input.energy:.6g} N^2 m^2 s" in whole and len(whole.splitlines()) <= SCREEN
+    assert "energy" in short and re.search(r"and \d more", short) and len(short.splitlines()) <= 18
+
+
 def test_a_meaning_stands_where_it_adds_something(tmp_path):
     """A free body has a double eigenvalue 0, two equal oscillators a double pair: numbers are those of the list of modes."""
     free = '[model]\nkind = "lumped"\n[[model.mass]]\nname = "a"\nmass = 1\n[time]\nend = 1\npoints = 3\n'
