@@ -85,6 +85,7 @@ if TYPE_CHECKING:
     from .polynomial.jordan_pairs import InfinitePair as InfinitePair
     from .polynomial.jordan_pairs import JordanPairs as JordanPairs
     from .polynomial.polynomial_matrix import PolynomialMatrix as PolynomialMatrix
+    from .polynomial.structure import PolynomialVector as PolynomialVector
     from .response.admissible import Admissibility as Admissibility
     from .response.admissible import admissible as admissible
     from .response.discrete import DiscreteResponse as DiscreteResponse
@@ -173,6 +174,7 @@ _NAMES = {
     "polynomial.characteristic_roots": "CharacteristicRoots characteristic_roots",
     "polynomial.jordan_pairs": "FinitePair InfinitePair JordanPairs",
     "polynomial.polynomial_matrix": "PolynomialMatrix",
+    "polynomial.structure": "PolynomialVector",
     "response.admissible": "Admissibility admissible",
     "response.discrete": "DiscreteResponse solve_discrete",
     "response.events": "Event",

@@ -2,7 +2,7 @@
 
 May import ``polynomial``, ``signals`` and the rooms below them. Nothing heavy is loaded before a function is called.
 Read ``engine`` first (root polynomials, chains, blocks and structure over any field), then its two fields, ``rational`` (floats are
-the exact numbers that they are) and ``symbolic``, then ``enclosure`` (guaranteed digits), and ``closed_form`` with what prints it:
+the exact numbers that they are, ``kernels`` for what is not regular) and ``symbolic``, then ``enclosure`` (guaranteed digits), and ``closed_form`` with what prints it:
 ``formula_printers`` (text, LaTeX, MathML) and ``source_code`` (C, Python).
 
 >>> import mbconstrained as mb

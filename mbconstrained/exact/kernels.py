@@ -85,7 +85,7 @@ def _minor_divisor(matrix: RationalMatrix, rank: int) -> flint.fmpq_poly:
     first = matrix.coefficients[0]
     while drawn < MINORS:
         rows, columns = (
-            flint.fmpq_mat(*shape, random.integers(1, LARGEST_WEIGHT, shape[0] * shape[1]).tolist())
+            flint.fmpq_mat(shape[0], shape[1], random.integers(1, LARGEST_WEIGHT, shape[0] * shape[1]).tolist())
             for shape in ((rank, first.nrows()), (first.ncols(), rank))
         )
         minor = RationalMatrix([rows * each * columns for each in matrix.coefficients]).determinant

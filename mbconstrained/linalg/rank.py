@@ -248,7 +248,7 @@ class RowCompression:
 
 @dataclass(frozen=True, eq=False)
 class RowRotation(RowCompression):
-    """The same by orthogonal matrices: ``basis`` and ``null`` are orthonormal, and there are no pivots."""
+    """Row compression by orthogonal matrices: ``basis`` and ``null`` are orthonormal, and there are no pivots."""
 
     basis: Noisy
 

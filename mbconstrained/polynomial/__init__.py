@@ -2,6 +2,6 @@
 
 May import ``ground``, ``linalg`` and ``signals``. ``polynomial_matrix`` stands at the top and imports the rest, which takes A(s) as
 an argument. Read in this order: ``coefficients``, ``polynomial_matrix``; ``decoupling`` (the scaled pencil and its Weierstrass form),
-``structure`` (multiplicities), ``jordan_pairs``; for equations that need no pencil ``direct_reduction`` and ``reduced_equations``;
+``structure`` (multiplicities, kernels), ``jordan_pairs``, ``kronecker_form`` (of what is not regular); for equations that need no pencil ``direct_reduction`` and ``reduced_equations``;
 eigenvalues over a parameter are in ``variation``.
 """

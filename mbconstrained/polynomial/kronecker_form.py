@@ -8,13 +8,13 @@ has the finite zeros.
 
 from __future__ import annotations
 
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from ..ground.errors import IllConditioned, SingularPolynomialMatrix
+from ..ground.errors import IllConditioned, SingularPolynomialMatrix, within_float64
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import PRECISE_KRONECKER_STATES, SHORT_NUMBER, noise_of
 from ..linalg.precise import floats, precise_arithmetic
@@ -34,17 +34,16 @@ def kronecker_structure(A: PolynomialCoefficients, rank_tolerance: float | None 
     """
     in_float64 = rank_tolerance != 0 and all(factors is None for factors in A.factors)
     form, doubt = _form(A, rank_tolerance, in_float64), ""
-    if in_float64 and not form.is_clear:
-        rotated = _form(A, rank_tolerance, by_rotation=True)
-        form = rotated if rotated.is_consistent else form
-    is_small = max(form.companion.pencil[0].data.shape) <= PRECISE_KRONECKER_STATES
-    if in_float64 and not form.is_clear and rank_tolerance is None and is_small and not A.uncertainty.any():
+    if in_float64 and not (form and form.is_clear):
+        form = _form(A, rank_tolerance, by_rotation=True) or form
+    is_small = max(A.shape) * max(A.degree, 1) <= PRECISE_KRONECKER_STATES
+    if in_float64 and not (form and form.is_clear) and rank_tolerance is None and is_small and not A.uncertainty.any():
         written = _form(A, 0.0, in_float64=False)
-        if _is_short(A.coefficients) or written.indices == form.indices:
+        if written and (_is_short(A.coefficients) or (form and written.indices == form.indices)):
             form = written
-        else:
+        elif written:
             doubt = "; taken exactly, the data have " + written.text
-    if not form.is_consistent:
+    if form is None:
         raise IllConditioned(
             "the equations are so close to other numbers of dependent ones that float64 cannot tell which coordinates are free; write them "
             "in coordinates closer to the machine's own, or ask mb.exact.structure(A) for the structure of the exact numbers"
@@ -63,11 +62,14 @@ def _is_short(coefficients: np.ndarray) -> bool:
     return not np.mod(mantissas * SHORT_NUMBER, 1).any()
 
 
-def _form(A: PolynomialCoefficients, rank_tolerance: float | None, in_float64=True, by_rotation=False) -> KroneckerForm:
-    with nullcontext() if in_float64 else precise_arithmetic():
+def _form(A: PolynomialCoefficients, rank_tolerance: float | None, in_float64=True, by_rotation=False) -> KroneckerForm | None:
+    """The Kronecker form; None where staircases disagree, or leave the range of float64."""
+    with suppress(IllConditioned), within_float64(), nullcontext() if in_float64 else precise_arithmetic():
         companion = scaled_companion(A, rank_tolerance, in_float64)
         right, left = (right_staircase(*each.pencil, by_rotation) for each in (companion, companion.transposed))
-        return KroneckerForm(companion, right, left, right_staircase(right.E.T, right.F.T, by_rotation))
+        form = KroneckerForm(companion, right, left, right_staircase(right.E.T, right.F.T, by_rotation))
+        return form if form.is_consistent else None
+    return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,8 +116,8 @@ class KroneckerForm:
 
     @property
     def is_clear(self) -> bool:
-        """Whether no decision is near its bound, and all agree."""
-        return self.is_consistent and all(decision.clear for decision in self.decisions)
+        """Whether no decision is near its bound."""
+        return all(decision.clear for decision in self.decisions)
 
     @cached_property
     def finite_zeros(self) -> tuple[FiniteZero, ...]:

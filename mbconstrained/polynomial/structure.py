@@ -67,7 +67,16 @@ class PolynomialVector(Displayed):
 
     @classmethod
     def of(cls, coefficients: np.ndarray, names: Sequence[str], residual: float = 0.0) -> PolynomialVector:
-        """The vector with coefficients of shape (d + 1, n), floats or Fractions, divided by a leading one."""
+        """The vector with these coefficients, divided by the leading one of its first entry.
+
+        Args:
+            coefficients: v_0 ... v_d, shape (d + 1, n), floats or Fractions.
+            names: of the n entries.
+            residual: as the attribute.
+
+        Returns:
+            A ``PolynomialVector``.
+        """
         polynomials = [tuple(column[: 1 + max(np.flatnonzero(column), default=-1)].tolist()) for column in coefficients.T]
         leading = next(polynomial[-1] for polynomial in polynomials if polynomial)
         return cls(tuple(names), tuple(tuple((c / leading + 0) for c in polynomial) for polynomial in polynomials), residual)
