@@ -18,23 +18,24 @@ from tests.audits.source import FILES, MODULES, ROOT, expect_none, room, text, t
 #: the descriptor form from control; response, robot and scene the protocols and base classes with which no circle of imports is left; analyses the
 #: studies of accuracy, stability and sweeps (7,241 lines in studies, 6,700 here), modes, frequency responses and sensitivities from scene and cli, plots
 #: of frequency responses from page and formulas from scene; control and mechanics the formulas of the papers (313 lines of the room papers). Delays
-#: (the method of steps, characteristic roots, exact responses, feedback elements) took 1,630 lines, most of them in response and polynomial.
+#: (the method of steps, characteristic roots, exact responses, feedback elements) took 1,630 lines, most of them in response and polynomial. Matrices that are not
+#: regular (Kronecker form, kernels over the rationals, other numbers of equations than coordinates) took 690 lines, 430 of them in polynomial.
 LINES = {
-    "__init__": 212,
+    "__init__": 214,
     "__main__": 8,
     "analyses": 10748,
     "cli": 980,
     "control": 2612,
     "docs": 284,
-    "exact": 7022,
+    "exact": 7147,
     "exchange": 1394,
     "frequency": 5551,
-    "ground": 2083,
-    "linalg": 4948,
+    "ground": 2091,
+    "linalg": 5064,
     "mechanics": 12337,
     "models": 1435,
     "page": 4913,
-    "polynomial": 3307,
+    "polynomial": 3742,
     "response": 7361,
     "robot": 8814,
     "scene": 9965,
