@@ -148,15 +148,15 @@ def eliminated(ring: PolynomialRing, adjugate, determinant: Polynomial, p: Polyn
 
 def local_exponents(ring: PolynomialRing, rows, p: Polynomial, bound: int) -> tuple[int, ...]:
     """The exponents of p among the elementary divisors of a matrix of polynomials, ascending, zeros too; all are below a bound."""
-    modulus, found = p**bound, []
+    modulus, exponents = p**bound, []
     rows = [[entry % modulus for entry in row] for row in rows]
     while place := _pivot(ring, rows, p):
         a, i, j = place
         inverse = ring.inverse(rows[i][j] // p**a, modulus)
         others = [(row, row[j] // p**a * inverse % modulus) for row in rows[:i] + rows[i + 1 :]]
         rows = [[(entry - c * d) % modulus for entry, d in zip(row, rows[i])] for row, c in others]
-        found.append(a)
-    return tuple(found)
+        exponents.append(a)
+    return tuple(exponents)
 
 
 def _valuation(entry: Polynomial, p: Polynomial) -> int:

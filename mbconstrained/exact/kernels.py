@@ -71,7 +71,7 @@ def minimal_basis(matrix: RationalMatrix, count: int) -> list[np.ndarray]:
 def _toeplitz(coefficients: list[flint.fmpz_mat], degree: int) -> flint.fmpz_mat:
     """The matrix of the coefficients of A(s) v(s) as functions of those of a v(s) of this degree."""
     (m, n), q = (coefficients[0].nrows(), coefficients[0].ncols()), len(coefficients) - 1
-    rows = [[0] * ((degree + 1) * n) for _ in range((q + degree + 1) * m)]
+    rows: list[list] = [[0] * ((degree + 1) * n) for _ in range((q + degree + 1) * m)]
     for power, matrix in enumerate(coefficients):
         for k in range(degree + 1):
             for i, row in enumerate(matrix.tolist()):

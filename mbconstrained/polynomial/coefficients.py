@@ -78,8 +78,10 @@ class PolynomialCoefficients:
         Raises:
             SingularPolynomialMatrix: other numbers of equations and coordinates, which determine no motion.
         """
-        self.check_square()
-        return self.shape[0]
+        _, rows, columns = self.coefficients.shape
+        if rows != columns:
+            self.check_square()
+        return rows
 
     def check_square(self) -> None:
         """Check that there are as many equations as coordinates.

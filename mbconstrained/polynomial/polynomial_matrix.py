@@ -11,7 +11,7 @@ from numbers import Number
 import numpy as np
 
 from ..ground.checks import real_number
-from ..ground.errors import IllConditioned, InputError, SingularPolynomialMatrix
+from ..ground.errors import IllConditioned, InputError, SingularPolynomialMatrix, within_float64
 from ..linalg.staircase import SingularPencil
 from .coefficients import PolynomialCoefficients
 from .decoupling import scaled_companion
@@ -168,7 +168,7 @@ class PolynomialMatrix(PolynomialCoefficients):
         (PolynomialVector(position: 1, input: s),)
         """
         if self.is_square:
-            with suppress(SingularPolynomialMatrix):
+            with suppress(SingularPolynomialMatrix), within_float64():
                 return self.jordan_pairs(rank_tolerance).structure
         return kronecker_structure(self, _checked(rank_tolerance))
 
