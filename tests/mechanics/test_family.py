@@ -194,9 +194,9 @@ def test_refused(arguments, message):
         systems[2]
 
 
-def supported():
+def supported(count=4):
     """Chains on a moving base, in absolute coordinates."""
-    M, C, K = chains(4)
+    M, C, K = chains(count)
     M[:, 4, 4] = 0.0
     return family(M, C, K, [Constraint([0, 0, 0, 0, 1.0], names="base")])
 
@@ -207,9 +207,9 @@ def test_rms_values_are_those_of_each_system(quantity):
     force = mb.psd([0.05, 2.0, 5.0], [1.0, 0.5, 0.1], of="force")
     options = dict(relative_to="x5") if quantity == "displacement" else {}
     for systems, excitation in (
-        (supported(), {"base": base}),
-        (family(*chains(4)), {"x1": force, "x3": force}),
-        (family(*chains(4)), {"x2": mb.white_noise(0.3)}),
+        (supported(2), {"base": base}),
+        (family(*chains(2)), {"x1": force, "x3": force}),
+        (family(*chains(2)), {"x2": mb.white_noise(0.3)}),
     ):
         if quantity == "acceleration" and "x2" in excitation:
             continue  # infinite

@@ -233,7 +233,7 @@ def test_graded_models(model, times):
 
 
 @pytest.mark.long
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=25)
 @given(graded_models(largest=8), times_of)
 def test_larger_graded_models(model, times):
     check(model, times)

@@ -177,7 +177,11 @@ def test_terms_that_are_zero_are_no_delay():
     assert mb.solve(OSCILLATORS, START, delayed={0.3: np.zeros((2, 2))}).method.name != "method of steps"
 
 
-@pytest.mark.parametrize("seed", range(40))
+#: With seed 5 these are all that have three unknowns, the second degree and two delays: 20 s to 35 s each.
+SLOW_SEEDS = {0, 7, 17}
+
+
+@pytest.mark.parametrize("seed", sorted({*range(40)} - SLOW_SEEDS))
 def test_random_systems_lie_in_exact_intervals_within_their_estimates(seed):
     random = np.random.default_rng(seed)
     n, degree = int(random.integers(1, 4)), int(random.integers(1, 3))

@@ -136,9 +136,8 @@ class ExactVariance:
         turn = flint.acb(0, 2) * flint.acb.pi()
 
         def integrand(f, analytic):
-            values = {
-                i: (pairs[i][0](turn * f) / pairs[i][1](turn * f), pairs[i][0](-turn * f) / pairs[i][1](-turn * f)) for i in used
-            }
+            s = turn * f
+            values = {i: (pairs[i][0](s) / pairs[i][1](s), pairs[i][0](-s) / pairs[i][1](-s)) for i in used}
             own = {i: _density(chosen[i], f, analytic) for i in used}
             result = flint.acb(0)
             for i in used:
@@ -281,8 +280,7 @@ def _density(piece, f: flint.acb, analytic: bool, conjugate: bool = False) -> fl
     """G of a piece at a complex frequency, or the function that is its conjugate on the axis."""
 
     def number(value) -> flint.acb:
-        value = complex(value).conjugate() if conjugate else complex(value)
-        return flint.acb(flint.arb(rational(value.real)), flint.arb(rational(value.imag)))
+        return flint.acb(complex(value).conjugate() if conjugate else complex(value))  # exact
 
     if isinstance(piece, PowerLaw):
         if not piece.exponent:
