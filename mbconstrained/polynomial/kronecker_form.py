@@ -1,7 +1,7 @@
 """The structure of an A(s) that is not regular, in floating point: minimal indices and kernels from the Kronecker form of its companion pencil.
 
 The companion pencil of an m x n matrix of degree q is a strong linearization: it has the elementary divisors of A(s), finite and infinite,
-and the left minimal indices; the right ones are greater by q - 1 (De Teran, Dopico and Mackey 2009, Theorem 5.10, 2012 for m != n).
+and the left minimal indices; the right ones are greater by q - 1 (De Teran, Dopico and Mackey 2009, and 2012 for m != n).
 Staircases of the pencil and of that of A(s)^T give both kernels, and the infinite divisors twice. What neither takes away is regular, and
 has the finite zeros.
 """
