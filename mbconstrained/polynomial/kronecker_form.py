@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..ground.errors import IllConditioned, SingularPolynomialMatrix, within_float64
+from ..ground.errors import OUT_OF_RANGE, IllConditioned, SingularPolynomialMatrix, within_float64
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import PRECISE_KRONECKER_STATES, SHORT_NUMBER, noise_of
 from ..linalg.precise import floats, precise_arithmetic
@@ -53,7 +53,8 @@ def kronecker_structure(A: PolynomialCoefficients, rank_tolerance: float | None 
         if form.is_clear
         else (Notice(NoticeKind.RANK, f"rounding errors of the data decide: {form.text}{doubt}", doubtful=True),)
     )
-    return form.structure(A, doubts)
+    with within_float64():
+        return form.structure(A, doubts)
 
 
 def _is_short(coefficients: np.ndarray) -> bool:
@@ -161,7 +162,11 @@ def _kernel(staircase: RightStaircase, companion: ScaledCompanion, names: tuple[
         choices = [(floats(array).T, _residual(companion.coefficients, floats(array).T)) for array in (own.cleaned(), own.data)]
         v, residual = choices[choices[0][1] > noise_of(1.0, len(units))]
         in_units = units * v * companion.scaling.time ** -np.arange(degree + 1.0)[:, None]
+        if not (np.isfinite(in_units).all() and in_units.any() and np.isfinite(residual)):
+            raise IllConditioned(OUT_OF_RANGE)
         vectors.append(PolynomialVector.of(in_units, names, residual))
+        if not np.isfinite(vectors[-1].coefficients).all():
+            raise IllConditioned(OUT_OF_RANGE)
     return tuple(vectors)
 
 

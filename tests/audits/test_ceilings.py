@@ -35,7 +35,7 @@ LINES = {
     "mechanics": 12337,
     "models": 1435,
     "page": 4913,
-    "polynomial": 3742,
+    "polynomial": 3747,
     "response": 7361,
     "robot": 8814,
     "scene": 9965,
