@@ -197,7 +197,7 @@ def _with_rounding(matrix: np.ndarray) -> Noisy:
 #
 # Null columns of E are the ends of chains: combinations of columns that F alone acts on. Where F maps a combination of them to zero,
 # a block L_k of k rows and k + 1 columns ends, otherwise an infinite elementary divisor goes on. Both, and the rows that F maps the
-# null columns to, are taken out, and so on (Van Dooren 1979, Algorithm 4.1; Demmel and Kagstrom 1993). Of s_1, s_2, ... null columns
+# null columns to, are taken out, and so on (Van Dooren 1979; Demmel and Kagstrom 1993). Of s_1, s_2, ... null columns
 # mapped to r_1, r_2, ... rows, s_k - r_k are ends of L_(k - 1), and r_k - s_(k + 1) are infinite elementary divisors of degree k. What
 # remains has an E of full column rank: finite zeros, and the transposed blocks L_k^T, which the same steps find in its transpose.
 

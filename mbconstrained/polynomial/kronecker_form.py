@@ -1,7 +1,7 @@
 """The structure of an A(s) that is not regular, in floating point: minimal indices and kernels from the Kronecker form of its companion pencil.
 
 The companion pencil of an m x n matrix of degree q is a strong linearization: it has the elementary divisors of A(s), finite and infinite,
-and the left minimal indices; the right ones are greater by q - 1 (De Teran, Dopico and Mackey 2009, Theorem 5.10, 2012 for m != n).
+and the left minimal indices; the right ones are greater by q - 1 (De Teran, Dopico and Mackey 2009, and 2012 for m != n).
 Staircases of the pencil and of that of A(s)^T give both kernels, and the infinite divisors twice. What neither takes away is regular, and
 has the finite zeros.
 """
@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..ground.errors import IllConditioned, SingularPolynomialMatrix, within_float64
+from ..ground.errors import OUT_OF_RANGE, IllConditioned, SingularPolynomialMatrix, within_float64
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import PRECISE_KRONECKER_STATES, SHORT_NUMBER, noise_of
 from ..linalg.precise import floats, precise_arithmetic
@@ -53,7 +53,8 @@ def kronecker_structure(A: PolynomialCoefficients, rank_tolerance: float | None 
         if form.is_clear
         else (Notice(NoticeKind.RANK, f"rounding errors of the data decide: {form.text}{doubt}", doubtful=True),)
     )
-    return form.structure(A, doubts)
+    with within_float64():
+        return form.structure(A, doubts)
 
 
 def _is_short(coefficients: np.ndarray) -> bool:
@@ -161,7 +162,11 @@ def _kernel(staircase: RightStaircase, companion: ScaledCompanion, names: tuple[
         choices = [(floats(array).T, _residual(companion.coefficients, floats(array).T)) for array in (own.cleaned(), own.data)]
         v, residual = choices[choices[0][1] > noise_of(1.0, len(units))]
         in_units = units * v * companion.scaling.time ** -np.arange(degree + 1.0)[:, None]
+        if not (np.isfinite(in_units).all() and in_units.any() and np.isfinite(residual)):
+            raise IllConditioned(OUT_OF_RANGE)
         vectors.append(PolynomialVector.of(in_units, names, residual))
+        if not np.isfinite(vectors[-1].coefficients).all():
+            raise IllConditioned(OUT_OF_RANGE)
     return tuple(vectors)
 
 

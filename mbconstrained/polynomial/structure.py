@@ -114,7 +114,7 @@ class Structure(Displayed):
     """Zeros of A(s), finite and infinite (Moysis et al., Eqs. 5-15, with u counting q_i > 0 only), and its kernels.
 
     The kernels of a regular A(s) are empty. Their degrees, the minimal indices, and the degrees of all finite and infinite
-    elementary divisors add up to rank times degree (De Teran, Dopico and Van Dooren 2015, Theorem 3.1): see ``evidence``.
+    elementary divisors add up to rank times degree (De Teran, Dopico and Van Dooren 2015): see ``evidence``.
 
     Attributes:
         shape, degree: numbers of equations and of coordinates (m, n), and the declared q.

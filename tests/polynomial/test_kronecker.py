@@ -264,3 +264,8 @@ def test_many_equations_are_clear():
     structure = mb.PolynomialMatrix(random.normal(size=(3, 12, 13))).structure()
     assert structure.right_minimal_indices == (24,)
     assert structure.right_kernel[0].residual < 1e-12
+
+
+def test_a_kernel_beyond_the_range_of_float64_is_refused():
+    with pytest.raises(mb.IllConditioned, match="range of float64"):
+        mb.PolynomialMatrix([[[1e-300, 1e300]], [[1e300, 1.0]], [[1e-308, 1e308]]]).structure()
