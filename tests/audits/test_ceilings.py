@@ -21,24 +21,24 @@ from tests.audits.source import FILES, MODULES, ROOT, expect_none, room, text, t
 #: (the method of steps, characteristic roots, exact responses, feedback elements) took 1,630 lines, most of them in response and polynomial. Matrices that are not
 #: regular (Kronecker form, kernels over the rationals, other numbers of equations than coordinates) took 690 lines, 430 of them in polynomial.
 LINES = {
-    "__init__": 214,
+    "__init__": 219,
     "__main__": 8,
-    "analyses": 10748,
+    "analyses": 10757,
     "cli": 980,
     "control": 2612,
     "docs": 284,
-    "exact": 7147,
+    "exact": 7331,
     "exchange": 1394,
     "frequency": 5551,
-    "ground": 2091,
+    "ground": 2104,
     "linalg": 5064,
     "mechanics": 12337,
     "models": 1435,
     "page": 4913,
     "polynomial": 3747,
-    "response": 7361,
+    "response": 7979,
     "robot": 8814,
-    "scene": 9965,
+    "scene": 10051,
     "signals": 1898,
 }
 
