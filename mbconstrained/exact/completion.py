@@ -19,13 +19,18 @@ MOST_SETS = 400
 
 def normal_rank(coefficients: np.ndarray) -> int:
     """The rank of A(s) over the rational functions, from Fractions or floats taken as exact, shape (q + 1, m, n)."""
-    matrix = RationalMatrix(coefficients.tolist())
+    matrix = RationalMatrix([rational_matrix(matrix) for matrix in coefficients])
     return max(matrix.whole_at(point).rank() for point in POINTS)
 
 
 def whole_basis(coefficients: np.ndarray, rank: int) -> list[np.ndarray]:
     """A minimal basis of the right kernel: vectors of whole numbers without a common divisor, shape (degree + 1, n)."""
-    return [whole(vector) for vector in minimal_basis(RationalMatrix(coefficients.tolist()), coefficients.shape[2] - rank)]
+    return [
+        whole(vector)
+        for vector in minimal_basis(
+            RationalMatrix([rational_matrix(matrix) for matrix in coefficients]), coefficients.shape[2] - rank
+        )
+    ]
 
 
 def _null_space(matrix: np.ndarray) -> list[np.ndarray]:

@@ -36,7 +36,7 @@ class SingularPolynomialMatrix(MbconstrainedError, ValueError):
         self.coordinates = coordinates
 
 
-class NotSolvable(MbconstrainedError, ValueError):
+class NotSolvable(SingularPolynomialMatrix):
     """No motion satisfies the equations: a combination of them has no coordinate left, but a force or an impulse.
 
     Attributes:

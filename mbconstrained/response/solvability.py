@@ -27,8 +27,9 @@ from ..linalg.exponential import block_states
 from ..polynomial.coefficients import Factors
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.impulsive import ImpulsiveSmooth
-from ..signals.inputs import step, zero
+from ..signals.inputs import power, step, zero
 from .problem import Problem, checked_force, checked_matrix
+from .response import Response
 
 #: Times within each piece of a force at which a condition is tested, as parts of a finite piece.
 PARTS = np.array([0.0, 0.3, 0.7, 0.95])
@@ -41,6 +42,9 @@ MOST_EXACT_STATES = 64
 
 #: Numbers of so many bits are meant as written; rounded results have more.
 SHORT_BITS = 26
+
+#: The choice of free coordinates with which x(0+) has the least norm.
+LEAST_START = "least start"
 
 #: Number of coordinates named in an error.
 MOST_NAMES = 12
@@ -233,10 +237,12 @@ def completed(
     A: PolynomialMatrix,
     initial=None,
     force: ImpulsiveSmooth | None = None,
-    free: Mapping | None = None,
+    free: Mapping | str | None = None,
     rank_tolerance: float | None = None,
 ) -> tuple[Problem, Solvability]:
     """The regular problem whose solution is x, with the report; NotSolvable, or SingularPolynomialMatrix where free is None and needed."""
+    if isinstance(free, str):
+        free = _least_start(*completed(A, initial, force, {}, rank_tolerance), free)
     report, problem = _completed(A, initial, force, free or {}, rank_tolerance)
     if not report.is_solvable:
         raise NotSolvable(_refusal(report), report.conditions)
@@ -245,6 +251,22 @@ def completed(
             _undetermined(report), (), tuple(places_of(report.may_be_chosen, A.coordinates, "coordinate"))
         )
     return replace(problem, notices=report.notices), report
+
+
+def _least_start(problem: Problem, report: Solvability, word: str) -> dict[str, ImpulsiveSmooth]:
+    """Polynomials in t as motions of the chosen coordinates, with which x(0+) has the least norm."""
+    if word != LEAST_START:
+        raise InputError(f"free: found {word!r}; expected {LEAST_START!r}, or signals by names of coordinates")
+    A, orders = report.completed, range(1, 1 + max(map(len, report.kernel), default=0))
+    units = np.eye(A.size)[report.rank :]
+    inputs = [power(unit, order) for unit in units for order in orders]
+    start = Response._solved(problem)(0.0)
+    changes = [Response._solved(Problem(A, np.zeros_like(problem.initial), one, problem.rank_tolerance))(0.0) for one in inputs]
+    weights = np.linalg.lstsq(np.array(changes).reshape(-1, A.size).T, -start)[0].reshape(len(units), -1)
+    return {
+        name: sum((power([weight], order) for weight, order in zip(row, orders)), start=zero(1))
+        for name, row in zip(report.chosen, weights)
+    }
 
 
 def _refusal(report: Solvability) -> str:
@@ -569,8 +591,8 @@ def _impulse_residuals(A: PolynomialMatrix, n: np.ndarray, initial: np.ndarray, 
             vectors.append((-1 - i, derivative @ jump, size @ np.abs(jump)))
             derivative, size = derivative @ J, size @ np.abs(J)
         vectors += [(order, vector, np.abs(vector)) for order, vector in enumerate(impulses.get(time, ()))]
-        for power, matrix in enumerate(A.coefficients if time == 0 else ()):  # A_power s^(power - 1 - i) x^(i)(0-)
-            vectors += [(power - 1 - i, matrix @ initial[i], np.abs(matrix) @ np.abs(initial[i])) for i in range(power)]
+        for k, matrix in enumerate(A.coefficients if time == 0 else ()):  # A_k s^(k - 1 - i) x^(i)(0-)
+            vectors += [(k - 1 - i, matrix @ initial[i], np.abs(matrix) @ np.abs(initial[i])) for i in range(k)]
         terms: dict[int, list[tuple[float, float]]] = {}
         for order, vector, size in vectors:
             for k, factors in enumerate(n):

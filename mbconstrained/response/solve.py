@@ -11,7 +11,7 @@ import numpy as np
 
 from ..ground.checks import counted, evaluation_times, optional_package, places_of, real_array, whole_number
 from ..ground.display import Displayed, TextTable, notice_table
-from ..ground.errors import InputError, Overflow
+from ..ground.errors import InputError, Overflow, SingularPolynomialMatrix
 from ..ground.notices import Notice, NoticeKind
 from ..ground.threads import short_work
 from ..linalg.blocks import CHUNK_ENTRIES
@@ -372,7 +372,7 @@ def solve(
     evaluations: Evaluations = "once",
     delayed: Mapping | None = None,
     history=None,
-    free: Mapping | None = None,
+    free: Mapping | str | None = None,
 ) -> Response | Any:
     """Solve A(d/dt) x = f on t >= 0 from any values at 0- (Moysis et al., Theorem 3.1, corrected).
 
@@ -398,7 +398,8 @@ def solve(
             then need no eigenvectors. "many": all evaluations share the modes, which are computed at the first one. Small
             models, and solutions by the Jordan pairs, have their modes in any case.
         free: signals of coordinates that the equations do not determine, by name, each with one row: A(s) may be singular, or m x n,
-            and x with free coordinates that are not named is that in which they are zero; {} for zero motions of all of them. Dependent
+            and x with free coordinates that are not named is that in which they are zero; {} for zero motions of all of them; "least start" for polynomials in t
+            (of the degree of the kernel of A(s)) with which the norm of x(0+) is least. Dependent
             equations must not contradict each other; ``mb.solvability`` reports both.
 
     Returns:
@@ -430,7 +431,15 @@ def solve(
         if delayed:
             raise InputError("delayed: several starts or forces are given; equations with delays are solved for one of each")
         return solve_many(checked_matrix(A), initial, force, rank_tolerance, request)
-    return Response._solved(Problem.checked(A, initial, force, rank_tolerance, delayed, history), request)
+    problem = Problem.checked(A, initial, force, rank_tolerance, delayed, history)
+    try:
+        return Response._solved(problem, request)
+    except SingularPolynomialMatrix as error:
+        if delayed:
+            raise
+        completed(A, initial, force, {}, rank_tolerance)  # NotSolvable where the equations contradict each other
+        text = f"{error} To solve it as it is, give free={{name: signal}}; mb.solvability(A) shows the free motions."
+        raise SingularPolynomialMatrix(text, error.equations, error.coordinates) from None
 
 
 def _is_family(initial, force) -> bool:

@@ -331,3 +331,29 @@ def test_rounded_equations_are_solved_like_the_exact_ones(seed):
     expected = Z.T @ planted.values(TIMES)
     error = np.abs(x(TIMES) - expected).max() / np.abs(expected).max()
     assert error <= max(x.error_estimate(TIMES), 1e-14) and error < 1e-10
+
+
+def test_the_least_start_cannot_be_made_smaller_by_any_free_motion():
+    """x1 + x2 = 3 has the least solution (1.5, 1.5); constants and rates chosen at random give no smaller norm of x(0+)."""
+    x = mb.solve(mb.PolynomialMatrix([[[1.0, 1.0]]]), force=mb.step([3.0]), free="least start")
+    assert np.allclose(x([0.0, 2.0]), 1.5, atol=1e-14)
+    A = mb.PolynomialMatrix([[[1.0, 1.0, 0.5], [0.0, 1.0, 1.0]], [[0.0, 0.0, 2.0], [0.0, 0.0, 0.0]]])
+    force, report = mb.step([3.0, -1.0]) + mb.ramp([0.5, 0.0]), mb.solvability(A)
+    x = mb.solve(A, force=force, free="least start")
+    t = np.linspace(0.1, 3.0, 7)
+    assert np.allclose(A.coefficients[0] @ x(t) + A.coefficients[1] @ x.derivative()(t), force(t), atol=1e-12)
+    for choices in np.random.default_rng(1).normal(size=(30, report.freedom, 2)):
+        free = {name: mb.step([value]) + mb.ramp([rate]) for name, (value, rate) in zip(report.chosen, choices)}
+        assert np.linalg.norm(x(0.0)) <= np.linalg.norm(mb.solve(A, force=force, free=free)(0.0)) * (1 + 1e-12)
+    with pytest.raises(mb.InputError, match="least start"):
+        mb.solve(A, free="least")
+
+
+def test_a_square_contradiction_is_not_solvable_and_a_free_coordinate_is_named():
+    A = mb.PolynomialMatrix([[[1.0, 1.0], [2.0, 2.0]]])
+    with pytest.raises(mb.NotSolvable) as refusal:
+        mb.solve(A, force=mb.step([1.0, 3.0]))
+    (condition,) = refusal.value.conditions
+    assert {name for name, _ in condition.equations} == {"equation 1", "equation 2"}
+    with pytest.raises(mb.SingularPolynomialMatrix, match="free="):
+        mb.solve(A, force=mb.step([1.0, 2.0]))
