@@ -53,6 +53,13 @@ class RefinedPole(Pole):
 class SpectralTransfer:
     """The values, poles and residues of s^p C A(s)^-1 B on the positive frequency axis."""
 
+    is_finer = False  # with True all panels are halved
+
+    @property
+    def widest(self) -> float:
+        """The widest panel in Hz."""
+        return np.inf
+
     def __init__(self, harmonic: Harmonic):
         """Create the transfer function from the matrices of one response."""
         self.harmonic = harmonic
@@ -224,19 +231,24 @@ class DelayedTransfer(SpectralTransfer):
         """The roots with their conjugates, as poles of order two: all panels near them are halved."""
         values = self.roots.eigenvalues
         ones = np.ones((2, len(self.harmonic.outputs), self.harmonic.inputs.shape[1]))
-        values = np.where(np.abs(values) > EPS**0.5 * np.abs(values).max(initial=0.0), values, 0.0)  # a double root 0 has half the digits
+        values = np.where(
+            np.abs(values) > EPS**0.5 * np.abs(values).max(initial=0.0), values, 0.0
+        )  # a double root 0 has half the digits
         upper = [RefinedPole(complex(s), ones, bool(abs(s.real) <= UNDAMPED * abs(s)), ones) for s in values]
         return (*upper, *(replace(pole, value=pole.value.conjugate()) for pole in upper if pole.value.imag))
 
     @property
     def widest(self) -> float:
         """The widest panel in Hz: no further root is near it, and e^(-i w delay) turns little."""
-        longest, beyond = sum(term.delay for term in self.harmonic.delayed), -float(self.roots.eigenvalues.real.min(initial=-np.inf))
+        longest, beyond = (
+            sum(term.delay for term in self.harmonic.delayed),
+            -float(self.roots.eigenvalues.real.min(initial=-np.inf)),
+        )
         return min(TURN / longest, max(beyond, 1 / longest)) / (2 * np.pi)
 
     @property
-    def polynomial(self) -> np.ndarray:  # type: ignore[override]
-        """None."""
+    def polynomial(self) -> np.ndarray:
+        """An array without powers of s."""
         return np.zeros((0, len(self.harmonic.outputs), self.harmonic.inputs.shape[1]))
 
     @cached_property
@@ -245,7 +257,7 @@ class DelayedTransfer(SpectralTransfer):
         return np.zeros(len(self.harmonic.outputs), dtype=bool)
 
     @property
-    def vanishes(self) -> np.ndarray:  # type: ignore[override]
+    def vanishes(self) -> np.ndarray:
         """No output."""
         return self.seems_zero
 
@@ -499,13 +511,12 @@ class _Integration:
                 edges[0], edges[-1] = start, end
                 rows += [(one, two, middle, False) for one, two in itertools.pairwise(edges)]
         widest = TURN / (2 * np.pi * self.spectra.longest_delay) if self.spectra.longest_delay else np.inf
-        is_delayed = isinstance(self.transfer, DelayedTransfer)
-        widest = min(widest, self.transfer.widest) if is_delayed else widest
+        widest = min(widest, self.transfer.widest)
         if np.isfinite(widest):
             rows = [part for row in rows for part in self._divided(row, widest)]
         lower, upper, middle, tail = (np.array(column) for column in zip(*rows)) if rows else (np.zeros(0),) * 4
         panels = _IntegrationPanels(lower, upper, middle, tail.astype(bool))
-        return panels.halves(np.ones(len(lower), dtype=bool)) if is_delayed and self.transfer.is_finer else panels
+        return panels.halves(np.ones(len(lower), dtype=bool)) if self.transfer.is_finer else panels
 
     @staticmethod
     def _divided(row, widest: float):
