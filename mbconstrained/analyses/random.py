@@ -42,6 +42,7 @@ class Random(Analysis):
     """
 
     name = "random"
+    handles_delays = True
     settings = RandomTable
 
     @classmethod

@@ -327,7 +327,8 @@ class EquationsOfMotion(Displayed):
             delays = ", ".join(f"{term.delay:g} s" for term in self.delayed)
             raise InputError(
                 f"{what}: not available with delays ({delays}), which make infinitely many eigenvalues; available are solve, "
-                "frequency_response, steady_state for harmonic loads, and characteristic_roots for stability"
+                "frequency_response, steady_state for harmonic loads, random_response to spectra with a highest frequency, and "
+                "characteristic_roots for stability"
             )
 
     def with_rayleigh_damping(self, mass: float = 0.0, stiffness: float = 0.0, relative: bool = False) -> Self:

@@ -16,7 +16,7 @@ from ..ground.errors import InputError
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .channels import Channel, channels, chosen_by_name, coordinate_channels, row_channels
 from .equations import EquationsOfMotion
-from .harmonic_response import element_channels, saddle_point, with_channels
+from .harmonic_response import delayed_unknowns, element_channels, saddle_point, with_channels
 
 #: Quantities of outputs, and their orders of derivative of the displacements; None for forces.
 QUANTITIES = {"displacement": 0, "velocity": 1, "acceleration": 2, "reaction": None, "force": None}
@@ -51,7 +51,18 @@ def random_response(
     unknowns = [f"x {name}" for name in system.names] + [f"reaction {row.name}" for row in system.rows]
     A = PolynomialMatrix(coefficients, [*unknowns, *(f"force {name}" for name in names)][: len(B)])
     harmonic = Harmonic(
-        A, B, C, order or 0, imaginary, sizes, spectra.names, names, np.array(units), quantity, notices=system.notices
+        A,
+        B,
+        C,
+        order or 0,
+        imaginary,
+        sizes,
+        spectra.names,
+        names,
+        np.array(units),
+        quantity,
+        notices=system.notices,
+        delayed=delayed_unknowns(system, A.size),
     )
     return RandomResponse(harmonic, spectra)
 

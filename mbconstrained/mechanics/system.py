@@ -515,7 +515,6 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .random_excitation import random_response
 
-        self._refuse_delays("random_response")
         return random_response(self, excitation, outputs, quantity, **options)
 
 

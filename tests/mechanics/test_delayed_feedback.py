@@ -1,5 +1,6 @@
 """Delayed feedback in lumped models and systems: equations at all times, exact intervals, closed forms of chatter, and refusals."""
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -87,7 +88,6 @@ QUESTIONS = {
     "sensitivities": lambda s: s.sensitivities(),
     "state space": lambda s: s.to_state_space(),
     "discretize": lambda s: s.discretize(0.1),
-    "random response": lambda s: s.random_response({"tip": mb.white_noise(1.0)}),
     "polynomial matrix": lambda s: s.polynomial_matrix(),
     "constrained form": lambda s: s.constrained_form(),
     "root locus": lambda s: s.root_locus("base", [1.0, 2.0]),
@@ -142,11 +142,49 @@ def test_large_sparse_models_and_neutral_feedback_are_refused():
         model.assemble(sparse=True)
 
 
-@pytest.mark.parametrize("analysis", ["random", "shock", "sensitivity", "locus", "formula", "campbell", "accuracy"])
+@pytest.mark.parametrize("analysis", ["shock", "sensitivity", "locus", "formula", "campbell", "accuracy"])
 def test_other_analyses_of_a_scene_refuse_delays(analysis):
     scene = mb.read_scene("examples/chatter.toml")
     with pytest.raises(mb.InputError, match="delays"):
         getattr(scene, analysis)()
+
+
+def late_damper(gain: float, delay: float) -> mb.MechanicalSystem:
+    """x'' + 0.1 x' + 4 x + gain x'(t - delay) = f."""
+    return mb.MechanicalSystem([[1.0]], [[0.1]], [[4.0]], delayed={delay: [[[0.0]], [[gain]]]})
+
+
+def test_the_random_response_is_the_integral_over_the_frequency_response():
+    G = mb.psd([0.05, 1.0, 20.0], [1.0, 1.0, 0.01], of="force", unit="N^2/Hz")
+    R = late_damper(0.6, 0.2).random_response({"x1": G})
+    exponent = mpmath.log(0.01) / mpmath.log(20)
+
+    def density(f):
+        s = 2j * mpmath.pi * f
+        return (1 if f <= 1 else f**exponent) / abs(s**2 + 0.1 * s + 4 + 0.6 * s * mpmath.exp(-0.2 * s)) ** 2
+
+    places = [0.05, 0.2, 0.3, 0.4, 0.6, 1, 2, 5, 20]
+    for order in (0, 2):
+        exact = float(mpmath.quad(lambda f, k=order: f**k * density(f), places))
+        assert R.moment(order)[0] == pytest.approx(exact, rel=1e-12)
+    assert R.error_estimate[0] < 1e-12
+    assert np.square(R.rms_in_bands([0.0, 0.3, 1.0, 20.0])).sum() == pytest.approx(R.covariance[0, 0], rel=1e-12)
+    assert late_damper(1e-13, 0.2).random_response({"x1": G}).rms == pytest.approx(  # without delays by residues
+        mb.MechanicalSystem([[1.0]], [[0.1]], [[4.0]]).random_response({"x1": G}).rms, rel=1e-11
+    )
+
+
+def test_random_responses_with_delays_that_do_not_exist_or_are_not_known_are_reported():
+    G = mb.psd([0.05, 20.0], [1.0, 1.0], of="force", unit="N^2/Hz")
+    unstable = late_damper(3.0, 0.6).random_response({"x1": G})
+    assert "unstable and grows" in unstable.infinite["x1"] and np.isinf(unstable.rms[0])
+    stable = late_damper(0.6, 0.2)
+    with pytest.raises(mb.InputError, match="need a highest frequency"):
+        stable.random_response({"x1": mb.white_noise(1.0)}).rms
+    with pytest.raises(mb.InputError, match="loss factors"):
+        stable.random_response({"x1": G}, loss_factor=0.1).rms
+    with pytest.raises(mb.InputError, match="with delays"):
+        stable.random_response({"x1": G}).enclose()
 
 
 def test_sweeps_and_optima_of_a_scene_refuse_delays():

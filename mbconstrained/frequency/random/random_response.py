@@ -21,7 +21,7 @@ from ..frequency_response import evaluated
 from ..harmonic import Harmonic
 from . import nonstationary
 from .spectra import PowerLaw, Rational, Spectrum
-from .spectral_integral import RefinedPole, SpectralIntegral, SpectralTransfer, spectral_integral
+from .spectral_integral import DelayedTransfer, RefinedPole, SpectralIntegral, SpectralTransfer, spectral_integral
 from .spectral_matrix import INDEFINITE, SpectralMatrix
 
 if TYPE_CHECKING:
@@ -165,6 +165,8 @@ class Existence:
 
 def existence(transfer: SpectralTransfer, spectra: SpectralMatrix, powers: tuple[int, ...], units: tuple[str, ...]) -> Existence:
     """Existence of the spectral integrals."""
+    if isinstance(transfer, DelayedTransfer):
+        return _existence_with_delays(transfer, spectra, powers)
     p = len(transfer.harmonic.outputs)
     reasons = np.full((len(powers), p), "", dtype=object)
     has_structural_damping = transfer.harmonic.imaginary is not None  # then H holds for f > 0 and has no stable poles below
@@ -192,6 +194,22 @@ def existence(transfer: SpectralTransfer, spectra: SpectralMatrix, powers: tuple
                         else f"its spectrum{' times f^' + str(power) if power else ''} falls no faster than f^{exponents[output] + power:g}"
                     )
     return Existence(reasons, white)
+
+
+def _existence_with_delays(transfer: DelayedTransfer, spectra: SpectralMatrix, powers: tuple[int, ...]) -> Existence:
+    """Existence by the characteristic roots: residues, which decide on what reaches an output, are unknown."""
+    p, roots = len(transfer.harmonic.outputs), transfer.roots
+    reasons = np.full((len(powers), p), "", dtype=object)
+    for pole in transfer.poles:
+        f0 = abs(pole.value.imag) / (2 * np.pi)
+        if pole.on_axis and len(spectra.corners) and spectra.corners[0] <= f0 <= spectra.corners[-1]:
+            raise InputError(
+                f"random_response: with delays a motion of {number_text(f0)} Hz without damping, within the spectra, is not decided on; "
+                "give spectra without this frequency, or damping"
+            )
+        if pole.value.real > 0 and not pole.on_axis:
+            reasons[:] = f"the motion with the eigenvalue {roots.eigenvalues[0]:.4g} 1/s is unstable and grows"
+    return Existence(reasons, np.zeros(p))
 
 
 def _at_pole(pole: RefinedPole, output: int, spectra: SpectralMatrix, power: int) -> str:
@@ -356,8 +374,16 @@ class RandomResponse(Displayed):
     @cached_property
     def _independent(self) -> tuple[SpectralTransfer, SpectralMatrix]:
         """H from independent inputs, and their spectra."""
-        harmonic, spectra = independent_inputs(self.harmonic, self.spectra)
-        return SpectralTransfer(harmonic), spectra
+        if not self.harmonic.delayed:
+            harmonic, spectra = independent_inputs(self.harmonic, self.spectra)
+            return SpectralTransfer(harmonic), spectra
+        if len(self.spectra.corners) and np.isinf(self.spectra.corners[-1]):
+            raise InputError(
+                "random_response: with delays spectra need a highest frequency; give tables such as mb.psd([1.0, 100.0], [g, g], …) for white noise"
+            )
+        if self.harmonic.imaginary is not None:
+            raise InputError("random_response: loss factors are not available with delays; give viscous or modal damping")
+        return DelayedTransfer(self.harmonic), self.spectra
 
     @cached_property
     def _existence(self) -> dict[int, Existence]:
@@ -386,6 +412,8 @@ class RandomResponse(Displayed):
 
         The integral of f^2k G is the variance of the k-th derivative over (2 pi)^2k.
         """
+        if self.harmonic.delayed:
+            return integral
         values, size = integral.values[0].diagonal().real, len(self.harmonic.form.pairs.finite.J) ** 2 * len(self.inputs)
         doubtful = (integral.errors[0] > PROVED_ACCURACY * np.abs(values)).any()
         if size > (MOST_PROVED if doubtful else ALWAYS_PROVED) or power % 2 or self.harmonic.imaginary is not None:
@@ -568,7 +596,7 @@ class RandomResponse(Displayed):
             An ``Enclosure`` of shape (p,): .lower, .upper (decimal strings), .contains(values), .error_bounds(values).
 
         Raises:
-            InputError: an output of infinite variance, structural damping, partly coherent or delayed noise without a highest frequency.
+            InputError: an output of infinite variance, structural damping, equations with delays, partly coherent or delayed noise without a highest frequency.
 
         >>> import mbconstrained as mb
         >>> R = mb.MechanicalSystem([[1.0]], [[0.75]], [[4.0]]).random_response({"x1": mb.white_noise(2.0)})  # 2 / (4 c k) = 1/6
@@ -578,6 +606,8 @@ class RandomResponse(Displayed):
         """
         from .variance_enclosure import enclosed_variances
 
+        if self.harmonic.delayed:
+            raise InputError("enclose: proved variances are not available with delays; error_estimate has their errors")
         return enclosed_variances(self.harmonic, self.spectra, digits)
 
     # Statistics.
@@ -736,6 +766,9 @@ class RandomResponse(Displayed):
     def notices(self) -> tuple[Notice, ...]:
         """Notices on outputs of infinite variance, inputs without spectra, and inaccurate values."""
         result = list(self.harmonic.notices)
+        transfer = self._independent[0]
+        if isinstance(transfer, DelayedTransfer):
+            result += [notice for notice in transfer.roots.notices if notice.doubtful]
         result += [
             Notice(NoticeKind.ACCURACY, f'"{name}" has infinite variance: {reason}') for name, reason in self.infinite.items()
         ]

@@ -9,13 +9,15 @@ from functools import cached_property
 
 import numpy as np
 
-from ...ground.errors import Overflow
+from ...ground.errors import InputError, Overflow
 from ...ground.tolerances import CLUSTER_SAFETY, EPS, FORM_ROUNDING, LIGHT_DAMPING, NOISE_SAFETY, SPECTRAL_ACCURACY, UNDAMPED
 from ...ground.tolerances import STEP_AGREEMENT as MARGIN
 from ...linalg import precise
 from ...linalg.division import accurate_product
 from ...linalg.double_double import DoubleDouble
+from ...polynomial.characteristic_roots import CharacteristicRoots, rightmost_roots
 from ...polynomial.structure import FiniteZero
+from ..features import ROOTS
 from ..frequency_response import NOISE
 from ..harmonic import Harmonic
 from ..pole_residue_form import Pole, is_on_axis
@@ -50,6 +52,13 @@ class RefinedPole(Pole):
 
 class SpectralTransfer:
     """The values, poles and residues of s^p C A(s)^-1 B on the positive frequency axis."""
+
+    is_finer = False  # with True all panels are halved
+
+    @property
+    def widest(self) -> float:
+        """The widest panel in Hz."""
+        return np.inf
 
     def __init__(self, harmonic: Harmonic):
         """Create the transfer function from the matrices of one response."""
@@ -204,6 +213,71 @@ class SpectralTransfer:
         return total
 
 
+class DelayedTransfer(SpectralTransfer):
+    """H of equations with delays: there are no residues, and panels are narrow next to the characteristic roots instead."""
+
+    def __init__(self, harmonic: Harmonic, is_finer: bool = False):
+        """Create the transfer function; with ``is_finer`` all panels are halved."""
+        super().__init__(harmonic)
+        self.is_finer = is_finer
+
+    @cached_property
+    def roots(self) -> CharacteristicRoots:
+        """The rightmost characteristic roots; of a weak delayed force those of the coordinates, as all others lie far to the left."""
+        A, delayed = self.harmonic.A, self.harmonic.delayed
+        try:
+            return rightmost_roots(A, delayed, ROOTS * A.size)
+        except InputError:
+            return rightmost_roots(A, delayed, A.size)
+
+    @cached_property
+    def poles(self) -> tuple[RefinedPole, ...]:
+        """The roots with their conjugates, as poles of order two: all panels near them are halved."""
+        values = self.roots.eigenvalues
+        ones = np.ones((2, len(self.harmonic.outputs), self.harmonic.inputs.shape[1]))
+        values = np.where(
+            np.abs(values) > EPS**0.5 * np.abs(values).max(initial=0.0), values, 0.0
+        )  # a double root 0 has half the digits
+        upper = [RefinedPole(complex(s), ones, bool(abs(s.real) <= UNDAMPED * abs(s)), ones) for s in values]
+        return (*upper, *(replace(pole, value=pole.value.conjugate()) for pole in upper if pole.value.imag))
+
+    @property
+    def widest(self) -> float:
+        """The widest panel in Hz: no further root is near it, and e^(-i w delay) turns little."""
+        longest, beyond = (
+            sum(term.delay for term in self.harmonic.delayed),
+            -float(self.roots.eigenvalues.real.min(initial=-np.inf)),
+        )
+        return min(TURN / longest, max(beyond, 1 / longest)) / (2 * np.pi)
+
+    @property
+    def polynomial(self) -> np.ndarray:
+        """An array without powers of s."""
+        return np.zeros((0, len(self.harmonic.outputs), self.harmonic.inputs.shape[1]))
+
+    @cached_property
+    def seems_zero(self) -> np.ndarray:
+        """No output: rounding errors count as values."""
+        return np.zeros(len(self.harmonic.outputs), dtype=bool)
+
+    @property
+    def vanishes(self) -> np.ndarray:
+        """No output."""
+        return self.seems_zero
+
+    def of_inputs(self, chosen: list[int]) -> DelayedTransfer:
+        """The transfer function from some of the inputs."""
+        return DelayedTransfer(super().of_inputs(chosen).harmonic, self.is_finer)
+
+    def values(self, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """H by solutions."""
+        return self.solved(f)
+
+    def mirrored(self, chosen: list[RefinedPole]) -> np.ndarray:
+        """Nothing: no principal part is integrated by itself."""
+        return np.zeros((len(chosen), len(self.harmonic.outputs), self.harmonic.inputs.shape[1]), dtype=complex)
+
+
 def _without_noise(residues: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     return np.where(np.abs(residues) > CLUSTER_SAFETY * EPS * sizes, residues, 0.0)
 
@@ -306,7 +380,15 @@ def spectral_integral(
     outputs: np.ndarray | None = None,
     edges: np.ndarray | None = None,
 ) -> SpectralIntegral:
-    """The integrals of f^k H S H^H df."""
+    """The integrals of f^k H S H^H df; with delays on all panels and on their halves, whose difference is an error."""
+    if isinstance(transfer, DelayedTransfer) and not transfer.is_finer:
+        finer = DelayedTransfer(transfer.harmonic, is_finer=True)
+        one, two = (_integral(own, spectra, powers, outputs, edges) for own in (transfer, finer))
+        return replace(two, errors=two.errors + np.abs(two.values - one.values).diagonal(axis1=1, axis2=2))
+    return _integral(transfer, spectra, powers, outputs, edges)
+
+
+def _integral(transfer: SpectralTransfer, spectra: SpectralMatrix, powers, outputs, edges) -> SpectralIntegral:
     parts = [(transfer, spectra)]
     if any(pole.on_axis for pole in transfer.poles):  # of inputs that do not reach it, it is none
         parts = [(transfer.of_inputs(group), spectra.of_inputs(group)) for group in spectra.groups]
@@ -432,14 +514,18 @@ class _Integration:
                 edges = np.geomspace(start, end, max(int(np.ceil(np.log2(end) - np.log2(start) - MARGIN)), 1) + 1)
                 edges[0], edges[-1] = start, end
                 rows += [(one, two, middle, False) for one, two in itertools.pairwise(edges)]
-        if self.spectra.longest_delay:
-            rows = [part for row in rows for part in self._divided(row)]
+        widest = TURN / (2 * np.pi * self.spectra.longest_delay) if self.spectra.longest_delay else np.inf
+        widest = min(widest, self.transfer.widest)
+        if np.isfinite(widest):
+            rows = [part for row in rows for part in self._divided(row, widest)]
         lower, upper, middle, tail = (np.array(column) for column in zip(*rows)) if rows else (np.zeros(0),) * 4
-        return _IntegrationPanels(lower, upper, middle, tail.astype(bool))
+        panels = _IntegrationPanels(lower, upper, middle, tail.astype(bool))
+        return panels.halves(np.ones(len(lower), dtype=bool)) if self.transfer.is_finer else panels
 
-    def _divided(self, row):
+    @staticmethod
+    def _divided(row, widest: float):
         a, b, middle, tail = row
-        count = 1 if tail else int(np.ceil(2 * np.pi * (b - a) * self.spectra.longest_delay / TURN))
+        count = 1 if tail else int(np.ceil((b - a) / widest))
         edges = np.linspace(a, b, max(count, 1) + 1)
         return [(one, two, middle, tail) for one, two in itertools.pairwise(edges)]
 
@@ -484,9 +570,9 @@ class _Integration:
 
     def _delayed_tails(self, panels: _IntegrationPanels, total: np.ndarray) -> None:
         """Add the tails of delayed inputs from the last panel to infinity, along f - i u / (2 pi delay), u > 0 (Gauss-Laguerre)."""
-        form, power = self.transfer.harmonic.form, np.array(self.powers)
+        power = np.array(self.powers)
         for x in np.flatnonzero(panels.is_tail) if self.spectra.longest_delay else ():
-            last = 1 / panels.upper[x]
+            form, last = self.transfer.harmonic.form, 1 / panels.upper[x]
             for i, j in self.spectra.delayed_pairs:
                 step = -1j / (2 * np.pi * (self.spectra.delays[i] - self.spectra.delays[j]))
                 f = last + step * TAIL_NODES
