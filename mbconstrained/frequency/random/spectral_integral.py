@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...ground.errors import InputError, Overflow
+from ...ground.errors import Overflow
 from ...ground.tolerances import CLUSTER_SAFETY, EPS, FORM_ROUNDING, LIGHT_DAMPING, NOISE_SAFETY, SPECTRAL_ACCURACY, UNDAMPED
 from ...ground.tolerances import STEP_AGREEMENT as MARGIN
 from ...linalg import precise
@@ -223,12 +223,8 @@ class DelayedTransfer(SpectralTransfer):
 
     @cached_property
     def roots(self) -> CharacteristicRoots:
-        """The rightmost characteristic roots; of a weak delayed force those of the coordinates, as all others lie far to the left."""
-        A, delayed = self.harmonic.A, self.harmonic.delayed
-        try:
-            return rightmost_roots(A, delayed, ROOTS * A.size)
-        except InputError:
-            return rightmost_roots(A, delayed, A.size)
+        """The rightmost characteristic roots."""
+        return rightmost_roots(self.harmonic.A, self.harmonic.delayed, ROOTS * self.harmonic.A.size)
 
     @cached_property
     def poles(self) -> tuple[RefinedPole, ...]:
