@@ -236,7 +236,8 @@ def test_a_bad_scene_is_one_message_and_one_and_leaves_earlier_output(command, t
     path.write_text(new if old is None else good.replace(old, new))
     code, out, err = command("run", path)
     assert (code, out) == (1, "")
-    assert words in err and err.startswith("two_masses.toml: ") and err.count("\n") == 1
+    assert words in err and err.startswith("two_masses.toml: ")
+    assert err.count("\n") == 1 or case == "singular pencil"  # with the report on what is free
     assert list(page.parent.iterdir()) == [page] and page.read_text() == "earlier"
 
 
