@@ -38,7 +38,7 @@ LINES = {
     "polynomial": 3747,
     "response": 8013,
     "robot": 8814,
-    "scene": 10051,
+    "scene": 10056,
     "signals": 1898,
 }
 

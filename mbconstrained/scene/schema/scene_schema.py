@@ -82,6 +82,11 @@ def _view(value):
     return value
 
 
+_View = Annotated[
+    ViewTable, BeforeValidator(_view, json_schema_input_type=Literal["front", "back", "right", "left", "top"] | ViewTable)
+]
+
+
 class BodyTable(Table):
     """A body at rest + the sum of moves times coordinate, turned by the sum of turns times coordinate."""
 
@@ -134,7 +139,7 @@ class DrawingTable(Table):
     body: list[BodyTable] = Field([], description="Bodies; one without a shape is that of the automatic drawing, changed.")
     link: list[LinkTable] = Field([], description="Links.")
     automatic: bool | None = Field(None, description="true: these bodies and links are added to the automatic drawing.")
-    view: Annotated[ViewTable, BeforeValidator(_view)] | None = Field(
+    view: _View | None = Field(
         None, description='From where it is looked at: front, back, left, right, top, or { yaw = "30 deg", pitch = "20 deg" }.'
     )
     along: PlainVector | None = Field(
