@@ -204,10 +204,6 @@ class Answer(Displayed):
         return self.tables
 
 
-#: Analyses of the motion, which equations with free coordinates have once these are chosen.
-ANSWERED_WITH_CHOICES = ("run", "formula", "accuracy", "stability", "sweep", "optimise", "compare")
-
-
 class Analysis:
     """A question: a name, a sentence of help, settings, and a function from a scene to an answer.
 
@@ -221,6 +217,8 @@ class Analysis:
         without_scene: options of the answer without a scene, given by ``answer_without_scene``.
         replaced: entries of the table that a given one replaces, by its name.
         writes: whether the command writes files without being asked.
+        handles_delays: whether it has an answer for systems with delays.
+        handles_choices: whether it has one for equations with free coordinates once these are chosen: of the motion, not of modes.
     """
 
     name: ClassVar[str]
@@ -232,6 +230,7 @@ class Analysis:
     without_scene: ClassVar[tuple[str, ...]] = ()
     writes: ClassVar[bool] = True
     handles_delays: ClassVar[bool] = False
+    handles_choices: ClassVar[bool] = False
 
     @classmethod
     def solve(cls, scene: Any, settings: Any) -> Answer:
@@ -252,7 +251,7 @@ class Analysis:
                 raise InputError(
                     f"{cls.name}: the coefficients are those of the shift in discrete time, not of d/dt; only a run has them"
                 )
-        if scene.equations.solvability is not None and cls.name not in ANSWERED_WITH_CHOICES:
+        if scene.equations.solvability is not None and not cls.handles_choices:
             from ..scene.build.model import no_modes
 
             with at(scene.file_name, "model.coefficients"):

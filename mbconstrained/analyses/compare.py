@@ -27,6 +27,7 @@ class Comparison(Analysis):
     """
 
     name = "compare"
+    handles_choices = True
     formats = ("page",)
 
     @classmethod

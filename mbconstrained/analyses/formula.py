@@ -169,6 +169,7 @@ class FormulaOfMotion(Analysis):
     """
 
     name = "formula"
+    handles_choices = True
     settings = FormulaOptions
     options: ClassVar = {"coordinates": "--coordinates"}
     formats = ("text",)

@@ -188,7 +188,7 @@ def _phase(drawn: _Drawn, entries: list[_Entry]) -> Callable[[_Entry, np.ndarray
 
     if drawn.table.phase != "unwrapped":
         return lambda entry, _, H: principal(H)
-    turns = {each: drawn.harmonic.input_delays[each.j] if drawn.harmonic.input_delays else 0.0 for each in entries}
+    turns = {each: drawn.harmonic.dead_time(each.j) for each in entries}
 
     def undelayed(each: _Entry) -> np.ndarray:  # dead times may turn it by more than half a turn from line to line
         return np.unwrap(principal(drawn.values[each.i, each.j] * np.exp(2j * np.pi * turns[each] * drawn.lines)), period=360.0)

@@ -17,6 +17,7 @@ class Run(Analysis):
     """The motion of a scene, or its samples in discrete time, by the stages of its plan."""
 
     name = "run"
+    handles_choices = True
 
     @classmethod
     def answer(cls, scene: Scene, progress: Callable | None = None, *, folder: str | Path | None = None) -> RunAnswer:  # type: ignore[override]  # it has no settings

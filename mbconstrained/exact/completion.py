@@ -7,49 +7,36 @@ from fractions import Fraction
 from itertools import combinations, islice
 from math import gcd, lcm, prod
 
-import flint
 import numpy as np
 
 from .kernels import minimal_basis
-from .rational import POINTS, RationalMatrix, fraction, rational_matrix
+from .rational import POINTS, RationalMatrix, fraction, pivots, rational_matrix
 
 #: So many sets of rows are tried before the one with the fewest additional zeros is taken.
 MOST_SETS = 400
 
 
-def normal_rank(coefficients: np.ndarray) -> int:
-    """The rank of A(s) over the rational functions, from Fractions or floats taken as exact, shape (q + 1, m, n)."""
-    matrix = RationalMatrix([rational_matrix(matrix) for matrix in coefficients])
-    return max(matrix.whole_at(point).rank() for point in POINTS)
+def exact_matrix(coefficients: np.ndarray) -> RationalMatrix:
+    """A(s) of Fractions, or of floats taken as exact, shape (q + 1, m, n)."""
+    return RationalMatrix([rational_matrix(matrix) for matrix in coefficients])
 
 
-def whole_basis(coefficients: np.ndarray, rank: int) -> list[np.ndarray]:
+def whole_basis(matrix: RationalMatrix) -> list[np.ndarray]:
     """A minimal basis of the right kernel: vectors of whole numbers without a common divisor, shape (degree + 1, n)."""
-    return [
-        whole(vector)
-        for vector in minimal_basis(
-            RationalMatrix([rational_matrix(matrix) for matrix in coefficients]), coefficients.shape[2] - rank
-        )
-    ]
+    return [whole(vector) for vector in minimal_basis(matrix)]
 
 
 def _null_space(matrix: np.ndarray) -> list[np.ndarray]:
     """A basis of the null space, vectors of whole numbers without a common divisor."""
     reduced, rank = rational_matrix(matrix).rref()
-    pivots = _pivots(reduced, rank)
-    basis = []
-    for free in (column for column in range(matrix.shape[1]) if column not in pivots):
+    places, basis = pivots(reduced, rank), []
+    for free in (column for column in range(matrix.shape[1]) if column not in places):
         vector = np.full(matrix.shape[1], Fraction(0), dtype=object)
         vector[free] = Fraction(1)
-        for row, pivot in enumerate(pivots):
+        for row, pivot in enumerate(places):
             vector[pivot] = -fraction(reduced[row, free])
         basis.append(whole(vector))
     return basis
-
-
-def _pivots(reduced: flint.fmpq_mat, rank: int) -> list[int]:
-    """The pivot columns of a reduced row echelon form."""
-    return [next(column for column in range(reduced.ncols()) if reduced[row, column]) for row in range(rank)]
 
 
 def whole(vector: np.ndarray) -> np.ndarray:
@@ -135,12 +122,12 @@ def _any_rows(vectors: Sequence[np.ndarray], required: Sequence[int]) -> tuple[i
     value = sum(part * Fraction(POINTS[0]) ** power for power, part in enumerate(matrix))
     order = [*required, *(row for row in range(len(value)) if row not in required)]
     reduced, rank = rational_matrix(value[order].T).rref()
-    return tuple(sorted(order[pivot] for pivot in _pivots(reduced, rank)))
+    return tuple(sorted(order[pivot] for pivot in pivots(reduced, rank)))
 
 
 def independent_rows(vectors: Sequence[np.ndarray], rows: Sequence[int]) -> int:
     """The rank of some rows of polynomial columns."""
-    return normal_rank(stacked(vectors)[:, list(rows)]) if rows and vectors else 0
+    return exact_matrix(stacked(vectors)[:, list(rows)]).rank if rows and vectors else 0
 
 
 def combinations_without_zeros(vectors: Sequence[np.ndarray]) -> np.ndarray | None:
@@ -157,4 +144,4 @@ def combinations_without_zeros(vectors: Sequence[np.ndarray]) -> np.ndarray | No
     reduced, rank = rational_matrix(matrix[0].T @ space.T).rref()
     if rank < len(vectors):
         return None
-    return np.array(_null_space(space[_pivots(reduced, rank)]), dtype=object)
+    return np.array(_null_space(space[pivots(reduced, rank)]), dtype=object)

@@ -17,7 +17,7 @@ import numpy as np
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..polynomial.structure import PolynomialVector
 from .engine import ElementaryDivisor, ExactStructure, local_exponents
-from .rational import POINTS, RATIONALS, RationalMatrix, X
+from .rational import RATIONALS, RationalMatrix, X, known_matrix, pivots
 
 #: Minors from which the greatest common divisor is taken, and the largest weight of a row or column in them.
 MINORS, LARGEST_WEIGHT = 2, 99
@@ -25,11 +25,10 @@ MINORS, LARGEST_WEIGHT = 2, 99
 
 def kernel_structure(A: PolynomialMatrix) -> ExactStructure:
     """The structure of any A(s), as ``exact.structure``."""
-    matrix, (m, n), q = RationalMatrix.of(A), A.shape, A.degree
-    rank = max(matrix.whole_at(point).rank() for point in POINTS)
-    right, left = minimal_basis(matrix, n - rank), minimal_basis(matrix.transposed, m - rank)
+    matrix, (m, n), q = known_matrix(A), A.shape, A.degree
+    right, left = minimal_basis(matrix), minimal_basis(matrix.transposed)
     divisors = []
-    for p, multiplicity in RATIONALS.factors(_minor_divisor(matrix, rank)):
+    for p, multiplicity in RATIONALS.factors(_minor_divisor(matrix)):
         exponents = tuple(filter(None, local_exponents(RATIONALS, matrix.entries, p, multiplicity + 1)))
         if exponents:
             divisors.append((p, sum(exponents), exponents))
@@ -38,7 +37,7 @@ def kernel_structure(A: PolynomialMatrix) -> ExactStructure:
         shape=A.shape,
         degree=q,
         finite_zeros=RATIONALS.finite_zeros(divisors),
-        infinite_divisors=local_exponents(RATIONALS, reversed_entries, X, q * rank + 1),
+        infinite_divisors=local_exponents(RATIONALS, reversed_entries, X, q * matrix.rank + 1),
         right_kernel=tuple(PolynomialVector.of(vector, A.coordinates) for vector in right),
         left_kernel=tuple(PolynomialVector.of(vector, A.equations) for vector in left),
         determinant=() if m == n else None,
@@ -49,10 +48,10 @@ def kernel_structure(A: PolynomialMatrix) -> ExactStructure:
     )
 
 
-def minimal_basis(matrix: RationalMatrix, count: int) -> list[np.ndarray]:
-    """A minimal basis of the kernel of A(s), its dimension given: Fractions of shape (degree + 1, n), ascending degrees."""
+def minimal_basis(matrix: RationalMatrix) -> list[np.ndarray]:
+    """A minimal basis of the kernel of A(s): Fractions of shape (degree + 1, n), ascending degrees."""
     n, basis, degree = matrix.coefficients[0].ncols(), [], 0
-    while len(basis) < count:
+    while len(basis) < n - matrix.rank:
         null, nullity = _toeplitz(matrix.whole, degree).nullspace()
         shifts = [
             [0] * (k * n) + vector + [0] * ((degree + 1 - k) * n - len(vector))
@@ -62,8 +61,7 @@ def minimal_basis(matrix: RationalMatrix, count: int) -> list[np.ndarray]:
         if nullity > len(shifts):
             candidates = shifts + null.transpose().tolist()[:nullity]
             reduced, _, rank = flint.fmpz_mat(candidates).transpose().rref()
-            pivots = [next(j for j, entry in enumerate(row) if entry) for row in reduced.tolist()[:rank]]
-            basis += [candidates[j] for j in pivots if j >= len(shifts)]
+            basis += [candidates[j] for j in pivots(reduced, rank) if j >= len(shifts)]
         degree += 1
     return [np.array([Fraction(int(c)) for c in vector], dtype=object).reshape(-1, n) for vector in basis]
 
@@ -79,10 +77,10 @@ def _toeplitz(coefficients: list[flint.fmpz_mat], degree: int) -> flint.fmpz_mat
     return flint.fmpz_mat(len(rows), (degree + 1) * n, [entry for row in rows for entry in row])
 
 
-def _minor_divisor(matrix: RationalMatrix, rank: int) -> flint.fmpq_poly:
+def _minor_divisor(matrix: RationalMatrix) -> flint.fmpq_poly:
     """A multiple of the product of the invariant polynomials, without factors beyond it but for a coincidence."""
     random, divisor, drawn = np.random.default_rng(0), flint.fmpq_poly([]), 0
-    first = matrix.coefficients[0]
+    first, rank = matrix.coefficients[0], matrix.rank
     while drawn < MINORS:
         rows, columns = (
             flint.fmpq_mat(shape[0], shape[1], random.integers(1, LARGEST_WEIGHT, shape[0] * shape[1]).tolist())

@@ -59,6 +59,11 @@ def rational_matrix(array: np.ndarray) -> flint.fmpq_mat:
     return flint.fmpq_mat(*array.shape, [rational(entry) for entry in array.ravel().tolist()])
 
 
+def pivots(reduced: flint.fmpq_mat | flint.fmpz_mat, rank: int) -> list[int]:
+    """The pivot columns of a reduced row echelon form."""
+    return [next(column for column in range(reduced.ncols()) if reduced[row, column]) for row in range(rank)]
+
+
 @Rational.register
 class _InLowestTerms:
     """A rational number that Fraction accepts without computing a greatest common divisor, which is slow for long numbers."""
@@ -356,6 +361,11 @@ class RationalMatrix(ExactMatrix):
         """The degrees of the rows, 0 for a row of zeros."""
         return [max([0, *(p.degree() for p in row)]) for row in self.entries]
 
+    @cached_property
+    def rank(self) -> int:
+        """The rank of A(s) at all s but its zeros, that at some large whole numbers."""
+        return max(self.whole_at(point).rank() for point in POINTS)
+
     def whole_at(self, point: int) -> flint.fmpz_mat:
         """W at a whole number, by Horner's rule."""
         value = self.whole[-1]
@@ -382,17 +392,21 @@ class RationalMatrix(ExactMatrix):
 def regular_matrix(A: PolynomialMatrix) -> RationalMatrix:
     """The regular matrix A(s) with its entries as exact numbers."""
     A.check_square()
+    return regular(known_matrix(A), A.equations, A.coordinates)
+
+
+def known_matrix(A: PolynomialMatrix) -> RationalMatrix:
+    """A(s) with its entries as exact numbers, converted once."""
     if A not in _KNOWN:
         _KNOWN[A] = RationalMatrix.of(A)
-    return regular(_KNOWN[A], A.equations, A.coordinates)
+    return _KNOWN[A]
 
 
 def regular(matrix: RationalMatrix, equations: Sequence[str], coordinates: Sequence[str]) -> RationalMatrix:
     """The matrix itself, with names of rows and columns for the error."""
     if not matrix.determinant:
         values = [matrix.whole_at(point) for point in POINTS]
-        rank = max(value.rank() for value in values)
-        generic = [value for value in values if value.rank() == rank]
+        generic = [value for value in values if value.rank() == matrix.rank]
         rows, columns = _support([value.transpose() for value in generic]), _support(generic)
         text = singular_sentence([equations[i] for i in rows], [coordinates[j] for j in columns])
         raise SingularPolynomialMatrix(text, rows, columns)

@@ -474,6 +474,10 @@ class Harmonic:
     delayed: tuple[DelayedTerm, ...] = ()
     input_delays: tuple[float, ...] = ()
 
+    def dead_time(self, j: int) -> float:
+        """The dead time of an input in s."""
+        return self.input_delays[j] if self.input_delays else 0.0
+
     def phases(self, omega: np.ndarray) -> np.ndarray:
         """w delay of each input in the precision of w in rad/s, shape (m, F); all 0 without delays."""
         return np.multiply.outer(np.array(self.input_delays or np.zeros(self.inputs.shape[1]), dtype=omega.dtype), omega)

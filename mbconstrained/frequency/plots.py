@@ -58,8 +58,8 @@ def draw(response, kind: str, figure=None, style: PlotStyle = PlotStyle()):
             H, unit = response.values[i, j, usable], response.units[i, j]
             own = axes[lower * i : lower * (i + 1), j]
             own[0].set_title(f"{output} / {input}")
-            late = response.harmonic.input_delays[j] if response.harmonic.input_delays else 0.0
-            _DRAWN[kind](own, f, H, response.quantity, "" if unit == "1" else unit, replace(style, dead_time=late))
+            own_style = replace(style, dead_time=response.harmonic.dead_time(j))
+            _DRAWN[kind](own, f, H, response.quantity, "" if unit == "1" else unit, own_style)
             if kind == "bode":
                 if response.quantity == "transmissibility":
                     own[0].axhline(style.shown(1.0), color="0.5", linewidth=0.8)

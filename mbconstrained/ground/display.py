@@ -128,6 +128,16 @@ def number_text(value: float) -> str:
     return f"{value + 0.0:.6g}"
 
 
+def signed(value, number: str, name: str, follows: bool) -> str:
+    """A term of a sum as text: the sign of its value, after other terms with spaces, its size, left out where empty, and its name.
+
+    >>> signed(2.0, "2", "x", False) + signed(-1.0, "", "y", True)
+    '2 x - y'
+    """
+    sign = (" - " if value < 0 else " + ") if follows else "-" * (value < 0)
+    return sign + " ".join(filter(None, (number, name)))
+
+
 def finite_or_none(value: float) -> float | None:
     """The number, or None where it is infinite or NaN, for formats without infinity such as JSON.
 

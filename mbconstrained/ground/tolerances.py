@@ -143,8 +143,8 @@ RANK_TRIALS = (1.0, 10.0, 100.0, CLUSTER_SAFETY)
 #: Up to this many states the pairs of the data taken exactly are computed in precise arithmetic: a quarter of a second.
 AS_WRITTEN_STATES = 24
 
-#: A number of so many units of its leading binary digit is meant as written; rounded results have more digits, but for one in 2^27.
-SHORT_NUMBER = 2.0**26
+#: A number of so many binary digits is meant as written; rounded results have more, but for one in 2^27.
+SHORT_BITS = 26
 
 #: Up to this many states the Kronecker form of the data taken exactly is computed in precise arithmetic: some seconds.
 PRECISE_KRONECKER_STATES = 60

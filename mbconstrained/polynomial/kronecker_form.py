@@ -16,7 +16,7 @@ import numpy as np
 
 from ..ground.errors import OUT_OF_RANGE, IllConditioned, SingularPolynomialMatrix, within_float64
 from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import PRECISE_KRONECKER_STATES, SHORT_NUMBER, noise_of
+from ..ground.tolerances import PRECISE_KRONECKER_STATES, SHORT_BITS, noise_of
 from ..linalg.precise import floats, precise_arithmetic
 from ..linalg.rank import RankDecision
 from ..linalg.staircase import RightStaircase, right_staircase
@@ -45,7 +45,7 @@ def kronecker_structure(A: PolynomialCoefficients, rank_tolerance: float | None 
             doubt = "; taken exactly, the data have " + written.text
     if form is None:
         raise IllConditioned(
-            "the equations are so close to other numbers of dependent ones that float64 cannot tell which coordinates are free; write them "
+            "the equations are so close to other numbers of dependent ones that float64 cannot determine which coordinates are free; write them "
             "in coordinates closer to the machine's own, or ask mb.exact.structure(A) for the structure of the exact numbers"
         )
     doubts = (
@@ -60,7 +60,7 @@ def kronecker_structure(A: PolynomialCoefficients, rank_tolerance: float | None 
 def _is_short(coefficients: np.ndarray) -> bool:
     """Whether all numbers are a few digits times a power of two, as whole numbers are and rounded results are not."""
     mantissas, _ = np.frexp(coefficients)
-    return not np.mod(mantissas * SHORT_NUMBER, 1).any()
+    return not np.mod(np.ldexp(mantissas, SHORT_BITS), 1).any()
 
 
 def _form(A: PolynomialCoefficients, rank_tolerance: float | None, in_float64=True, by_rotation=False) -> KroneckerForm | None:

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ..ground.checks import counted, listed
-from ..ground.display import Displayed, TextTable, table_text, wrapped
+from ..ground.display import Displayed, TextTable, signed, table_text, wrapped
 from ..ground.notices import Evidence, Notice, NoticeKind
 from ..ground.tolerances import EPS, NOISE_SAFETY
 from ..linalg.staircase import GENERIC
@@ -323,9 +323,8 @@ def polynomial_text(coefficients: Sequence) -> str:
     text = ""
     for power, c in reversed(list(enumerate(coefficients))):
         if c:
-            sign = (" - " if c < 0 else " + ") if text else "-" * (c < 0)
             size = f"{float(abs(c)):.6g}"
             size = "" if size == "1" and power else size
             variable = "s" * (power > 0) + f"^{power}" * (power > 1)
-            text += sign + " ".join(filter(None, (size, variable)))
+            text += signed(c, size, variable, bool(text))
     return text or "0"

@@ -14,14 +14,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..ground.checks import counted, places_of, real_array
-from ..ground.display import Displayed, TextTable, notice_table, number_text, table_text
+from ..ground.checks import counted, listed, places_of, real_array
+from ..ground.display import Displayed, TextTable, notice_table, number_text, signed, table_text
 from ..ground.errors import InputError, NotSolvable, SingularPolynomialMatrix, named, within_float64
 from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import CLEAR_KEPT, EPS, PROVED_RESTARTS, noise_of
+from ..ground.tolerances import CLEAR_KEPT, EPS, PROVED_RESTARTS, SHORT_BITS, noise_of
 from ..linalg.blocks import block_matrix, zeros_of
 from ..linalg.exponential import block_states
 from ..polynomial.coefficients import Factors
@@ -31,6 +32,9 @@ from ..signals.inputs import power, step, zero
 from .problem import Problem, checked_force, checked_matrix
 from .response import Response
 
+if TYPE_CHECKING:
+    from ..exact.rational import RationalMatrix
+
 #: Times within each piece of a force at which a condition is tested, as parts of a finite piece.
 PARTS = np.array([0.0, 0.3, 0.7, 0.95])
 
@@ -39,9 +43,6 @@ MANY_PIECES = 200
 
 #: Kernels of matrices of up to so many states are exact: some seconds.
 MOST_EXACT_STATES = 64
-
-#: Numbers of so many bits are meant as written; rounded results have more.
-SHORT_BITS = 26
 
 #: The choice of free coordinates with which x(0+) has the least norm.
 LEAST_START = "least start"
@@ -180,18 +181,13 @@ def sum_text(terms, variable: str = "") -> str:
         parts = [(c, "d/dt" if power == 1 else f"d^{power}/dt^{power}" if power else "") for c, power in powers]
         if len(parts) > 1:
             inner = "".join(
-                _signed(c, number_text(abs(c)) if not of or abs(c) != 1 else "", of, k) for k, (c, of) in enumerate(parts)
+                signed(c, number_text(abs(c)) if not of or abs(c) != 1 else "", of, bool(k)) for k, (c, of) in enumerate(parts)
             )
             parts = [(1.0, f"({inner})")]
         for c, of in parts:
             number = number_text(abs(c)) if abs(c) != 1 or not (of or name or variable) else ""
-            text += _signed(c, number, " ".join(filter(None, (of, name, variable))), bool(text))
+            text += signed(c, number, " ".join(filter(None, (of, name, variable))), bool(text))
     return text or "0"
-
-
-def _signed(value: float, number: str, name: str, follows) -> str:
-    sign = (" - " if value < 0 else " + ") if follows else "-" * (value < 0)
-    return sign + " ".join(filter(None, (number, name)))
 
 
 def solvability(
@@ -278,9 +274,7 @@ def _refusal(report: Solvability) -> str:
 
 
 def _undetermined(report: Solvability) -> str:
-    names = ", ".join(f'"{name}"' for name in report.may_be_chosen[:MOST_NAMES]) + ", ..." * (
-        len(report.may_be_chosen) > MOST_NAMES
-    )
+    names = listed([f'"{name}"' for name in report.may_be_chosen], MOST_NAMES)
     return (
         f"the equations leave {counted(report.freedom, 'coordinate')} free, of {names}: give free={{name: signal}}, or free={{}} for "
         "zero motions of coordinates that are chosen automatically; mb.solvability(A) shows the free motions"
@@ -313,17 +307,17 @@ def _kernels(A: PolynomialMatrix, rank_tolerance: float | None) -> _Kernels:
 
     Numbers such as 0.1 are no binary fractions: where their rounding errors make equations independent, the decimals are taken.
     """
-    from ..exact.completion import normal_rank
+    from ..exact.completion import exact_matrix
 
     binary = _fractions(A.exact_coefficients)
     is_small = A.degree * max(A.shape) <= MOST_EXACT_STATES
     if is_small and rank_tolerance is None and all(entry.numerator.bit_length() <= SHORT_BITS for entry in binary.ravel().tolist()):
-        return _exact_kernels(binary)
+        return _exact_kernels(binary, exact_matrix(binary))
     structure = A.structure(rank_tolerance)
     expected = structure.left_minimal_indices, structure.right_minimal_indices
     for numbers in (binary, _fractions(A.coefficients, lambda entry: Fraction(repr(entry)))) if is_small else ():
-        if normal_rank(numbers) == structure.rank:
-            kernels = _exact_kernels(numbers)
+        if (matrix := exact_matrix(numbers)).rank == structure.rank:
+            kernels = _exact_kernels(numbers, matrix)
             if expected == tuple(tuple(len(vector) - 1 for vector in side) for side in (kernels.left, kernels.right)):
                 return kernels
     left, right = (
@@ -332,12 +326,11 @@ def _kernels(A: PolynomialMatrix, rank_tolerance: float | None) -> _Kernels:
     return _Kernels(_fractions(A.exact_coefficients), structure.rank, left, right, EPS**0.5)
 
 
-def _exact_kernels(numbers: np.ndarray) -> _Kernels:
-    """Rank and kernels of exact numbers."""
-    from ..exact.completion import normal_rank, whole_basis
+def _exact_kernels(numbers: np.ndarray, matrix: RationalMatrix) -> _Kernels:
+    """Rank and kernels of exact numbers, and of the matrix of FLINT that has them."""
+    from ..exact.completion import whole_basis
 
-    rank = normal_rank(numbers)
-    return _Kernels(numbers, rank, whole_basis(numbers.transpose(0, 2, 1), rank), whole_basis(numbers, rank))
+    return _Kernels(numbers, matrix.rank, whole_basis(matrix.transposed), whole_basis(matrix))
 
 
 def _fractions(array: np.ndarray, exact=Fraction) -> np.ndarray:
@@ -387,14 +380,14 @@ def _checked_free(A: PolynomialMatrix, right: Sequence[np.ndarray], free: Mappin
         if not right:
             raise InputError(f"the equations determine every coordinate, {', '.join(quoted)} too; leave it out")
         may = [name for i, name in enumerate(A.coordinates) if any((column[:, i] != 0).any() for column in right)]
-        listed = ", ".join(may[:MOST_NAMES]) + ", ..." * (len(may) > MOST_NAMES)
+        choices = listed(may, MOST_NAMES)
         for place in places:
             if A.coordinates[place] not in may:
-                raise InputError(f'"{A.coordinates[place]}" is determined by the equations; choose of {listed}')
+                raise InputError(f'"{A.coordinates[place]}" is determined by the equations; choose of {choices}')
         if len(places) > len(right):
-            raise InputError(f"found {', '.join(quoted)}; {counted(len(right), 'coordinate')} may be chosen, of {listed}")
+            raise InputError(f"found {', '.join(quoted)}; {counted(len(right), 'coordinate')} may be chosen, of {choices}")
         if independent_rows(right, places) < len(places):
-            raise InputError(f"{', '.join(quoted)} determine each other and cannot all be chosen; choose of {listed}")
+            raise InputError(f"{', '.join(quoted)} determine each other and cannot all be chosen; choose of {choices}")
     signals = {}
     for place, (name, signal) in zip(places, free.items()):
         with named(f"free: {name}"):
@@ -518,6 +511,11 @@ class _Residual:
     value: float
     terms: float
 
+    @property
+    def relative(self) -> float:
+        """The value relative to its terms, of which one at least is not zero."""
+        return abs(self.value) / self.terms
+
 
 def _condition(
     A: PolynomialMatrix, row: np.ndarray, initial: np.ndarray, force: ImpulsiveSmooth, tolerance: float | None
@@ -530,24 +528,21 @@ def _condition(
     moving = A.coefficients[1:][:, used].any(axis=(0, 1)) if A.degree else np.zeros(A.shape[1], bool)
     condition = Condition(equations, tuple(A.coordinates[i] for i in np.flatnonzero(moving)))
     residuals = [*_impulse_residuals(A, n, initial, force), *_function_residuals(n, force)]
-    count = n.size * (A.degree + 1)
-    bound = lambda one: max(noise_of(one.terms, count), (tolerance or 0.0) * one.terms)  # noqa: E731
-    broken = [one for one in residuals if abs(one.value) > bound(one)]
-    if broken and not any(abs(one.value) > CLEAR_KEPT * bound(one) for one in broken) and tolerance is None:
+    bound = max(noise_of(1.0, n.size * (A.degree + 1)), tolerance or 0.0)
+    broken = [one for one in residuals if one.relative > bound]
+    clear = [one for one in broken if one.relative > CLEAR_KEPT * bound]
+    if broken and not clear and tolerance is None:
         broken = _settled(row, A, initial, force, broken)
+        clear = [one for one in broken if one.relative > CLEAR_KEPT * bound]
     if not broken:
         return condition
-    doubtful = not any(abs(one.value) > CLEAR_KEPT * bound(one) for one in broken)
-    clear = broken if doubtful else [one for one in broken if abs(one.value) > CLEAR_KEPT * bound(one)]
-    begin = min(one.start for one in clear)
-    first = [one for one in clear if one.start == begin]
-    worst = max(first, key=lambda one: (one.order is not None and one.order >= 0, abs(one.value) / one.terms))
+    begin = min(one.start for one in clear or broken)
+    first = [one for one in clear or broken if one.start == begin]
+    worst = max(first, key=lambda one: (one.order is not None, one.relative))
     if worst.order is None:  # the value from the beginning where there is one
         now = [one for one in first if one.order is None and one.time == begin]
         worst = now[0] if now else max((one for one in first if one.order is None), key=lambda one: abs(one.value))
-    return replace(
-        condition, size=worst.value, time=begin, impulse=worst.order, relative=abs(worst.value) / worst.terms, is_doubtful=doubtful
-    )
+    return replace(condition, size=worst.value, time=begin, impulse=worst.order, relative=worst.relative, is_doubtful=not clear)
 
 
 def _function_residuals(n: np.ndarray, force: ImpulsiveSmooth) -> Iterator[_Residual]:

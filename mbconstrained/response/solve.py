@@ -398,9 +398,9 @@ def solve(
             then need no eigenvectors. "many": all evaluations share the modes, which are computed at the first one. Small
             models, and solutions by the Jordan pairs, have their modes in any case.
         free: signals of coordinates that the equations do not determine, by name, each with one row: A(s) may be singular, or m x n,
-            and x with free coordinates that are not named is that in which they are zero; {} for zero motions of all of them; "least start" for polynomials in t
-            (of the degree of the kernel of A(s)) with which the norm of x(0+) is least. Dependent
-            equations must not contradict each other; ``mb.solvability`` reports both.
+            and x with free coordinates that are not named is that in which they are zero; {} for zero motions of all of them; "least start"
+            for polynomials in t (of the degree of the kernel of A(s)) with which the norm of x(0+) is least. Dependent equations must
+            not contradict each other; ``mb.solvability`` reports both.
 
     Returns:
         A ``Response``; of S starts or forces a ``Responses``, which is evaluated for all of them together.

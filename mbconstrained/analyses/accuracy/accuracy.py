@@ -47,6 +47,7 @@ class Accuracy(Analysis):
     NAME.accuracy.html, .png and .json."""
 
     name = "accuracy"
+    handles_choices = True
     settings = AccuracySettings
     formats = ("page", "images", "json")
     progress = "steps"

@@ -57,6 +57,7 @@ class Stability(Analysis):
     a warning."""
 
     name = "stability"
+    handles_choices = True
     settings = StabilitySettings
     formats = ("page", "images", "json")
     progress = "steps"

@@ -241,6 +241,7 @@ class Optimisation(Analysis):
     A population of samples finds the region, a simplex refines the best of them. Writes NAME.optimise.html, .png and .json."""
 
     name = "optimise"
+    handles_choices = True
     settings = VaryTable
     options: ClassVar = {
         "parameters": "--vary", "method": None, "samples": None, "chunk": None

@@ -661,6 +661,7 @@ class ParameterSweep(Analysis):
     the results have the same bits. Writes NAME.sweep.html, .png, .json and .csv."""
 
     name = "sweep"
+    handles_choices = True
     settings = SweepSettings
     options: ClassVar = {
         "parameters": "--vary", "keep": "--keep", "limits": "--limit", "correlation": "--correlation", "minimise": None, "maximise": None,

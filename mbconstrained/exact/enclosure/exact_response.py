@@ -33,9 +33,9 @@ from ..rational import (
     RationalMatrix,
     enclosed_roots,
     fraction,
+    known_matrix,
     polynomial,
     rational,
-    rational_matrix,
     regular_matrix,
     working_precision,
 )
@@ -638,9 +638,9 @@ def exact_combination(row: np.ndarray, A: PolynomialMatrix, initial: np.ndarray,
         for p, entry in zip(polynomials, source.vector)
         if p and entry
     ]
-    for power, matrix in enumerate(A.exact_coefficients):
+    for power, matrix in enumerate(known_matrix(A).coefficients):
         for i in range(power):
-            vector = (rational_matrix(matrix) * flint.fmpq_mat([[entry] for entry in vector_of(initial[i])])).entries()
+            vector = (matrix * flint.fmpq_mat([[entry] for entry in vector_of(initial[i])])).entries()
             shape = sum((p * entry for p, entry in zip(polynomials, vector)), flint.fmpq_poly([0])) * S ** (power - 1 - i)
             if shape:
                 sources.append(ExactSource(Shape(shape), unit, ZERO, one))

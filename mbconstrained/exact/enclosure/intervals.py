@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
-from functools import lru_cache
 from math import floor, log10
 
 import flint
@@ -17,7 +16,7 @@ from ...ground.errors import InputError, Overflow
 from ...ground.notices import Notice
 from ...polynomial.delayed_terms import DelayedTerm
 from ...polynomial.polynomial_matrix import PolynomialMatrix
-from ..rational import rational, rational_matrix, working_precision
+from ..rational import known_matrix, rational, rational_matrix, working_precision
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -203,9 +202,11 @@ def enclosed_transfer(
 ) -> Enclosure:
     """s^p C (A(s) + i H + delayed terms)^-1 B at one frequency, with the dead times of the inputs."""
     digits = whole_number(digits, "digits", minimum=1)
+    exact = known_matrix(A).coefficients
+    late = [(rational(term.decimal), [rational_matrix(one) for one in term.coefficients]) for term in delayed]
     for guard in GUARDS:
         with working_precision(bits_of(digits) + guard):
-            values = _transfer(A, imaginary, inputs, outputs, power, frequency_hz, delayed, input_delays)
+            values = _transfer(exact, imaginary, inputs, outputs, power, frequency_hz, late, input_delays)
             if values is not None and all(_is_known(value, digits) for value in values):
                 return Enclosure.of([[v.real for v in values], [v.imag for v in values]], np.zeros(len(values)), digits)
     raise InputError(f"frequency_hz: found {frequency_hz:g} Hz, where the response has a pole; enclose it at another frequency")
@@ -219,35 +220,29 @@ def _is_known(value: flint.acb, digits: int) -> bool:
     return all(part == 0 or has_digits(part, digits) or bool(part.abs_upper() < limit) for part in (value.real, value.imag))
 
 
-@lru_cache(maxsize=16)
-def _exact_coefficients(term: PolynomialMatrix | DelayedTerm) -> list[flint.fmpq_mat]:
-    """The coefficients, converted once for all frequencies."""
-    return [rational_matrix(one) for one in (term.exact_coefficients if isinstance(term, PolynomialMatrix) else term.coefficients)]
-
-
-def _polynomial(term: PolynomialMatrix | DelayedTerm, s: flint.acb) -> flint.acb_mat:
+def _polynomial(coefficients: Sequence[flint.fmpq_mat], s: flint.acb) -> flint.acb_mat:
     matrix = None
-    for coefficient in _exact_coefficients(term)[::-1]:
+    for coefficient in coefficients[::-1]:
         own = flint.acb_mat(coefficient)
         matrix = own if matrix is None else matrix * s + own
     return matrix
 
 
 def _transfer(
-    A: PolynomialMatrix,
+    exact: Sequence[flint.fmpq_mat],
     imaginary,
     inputs,
     outputs,
     power: int,
     frequency_hz: float,
-    delayed: Sequence[DelayedTerm],
+    delayed: Sequence[tuple[flint.fmpq, Sequence[flint.fmpq_mat]]],
     input_delays: Sequence[float],
 ) -> list[flint.acb] | None:
     omega = 2 * flint.arb.pi() * flint.arb(rational(Fraction(frequency_hz)))
     s = flint.acb(0, omega)
-    matrix = _polynomial(A, s)
-    for term in delayed:
-        matrix = matrix + _polynomial(term, s) * (-s * flint.arb(rational(term.decimal))).exp()
+    matrix = _polynomial(exact, s)
+    for delay, term in delayed:
+        matrix = matrix + _polynomial(term, s) * (-s * flint.arb(delay)).exp()
     if imaginary is not None:
         matrix = matrix + flint.acb_mat(rational_matrix(imaginary)) * flint.acb(0, 1)
     try:

@@ -216,15 +216,11 @@ class SpectralTransfer:
 class DelayedTransfer(SpectralTransfer):
     """H of equations with delays: there are no residues, and panels are narrow next to the characteristic roots instead."""
 
-    def __init__(self, harmonic: Harmonic, is_finer: bool = False):
-        """Create the transfer function; with ``is_finer`` all panels are halved."""
+    def __init__(self, harmonic: Harmonic, roots: CharacteristicRoots | None = None, is_finer: bool = False):
+        """Create the transfer function, with its rightmost characteristic roots where they are known; ``is_finer``: all panels are halved."""
         super().__init__(harmonic)
+        self.roots = roots or rightmost_roots(harmonic.A, harmonic.delayed, ROOTS * harmonic.A.size)
         self.is_finer = is_finer
-
-    @cached_property
-    def roots(self) -> CharacteristicRoots:
-        """The rightmost characteristic roots."""
-        return rightmost_roots(self.harmonic.A, self.harmonic.delayed, ROOTS * self.harmonic.A.size)
 
     @cached_property
     def poles(self) -> tuple[RefinedPole, ...]:
@@ -239,12 +235,8 @@ class DelayedTransfer(SpectralTransfer):
 
     @property
     def widest(self) -> float:
-        """The widest panel in Hz: no further root is near it, and e^(-i w delay) turns little."""
-        longest, beyond = (
-            sum(term.delay for term in self.harmonic.delayed),
-            -float(self.roots.eigenvalues.real.min(initial=-np.inf)),
-        )
-        return min(TURN / longest, max(beyond, 1 / longest)) / (2 * np.pi)
+        """The widest panel in Hz, on which the factors e^(-i w delay) turn little."""
+        return TURN / sum(term.delay for term in self.harmonic.delayed) / (2 * np.pi)
 
     @property
     def polynomial(self) -> np.ndarray:
@@ -263,7 +255,7 @@ class DelayedTransfer(SpectralTransfer):
 
     def of_inputs(self, chosen: list[int]) -> DelayedTransfer:
         """The transfer function from some of the inputs."""
-        return DelayedTransfer(super().of_inputs(chosen).harmonic, self.is_finer)
+        return DelayedTransfer(super().of_inputs(chosen).harmonic, self.roots, self.is_finer)
 
     def values(self, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """H by solutions."""
@@ -378,7 +370,7 @@ def spectral_integral(
 ) -> SpectralIntegral:
     """The integrals of f^k H S H^H df; with delays on all panels and on their halves, whose difference is an error."""
     if isinstance(transfer, DelayedTransfer) and not transfer.is_finer:
-        finer = DelayedTransfer(transfer.harmonic, is_finer=True)
+        finer = DelayedTransfer(transfer.harmonic, transfer.roots, is_finer=True)
         one, two = (_integral(own, spectra, powers, outputs, edges) for own in (transfer, finer))
         return replace(two, errors=two.errors + np.abs(two.values - one.values).diagonal(axis1=1, axis2=2))
     return _integral(transfer, spectra, powers, outputs, edges)

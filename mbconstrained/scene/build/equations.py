@@ -281,8 +281,7 @@ def _with_free_coordinates(table, equations: Equations, folder: Path, file_name:
             free[name] = row.signal
     with at(file_name, "motion" if free else "model.coefficients"):
         problem, report = completed(A, equations.initial, equations.force, free)
-    force = problem.force
-    return replace(equations, polynomial_matrix=problem.polynomial_matrix, force=force, solvability=report)
+    return replace(equations, polynomial_matrix=problem.polynomial_matrix, force=problem.force, solvability=report)
 
 
 def _filled(matrix: np.ndarray) -> np.ndarray:
