@@ -22,6 +22,7 @@ from ..ground.checks import real_array, real_number
 from ..ground.errors import InputError, Overflow
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EARLY_ERROR, EPS, PRECISE_DIGITS, PROBE_SIZE, rounding_radius
+from ..linalg.arrays import block_diag
 from ..linalg.blocks import eigenvalues
 from ..linalg.precise import midpoints, precise, precise_arithmetic
 from ..polynomial.polynomial_matrix import PolynomialMatrix
@@ -125,7 +126,7 @@ class ResidueForm:
     def J(self) -> np.ndarray:
         """The Jordan matrix of Eqs. (41), (42), shape (n, n), complex."""
         blocks = [pole * np.eye(d) + np.eye(d, k=1) for pole, d in zip(self.poles, self.multiplicities)]
-        return scipy.linalg.block_diag(*blocks) if blocks else np.zeros((0, 0))
+        return block_diag(*blocks)
 
     def exponentials(self, times) -> np.ndarray:
         """E(t) of Eqs. (38), (39): t^(j-1)/(j-1)! e^(lambda_i t), shape (n,) or (n, T); E' = J^T E (43)."""

@@ -15,11 +15,11 @@ from functools import cached_property
 from typing import Any, Literal, get_args
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from ..ground.checks import nearest, real_array, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
+from ..linalg.arrays import block_diag
 from .description.urdf import HIDDEN
 from .kinematics import Anchor, Kinematics, RelativePose, turned_product
 from .tangent import Tangent, joint_displacement
