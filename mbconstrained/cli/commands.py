@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..analyses import ANALYSES
+from . import show_version
 from .analysis import Commands
 from .answer import (
     COMMAND_WRONG,
@@ -82,9 +83,7 @@ def _verbatim(text: str) -> str:
 
 def _show_version(requested: bool) -> None:
     if requested:
-        from importlib.metadata import version
-
-        print(f"mbconstrained {version('mbconstrained')}")
+        show_version()
         raise typer.Exit
 
 
