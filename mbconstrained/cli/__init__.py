@@ -25,18 +25,14 @@ def main() -> None:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a terminal without Greek letters gets question marks
     try:
-        if sys.argv[1:] == ["--version"]:  # needs no commands
-            return show_version()
-        application()(prog_name="mbconstrained")
+        if sys.argv[1:] == ["--version"]:  # the commands take longer to import
+            from .printing import show_version
+
+            show_version()
+        else:
+            application()(prog_name="mbconstrained")
     except KeyboardInterrupt:  # during an import
         sys.exit(130)
-
-
-def show_version() -> None:
-    """Print name and version."""
-    from importlib.metadata import version
-
-    print(f"mbconstrained {version('mbconstrained')}")
 
 
 @cache

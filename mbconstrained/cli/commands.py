@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..analyses import ANALYSES
-from . import show_version
 from .analysis import Commands
 from .answer import (
     COMMAND_WRONG,
@@ -83,6 +82,8 @@ def _verbatim(text: str) -> str:
 
 def _show_version(requested: bool) -> None:
     if requested:
+        from .printing import show_version
+
         show_version()
         raise typer.Exit
 

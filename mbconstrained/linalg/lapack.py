@@ -7,10 +7,8 @@ from __future__ import annotations
 
 import os
 import sys
-from functools import cache
 from importlib.machinery import PathFinder
 from importlib.util import module_from_spec
-from types import ModuleType
 from typing import Any
 
 import scipy
@@ -19,16 +17,11 @@ _FILE = "scipy.linalg._flapack"
 
 
 def __getattr__(name: str) -> Any:
-    globals()[name] = routine = getattr(_routines(), name)
+    if _FILE not in sys.modules:
+        spec = PathFinder.find_spec(_FILE, [os.path.join(os.path.dirname(scipy.__file__), "linalg")])
+        if spec is None or spec.loader is None:  # another build of SciPy
+            return getattr(scipy.linalg.lapack, name)
+        sys.modules[_FILE] = module_from_spec(spec)
+        spec.loader.exec_module(sys.modules[_FILE])
+    globals()[name] = routine = getattr(sys.modules[_FILE], name)
     return routine
-
-
-@cache
-def _routines() -> ModuleType:
-    """SciPy's file of routines alone, or ``scipy.linalg.lapack`` where it has no such file."""
-    spec = PathFinder.find_spec(_FILE, [os.path.join(os.path.dirname(scipy.__file__), "linalg")])
-    if _FILE in sys.modules or spec is None or spec.loader is None:
-        return scipy.linalg.lapack
-    sys.modules[_FILE] = module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module

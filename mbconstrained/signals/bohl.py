@@ -66,7 +66,7 @@ class Restarts:
     @property
     def gaps(self) -> np.ndarray:
         """t_(j+1) - t_j, shape (K - 1,)."""
-        return _differences(np.diff(self.moments))
+        return np.diff(self.knots) + np.diff(self.moments.imag)
 
     def located(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Index of the piece of each time (T,), and the time since its knot."""
@@ -98,8 +98,9 @@ class Restarts:
         if np.array_equal(moments, own):
             return self
         piece = np.searchsorted(own, moments, side="right") - 1
+        since = moments - own[piece]
         with np.errstate(over="ignore", invalid="ignore"):  # reported when the function is evaluated
-            states = block_states(blocks, self.states[:, piece], _differences(moments - own[piece]))
+            states = block_states(blocks, self.states[:, piece], since.real + since.imag)
         jumps, places = np.zeros_like(states), np.searchsorted(moments, own)
         states[:, places], jumps[:, places] = self.states, self.jumps
         return restarts_at(moments, states, jumps)
@@ -134,10 +135,6 @@ class FreeRestarts(Restarts):
         with np.errstate(over="ignore", invalid="ignore"):  # reported when the function is evaluated
             jumps[:, 1:] -= block_states(self.blocks, self.states[:, :-1], self.gaps)
         return jumps
-
-
-def _differences(moments: np.ndarray) -> np.ndarray:
-    return moments.real + moments.imag
 
 
 def later_times(times: np.ndarray, delay: float, gaps: np.ndarray | float = 0.0) -> np.ndarray:
