@@ -135,7 +135,7 @@ class Family(Displayed):
         """M, C and K of some systems, or of one."""
         return self.mass[at], self.damping[at], self.stiffness[at]
 
-    def _transfers(self, harmonic: Harmonic, levels) -> Iterator[tuple[slice, StackedTransfer]]:
+    def transfers(self, harmonic: Harmonic, levels) -> Iterator[tuple[slice, StackedTransfer]]:
         """Transfer functions for a harmonic response, of some systems at a time; none where poles do not give it."""
         base, n = self.base, self.base.size
         B, C = harmonic.inputs, harmonic.outputs
@@ -259,7 +259,7 @@ class Family(Displayed):
         values = np.empty((len(self), len(names[1]), len(names[0]), len(frequencies)), dtype=complex)
         errors = np.full((len(self), len(names[1]), len(names[0])), np.inf)
         at_level = quantity in BY_POLES and not any(row.order for row in self.base.rows)
-        for at, transfer in self._transfers(first.harmonic, np.zeros(len(first.inputs))) if at_level else ():
+        for at, transfer in self.transfers(first.harmonic, np.zeros(len(first.inputs))) if at_level else ():
             values[at], absolute = transfer(2j * np.pi * frequencies)
             errors[at] = np.where(transfer.poles.serve[:, None, None], _relative(values[at], absolute), np.inf)
         alone = np.flatnonzero(~(errors <= LINE_ACCURACY).all(axis=(1, 2)))
@@ -290,7 +290,7 @@ class Family(Displayed):
         spectra = first.spectra
         if not (first.infinite or spectra.longest_delay or options.get("modal_damping") is not None):
             levels = [KINDS[spectrum.of] or 0 for spectrum in spectra.spectra]
-            for at, transfer in self._transfers(first.harmonic, levels):
+            for at, transfer in self.transfers(first.harmonic, levels):
                 squares[at], errors[at] = _variances(transfer, spectra)
         served = (errors <= STACKED_VARIANCE * squares).all(axis=1)
         with np.errstate(all="ignore"):
