@@ -12,7 +12,7 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 from ...ground.quantities import LARGEST, LEAST
 from ...ground.tolerances import noise_of
 from ...linalg.precise import is_worthwhile
-from ...mechanics.family import BY_POLES, Family, family
+from ...mechanics.family import BY_POLES, Family, family, stacked_transfers
 from ...mechanics.stacked_equations import projected
 from ...mechanics.stacked_peaks import LargestResponses, largest_responses
 from ...models.lumped import coordinate_row, exact_elements, incidence_of
@@ -131,7 +131,7 @@ def stacked_peaks(frequency: Frequency, systems: Family, is_reduced: bool = Fals
         harmonic = replace(harmonic, inputs=V.T @ harmonic.inputs[:n], outputs=harmonic.outputs[:, :n] @ V)
     parts = [
         largest_responses(transfer, *frequency.searched)
-        for _, transfer in systems.transfers(harmonic, np.zeros(harmonic.inputs.shape[1]))
+        for _, transfer in stacked_transfers(systems, harmonic, np.zeros(harmonic.inputs.shape[1]))
     ]
     joined = (np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(LargestResponses)) if parts else ()
     return LargestResponses(*joined) if parts else None
