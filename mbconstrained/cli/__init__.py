@@ -25,12 +25,12 @@ def main() -> None:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a terminal without Greek letters gets question marks
     try:
-        if sys.argv[1:] == ["--version"]:  # the commands take longer to import
-            from .printing import show_version
+        if sys.argv[1:2] == ["--version"]:  # the commands take longer to import
+            from importlib.metadata import version
 
-            show_version()
-        else:
-            application()(prog_name="mbconstrained")
+            print(f"mbconstrained {version('mbconstrained')}")
+            sys.exit(0)
+        application()(prog_name="mbconstrained")
     except KeyboardInterrupt:  # during an import
         sys.exit(130)
 

@@ -55,13 +55,6 @@ def show_text(text: str) -> None:
     _say(text)
 
 
-def show_version() -> None:
-    """The name and the version of the package."""
-    from importlib.metadata import version
-
-    _say(f"mbconstrained {version('mbconstrained')}")
-
-
 @contextmanager
 def stage_progress() -> Iterator[Callable[[Stage], None] | None]:
     """A line that names the running stage, in a terminal only."""
