@@ -131,19 +131,12 @@ class SampledZero:
 
 @dataclass(frozen=True, eq=False)
 class SampledOrigin:
-    """The continuous system of a discretized one.
+    """The continuous system of a discretized one."""
 
-    Attributes:
-        system: the continuous system.
-        form: the discretized equations and the map of its start.
-        hold: how inputs continue between samples.
-        is_delayed: whether an input is.
-    """
-
-    system: StateEquations
-    form: SampledEquations
-    hold: int | str
-    is_delayed: bool
+    system: StateEquations  # the continuous system
+    form: SampledEquations  # the discretized equations and the map of its start
+    hold: int | str  # how inputs continue between samples
+    is_delayed: bool  # whether an input is
 
 
 class DiscreteStateSpace(Displayed):
@@ -527,17 +520,11 @@ MOST_DELAYED = 2000
 
 @dataclass(frozen=True, eq=False)
 class SampledEquations:
-    """A discretized system, and what connects it with the continuous one.
+    """A discretized system, and what connects it with the continuous one."""
 
-    Attributes:
-        matrices: A, B, C, D with the added states.
-        start_map: the discrete states that belong to the states x(0-) of the continuous system, shape (n, N).
-        notices: remarks.
-    """
-
-    matrices: DiscretizedSystem
-    start_map: np.ndarray
-    notices: tuple[Notice, ...]
+    matrices: DiscretizedSystem  # A, B, C, D with the added states
+    start_map: np.ndarray  # the discrete states that belong to the states x(0-) of the continuous system, shape (n, N)
+    notices: tuple[Notice, ...]  # remarks
 
 
 def sampled_equations(system: StateEquations, step, hold=1, delays: Mapping[str, float] | None = None) -> SampledEquations:

@@ -43,19 +43,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ResidueSum:
-    """y(t) = Re(transient^T E(t)) + sum of forced[k] I_(k+1)(t), for t > 0, and impulses at t = 0 (Theorems 1 and 2).
+    """y(t) = Re(transient^T E(t)) + sum of forced[k] I_(k+1)(t), for t > 0, and impulses at t = 0 (Theorems 1 and 2)."""
 
-    Attributes:
-        form: the closed form that it belongs to.
-        transient: the row in front of E(t), Eq. (48), shape (n,), complex.
-        forced: the factors of I_1, I_2, ..., Eq. (49).
-        impulses: the factors of Dirac's delta and of its derivatives, Eq. (50), corrected: I_0, I_-1, ...
-    """
-
-    form: ResidueForm
-    transient: np.ndarray
-    forced: np.ndarray
-    impulses: np.ndarray
+    form: ResidueForm  # the closed form that it belongs to
+    transient: np.ndarray  # the row in front of E(t), Eq. (48), shape (n,), complex
+    forced: np.ndarray  # the factors of I_1, I_2, ..., Eq. (49)
+    impulses: np.ndarray  # the factors of Dirac's delta and of its derivatives, Eq. (50), corrected: I_0, I_-1, ...
 
     def __call__(self, times) -> np.ndarray:
         """The regular part at a time (-> a number) or at times (T,) (-> (T,))."""

@@ -80,37 +80,25 @@ class ImpulseArrow(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class DrawnEvent:
-    """Jumps and impulses at one time.
+    """Jumps and impulses at one time."""
 
-    Attributes:
-        time: in s.
-        lines: sentences without a full stop, shown with the picture.
-        before, after: the coordinates just before and just after, each (r,).
-        impulses: the impulsive loads.
-        paths: by body name, of bodies that have paths, the poses just before and just after.
-    """
-
-    time: float
-    lines: tuple[str, ...]
+    time: float  # in s
+    lines: tuple[str, ...]  # sentences without a full stop, shown with the picture
+    # the coordinates just before and just after, each (r,)
     before: np.ndarray
     after: np.ndarray
-    impulses: tuple[ImpulseArrow, ...] = ()
+    impulses: tuple[ImpulseArrow, ...] = ()  # the impulsive loads
+    # by body name, of bodies that have paths, the poses just before and just after
     paths: Mapping[str, Path] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Overlay:
-    """Overlay of an animation.
+    """Overlay of an animation."""
 
-    Attributes:
-        events: jumps and impulses, in the order of time.
-        forces: forces shown at all times.
-        description: description of the forces, for the line over the picture.
-    """
-
-    events: tuple[DrawnEvent, ...] = ()
-    forces: tuple[ForceArrows, ...] = ()
-    description: str = "reactions"
+    events: tuple[DrawnEvent, ...] = ()  # jumps and impulses, in the order of time
+    forces: tuple[ForceArrows, ...] = ()  # forces shown at all times
+    description: str = "reactions"  # description of the forces, for the line over the picture
 
     def __bool__(self) -> bool:
         return bool(self.events or self.forces)
@@ -419,45 +407,27 @@ class ModePicture:
 
 @dataclass(frozen=True, eq=False)
 class Shapes:
-    """Mode shapes in a list, of which the selected one moves.
+    """Mode shapes in a list, of which the selected one moves."""
 
-    Attributes:
-        drawing: bodies and links; a body without a path in a mode moves on its own path or with the coordinates.
-        names: r coordinate names.
-        modes: in the order in which they are listed.
-        word: the kind of the entries, "mode"; others, such as "variant", have a slider too.
-    """
-
-    drawing: Drawing
-    names: tuple[str, ...]
-    modes: tuple[ModePicture, ...] = ()
-    word: str = MODE
+    drawing: Drawing  # bodies and links; a body without a path in a mode moves on its own path or with the coordinates
+    names: tuple[str, ...]  # r coordinate names
+    modes: tuple[ModePicture, ...] = ()  # in the order in which they are listed
+    word: str = MODE  # the kind of the entries, "mode"; others, such as "variant", have a slider too
 
 
 @dataclass(frozen=True, eq=False)
 class Deflections:
-    """Operating deflection shapes: the steady motion Re(u e^{i w t}) under a unit of one input at a time.
+    """Operating deflection shapes: the steady motion Re(u e^{i w t}) under a unit of one input at a time."""
 
-    Attributes:
-        drawing: bodies that move with the coordinates, at rest.
-        names: names of the n coordinates.
-        inputs: texts of m inputs with a unit of each, such as "1 N on cart".
-        axis: unit of the frequencies on the axis of the plots.
-        frequencies: frequencies of F lines, ascending, in this unit.
-        periods: periods of a cycle at each line, s.
-        shapes: complex, shape (m, F, n), as large as the drawing allows.
-        factors: by which each is magnified, besides the drawing, shape (m, F).
-        peaks: frequency in this unit and number of the input of each row of the first table of the page, from which a peak is selected.
-    """
-
-    drawing: Drawing
-    names: tuple[str, ...]
-    inputs: tuple[str, ...]
-    axis: str
-    frequencies: np.ndarray
-    periods: np.ndarray
-    shapes: np.ndarray
-    factors: np.ndarray
+    drawing: Drawing  # bodies that move with the coordinates, at rest
+    names: tuple[str, ...]  # names of the n coordinates
+    inputs: tuple[str, ...]  # texts of m inputs with a unit of each, such as "1 N on cart"
+    axis: str  # unit of the frequencies on the axis of the plots
+    frequencies: np.ndarray  # frequencies of F lines, ascending, in this unit
+    periods: np.ndarray  # periods of a cycle at each line, s
+    shapes: np.ndarray  # complex, shape (m, F, n), as large as the drawing allows
+    factors: np.ndarray  # by which each is magnified, besides the drawing, shape (m, F)
+    # frequency in this unit and number of the input of each row of the first table of the page, from which a peak is selected
     peaks: tuple[tuple[float, int], ...] = ()
 
     def nearest(self, frequency: float) -> int:

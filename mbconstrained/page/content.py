@@ -86,22 +86,15 @@ MOST_DECADES = 18
 
 @dataclass(frozen=True)
 class Axis:
-    """A range and its ticks.
+    """A range and its ticks."""
 
-    Attributes:
-        low, high: the range; every tick lies in it.
-        ticks: values of the ticks.
-        labels: their texts, in units of 10^exponent.
-        exponent: a multiple of three, or 0 for labels without a common power of ten.
-        scale: "linear", "log" for even steps of the logarithm, or "rows" for whole numbers that stand for names.
-    """
-
+    # the range; every tick lies in it
     low: float
     high: float
-    ticks: tuple[float, ...]
-    labels: tuple[str, ...]
-    exponent: int
-    scale: Scale = "linear"
+    ticks: tuple[float, ...]  # values of the ticks
+    labels: tuple[str, ...]  # their texts, in units of 10^exponent
+    exponent: int  # a multiple of three, or 0 for labels without a common power of ten
+    scale: Scale = "linear"  # "linear", "log" for even steps of the logarithm, or "rows" for whole numbers that stand for names
 
     def shares(self, values: np.ndarray) -> np.ndarray:
         """Positions on the axis, from 0 at its low end to 1 at its high end; on a logarithmic axis smaller values are at that end.
@@ -205,34 +198,21 @@ MOST_SHOWN = 8
 
 @dataclass(frozen=True, eq=False)
 class RecordResponse:
-    """A linear motion under a force that restarts often.
+    """A linear motion under a force that restarts often."""
 
-    Attributes:
-        knots: times in s at which the force restarts, ascending, shape (K,).
-        force: its states after each, shape (m, K).
-        states: states of the motion, shape (p, T), at ascending times (T,).
-    """
-
-    knots: np.ndarray
-    force: np.ndarray
-    states: Callable[[np.ndarray], np.ndarray]
+    knots: np.ndarray  # times in s at which the force restarts, ascending, shape (K,)
+    force: np.ndarray  # its states after each, shape (m, K)
+    states: Callable[[np.ndarray], np.ndarray]  # states of the motion, shape (p, T), at ascending times (T,)
 
 
 @dataclass(frozen=True, eq=False)
 class TimeFunctions:
-    """Functions of time that curves show.
+    """Functions of time that curves show."""
 
-    Attributes:
-        at: their values, shape (r, T), at ascending times (T,).
-        breaks: times at which one of them or a derivative of it may jump, ascending.
-        noise: their error, relative to the largest value of any of them.
-        record: the motion that they belong to, where its force is a record.
-    """
-
-    at: Callable[[np.ndarray], np.ndarray]
-    breaks: np.ndarray
-    noise: float = 1e-13
-    record: RecordResponse | None = None
+    at: Callable[[np.ndarray], np.ndarray]  # their values, shape (r, T), at ascending times (T,)
+    breaks: np.ndarray  # times at which one of them or a derivative of it may jump, ascending
+    noise: float = 1e-13  # their error, relative to the largest value of any of them
+    record: RecordResponse | None = None  # the motion that they belong to, where its force is a record
 
 
 @dataclass(frozen=True, eq=False)
@@ -321,39 +301,25 @@ Shape = Literal["circle", "cross", "diamond", "dot", "text"]
 
 @dataclass(frozen=True, eq=False)
 class Marks:
-    """Marks at points of a plot.
+    """Marks at points of a plot."""
 
-    Attributes:
-        name: for the legend; an empty string for none.
-        points: shape (P, 2).
-        texts: of each point, shown where the pointer rests on it; none by default.
-        shape: of the marks.
-        curve: number of the curve to which they belong, whose colour they have; None for none.
-    """
-
-    name: str
-    points: np.ndarray
-    texts: tuple[str, ...] = ()
-    shape: Shape = "circle"
-    curve: int | None = None
+    name: str  # for the legend; an empty string for none
+    points: np.ndarray  # shape (P, 2)
+    texts: tuple[str, ...] = ()  # of each point, shown where the pointer rests on it; none by default
+    shape: Shape = "circle"  # of the marks
+    curve: int | None = None  # number of the curve to which they belong, whose colour they have; None for none
 
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """A map: cells whose colour shows a value.
+    """A map: cells whose colour shows a value."""
 
-    Attributes:
-        across, up: edges of the columns and of the rows, ascending, shapes (C + 1,) and (R + 1,).
-        values: shape (R, C); grey where NaN.
-        texts: of each cell, shown where the pointer rests on it, R rows of C.
-        unit: of the values, such as "Hz".
-    """
-
+    # edges of the columns and of the rows, ascending, shapes (C + 1,) and (R + 1,)
     across: np.ndarray
     up: np.ndarray
-    values: np.ndarray
-    texts: Sequence[Sequence[str]]
-    unit: str = ""
+    values: np.ndarray  # shape (R, C); grey where NaN
+    texts: Sequence[Sequence[str]]  # of each cell, shown where the pointer rests on it, R rows of C
+    unit: str = ""  # of the values, such as "Hz"
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -466,17 +432,11 @@ def _range(values: np.ndarray, scale: Scale) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Formulas:
-    """Formulas in MathML.
+    """Formulas in MathML."""
 
-    Attributes:
-        title: heading.
-        lines: elements <math>, which the page includes as they are.
-        note: a sentence below, or an empty string.
-    """
-
-    title: str
-    lines: tuple[str, ...]
-    note: str = ""
+    title: str  # heading
+    lines: tuple[str, ...]  # elements <math>, which the page includes as they are
+    note: str = ""  # a sentence below, or an empty string
 
 
 @dataclass(frozen=True)

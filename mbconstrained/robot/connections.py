@@ -424,18 +424,13 @@ class PointMotion:
 
 @dataclass(frozen=True)
 class Attached:
-    """A connection with resolved frames.
+    """A connection with resolved frames."""
 
-    Attributes:
-        connection: a Loop, BodySpring or Bushing.
-        first, second: its frames.
-        rest_length: of a BodySpring or a rod (m), otherwise 0.
-    """
-
-    connection: Any
+    connection: Any  # a Loop, BodySpring or Bushing
+    # its frames
     first: Anchor
     second: Anchor
-    rest_length: float = 0.0
+    rest_length: float = 0.0  # of a BodySpring or a rod (m), otherwise 0
 
     def pose(self, kinematics: Kinematics) -> RelativePose:
         """phi in a configuration."""
@@ -603,22 +598,15 @@ class Segment:
 
 @dataclass(frozen=True)
 class Tendon:
-    """A spring with damper and inertia along L = sum(c q) + sum(factor |p2 - p1|), with the force a x + b x^2 + c x^3.
+    """A spring with damper and inertia along L = sum(c q) + sum(factor |p2 - p1|), with the force a x + b x^2 + c x^3."""
 
-    Attributes:
-        name: name of the tendon.
-        joints: the coefficient c by joint.
-        segments: its straight lines.
-        stiffness: a, b, c.
-        rest: the lengths between which there is no force, x being the distance from them; None for the length at the guess.
-        damping, inertia: along the tendon.
-    """
-
-    name: str
-    joints: Mapping[str, float] = field(default_factory=dict)
-    segments: tuple[Segment, ...] = ()
-    stiffness: tuple[float, ...] = ()
+    name: str  # name of the tendon
+    joints: Mapping[str, float] = field(default_factory=dict)  # the coefficient c by joint
+    segments: tuple[Segment, ...] = ()  # its straight lines
+    stiffness: tuple[float, ...] = ()  # a, b, c
+    # the lengths between which there is no force, x being the distance from them; None for the length at the guess
     rest: tuple[float, float] | None = (0.0, 0.0)
+    # along the tendon
     damping: float = 0.0
     inertia: float = 0.0
 

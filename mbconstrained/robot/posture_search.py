@@ -98,22 +98,16 @@ class Contact:
 
 @dataclass(frozen=True, eq=False)
 class Exceeded:
-    """Feet that exceed one of their limits.
+    """Feet that exceed one of their limits."""
 
-    Attributes:
-        contacts: one foot; several where it is open how they share the load, of which some are outside with every share.
-        limit: LIFTS, SLIPS or TIPS.
-        worst, first: places of the worst time and of the first one.
-        excess: excess over the limit, comparable between feet.
-        text: the worst value.
-    """
-
+    # one foot; several where it is open how they share the load, of which some are outside with every share
     contacts: tuple[Contact, ...]
-    limit: str
+    limit: str  # LIFTS, SLIPS or TIPS
+    # places of the worst time and of the first one
     worst: int
     first: int
-    excess: float
-    text: str
+    excess: float  # excess over the limit, comparable between feet
+    text: str  # the worst value
 
 
 def contact_notices(state: Equilibrium, free: np.ndarray) -> Iterator[Notice]:

@@ -61,24 +61,17 @@ UNLIMITED = 1e16
 
 @dataclass
 class JointAxis:
-    """One axis of a joint.
+    """One axis of a joint."""
 
-    Attributes:
-        direction: direction in the frame of the joint.
-        limits: lower and upper limit (rad, m).
-        damping, friction, stiffness, rest: constants of the joint (SI).
-        mimic: leader, multiplier and offset of a joint that follows.
-        leader_axis: axis of a leader that has two.
-    """
-
-    direction: np.ndarray
-    limits: tuple[float, float] = (-UNLIMITED, UNLIMITED)
+    direction: np.ndarray  # direction in the frame of the joint
+    limits: tuple[float, float] = (-UNLIMITED, UNLIMITED)  # lower and upper limit (rad, m)
+    # constants of the joint (SI)
     damping: float = 0.0
     friction: float = 0.0
     stiffness: float = 0.0
     rest: float = 0.0
-    mimic: tuple[str, float, float] | None = None
-    leader_axis: str = "axis"
+    mimic: tuple[str, float, float] | None = None  # leader, multiplier and offset of a joint that follows
+    leader_axis: str = "axis"  # axis of a leader that has two
 
 
 @dataclass

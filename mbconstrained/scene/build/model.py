@@ -46,23 +46,14 @@ class ModelTables(NamedTuple):
 
 
 class End:
-    """End of a motion as given in a scene: the interface of reports.
+    """End of a motion as given in a scene: the interface of reports."""
 
-    Attributes:
-        key: its name in scenes and in JSON.
-        title: heading of its table.
-        duration: T in s; 0 where there is none.
-        notices: what is undetermined, ill-conditioned or inaccurate.
-        unproved: the reason why no error is bounded; empty where one is.
-        uncertified: the reason why exact arithmetic proves no digits; empty where it does.
-    """
-
-    key: ClassVar[str]
-    title: ClassVar[str]
-    duration: float = 0.0
-    notices: tuple[Notice, ...] = ()
-    unproved: ClassVar[str] = ""
-    uncertified: str = ""
+    key: ClassVar[str]  # its name in scenes and in JSON
+    title: ClassVar[str]  # heading of its table
+    duration: float = 0.0  # T in s; 0 where there is none
+    notices: tuple[Notice, ...] = ()  # what is undetermined, ill-conditioned or inaccurate
+    unproved: ClassVar[str] = ""  # the reason why no error is bounded; empty where one is
+    uncertified: str = ""  # the reason why exact arithmetic proves no digits; empty where it does
 
     def table(self, coordinates: Coordinates) -> TextTable:
         """The given values, with evidence."""
@@ -285,19 +276,14 @@ RELATIVE = ("displacement", "velocity", "acceleration")
 
 @dataclass(frozen=True, eq=False)
 class ElementQuantity:
-    """constant + sum over i of rows[i] @ x^(i)(t).
+    """constant + sum over i of rows[i] @ x^(i)(t)."""
 
-    Attributes:
-        name, title, unit: name, title and unit of the curve; the title is the quantity.
-        rows: rows of x, x' and x'', shape (3, n).
-        constant: in the unit.
-    """
-
+    # name, title and unit of the curve; the title is the quantity
     name: str
     title: str
     unit: str
-    rows: np.ndarray
-    constant: float = 0.0
+    rows: np.ndarray  # rows of x, x' and x'', shape (3, n)
+    constant: float = 0.0  # in the unit
 
     def values(self, motion, times: np.ndarray) -> np.ndarray:
         """Over times (T,), of a motion."""

@@ -322,21 +322,14 @@ def too_large_for_formula(scene: SceneData) -> str:
 
 @dataclass(frozen=True)
 class PossibleStage:
-    """A stage that a scene may need.
+    """A stage that a scene may need."""
 
-    Attributes:
-        name: name of the stage.
-        decide: whether a scene needs it, and the reason; the same for all scenes where it is no function.
-        work: does it; None where reading the scene, or another stage, does it.
-        writes: whether only files need it.
-        part_of: the stage that does it, where it is not measured itself.
-    """
-
-    name: str
+    name: str  # name of the stage
+    # whether a scene needs it, and the reason; the same for all scenes where it is no function
     decide: Callable[[SceneData], Decision | LateDecision] | Decision
-    work: Callable[[Any], object] | None = None
-    writes: bool = False
-    part_of: str = ""
+    work: Callable[[Any], object] | None = None  # does it; None where reading the scene, or another stage, does it
+    writes: bool = False  # whether only files need it
+    part_of: str = ""  # the stage that does it, where it is not measured itself
 
 
 FILE_STEPS = (
