@@ -302,11 +302,7 @@ class Analysis:
 
     @classmethod
     def changed(cls, own: Table | None, given: Mapping[str, Any], file_name: str) -> Table:
-        """The settings with other values; those that a given one replaces are left out.
-
-        Raises:
-            SceneError: a wrong value; the text names the table and the entry.
-        """
+        """The settings with other values; those that a given one replaces are left out."""
         base = own.model_dump(exclude_unset=True, by_alias=True) if own else {}
         for key in given:
             for other in cls.replaced.get(key, ()):

@@ -177,11 +177,7 @@ class FormulaOfMotion(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: FormulaOptions | None, progress: Callable[[str], None] | None = None) -> Answer:
-        """The answer of a scene whose formula can be written.
-
-        Raises:
-            InputError: there is no such formula, digits without numbers.
-        """
+        """The answer of a scene whose formula can be written."""
         from ..exact.formula_printers import records
 
         own = settings or FormulaOptions()

@@ -278,11 +278,7 @@ class Frequency(Analysis):
 
     @cached_property
     def response(self) -> FrequencyResponse:
-        """H in SI at the frequencies.
-
-        Raises:
-            SceneError: unknown names, a quantity that does not fit, too many responses.
-        """
+        """H in SI at the frequencies."""
         with at(self.scene.file_name, "frequency"):
             return self.empty(self._lines())
 

@@ -63,11 +63,7 @@ class Sensitivity(Analysis):
 
     @classmethod
     def solve(cls, scene: SceneData, settings: VariedNames | None) -> Answer:
-        """The answer of a scene with a mechanical system.
-
-        Raises:
-            InputError: no mechanical system, an unknown name.
-        """
+        """The answer of a scene with a mechanical system."""
         self = cls(scene, (settings and settings.to) or ())
         return cls.of(
             scene,

@@ -79,16 +79,7 @@ class ResidueForm:
 
     @staticmethod
     def of(numerator: np.ndarray, zeros: Sequence[FiniteZero], zero_poles: int) -> ResidueForm:
-        """The form of b(s)/a(s).
-
-        Args:
-            numerator: b_0 ... b_m over a_n.
-            zeros: zeros of a(s) other than s = 0.
-            zero_poles: n0, the order of the pole at s = 0.
-
-        Returns:
-            The form.
-        """
+        """The form of b(s)/a(s) from b/a_n, the zeros of a(s) other than 0, and the order n0 of the pole at s = 0."""
         pairs = [(value, zero.multiplicity) for zero in zeros for value in sorted({zero.value, np.conj(zero.value)}, key=np.imag)]
         poles, multiplicities = zip(*pairs) if pairs else ((), ())
         return ResidueForm(np.asarray(numerator, dtype=float), np.array(poles, dtype=complex), tuple(multiplicities), zero_poles)
@@ -151,27 +142,11 @@ class ResidueForm:
         return K
 
     def fundamental_solution(self, times, order: int = 0) -> np.ndarray:
-        """y_f^(order)(t) = (J^order kappa)^T E(t), Eqs. (40) (its left side is y_f), (44).
-
-        Args:
-            times: a number or shape (T,).
-            order: below zero the integral without polynomial part.
-
-        Returns:
-            A number or shape (T,).
-        """
+        """y_f^(order)(t) = (J^order kappa)^T E(t), Eqs. (40), (44); below order 0 the integral without polynomial part."""
         return (self.rows(order, 1) @ self.exponentials(times).reshape(self.order, -1)).real.reshape(np.shape(times))
 
     def at_zero(self, first: int, count: int) -> np.ndarray:
-        """y_f^(j)(0) for j = first ... first + count - 1, Eq. (29) at t = 0; those of Eq. (13) exactly.
-
-        Args:
-            first: any whole number.
-            count: the number of values.
-
-        Returns:
-            Shape (count,).
-        """
+        """y_f^(j)(0) for j = first ... first + count - 1, Eq. (29) at t = 0, shape (count,); those of Eq. (13) exactly."""
         values = (self.rows(first, count) @ self.exponentials(0.0)).real
         orders = np.arange(first, first + count)
         known = (orders >= 0) & (orders <= self.order - 1)

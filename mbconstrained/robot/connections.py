@@ -145,14 +145,7 @@ class Support(Connection):
         return wrench if self.body1 == GROUND else -wrench
 
     def parts(self, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The force along the normal, positive in compression, and the magnitude of the tangential force.
-
-        Args:
-            force: on the foot in the directions of the ground, shape (3, T).
-
-        Returns:
-            Two of shape (T,).
-        """
+        """The pressure along the normal and the magnitude of the tangential force, both (T,), of a force (3, T) on the foot."""
         along = self.unit_normal @ force
         return along, np.linalg.norm(force - np.outer(self.unit_normal, along), axis=0)
 

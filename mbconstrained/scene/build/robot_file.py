@@ -51,25 +51,13 @@ class UrdfNames:
     has_free_joint: bool = False  # whether the base of an MJCF or SDF file is free by itself
 
     def joint_unit(self, name: str) -> str:
-        """The unit of a joint.
-
-        Raises:
-            InputError: no such joint.
-        """
+        """The unit of a joint."""
         if name not in self.units:
             raise InputError(f"there is no joint {shown(name)}{nearest(name, self.units)}; the joints are {_some(self.units)}")
         return self.units[name]
 
     def check_body(self, name: str, *others: str) -> None:
-        """Check that the link exists.
-
-        Args:
-            name: name of the link.
-            others: names that may stand there as well.
-
-        Raises:
-            InputError: there is none.
-        """
+        """Refuse a name that is neither that of a link nor one of the others."""
         if name not in (*self.links, *others):
             known = (*others, *self.links)
             raise InputError(f"there is no body {shown(name)}{nearest(name, known)}; the bodies are {_some(known)}")
@@ -289,11 +277,7 @@ class RobotData:
         return self.table.licence
 
     def with_locked(self, locks: Mapping[str, float]) -> RobotData:
-        """The data with more joints locked.
-
-        Raises:
-            InputError: a joint follows another, which moves.
-        """
+        """The data with more joints locked."""
         from ...robot.tangent import locked_values
 
         locks = {**self.locks, **locks}
