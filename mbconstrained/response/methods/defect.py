@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import fsum
+from math import ceil, fsum, log2
 
 import numpy as np
 
@@ -194,6 +194,9 @@ class Defect:
 
     def allows(self, place: np.ndarray, order: int, times: np.ndarray, allowed: np.ndarray) -> np.ndarray:
         """The times at which the errors of this derivative of place @ z, by its modes, are guaranteed as small as allowed."""
+        if self._is_one_piece and len(times):
+            with np.errstate(all="ignore"):
+                return self._late(place, order, times, allowed) if self._modes is not None else np.zeros(len(times), dtype=bool)
         sure, covered = np.zeros(len(times), dtype=bool), self.covers(times)
         pieces, since = self.flow.states.restarts.located(times)
         with np.errstate(all="ignore"):
@@ -204,9 +207,13 @@ class Defect:
 
     def covers(self, times: np.ndarray) -> np.ndarray:
         """The times at which the errors of the sums of modes are bounded: truth values, shape (T,)."""
-        if self._modes is None:
-            return np.zeros(len(times), dtype=bool)
+        if self._modes is None or self._is_one_piece:
+            return np.full(len(times), self._modes is not None)
         return self.follows_force | (self.flow.states.restarts.located(times)[0] == 0)
+
+    @property
+    def _is_one_piece(self) -> bool:
+        return len(self.flow.knots) == 1
 
     @cached_property
     def in_whole_pieces(self) -> Defect | None:
@@ -279,7 +286,7 @@ class Defect:
     def _late(self, place, order, times, allowed) -> np.ndarray:
         """Whether the errors of the sums of modes are within the allowed ones."""
         end = float(times.max())
-        constant, linear, rest = self._envelope(place, order, self._until(end))
+        constant, linear, rest = self._known_envelope(place, order, self._until(end))
         rates = self._modes.rates
         growth = np.exp(np.maximum(rates, 0.0) * end)
         sure = (constant + end * linear) @ growth + rest * growth.max(initial=1.0) <= allowed
@@ -289,6 +296,17 @@ class Defect:
         decay = np.exp(np.multiply.outer(rates, times[at]))
         sure[at] = constant @ decay + times[at] * (linear @ decay) + rest * growth.max(initial=1.0) <= allowed[at]
         return sure
+
+    def _known_envelope(self, place, order: int, end: float) -> tuple[np.ndarray, np.ndarray, float]:
+        known, key = self._envelopes, (order, end)
+        if key not in known or known[key][0] is not place:
+            known[key] = place, self._envelope(place, order, end)
+        return known[key][1]
+
+    @cached_property
+    def _envelopes(self) -> dict[tuple[int, float], tuple[np.ndarray, tuple[np.ndarray, np.ndarray, float]]]:
+        """The last bounds of each order and end."""
+        return {}
 
     def _envelope(self, place, order: int, end: float) -> tuple[np.ndarray, np.ndarray, float]:
         """b, c and d: the error at t <= end is at most the sum of (b + c t) e^(a t), a the rates, and d times the largest growth."""
@@ -311,8 +329,9 @@ class Defect:
 
     def _until(self, end: float) -> float:
         """The end of the piece, or of the last one the next power of two: bounds until then are known to the next evaluation."""
-        gaps = self._gaps
-        return float(gaps[self.piece]) if self.piece < len(gaps) else 2.0 ** np.ceil(np.log2(end)) if end else 0.0
+        if self.piece + 1 < len(self._knots):
+            return float(self._gaps[self.piece])
+        return 2.0 ** ceil(log2(end)) if end else 0.0
 
     @property
     def _gaps(self) -> np.ndarray:

@@ -86,7 +86,7 @@ class ProvedFunction(BohlFunction):
             return self.proved(times)[0] if len(times) <= MOST_TIMES and self.is_provable else self.rough(times)
         refining = self.defect.flow.refined is not None
         covered = (self.refined if refining else self.defect).covers(times)
-        if 0 < np.count_nonzero(~covered) <= MOST_TIMES and self.is_provable:
+        if not covered.all() and np.count_nonzero(~covered) <= MOST_TIMES and self.is_provable:
             values = np.empty((self.size, len(times)))
             values[:, ~covered] = self.proved(times[~covered])[0]
             if covered.any():
@@ -127,11 +127,13 @@ class ProvedFunction(BohlFunction):
 
     def _surely(self, values: np.ndarray, times: np.ndarray, accuracy: float = PROVED_ACCURACY) -> np.ndarray:
         """Which sums of modes are guaranteed to this accuracy relative to the largest value."""
-        allowed = accuracy * np.maximum(values.max(axis=0), -values.min(axis=0))
+        allowed = accuracy * np.abs(values).max(axis=0)
         return self.defect.allows(self.rough.place, self.rough.order, times, allowed)
 
     def _begun(self, values: np.ndarray, times: np.ndarray, doubtful: np.ndarray) -> np.ndarray:
         """Replace values at the first doubtful times by the Taylor series, and return the indices that remain doubtful."""
+        if not len(doubtful):
+            return doubtful
         flow = self.defect.flow
         if not flow.jumping and flow.impulsive is None and self.order < len(flow.initial) and not flow.initial[self.order].any():
             values[:, doubtful[times[doubtful] == 0]] = 0.0  # as given
