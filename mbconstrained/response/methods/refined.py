@@ -206,7 +206,12 @@ class RefinedModes:
         """X^-1 @ right of states (n, K) for the leading modes, and bounds of its error for all, to first order."""
         n, count = len(self.left), self.free
         result, weights = DoubleDouble.of(np.zeros((count, right.shape[1]), dtype=complex)), self.weights[:count, None]
-        X, back, rest, largest = self.states[:, :count], self.left[self.leading[:count]], right, np.abs(right.high).max(axis=0, initial=0.0)
+        X, back, rest, largest = (
+            self.states[:, :count],
+            self.left[self.leading[:count]],
+            right,
+            np.abs(right.high).max(axis=0, initial=0.0),
+        )
         errors = 0.0
         for _ in range(STEPS):
             change = back @ rest.high
@@ -578,7 +583,9 @@ class RefinedDefect(Defect):
             return 0.0
         left, at_zero = full(flow.reduction.given[0])[constraining] @ DoubleDouble.of(flow.initial.T), smooth.start_at_zero[:, None]
         if len(at_zero):
-            states = np.concatenate([np.linalg.matrix_power(smooth.generator, k) @ at_zero for k in range(len(flow.initial))], axis=1)
+            states = np.concatenate(
+                [np.linalg.matrix_power(smooth.generator, k) @ at_zero for k in range(len(flow.initial))], axis=1
+            )
             left = left - smooth.coefficients[constraining] @ DoubleDouble.of(states)
         if left.high.any():
             return 4 * EPS * float(np.abs(flow.initial).max())
