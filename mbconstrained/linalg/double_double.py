@@ -94,6 +94,10 @@ class DoubleDouble:
         total, more = sum_with_error(total[0], total[1])
         return _paired(*_renormalized_parts(total, error[0] + error[1] + more))
 
+    def scaled(self, units) -> DoubleDouble:
+        """The numbers times powers of two."""
+        return DoubleDouble(self.high * units, self.low * units)
+
     def _parts(self) -> tuple[np.ndarray, np.ndarray]:
         """Real and imaginary parts along a new first axis."""
         return np.array([self.high.real, self.high.imag]), np.array([self.low.real, self.low.imag])
@@ -108,7 +112,7 @@ class DoubleDouble:
         counts, factors = np.bincount(row, minlength=len(matrix)), matrix[row, column][:, None]
         own = self[column]
         if (np.abs(np.frexp(factors)[0]) == 0.5).all():  # powers of two
-            own = DoubleDouble(own.high * factors, own.low * factors)
+            own = own.scaled(factors)
         else:
             own = own * factors
         if (counts == 1).all():

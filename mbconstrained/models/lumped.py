@@ -244,12 +244,12 @@ class LumpedModel(Displayed):
             object.__setattr__(element, "name", name)  # a frozen dataclass, whose numbers are checked
         elif not isinstance(name, str) or not name.strip():
             raise InputError(f"{element.kind}: found the name {name!r}; expected a text")
-        for one in (element, *element.parts):
-            self._check_name(element, one.name)
-        for name in element.ends:
+        parts, ends = element.parts, element.ends
+        self._check_names(element, [element.name, *(part.name for part in parts)])
+        for name in ends:
             self._check_body(element, name)
-        element = element.settled(self._units)
-        ends, parts = element.ends, element.parts
+        if (settled := element.settled(self._units)) is not element:
+            element, parts, ends = settled, settled.parts, settled.ends
         for name, unit in ends.items():
             if unit and name != GROUND and self._units[name] != unit:
                 raise InputError(
@@ -261,18 +261,18 @@ class LumpedModel(Displayed):
             raise InputError(f"{element.label}: one end moves along the axis (m), the other turns (rad); use a rack")
         self._elements[element.name] = element
         self._units |= {body.name: body.unit for body in (element, *parts) if isinstance(body, Body)}
-        self._parts |= {part.name: part for part in parts}
+        self._parts.update((part.name, part) for part in parts)
         return element
 
-    def _check_name(self, element: Element, name: str) -> None:
+    def _check_names(self, element: Element, names: list[str]) -> None:
         """Raise an InputError where the name of an element, or of a part of it, is in use."""
-        if name == GROUND:
-            raise InputError(f'{element.kind}: the name "ground" is that of the fixed body; choose another')
-        if (element.name, *(part.name for part in element.parts)).count(name) > 1:
-            raise InputError(f'{element.label}: its name and those of its points must differ; found "{name}" twice')
-        known = self._elements.get(name) or self._parts.get(name)
-        if known:
-            raise InputError(f'{element.kind}: the name "{name}" is already in use ({known.kind}); names must differ')
+        for name in names:
+            if name == GROUND:
+                raise InputError(f'{element.kind}: the name "ground" is that of the fixed body; choose another')
+            if names.count(name) > 1:
+                raise InputError(f'{element.label}: its name and those of its points must differ; found "{name}" twice')
+            if known := self._elements.get(name) or self._parts.get(name):
+                raise InputError(f'{element.kind}: the name "{name}" is already in use ({known.kind}); names must differ')
 
     def _check_body(self, what: Element | str, name) -> None:
         if name != GROUND and name not in self._units:

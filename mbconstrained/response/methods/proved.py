@@ -21,6 +21,7 @@ from ...ground.errors import SingularPolynomialMatrix
 from ...ground.tolerances import EPS, PROVED_ACCURACY
 from ...signals.bohl import BohlFunction
 from ..events import Event, without_zeros
+from ..flow import LATER
 from .defect import Defect
 from .refined import RefinedDefect
 
@@ -153,6 +154,8 @@ class ProvedFunction(BohlFunction):
         if not flow.jumping and flow.impulsive is None and self.order < len(flow.initial) and not flow.initial[self.order].any():
             values[:, doubtful[times[doubtful] == 0]] = 0.0  # as given
             doubtful = doubtful[times[doubtful] > 0]
+        if not len(doubtful) or times[doubtful].min() * flow.modal_rate >= LATER:
+            return doubtful
         start = flow.taylor_start(modal=True)
         early = doubtful[times[doubtful] < start.end]
         if not len(early):

@@ -230,7 +230,7 @@ class RefinedModes:
     @staticmethod
     def summed(states: DoubleDouble, amplitudes: DoubleDouble, weights: np.ndarray) -> DoubleDouble:
         """The real part of states @ amplitudes with the conjugate modes."""
-        columns, factors = DoubleDouble(states.high.T, states.low.T)[..., None], (amplitudes * weights)[:, None]
+        columns, factors = DoubleDouble(states.high.T, states.low.T)[..., None], amplitudes.scaled(weights)[:, None]
         return (stacked(columns.real, -columns.imag) * stacked(factors.real, factors.imag)).sum()
 
 
@@ -387,7 +387,7 @@ class _RefinedEquations:
         terms = np.count_nonzero(left, axis=1) + counts.max(initial=0) + 8
         return cls(flow, left, values, right, differences[:, None], terms[:, None])
 
-    def residual(self, shapes: DoubleDouble, poles: DoubleDouble, leading: np.ndarray) -> _Residual:
+    def residual(self, shapes: DoubleDouble, poles: DoubleDouble, leading: np.ndarray) -> _ModalResidual:
         """A(s) x - F at some poles s."""
         first = shapes * poles
         x = stacked(shapes, first, first * poles)
@@ -404,9 +404,9 @@ class _RefinedEquations:
             paired = np.flatnonzero(poles.high[driven].imag > 0)
             load[:, driven][:, paired] += _second_state(smooth, forced[paired]) * F[:, forced[paired] + 1]
             total, sizes = total - load, sizes + np.abs(load)
-        return _Residual(total.high, self.terms * DOUBLED_EPS * sizes, shapes, first, poles)
+        return _ModalResidual(total.high, self.terms * DOUBLED_EPS * sizes, shapes, first, poles)
 
-    def changed(self, residual: _Residual, change: np.ndarray, moved: np.ndarray) -> _Residual:
+    def changed(self, residual: _ModalResidual, change: np.ndarray, moved: np.ndarray) -> _ModalResidual:
         """The residual after small changes of shapes and poles, to a rounding error of the change."""
         x, poles = residual.shapes.high, residual.poles.high
         shapes, after = residual.shapes + change, residual.poles + moved
@@ -418,11 +418,11 @@ class _RefinedEquations:
         more = self.left @ (self.values * (self.right @ rates))
         sizes = np.abs(self.left) @ (np.abs(self.values) * (np.abs(self.right) @ sizes))
         errors = residual.errors + self.terms * EPS * sizes
-        return _Residual(residual.values + more, errors, shapes, residual.first + first, after)
+        return _ModalResidual(residual.values + more, errors, shapes, residual.first + first, after)
 
 
 @dataclass(frozen=True, eq=False)
-class _Residual:
+class _ModalResidual:
     """A(s) x - F at some poles s, rounded, bounds of its rounding errors, shape (r, L) each, and x, s x and s."""
 
     values: np.ndarray
@@ -506,7 +506,7 @@ class RefinedDefect(Defect):
         """Factors of the exponentials of the leading poles."""
         known = self._known_weights
         if order not in known or known[order][0] is not matrix:
-            known[order] = matrix, self._output(matrix, order) * self.refined.weights * self._amplitude
+            known[order] = matrix, self._output(matrix, order) * self._amplitude.scaled(self.refined.weights)
         return known[order][1]
 
     @cached_property
@@ -515,7 +515,8 @@ class RefinedDefect(Defect):
         return {}
 
     def _output(self, matrix: np.ndarray, order: int) -> DoubleDouble:
-        output = matrix @ self.refined.shapes
+        shapes = self.refined.shapes
+        output = shapes if np.array_equal(matrix, np.eye(shapes.shape[0])) else matrix @ shapes
         for _ in range(order):
             output = output * self.refined.poles
         return output
