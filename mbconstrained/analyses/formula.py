@@ -188,13 +188,7 @@ class FormulaOfMotion(Analysis):
         notes = filter(None, [parameters_text(form), form.step_note, *map(str, scene.notices)])
         text = written(form, own.language, digits)
         parts = [form.title, text, "\n".join(notes)] if own.language == "text" else [text]
-        return cls.of(
-            scene,
-            tables=(),
-            data=records(form, digits),
-            keys=(),
-            text="\n\n".join(filter(None, parts)),
-        )
+        return cls.of(scene, tables=(), data=records(form, digits), keys=(), text="\n\n".join(filter(None, parts)))
 
 
 def written(form: ClosedForm, language: str, digits: int | None = None) -> str:

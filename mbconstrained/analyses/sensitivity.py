@@ -66,12 +66,7 @@ class Sensitivity(Analysis):
         """The answer of a scene with a mechanical system."""
         self = cls(scene, (settings and settings.to) or ())
         return cls.of(
-            scene,
-            tables=tuple(self.tables()),
-            data=self._data(),
-            heading=scene.heading,
-            most_rows=None,
-            keys=("notices",),
+            scene, tables=tuple(self.tables()), data=self._data(), heading=scene.heading, most_rows=None, keys=("notices",)
         )
 
     @cached_property

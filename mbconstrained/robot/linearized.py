@@ -161,16 +161,7 @@ def connection_forces(posture: Posture, size: int, rows: Sequence[str]) -> Conne
     )
     names = [f"{one.name} {axis}" for one in connections for _ in range(1 + one.turning) for axis in "xyz"]
     units = [unit for one in connections for unit in ("N", "N m")[: 1 + one.turning] for _ in "xyz"]
-    return ConnectionForces(
-        connections,
-        places,
-        tuple(names),
-        tuple(units),
-        rest[:, 0],
-        displacement,
-        velocity,
-        multipliers,
-    )
+    return ConnectionForces(connections, places, tuple(names), tuple(units), rest[:, 0], displacement, velocity, multipliers)
 
 
 def foot_limits(posture: Posture, forces: ConnectionForces, values, sizes: Mapping[str, float], error: float) -> np.ndarray:

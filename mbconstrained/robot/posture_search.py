@@ -128,12 +128,7 @@ def limit_values(balance: Balance, wrenches: Mapping[str, np.ndarray], sizes: Ma
 
 
 def moving_contact_notices(
-    balance: Balance,
-    free: np.ndarray,
-    multipliers: np.ndarray,
-    times: np.ndarray,
-    wrenches: Mapping[str, np.ndarray],
-    error: float,
+    balance: Balance, free: np.ndarray, multipliers: np.ndarray, times: np.ndarray, wrenches: Mapping[str, np.ndarray], error: float
 ) -> Iterator[Notice]:
     """Notices on feet during a small motion, with the times of the worst value and of the first, except feet that exceed their
     limits at rest.
@@ -164,11 +159,7 @@ def _contact(balance: Balance, item: Attached, places: slice | None, wrench: np.
 
 
 def _exceeded(
-    balance: Balance,
-    free: np.ndarray,
-    multipliers: np.ndarray,
-    feet: Sequence[tuple[Contact, np.ndarray]],
-    tolerance: float,
+    balance: Balance, free: np.ndarray, multipliers: np.ndarray, feet: Sequence[tuple[Contact, np.ndarray]], tolerance: float
 ) -> list[Exceeded]:
     """Feet that exceed their limits; where the load sharing of loops is undetermined, only if every share exceeds them."""
     J = balance.scaled_jacobian[:, free].T

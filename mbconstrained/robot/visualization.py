@@ -397,12 +397,7 @@ def coordinate_wrench(posture: Posture, place: int) -> Wrench:
     velocity, rate = turn @ kinematics.columns[:3, [place]], turn @ kinematics.columns[3:, [place]]
     none, turns = np.zeros((3, 1)), bool(robot.units[place] == "rad")
     return Wrench(
-        robot.coordinates[place],
-        body,
-        body,
-        _in_frame(link, np.zeros(3)),
-        none if turns else velocity,
-        rate if turns else none,
+        robot.coordinates[place], body, body, _in_frame(link, np.zeros(3)), none if turns else velocity, rate if turns else none
     )
 
 

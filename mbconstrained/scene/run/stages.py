@@ -332,10 +332,7 @@ class PossibleStage:
     part_of: str = ""  # the stage that does it, where it is not measured itself
 
 
-FILE_STEPS = (
-    PossibleStage("read the scene", (True, "checked against the schema")),
-    PossibleStage("units", units),
-)
+FILE_STEPS = (PossibleStage("read the scene", (True, "checked against the schema")), PossibleStage("units", units))
 ROBOT_STEPS = (
     PossibleStage("robot model (pinocchio)", robot_model),
     PossibleStage("equilibrium", equilibrium),
