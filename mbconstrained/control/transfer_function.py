@@ -61,21 +61,15 @@ class ResidueSum:
 class ResidueForm:
     """Poles, kappa, J, E(t) of a(s) and what responses are made of them.
 
-    Attributes:
-        numerator: b_0 ... b_m, divided by a_n, shape (m + 1,).
-        poles: the different poles other than 0, complex, those of a pair side by side.
-        multiplicities: d_i of each.
-        zero_poles: n0, the order of the pole at s = 0 (Eq. 34).
-
     >>> form = ResidueForm(np.array([1.0]), np.array([-1.0, -2.0]), (1, 1), 0)  # 1 / ((s + 1)(s + 2))
     >>> form.kappa.real.tolist(), float(form.fundamental_solution(0.0)), form.general_response(1).forced.round(12).tolist()
     ([1.0, -1.0], 0.0, [0.5])
     """
 
-    numerator: np.ndarray
-    poles: np.ndarray
-    multiplicities: tuple[int, ...]
-    zero_poles: int
+    numerator: np.ndarray  # b_0 ... b_m, divided by a_n, shape (m + 1,)
+    poles: np.ndarray  # the different poles other than 0, complex, those of a pair side by side
+    multiplicities: tuple[int, ...]  # d_i of each
+    zero_poles: int  # n0, the order of the pole at s = 0 (Eq. 34)
 
     @staticmethod
     def of(numerator: np.ndarray, zeros: Sequence[FiniteZero], zero_poles: int) -> ResidueForm:

@@ -25,22 +25,15 @@ LARGEST = 1e290
 
 @dataclass(frozen=True)
 class Arrow:
-    """A force, a moment or an impulse of either on a body; a moment is an arrow around an axis.
+    """A force, a moment or an impulse of either on a body; a moment is an arrow around an axis."""
 
-    Attributes:
-        body: name of the body.
-        direction: of a positive force, or the axis about which a positive moment turns counter-clockwise; any length but zero.
-            None for a vector given by its components along the axes of the body's frame, with which it turns.
-        unit: such as "N" or "N m s".
-        turns: whether it is a moment.
-        point: start of the arrow in the frame of the body.
-    """
-
-    body: str
+    body: str  # name of the body
+    # of a positive force, or the axis about which a positive moment turns counter-clockwise; any length but zero. None for a vector
+    # given by its components along the axes of the body's frame, with which it turns
     direction: Vector | None
-    unit: str
-    turns: bool = False
-    point: Vector = (0.0, 0.0, 0.0)
+    unit: str  # such as "N" or "N m s"
+    turns: bool = False  # whether it is a moment
+    point: Vector = (0.0, 0.0, 0.0)  # start of the arrow in the frame of the body
 
     @property
     def unit_direction(self) -> np.ndarray | None:
@@ -106,27 +99,16 @@ class Overlay:
 
 @dataclass(frozen=True, eq=False)
 class Animation:
-    """A drawing and the motion of its coordinates.
+    """A drawing and the motion of its coordinates."""
 
-    Attributes:
-        drawing: bodies and links.
-        names: r coordinate names; the page also lists those that the drawing does not use.
-        times: shape (T,), ascending, in s.
-        values: shape (r, T), in the units of the coordinates.
-        rates: their time derivatives, shape (r, T); estimated from the values when None. With them the motion between
-            the times is exact to fourth order in their spacing.
-        overlay: forces, jumps and impulses that are drawn over the model.
-
-    Raises:
-        InputError: shapes that do not match, NaN, infinity or numbers beyond 1e290, times that do not ascend.
-    """
-
-    drawing: Drawing
-    names: tuple[str, ...]
-    times: np.ndarray
-    values: np.ndarray
+    drawing: Drawing  # bodies and links
+    names: tuple[str, ...]  # r coordinate names; the page also lists those that the drawing does not use
+    times: np.ndarray  # shape (T,), ascending, in s
+    values: np.ndarray  # shape (r, T), in the units of the coordinates
+    # their time derivatives, shape (r, T); estimated from the values when None. With them the motion between the times is exact to
+    # fourth order in their spacing
     rates: np.ndarray | None = None
-    overlay: Overlay = Overlay()
+    overlay: Overlay = Overlay()  # forces, jumps and impulses that are drawn over the model
 
     def __post_init__(self):
         times = ascending_times(self.times, "animation, times")

@@ -217,24 +217,17 @@ class TimeFunctions:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Curve of a plot.
+    """Curve of a plot."""
 
-    Attributes:
-        name: name for the legend.
-        values: shape (T,), at the plot's times.
-        color: number of its colour and dashes; for a coordinate its number in the animation, so that the curve has the
-            colour of the body that it moves. None for its number in the plot.
-        function: its values at all times, as functions and a row of them; None for straight lines between the values.
-        along: its values along the horizontal axis of a phase plane, shape (T,); None for those of the plot.
-        drawn: where it is drawn, shape (T,); None for everywhere.
-    """
-
-    name: str
-    values: np.ndarray
+    name: str  # name for the legend
+    values: np.ndarray  # shape (T,), at the plot's times
+    # number of its colour and dashes; for a coordinate its number in the animation, so that the curve has the colour of the body
+    # that it moves. None for its number in the plot
     color: int | None = None
+    # its values at all times, as functions and a row of them; None for straight lines between the values
     function: tuple[TimeFunctions, int] | None = None
-    along: np.ndarray | None = None
-    drawn: np.ndarray | None = None
+    along: np.ndarray | None = None  # its values along the horizontal axis of a phase plane, shape (T,); None for those of the plot
+    drawn: np.ndarray | None = None  # where it is drawn, shape (T,); None for everywhere
 
     @property
     def parts(self) -> list[tuple[int, int]]:
@@ -330,54 +323,29 @@ class Cells:
 
 @dataclass(frozen=True, eq=False)
 class Plot:
-    """Curves over time or another variable, or in a phase plane.
+    """Curves over time or another variable, or in a phase plane."""
 
-    Attributes:
-        title: heading, such as "displacement".
-        unit: unit of the curves, such as "m"; an empty string for a pure number.
-        times: shape (T,), ascending, in s; of a plot over another variable its values.
-        curves: their values have the shape of the times.
-        across: of a phase plane, a curve along the horizontal axis, whose name is its title; None for the time.
-        across_unit: of the horizontal axis.
-        quantity: title of the vertical axis; an empty string for that of the plot.
-        variable: quantity along the horizontal axis, such as "frequency"; of a phase plane the one along its curves.
-        scales: of the horizontal and of the vertical axis, see ``Axis``; values that are not positive are at the low end of a
-            logarithmic axis.
-        guides: further lines.
-        marks: marks at points.
-        note: a sentence below.
-        includes: values that the vertical axis reaches in any case.
-        shown: number of curves that are shown at first.
-        bands: ranges of the horizontal axis with a background of their own.
-        is_large: whether the picture is high and as wide as the page.
-        variable_unit: in a phase plane, unit of the variable, whose value is shown at the pointer; None for no such text.
-        cells: a map behind the curves, which fills the axes.
-        image: successive plots with the same text here are panels of one image.
-
-    Raises:
-        InputError: shapes that do not match, NaN, infinity or numbers beyond 1e290, times that do not ascend; no positive value for
-            a logarithmic axis.
-    """
-
-    title: str
-    unit: str
-    times: np.ndarray
-    curves: tuple[Curve, ...]
-    across: Curve | None = None
-    across_unit: str = "s"
-    quantity: str = ""
-    variable: str = "time"
+    title: str  # heading, such as "displacement"
+    unit: str  # unit of the curves, such as "m"; an empty string for a pure number
+    times: np.ndarray  # shape (T,), ascending, in s; of a plot over another variable its values
+    curves: tuple[Curve, ...]  # their values have the shape of the times
+    across: Curve | None = None  # of a phase plane, a curve along the horizontal axis, whose name is its title; None for the time
+    across_unit: str = "s"  # of the horizontal axis
+    quantity: str = ""  # title of the vertical axis; an empty string for that of the plot
+    variable: str = "time"  # quantity along the horizontal axis, such as "frequency"; of a phase plane the one along its curves
+    # of the horizontal and of the vertical axis; values that are not positive are at the low end of a logarithmic one
     scales: tuple[Scale, Scale] = ("linear", "linear")
-    guides: tuple[Guide, ...] = ()
-    marks: tuple[Marks, ...] = ()
-    note: str = ""
-    includes: tuple[float, ...] = ()
-    shown: int = MOST_SHOWN
-    bands: tuple[tuple[float, float], ...] = ()
-    is_large: bool = False
+    guides: tuple[Guide, ...] = ()  # further lines
+    marks: tuple[Marks, ...] = ()  # marks at points
+    note: str = ""  # a sentence below
+    includes: tuple[float, ...] = ()  # values that the vertical axis reaches in any case
+    shown: int = MOST_SHOWN  # number of curves that are shown at first
+    bands: tuple[tuple[float, float], ...] = ()  # ranges of the horizontal axis with a background of their own
+    is_large: bool = False  # whether the picture is high and as wide as the page
+    # in a phase plane, unit of the variable, whose value is shown at the pointer; None for no such text
     variable_unit: str | None = None
-    cells: Cells | None = None
-    image: str = ""
+    cells: Cells | None = None  # a map behind the curves, which fills the axes
+    image: str = ""  # successive plots with the same text here are panels of one image
 
     def __post_init__(self):
         times = ascending_times(self.times, f'plot "{self.title[:60]}", {"times" if self.variable == "time" else self.variable}')

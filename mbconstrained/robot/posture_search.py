@@ -56,20 +56,14 @@ PLURALS = {LIFTS: "lift off", SLIPS: "slip", TIPS: "tip over"}
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """A foot at rest.
+    """A foot at rest."""
 
-    Attributes:
-        support: a loop or bushing with friction.
-        places: of its multipliers among all; none of a bushing, whose force the posture determines.
-        wrench: force in the directions of the ground and torque along x, y, z of the frame on body1, on the foot, for units of its
-            multipliers, shape (6, k); of a bushing the force and torque at rest, shape (6, 1).
-        frame: directions of the frame on body1, shape (3, 3).
-    """
-
-    support: Support
-    places: slice | None
+    support: Support  # a loop or bushing with friction
+    places: slice | None  # of its multipliers among all; none of a bushing, whose force the posture determines
+    # force in the directions of the ground and torque along x, y, z of the frame on body1, on the foot, for units of its
+    # multipliers, shape (6, k); of a bushing the force and torque at rest, shape (6, 1)
     wrench: np.ndarray
-    frame: np.ndarray
+    frame: np.ndarray  # directions of the frame on body1, shape (3, 3)
 
     def at_rest(self, multipliers: np.ndarray) -> np.ndarray:
         """The force in the directions of the ground and the torque in those of the frame, shape (6, 1)."""

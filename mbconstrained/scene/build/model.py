@@ -77,36 +77,23 @@ class Equations:
     """The equations of a scene, their start and force, names and units, and what reports say about a model of its kind.
 
     This class serves lumped models, rotors, matrices and coefficients; robots and control systems override what differs.
-
-    Attributes:
-        coordinates: names and units.
-        polynomial_matrix: A(s), for a mechanical system that of its constrained form, without delayed terms.
-        initial: x^(i)(0-) as row i, shape (q, r).
-        force: on [0, inf), or None.
-        system: mass, damping, stiffness and constraint rows; None where A(s) was given itself.
-        model: the lumped model behind the system, or None.
-        robot_scene: the robot behind the system with its posture, inputs and outputs, or None.
-        control: the transfer function or state space behind the equations with its inputs and outputs, or None.
-        loads: the forces of the [[force]] tables and of unbalance, one by one, but for inputs of a transfer function or state space.
-        rotor: the rotor at rest whose speed the system has, or None.
-        response: the motion, where it is already known.
-        ends: what brings the motion to its end: boundary values, an input of least energy, input shapers.
-        solvability: conditions and free coordinates of equations that are no regular system by themselves; the polynomial matrix is that
-            of the completed system. None where they are one.
     """
 
-    coordinates: Coordinates
-    polynomial_matrix: PolynomialMatrix
-    initial: np.ndarray
-    force: ImpulsiveSmooth | None
-    system: MechanicalSystem | None = None
-    model: LumpedModel | None = None
-    robot_scene: Any = None
-    control: Any = None
+    coordinates: Coordinates  # names and units
+    polynomial_matrix: PolynomialMatrix  # A(s), for a mechanical system that of its constrained form, without delayed terms
+    initial: np.ndarray  # x^(i)(0-) as row i, shape (q, r)
+    force: ImpulsiveSmooth | None  # on [0, inf), or None
+    system: MechanicalSystem | None = None  # mass, damping, stiffness and constraint rows; None where A(s) was given itself
+    model: LumpedModel | None = None  # the lumped model behind the system, or None
+    robot_scene: Any = None  # the robot behind the system with its posture, inputs and outputs, or None
+    control: Any = None  # the transfer function or state space behind the equations with its inputs and outputs, or None
+    # the forces of the [[force]] tables and of unbalance, one by one, but for inputs of a transfer function or state space
     loads: tuple[SceneForce, ...] = ()
-    rotor: MechanicalSystem | None = None
-    response: Response | None = None
-    ends: tuple[End, ...] = ()
+    rotor: MechanicalSystem | None = None  # the rotor at rest whose speed the system has, or None
+    response: Response | None = None  # the motion, where it is already known
+    ends: tuple[End, ...] = ()  # what brings the motion to its end: boundary values, an input of least energy, input shapers
+    # conditions and free coordinates of equations that are no regular system by themselves; the polynomial matrix is that of the
+    # completed system. None where they are one
     solvability: Solvability | None = None
 
     # The problem, and its solution.
