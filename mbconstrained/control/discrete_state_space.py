@@ -361,7 +361,7 @@ class DiscreteStateSpace(Displayed):
             near[i] = images.pop(j)
         hold = self.origin.hold
         order = 0 if self.origin.is_delayed or isinstance(hold, str) else excess + hold
-        limits = list(euler_frobenius_roots(order)) if order > 0 else []
+        limits = sorted(np.roots(euler_frobenius(order)).real) if order > 0 else []
         result = []
         for i, value in enumerate(single):
             limit = near.get(i)
@@ -487,11 +487,6 @@ def euler_frobenius(order: int) -> list[int]:
     """
     m = order
     return [sum((-1) ** (k - i) * i**m * comb(m + 1, k - i) for i in range(1, k + 1)) for k in range(1, m + 1)]
-
-
-def euler_frobenius_roots(order: int) -> np.ndarray:
-    """The roots of B_m, real and negative, in pairs z and 1/z, ascending."""
-    return np.sort(np.roots(euler_frobenius(order)).real)
 
 
 def _line(A, B, C, D, half_turns: float) -> tuple[np.ndarray, np.ndarray]:

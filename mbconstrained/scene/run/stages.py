@@ -6,9 +6,10 @@ while a scene is read.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from itertools import chain
 from operator import attrgetter, methodcaller
 from typing import Any
 
@@ -402,11 +403,8 @@ def steps_of(scene: SceneData) -> tuple[PossibleStage, ...]:
     if scene.table.time.step_domain == "discrete":
         return (*FILE_STEPS, *first, *DISCRETE_STEPS)
     following = {"robot": ROBOT_NEXT, "state-space": CONTROL_NEXT}.get(kind, {}), _of_ends(scene)
-    return (*FILE_STEPS, *first, *(each for step in STEPS for each in (step, *_next(step.name, *following))))
-
-
-def _next(name: str, *following: Mapping[str, Sequence[PossibleStage]]) -> Iterator[PossibleStage]:
-    return (stage for stages in following for stage in stages.get(name, ()))
+    extended = [(step, *(each for stages in following for each in stages.get(step.name, ()))) for step in STEPS]
+    return (*FILE_STEPS, *first, *chain.from_iterable(extended))
 
 
 def _of_ends(scene: SceneData) -> dict[str, tuple[PossibleStage, ...]]:
