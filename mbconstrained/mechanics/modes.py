@@ -374,7 +374,9 @@ def _is_definite(A: PolynomialMatrix) -> bool:
     if A.degree != 2 or any(factors is not None for factors in A.factors) or A.uncertainty.any():
         return False
     K, C, M = A.coefficients
-    if (A.coefficients != A.coefficients.transpose(0, 2, 1)).any() and not (is_symmetric(M) and is_symmetric(C) and is_symmetric(K)):
+    if (A.coefficients != A.coefficients.transpose(0, 2, 1)).any() and not (
+        is_symmetric(M) and is_symmetric(C) and is_symmetric(K)
+    ):
         return False
     return definite_condition(M) <= DIVISOR_CONDITION and definite_condition(K) <= STIFFNESS_CONDITION
 
