@@ -259,7 +259,7 @@ class Exported:
 
     def _start_arrays(self) -> dict[str, np.ndarray]:
         """Arrays by name: initial and jump (q, r), impulses (P, r); event_times (E,), event_jumps, event_impulses where there are."""
-        return {"initial": self.initial, **_arrays_of_jumps(self.jump, self.impulses, self.events)}
+        return {"initial": self.initial, **_arrays_of_jumps(self.jump, self.impulses, self._later_events)}
 
     def write(
         self,
