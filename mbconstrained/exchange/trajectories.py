@@ -194,6 +194,11 @@ class Exported:
     events: Any
     derivative: Any
 
+    @property
+    def _later_events(self) -> Any:
+        """Jumps and impulses of the coordinates after t = 0."""
+        return self.events
+
     def to_xarray(self, times):
         """x at times (T,) as a ``DataArray`` with the dimensions time (s) and coordinate; of a state space the outputs too.
 

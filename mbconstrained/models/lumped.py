@@ -306,7 +306,10 @@ class LumpedModel(Displayed):
                 )
         if len(element.ends) < element.end_count:
             raise InputError(f"{element.label}: two of its ends are on the same body; give different ones")
-        if isinstance(element, (RigidTie, SwitchingElement)) and len({self._units[name] for name in element.ends if name != GROUND}) > 1:
+        if (
+            isinstance(element, (RigidTie, SwitchingElement))
+            and len({self._units[name] for name in element.ends if name != GROUND}) > 1
+        ):
             raise InputError(f"{element.label}: one end moves along the axis (m), the other turns (rad); use a rack")
         if isinstance(element, Release):
             self._check_release(element)
@@ -321,14 +324,20 @@ class LumpedModel(Displayed):
         if not isinstance(target, (Link, Tie, SwitchingElement)):
             known = [name for name, one in self._elements.items() if isinstance(one, (Link, Tie, SwitchingElement))]
             what = f"is a {target.kind}, which cannot be released" if target else "does not exist"
-            raise InputError(f'{release.label}: "{release.target}" {what}{nearest(release.target, known)}; expected the name of a spring, '
-                             "damper, tie, contact, latch …, added before its release")
+            raise InputError(
+                f'{release.label}: "{release.target}" {what}{nearest(release.target, known)}; expected the name of a spring, '
+                "damper, tie, contact, latch …, added before its release"
+            )
         if any(isinstance(one, Release) and one.target == release.target for one in self.elements):
             raise InputError(f'{release.label}: "{release.target}" has a release already; give one')
         if isinstance(target, PrescribedMotion):
-            raise InputError(f'{release.label}: "{release.target}" is a prescribed motion; expected a spring, damper, tie, contact or latch')
+            raise InputError(
+                f'{release.label}: "{release.target}" is a prescribed motion; expected a spring, damper, tie, contact or latch'
+            )
         if isinstance(target, switching.Latch) and target.at is not None and target.at == release.at:
-            raise InputError(f'{release.label}: the latch "{release.target}" is closed and released at once, at {release.at:g} s; give different times')
+            raise InputError(
+                f'{release.label}: the latch "{release.target}" is closed and released at once, at {release.at:g} s; give different times'
+            )
 
     def _check_name(self, element: Element, name: str) -> None:
         """Raise an InputError where the name of an element, or of a part of it, is in use."""

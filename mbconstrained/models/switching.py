@@ -56,7 +56,7 @@ class SwitchingElement(Element):
 
     def settled(self, units: Mapping[str, str]) -> Self:
         unit = next((units[name] for name in self.ends if name in units), "m")
-        changed = {}
+        changed: dict[str, Any] = {}
         for field, both in self.own_units.items():
             value = getattr(self, field)
             if isinstance(value, (str, Expressed)):
@@ -70,7 +70,7 @@ class SwitchingElement(Element):
         return {self.start: -1.0, self.end: 1.0}
 
     def switches(self, row: Row, unit: str) -> tuple[Switch, ...]:
-        """Its switches, for its row over the coordinates of a model."""
+        """The switches of the element, for its row over the coordinates of a model."""
         raise NotImplementedError
 
 
@@ -113,7 +113,9 @@ class Contact(SwitchingElement):
                 more = "a start in penetration is given by the values at the start" if name == "gap" else "it resists motion"
                 raise InputError(f"{self.label}: {name}: found {value:g}; expected a positive number: {more}")
         if self.stiffness is not None and self.restitution:
-            raise InputError(f"{self.label}: found stiffness and restitution; a rigid contact has restitution, an elastic one damping")
+            raise InputError(
+                f"{self.label}: found stiffness and restitution; a rigid contact has restitution, an elastic one damping"
+            )
         if self.stiffness is None and self.damping:
             raise InputError(f"{self.label}: found damping without stiffness; give both, or restitution of a rigid contact")
 
@@ -219,9 +221,13 @@ class DryFriction(SwitchingElement):
     constraint row whose multiplier is the friction force.
     """
 
-    normal_force: Annotated[Real, Numeric("N", "Constant; between bodies that turn, with the radius included.", "positive", varied=False)]
+    normal_force: Annotated[
+        Real, Numeric("N", "Constant; between bodies that turn, with the radius included.", "positive", varied=False)
+    ]
     coefficient: Annotated[Real, Numeric("1", "Of kinetic friction.", "positive", varied=False)]
-    static_coefficient: Annotated[Real, Numeric("1", "Of static friction; that of kinetic friction when left out.", varied=False)] = None
+    static_coefficient: Annotated[
+        Real, Numeric("1", "Of static friction; that of kinetic friction when left out.", varied=False)
+    ] = None
 
     symbol = "damper"
 
@@ -255,7 +261,9 @@ class Clutch(SwitchingElement):
     def __post_init__(self):
         super().__post_init__()
         if self.released is not None and self.released <= self.engaged:
-            raise InputError(f"{self.label}: it is released at {self.released:g} s and engaged at {self.engaged:g} s; expected a later release")
+            raise InputError(
+                f"{self.label}: it is released at {self.released:g} s and engaged at {self.engaged:g} s; expected a later release"
+            )
 
     def switches(self, row: Row, unit: str) -> tuple[Switch, ...]:
         torque = math.inf if self.torque is None else self.torque
@@ -281,7 +289,9 @@ class Latch(SwitchingElement):
     def __post_init__(self):
         super().__post_init__()
         if (self.distance is None) == (self.at is None):
-            raise InputError(f"{self.label}: expected a distance, or a time at; found {'both' if self.at is not None else 'neither'}")
+            raise InputError(
+                f"{self.label}: expected a distance, or a time at; found {'both' if self.at is not None else 'neither'}"
+            )
 
     def switches(self, row: Row, unit: str) -> tuple[Switch, ...]:
         return (latch(self.name, row, unit, self.distance, self.at),)
@@ -346,15 +356,16 @@ def with_release(switches: Sequence[Switch], release: Release, row: Row) -> tupl
     result = []
     for switch in switches:
         states = {
-            name: replace(state, guards=(*state.guards, *(release.guards(row, switch.name, None) if state.rows or not release.force else ())))
+            name: replace(
+                state, guards=(*state.guards, *(release.guards(row, switch.name, None) if state.rows or not release.force else ()))
+            )
             for name, state in switch.states.items()
         }
         switch.states = {**states, "released": SwitchState()}
         if release.at is not None:
-            change = TimedChange(release.at, "released")
+            change = TimedChange(release.at, "released", text="is released")
             if any(one.time == release.at and one.target != "released" for one in switch.times):
                 raise InputError(f'"{switch.name}" is closed and released at once, at {release.at:g} s; give different times')
             switch.times = tuple(sorted((*switch.times, change), key=lambda one: one.time))
         result.append(switch)
     return tuple(result)
-

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import comb, exp, factorial
+from math import comb, exp
 
 import numpy as np
 import scipy
@@ -90,7 +90,7 @@ class _Level:
     fast: np.ndarray
 
 
-class Flow:
+class PhaseFlow:
     """y(t) = e^{J t} y_0 with guards g = c y - b.
 
     Args:
@@ -128,7 +128,7 @@ class Flow:
     def _level(self, number: int) -> _Level:
         if self._levels[number] is None:
             self._levels[number] = self._made_level(number)
-        return self._levels[number]  # type: ignore[return-value]
+        return self._levels[number]
 
     def _made_level(self, number: int) -> _Level:
         h, n = self._widths[number], len(self.J)
@@ -142,7 +142,7 @@ class Flow:
         units, times = np.tile(np.eye(n), PANELS + 1), np.repeat(h * np.arange(PANELS + 1), n)
         steps = block_states(self.blocks, units, times).reshape(n, PANELS + 1, n).transpose(1, 0, 2)
         fast = np.zeros((self.size, n))
-        for block, at, growth, rate in zip(self.blocks, self.slices, self.growth, self.rates):
+        for at, growth, rate in zip(self.slices, self.growth, self.rates):
             if rate * h > REACH * (1 + EPS):
                 largest = np.linalg.norm(self.rows[:, at], axis=1) * exp(min(max(growth, 0.0) * h, 700.0))
                 fast[:, at] = largest[:, None]
@@ -214,7 +214,7 @@ class Flow:
         """
         if not self.size or not active.any() or horizon <= 0:
             return None
-        search = _Search(self, order, active)
+        search = _ZeroSearch(self, order, active)
         return search.scan(0, y, 0.0, horizon, climbing=True)
 
 
@@ -231,10 +231,10 @@ def _growth(block: np.ndarray) -> float:
     return float(np.linalg.eigvalsh((block + block.T) / 2)[-1])
 
 
-class _Search:
+class _ZeroSearch:
     """One search for the first zero."""
 
-    def __init__(self, flow: Flow, order: np.ndarray, active: np.ndarray):
+    def __init__(self, flow: PhaseFlow, order: np.ndarray, active: np.ndarray):
         self.flow, self.order, self.active = flow, order, active
         self.moduli = np.abs(flow.rows)
 
@@ -279,7 +279,9 @@ class _Search:
                 return found
         return None
 
-    def _in_panel(self, level: _Level, y: np.ndarray, guards: np.ndarray, noise: np.ndarray, begin: float, end: float) -> Crossing | None:
+    def _in_panel(
+        self, level: _Level, y: np.ndarray, guards: np.ndarray, noise: np.ndarray, begin: float, end: float
+    ) -> Crossing | None:
         """The first zero of some guards in one panel."""
         to, slow = _bernstein()[0], y[level.slow]
         best, grazing, shares, touching = np.inf, False, {}, []

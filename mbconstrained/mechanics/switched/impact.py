@@ -70,4 +70,6 @@ def complementary(M: np.ndarray, q: np.ndarray) -> np.ndarray:
             place = basis.index(2 * k)
             if place in candidates and right[place, 0] / column[place] <= first.min() * (1 + EPS):
                 row = place
-    raise NotUnique("the impulses of contacts that touch at one time have no solution; look for contacts that press against each other")
+    raise NotUnique(
+        "the impulses of contacts that touch at one time have no solution; look for contacts that press against each other"
+    )

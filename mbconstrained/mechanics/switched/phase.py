@@ -25,11 +25,11 @@ from ...response.response_notices import pair_notices
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import step, zero
 from ..energy import energy_of
-from .flow import NOISE, Flow
+from .flow import NOISE, PhaseFlow
 
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
-    from .switches import Guard
+    from .switches import ForceBranch, Guard
 
 #: An entry of the state that differs from that before a switch by less than this part of its terms does not jump.
 STILL = 16 * NOISE
@@ -84,7 +84,7 @@ class Source:
 
 
 @dataclass(frozen=True, eq=False)
-class Entry:
+class PhaseEntry:
     """The states of a phase just after a switch.
 
     Attributes:
@@ -111,32 +111,34 @@ class Phase:
     Args:
         name: for messages.
         system: the equations.
+        branches: those among the equations, whose forces at x = 0 are in addition to the source.
         source: the force.
-        constant: a force of the elements of the phase, in addition to the source, shape (n,).
         guards: by which it may end.
         longest: the longest time of interest, s.
-        offset: the energy of its elements at x = 0, J.
     """
 
     def __init__(
         self,
         name: str,
         system: MechanicalSystem,
+        branches: Sequence[ForceBranch],
         source: Source,
-        constant: np.ndarray,
         guards: Sequence[Guard],
         longest: float,
-        offset: float = 0.0,
     ):
-        self.name, self.system, self.source, self.guards, self.offset = name, system, source, tuple(guards), offset
-        self.constant = constant
+        self.name, self.system, self.source, self.guards = name, system, source, tuple(guards)
+        self.constant = sum((branch.load for branch in branches), np.zeros(system.size))
+        potentials = [branch.potential for branch in branches]
+        self.potential_force = system.static_force + sum((force for force, _ in potentials), np.zeros(system.size))
+        self.offset = sum(energy for _, energy in potentials)
         form, n, m = system.undelayed_form(), system.size, len(source.coefficients.T)
         S = source.of_rows(system)
         self.load_map = S
         loads = S @ source.coefficients
-        loads[: form.null_space.shape[1]] += np.outer(form.null_space.T @ constant, source.coefficients[-1])
+        loads[: form.null_space.shape[1]] += np.outer(form.null_space.T @ self.constant, source.coefficients[-1])
+        self.generator = block_matrix(source.blocks)
         A0, A1, A2 = (np.pad(matrix, (0, m)) for matrix in form.polynomial_matrix.coefficients)
-        A0[:n, n:], A0[n:, n:], A1[n:, n:] = -loads, -block_matrix(source.blocks), np.eye(m)
+        A0[:n, n:], A0[n:, n:], A1[n:, n:] = -loads, -self.generator, np.eye(m)
         names = [f"force {i + 1}" for i in range(m)]
         A = PolynomialMatrix(
             [A0, A1, A2], [*system.names, *names], [*form.polynomial_matrix.equations, *(f"of {name}" for name in names)]
@@ -164,7 +166,7 @@ class Phase:
         units = np.zeros((2, n + m, 2 * n + m))  # of x, x' and w
         for order in (0, 1):
             units[order, :n, order * n : (order + 1) * n] = np.eye(n)
-        units[0, n:, 2 * n :] = np.eye(m)
+        units[0, n:, 2 * n :], units[1, n:, 2 * n :] = np.eye(m), self.generator
         stack = companion.scaled_stack(units)
         self.start = (parts.inverse @ (form.finite_start @ stack)) / scale[:, None]
         self.input = scaling.time * (parts.inverse @ form.B)[:, :n] * scaling.rows[:n] / scale[:, None]
@@ -179,7 +181,7 @@ class Phase:
             for row, factor in guard.reactions.items():
                 rows[place] += factor * self.reaction_row(row)
             values[place] = guard.value
-        self.flow = Flow(self.blocks, rows, values, longest)
+        self.flow = PhaseFlow(self.blocks, rows, values, longest)
 
     # Outputs.
 
@@ -221,21 +223,19 @@ class Phase:
 
     def energy(self, x: np.ndarray, v: np.ndarray) -> float:
         """Kinetic, strain and static energy, J."""
-        system = self.system
-        static = system.static_force + self.constant
-        return float(energy_of(system.given, static, x, v).total) + self.offset
+        return float(energy_of(self.system.given, self.potential_force, x, v).total) + self.offset
 
-    # Entry from values just before a switch.
+    # PhaseEntry from values just before a switch.
 
-    def enter(self, x: np.ndarray, v: np.ndarray, w: np.ndarray, loads: Sequence[np.ndarray] = ()) -> Entry:
+    def enter(self, x: np.ndarray, v: np.ndarray, w: np.ndarray, loads: Sequence[np.ndarray] = ()) -> PhaseEntry:
         """The states just after a switch, from x, x' before it, the states of the force after it, and its impulses there."""
         n, stack = self.system.size, np.concatenate([x, v, w])
         g = np.abs(self.inconsistency @ stack)
         if not loads and (g <= STILL * (self._inconsistency_size @ np.abs(stack))).all():
-            return Entry(self.start @ stack, np.zeros((2, n)), (), ())
+            return PhaseEntry(self.start @ stack, np.zeros((2, n)), (), ())
         impulses = [np.concatenate([self.load_map @ load, np.zeros(len(w))]) for load in loads]
         initial = np.zeros((2, n + len(w)))
-        initial[0], initial[1, :n] = np.concatenate([x, w]), v
+        initial[0], initial[1] = np.concatenate([x, w]), np.concatenate([v, self.generator @ w])
         force = ImpulsiveSmooth(zero(n + len(w)).smooth, tuple(impulses))
         begin = starts_of(self.pairs.form, initial[..., None], force)[0]
         y = self.start @ stack
@@ -244,7 +244,7 @@ class Phase:
         jump = self._jump(x, v, y)
         size = NOISE * float(np.abs(initial).max(initial=0.0)) / self.pairs.form.companion.scaling.time
         own = _without_noise([impulse[:n] for impulse in begin.impulses], size)
-        return Entry(y, jump, own, self._reactions(jump, own, loads))
+        return PhaseEntry(y, jump, own, self._reactions(jump, own, loads))
 
     def _jump(self, x: np.ndarray, v: np.ndarray, y: np.ndarray) -> np.ndarray:
         """x and x' from y less those before, zero within rounding errors."""

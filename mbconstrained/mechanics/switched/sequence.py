@@ -19,7 +19,7 @@ from ...ground.tolerances import EPS
 from ..constraints import Constraint
 from .flow import NOISE
 from .impact import impulses_of_contacts
-from .phase import STILL, Entry, Phase, Source
+from .phase import STILL, Phase, PhaseEntry, Source
 from .switches import ForceBranch, Guard, Switch, UnilateralContact
 
 if TYPE_CHECKING:
@@ -34,11 +34,11 @@ MOST_EVENTS = 10_000
 TRIALS = 64
 
 #: Bounces are summed once the velocity after one is this part of the largest impact, if their sum is geometric to rounding errors.
-SMALL_BOUNCE = 1e-8
+SMALL_BOUNCE = EPS**0.5
 
 
 @dataclass(eq=False)
-class Segment:
+class PhaseSegment:
     """One phase between two times.
 
     Attributes:
@@ -55,11 +55,11 @@ class Segment:
     state: np.ndarray
     duration: float = 0.0
     jump: Callable[[], np.ndarray] | None = None
-    event: Record | None = None
+    event: SwitchRecord | None = None
 
 
 @dataclass(eq=False)
-class Record:
+class SwitchRecord:
     """A switch as it is computed, before it is reported."""
 
     time: float
@@ -72,10 +72,9 @@ class Record:
     coordinate_impulses: tuple[np.ndarray, ...] = ()
     guard: Guard | None = None
     guard_row: np.ndarray | None = None
-    energies: tuple[float, float] = (0.0, 0.0)
+    phases: tuple[Phase, ...] = ()
     grazing: bool = False
     resting: float | None = None
-    momentum: float = 0.0
     texts: tuple[str, ...] = ()
 
 
@@ -105,19 +104,14 @@ class Machine:
                 listed += [(place, guard), (place, guard.opposite)] if guard.dwell else [(place, guard)]
         return listed
 
-    def system_of(self, key: Key) -> tuple[MechanicalSystem, np.ndarray, float]:
-        """The equations of a phase, the constant force of its branches, and their energy at x = 0."""
+    def system_of(self, key: Key) -> tuple[MechanicalSystem, Sequence[ForceBranch]]:
+        """The equations of a phase, and the branches among them."""
         if self.systems is not None:
-            system = self.systems[key[0]]
-            return system, np.zeros(system.size), 0.0
+            return self.systems[key[0]], ()
         states = [switch.states[state] for switch, state in zip(self.switches, key)]
         branches = [branch for state in states for branch in state.branches]
         rows = [row for state in states for row in state.rows]
-        system, constant, offset = self.system, np.zeros(self.system.size), 0.0
-        for branch in branches:
-            constant += branch.direction * (branch.constant + branch.stiffness * branch.rest)
-            offset += branch.stiffness * branch.rest**2 / 2
-        return with_parts(system, branches, rows), constant, offset
+        return with_parts(self.system, branches, rows), branches
 
 
 def with_parts(system: MechanicalSystem, branches: Sequence[ForceBranch], rows: Sequence[Constraint]) -> MechanicalSystem:
@@ -160,8 +154,8 @@ class PhaseSequence:
     def __init__(self, machine: Machine, source: Source, end: float, most_events: int):
         self.machine, self.source, self.end, self.most = machine, source, end, most_events
         self.phases: dict[Key, Phase] = {}
-        self.segments: list[Segment] = []
-        self.records: list[Record] = []
+        self.segments: list[PhaseSegment] = []
+        self.records: list[SwitchRecord] = []
         self.notices: list[Notice] = []
         self.largest_impact = 0.0
 
@@ -169,9 +163,8 @@ class PhaseSequence:
         """The phase of a key."""
         if key not in self.phases:
             machine = self.machine
-            system, constant, offset = machine.system_of(key)
             guards = [guard for _, guard in machine.guards(key)]
-            self.phases[key] = Phase(machine.label(key), system, self.source, constant, guards, self.end, offset)
+            self.phases[key] = Phase(machine.label(key), *machine.system_of(key), self.source, guards, self.end)
         return self.phases[key]
 
     # The course.
@@ -179,7 +172,7 @@ class PhaseSequence:
     def run(self, key: Key, x: np.ndarray, v: np.ndarray, accepted: bool) -> None:
         """All phases from values at 0- to the end."""
         self.deadlines: dict[tuple[int, str], float] = {}
-        time, remainder, known = 0.0, 0.0, set()
+        time, remainder = 0.0, 0.0
         self._check_start(key, x, v, accepted)
         knots = iter([*self.source.knots[1:], np.inf])
         knot = next(knots)
@@ -188,7 +181,7 @@ class PhaseSequence:
         )
         loads = self.source.loads.get(0.0, ())
         w = self.source.at(0.0)
-        record = self._entered(key, key, x, v, w, loads, known, 0.0, 0.0, None, None)
+        self._entered(key, key, x, v, w, loads, [], 0.0, 0.0, None, None)
         while True:
             segment = self.segments[-1]
             key, phase, y = self.key, segment.phase, segment.state
@@ -204,7 +197,7 @@ class PhaseSequence:
                     return
                 x, v = phase.C @ state, phase.V @ state
                 w = phase.force_states(state)
-                loads, target = (), key
+                loads, target, texts = (), key, []
                 if time == knot:
                     w, loads = self.source.at(time), self.source.loads.get(time, ())
                     knot = next(knots)
@@ -212,18 +205,18 @@ class PhaseSequence:
                     _, place, change = changes.pop(0)
                     if not change.sources or target[place] in change.sources:
                         target = _replaced(target, place, change.target)
-                for (place, state), deadline in list(self.deadlines.items()):
-                    if deadline == time:
-                        target = _replaced(target, place, state)
-                        del self.deadlines[place, state]
-                self._entered(key, target, x, v, w, loads, set(), time, remainder, None, None)
+                        texts.append(f"{self.machine.switches[place].name} {change.text}" if change.text else "")
+                for due in [due for due, deadline in self.deadlines.items() if deadline == time]:
+                    target = _replaced(target, *due)
+                    del self.deadlines[due]
+                self._entered(key, target, x, v, w, loads, texts, time, remainder, None, None)
                 continue
             segment.duration = crossing.time
             time, remainder = _later(time, remainder, crossing.time)
             state = crossing.state
             x, v, w = phase.C @ state, phase.V @ state, phase.force_states(state)
             hit = [(place, guard) for place, guard in (self.listed[number] for number in crossing.guards)]
-            self._entered(key, key, x, v, w, (), {number for number in crossing.guards}, time, remainder, hit, crossing)
+            self._entered(key, key, x, v, w, (), [], time, remainder, hit, crossing)
 
     def _check_start(self, key: Key, x, v, accepted: bool) -> None:
         """Raise an InputError where a rigid contact is penetrated at the start."""
@@ -236,19 +229,20 @@ class PhaseSequence:
                 closed = self.phase(_replaced(key, self.machine.switches.index(switch), contact.closed))
                 entry = closed.enter(x, v, self.source.at(0.0))
                 impulse = _named_impulses(closed, entry.reactions).get(switch.name, [0.0])
-                sizes = " and ".join(f"{size:.6g} {_impulse_unit(switch.unit, order)}" for order, size in enumerate(impulse) if size)
+                sizes = " and ".join(
+                    f"{size:.6g} {_impulse_unit(switch.unit, order)}" for order, size in enumerate(impulse) if size
+                )
                 raise InputError(
-                    f'contact "{switch.name}": at the start it is penetrated by {-gap:.6g} {switch.unit}; closing it there would need an '
+                    f"{switch.name}: at the start it is penetrated by {-gap:.6g} {switch.unit}; closing it there would need an "
                     f"impulse of {sizes or '0'}. Start outside, or pass penetration=True to accept the jump"
                 )
 
-    def _entered(self, before: Key, key: Key, x, v, w, loads, known, time, remainder, hit, crossing) -> Record | None:
+    def _entered(self, before: Key, key: Key, x, v, w, loads, texts, time, remainder, hit, crossing) -> None:
         """Find the phase that follows a switch, record the switch, and begin a segment."""
         machine, old = self.machine, self.segments[-1].phase if self.segments else None
         start = (x, v)
-        record = Record(time, remainder, before, key, (x, x), (v, v))
+        record = SwitchRecord(time, remainder, before, key, (x, x), (v, v))
         maps: list[Callable[[], np.ndarray]] = []
-        texts: list[str] = []
         fired = hit is not None and not crossing.grazing
         if hit is not None:
             record.guard, record.grazing = hit[0][1], crossing.grazing
@@ -257,7 +251,7 @@ class PhaseSequence:
         visited: set[Key] = set()
         tried = 0
         if fired:
-            key, x, v, y_given = self._fire(before, hit, x, v, w, record, maps, texts)
+            key, x, v = self._fire(before, hit, x, v, w, record, maps, texts)
         while True:
             phase, listed = self.phase(key), machine.guards(key)
             entry = phase.enter(x, v, w, loads)
@@ -265,7 +259,13 @@ class PhaseSequence:
             if slipping is not None:
                 key = slipping
                 continue
-            known_rows = np.array([(place, guard.target, guard.text) in known_zero or self._is_touching(place, guard, key, record) for place, guard in listed], dtype=bool)
+            known_rows = np.array(
+                [
+                    (place, guard.target, guard.text) in known_zero or self._is_touching(place, guard, key, record)
+                    for place, guard in listed
+                ],
+                dtype=bool,
+            )
             order, sign, values = phase.flow.orders(entry.state, known_rows)
             negative = [
                 number
@@ -275,7 +275,7 @@ class PhaseSequence:
             if not negative:
                 break
             tried += 1
-            if tried > TRIALS or key in visited and not self._moves(entry):
+            if tried > TRIALS or (key in visited and not self._moves(entry)):
                 key, entry = self._by_search(key, x, v, w, loads, listed, negative)
                 phase, listed = self.phase(key), machine.guards(key)
                 order, sign, values = phase.flow.orders(entry.state, np.zeros(len(listed), bool))
@@ -284,24 +284,27 @@ class PhaseSequence:
             if not entry.is_smooth:
                 x, v = self._moved(phase, entry, record, maps)
                 loads = ()
-            key, x, v, _ = self._left(key, phase, entry, [(number, listed[number]) for number in negative], order, values, x, v, w, record, maps, texts)
+            key, x, v = self._left(
+                key, phase, entry, [(number, listed[number]) for number in negative], order, values, x, v, w, record, maps, texts
+            )
         x1, v1 = phase.C @ entry.state, phase.V @ entry.state
         if not entry.is_smooth:
             self._moved(phase, entry, record, maps)
         maps.append(_map_of(phase))
-        self._begin(record, before, key, start, (x1, v1), phase, entry, listed, order, sign, maps, tuple(texts), old, time)
-        return record
+        self._begin(
+            record, before, key, start, (x1, v1), phase, entry, listed, order, sign, maps, tuple(filter(None, texts)), old, time
+        )
 
     def _begin(self, record, before, key, start, after, phase, entry, listed, order, sign, maps, texts, old, time) -> None:
         self.key, self.listed, self.orders = key, listed, order
         self.active = sign > 0
         record.after, record.x, record.v, record.texts = key, (start[0], after[0]), (start[1], after[1]), texts
         jumps = np.abs(after[1] - start[1]).max(initial=0.0) > STILL * (np.abs(start[1]) + np.abs(after[1])).max(initial=0.0)
-        happened = bool(record.impulses or record.coordinate_impulses or record.grazing or (self.segments and (key != before or texts)))
-        previous = old if old is not None else phase
-        record.energies = (previous.energy(*start), phase.energy(*after))
-        record.momentum = self._momentum_residual(record, previous, phase)
-        segment = Segment(phase, record.time, record.remainder, entry.state, jump=_product(maps))
+        happened = bool(
+            record.impulses or record.coordinate_impulses or record.grazing or (self.segments and (key != before or texts))
+        )
+        record.phases = (old if old is not None else phase, phase)
+        segment = PhaseSegment(phase, record.time, record.remainder, entry.state, jump=_product(maps))
         if happened or (jumps and self.segments):
             self.records.append(record)
             segment.event = record
@@ -310,23 +313,23 @@ class PhaseSequence:
         self.segments.append(segment)
         self._set_deadlines(listed, sign, time)
 
-    def _momentum_residual(self, record: Record, before: Phase, after: Phase) -> float:
+    def momentum_residual(self, record: SwitchRecord) -> float:
         """|M jump of x' + C jump of x - sum of impulses| relative to the largest term, where all impulses are Dirac impulses."""
         if not record.impulses or any(any(sizes[1:]) for sizes in record.impulses.values()) or record.coordinate_impulses:
             return 0.0
-        rows = {row.name: row.coefficients for phase in (before, after) for row in phase.system.rows}
+        rows = {row.name: row.coefficients for phase in record.phases for row in phase.system.rows}
         for switch in self.machine.switches:
             if switch.contact is not None:
                 rows.setdefault(switch.name, switch.contact.row)
         if not set(record.impulses) <= set(rows):
             return 0.0
-        system = after.system
+        system = record.phases[1].system
         terms = [system.mass @ (record.v[1] - record.v[0]), system.damping @ (record.x[1] - record.x[0])]
         terms += [-rows[name] * sizes[0] for name, sizes in record.impulses.items()]
         largest = max(float(np.abs(term).max(initial=0.0)) for term in terms)
         return float(np.abs(sum(terms)).max(initial=0.0)) / largest if largest else 0.0
 
-    def _stop(self, record: Record) -> None:
+    def _stop(self, record: SwitchRecord) -> None:
         last = [one.time for one in self.records[-3:]]
         raise NotUnique(
             f"the motion switches more than {self.most} times before {self.end:g} s, last at {', '.join(f'{t:.9g} s' for t in last)}; "
@@ -350,14 +353,14 @@ class PhaseSequence:
         row = own.displacement @ phase.C + own.velocity @ phase.V
         return float(row @ y) - own.value > 0
 
-    def _is_touching(self, place: int, guard: Guard, key: Key, record: Record) -> bool:
+    def _is_touching(self, place: int, guard: Guard, key: Key, record: SwitchRecord) -> bool:
         """Whether the gap of a contact is zero because it was closed, or struck, just before."""
         contact = self.machine.switches[place].contact
         if contact is None or guard.restitution is None:
             return False
         return record.before[place] == contact.closed or self.machine.switches[place].name in record.impulses
 
-    def _slipping(self, key: Key, entry: Entry, phase: Phase) -> Key | None:
+    def _slipping(self, key: Key, entry: PhaseEntry, phase: Phase) -> Key | None:
         """The phase with those bounded forces slipping that would have to pass on an impulse; None where there are none."""
         if not entry.reactions:
             return None
@@ -368,14 +371,13 @@ class PhaseSequence:
                 result = _replaced(result, place, own.slips)
         return result if result != key else None
 
-    def _moves(self, entry: Entry) -> bool:
+    def _moves(self, entry: PhaseEntry) -> bool:
         return not entry.is_smooth
 
     # Changes of state.
 
     def _fire(self, key: Key, hit, x, v, w, record, maps, texts):
         """The states after guards that fell to zero."""
-        phase = self.phase(key)
         impacts = [(place, guard) for place, guard in hit if guard.restitution is not None]
         others = [(place, guard) for place, guard in hit if guard.restitution is None and guard.dwell == 0]
         for place, guard in others:
@@ -383,24 +385,20 @@ class PhaseSequence:
             key = _replaced(key, place, guard.target)
         if impacts:
             return self._impact(key, impacts, x, v, w, record, maps, texts)
-        return key, x, v, None
+        return key, x, v
 
     def _text(self, place: int, guard: Guard) -> str:
-        return f"{self.machine.switches[place].name} {guard.text}"
+        return guard.text if self.machine.systems is not None else f"{self.machine.switches[place].name} {guard.text}"
 
-    def _left(self, key: Key, phase: Phase, entry: Entry, negative, order, values, x, v, w, record, maps, texts):
+    def _left(self, key: Key, phase: Phase, entry: PhaseEntry, negative, order, values, x, v, w, record, maps, texts):
         """The states after guards that are negative just after a switch."""
-        impacts = [
-            (place, guard)
-            for number, (place, guard) in negative
-            if guard.restitution is not None and order[number] == 1
-        ]
+        impacts = [(place, guard) for number, (place, guard) in negative if guard.restitution is not None and order[number] == 1]
         if impacts:
             return self._impact(key, impacts, x, v, w, record, maps, texts)
         number, (place, guard) = negative[0]
-        target = guard.beyond if guard.beyond is not None and order[number] == 0 else guard.target
-        texts.append(self._text(place, guard))
-        return _replaced(key, place, target), x, v, None
+        passes = guard.beyond is not None and order[number] == 0
+        texts.append(f"{self.machine.switches[place].name} slips" if passes else self._text(place, guard))
+        return _replaced(key, place, guard.beyond if passes else guard.target), x, v
 
     def _contacts(self, key: Key, x, impacts) -> list[tuple[int, UnilateralContact]]:
         """The rigid contacts that touch: closed, or open with no gap, or about to strike."""
@@ -411,7 +409,9 @@ class PhaseSequence:
             if contact is None:
                 own = next((guard for at, guard in impacts if at == place), None)
                 if own is not None:
-                    found.append((place, UnilateralContact(own.displacement, -own.value, own.restitution or 0.0, state, own.target)))
+                    found.append(
+                        (place, UnilateralContact(own.displacement, -own.value, own.restitution or 0.0, state, own.target))
+                    )
                 continue
             gap, size = float(contact.row @ x) + contact.gap, float(np.abs(contact.row) @ np.abs(x)) + abs(contact.gap)
             if place in striking or state == contact.closed or (state == contact.open and abs(gap) <= STILL * size):
@@ -439,7 +439,7 @@ class PhaseSequence:
                     texts.append(f"{machine.switches[place].name} closes")
                     if contact.restitution:
                         self._note_massless(machine.switches[place].name)
-            return key, x, v, None
+            return key, x, v
         A = np.array([contact.row for _, contact in contacts])
         u = A @ v
         B = np.array(responses).T
@@ -465,13 +465,13 @@ class PhaseSequence:
             if p[number]:
                 record.impulses.setdefault(name, [0.0])[0] += float(p[number])
             if place in strikers or p[number]:
-                texts.append(f"{machine.switches[place].name} {'closes' if rests else 'strikes'}")
+                texts.append(f"{name} {'closes' if rests else 'strikes'}")
             key = _replaced(key, place, contact.closed if rests else contact.open)
         self._of_other_rows(phase, record, A, p, x1 - x, v1 - v)
         maps.append(_impact_map(phase, A, B, W, e, p))
-        return key, x1, v1, None
+        return key, x1, v1
 
-    def _of_other_rows(self, phase: Phase, record: Record, A, p, moved, gained) -> None:
+    def _of_other_rows(self, phase: Phase, record: SwitchRecord, A, p, moved, gained) -> None:
         """Impulses of the constraint rows of the phase in an impact."""
         system = phase.system
         if system.rows:
@@ -490,7 +490,7 @@ class PhaseSequence:
         return added[0] if len(added) == 1 else contact.closed
 
     def _note_massless(self, name: str) -> None:
-        text = f'contact "{name}": the point that strikes has no mass; it stays in contact, without the restitution'
+        text = f"{name}: the point that strikes has no mass; it stays in contact, without the restitution"
         if all(notice.text != text for notice in self.notices):
             self.notices.append(Notice(NoticeKind.OMITTED, text))
 
@@ -507,7 +507,7 @@ class PhaseSequence:
             if all(notice.text != text for notice in self.notices):
                 self.notices.append(Notice(NoticeKind.REDUNDANT, text))
 
-    def _is_summed(self, phase: Phase, y, contact: UnilateralContact, velocity: float, record: Record) -> bool:
+    def _is_summed(self, phase: Phase, y, contact: UnilateralContact, velocity: float, record: SwitchRecord) -> bool:
         """Whether all further bounces are summed: they are small, and geometric to rounding errors; the time of rest is recorded."""
         if velocity <= 0 or velocity > SMALL_BOUNCE * self.largest_impact or contact.restitution >= 1:
             return False
@@ -521,7 +521,7 @@ class PhaseSequence:
         record.resting = record.time + rest
         return True
 
-    def _moved(self, phase: Phase, entry: Entry, record: Record, maps) -> tuple[np.ndarray, np.ndarray]:
+    def _moved(self, phase: Phase, entry: PhaseEntry, record: SwitchRecord, maps) -> tuple[np.ndarray, np.ndarray]:
         """The values after the jump of an entry, whose impulses are recorded."""
         for name, sizes in _named_impulses(phase, entry.reactions).items():
             own = record.impulses.setdefault(name, [])
@@ -534,9 +534,12 @@ class PhaseSequence:
         maps.append(_map_of(phase))
         return phase.C @ entry.state, phase.V @ entry.state
 
-    def _by_search(self, key: Key, x, v, w, loads, listed, negative) -> tuple[Key, Entry]:
+    def _by_search(self, key: Key, x, v, w, loads, listed, negative) -> tuple[Key, PhaseEntry]:
         """The first consistent phase among all combinations of the states of the switches that alternate."""
-        places = sorted({listed[number][0] for number in negative} | {place for place, _ in enumerate(key) if self.machine.switches[place].contact})
+        places = sorted(
+            {listed[number][0] for number in negative}
+            | {place for place, _ in enumerate(key) if self.machine.switches[place].contact}
+        )
         for states in product(*(list(self.machine.switches[place].states) for place in places)):
             tried = key
             for place, state in zip(places, states):

@@ -22,8 +22,8 @@ from ...signals.impulsive import ImpulsiveLoad
 from ..constraints import ConstraintRow
 from ..energy import Energy, energy_of
 from ..motion import Motion, Quantity, _order_of
-from .phase import Phase
-from .sequence import PhaseSequence, Record, Segment
+from .phase import STILL, Phase
+from .sequence import PhaseSegment, PhaseSequence, SwitchRecord
 
 if TYPE_CHECKING:
     from ...response.methods.defect import Rounding
@@ -99,7 +99,7 @@ class SwitchedSolution:
         first = sequence.segments[0]
         begin = np.array([first.phase.C @ first.state, first.phase.V @ first.state])
         jump = begin - initial
-        jump[np.abs(jump) <= 1e-12 * (np.abs(begin) + np.abs(initial))] = 0.0
+        jump[np.abs(jump) <= STILL * (np.abs(begin) + np.abs(initial))] = 0.0
         self.jump, self.impulses = jump, ()
         self.events = tuple(
             Event(record.time, np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]]), record.coordinate_impulses)
@@ -165,7 +165,7 @@ class SwitchedMotion(Motion):
         system: the equations common to all phases, or those of the first.
     """
 
-    solution: SwitchedSolution
+    solution: SwitchedSolution  # type: ignore[assignment]
 
     _unproved = "phases that follow each other: errors are estimated"
 
@@ -189,11 +189,11 @@ class SwitchedMotion(Motion):
                 found.append((float(segment.time), segment.phase.name))
         return tuple(found)
 
-    def _event(self, place: int, record: Record) -> SwitchEvent:
+    def _event(self, place: int, record: SwitchRecord) -> SwitchEvent:
         machine = self.solution.sequence.machine
         jump = np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]])
         for row, pair in zip(jump, (record.x, record.v)):
-            row[np.abs(row) <= 1e-12 * (np.abs(pair[0]) + np.abs(pair[1])).max(initial=0.0)] = 0.0
+            row[np.abs(row) <= STILL * (np.abs(pair[0]) + np.abs(pair[1])).max(initial=0.0)] = 0.0
         impulses = {name: sizes[0] for name, sizes in record.impulses.items() if sizes and sizes[0]}
         higher = {name: tuple(sizes[1:]) for name, sizes in record.impulses.items() if any(sizes[1:])}
         return SwitchEvent(
@@ -204,9 +204,9 @@ class SwitchedMotion(Motion):
             impulses=impulses,
             higher_impulses=higher,
             coordinate_impulses=record.coordinate_impulses,
-            energy_before=record.energies[0],
-            energy_after=record.energies[1],
-            momentum_residual=record.momentum,
+            energy_before=record.phases[0].energy(record.x[0], record.v[0]),
+            energy_after=record.phases[1].energy(record.x[1], record.v[1]),
+            momentum_residual=self.solution.sequence.momentum_residual(record),
             grazing=record.grazing,
             rest_time=None if record.resting is None else float(record.resting),
             text="; ".join(dict.fromkeys(record.texts)) or ("a guard touches zero" if record.grazing else "the load jumps"),
@@ -220,7 +220,7 @@ class SwitchedMotion(Motion):
         units = self._impulse_units
         for event in self.events:
             impulses = ", ".join(f"{name} {number_text(size)} {units.get(name, 'N s')}" for name, size in event.impulses.items())
-            lost = number_text(event.energy_lost) if abs(event.energy_lost) > 1e-12 * abs(event.energy_before) else "0"
+            lost = number_text(event.energy_lost) if abs(event.energy_lost) > STILL * abs(event.energy_before) else "0"
             rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, event.before, event.after, impulses, lost))
         columns = ("t (s)", "error (s)", "what", "before", "after", "impulses", "energy lost (J)")
         return TextTable("Events", columns, tuple(rows))
@@ -228,7 +228,7 @@ class SwitchedMotion(Motion):
     # Rows of all phases.
 
     @cached_property
-    def reaction_rows(self) -> tuple[ConstraintRow, ...]:
+    def _reaction_rows(self) -> tuple[ConstraintRow, ...]:
         """The constraint rows of all phases, each once by name."""
         rows: dict[str, ConstraintRow] = {}
         for phase in self.solution.phases:
@@ -238,7 +238,7 @@ class SwitchedMotion(Motion):
 
     @property
     def _impulse_units(self) -> dict[str, str]:
-        units = {row.name: impulse_unit(force_unit(row.unit), 0) for row in self.reaction_rows}
+        units = {row.name: impulse_unit(force_unit(row.unit), 0) for row in self._reaction_rows}
         for switch in self.solution.sequence.machine.switches:
             units.setdefault(switch.name, impulse_unit(force_unit(switch.unit), 0))
         return units
@@ -248,12 +248,12 @@ class SwitchedMotion(Motion):
         """The multipliers of all rows, zero while a row is not part of the equations."""
         rows = []
         for phase in self.solution.phases:
-            rows.append(np.array([phase.reaction_row(row.name) for row in self.reaction_rows]).reshape(-1, len(phase.J)))
+            rows.append(np.array([phase.reaction_row(row.name) for row in self._reaction_rows]).reshape(-1, len(phase.J)))
         return self.solution.function_of(rows)
 
     @cached_property
     def _constraint_loads(self) -> tuple[ImpulsiveLoad, ...]:
-        names = [row.name for row in self.reaction_rows]
+        names = [row.name for row in self._reaction_rows]
         loads = []
         for record in self.solution.sequence.records:
             count = max((len(sizes) for name, sizes in record.impulses.items() if name in names), default=0)
@@ -273,12 +273,14 @@ class SwitchedMotion(Motion):
         x, v = self.displacement(flat), self.velocity(flat)
         parts = np.zeros((3, len(flat)))
         for phase, chosen in self._by_phase(flat):
-            own = energy_of(phase.system.given, phase.system.static_force + phase.constant, x[:, chosen], v[:, chosen])
+            own = energy_of(phase.system.given, phase.potential_force, x[:, chosen], v[:, chosen])
             parts[:, chosen] = own.kinetic, own.strain + phase.offset, own.static
         return Energy(*(part if times.ndim else part[0] for part in parts))
 
     def _by_phase(self, times: np.ndarray) -> list[tuple[Phase, np.ndarray]]:
-        segments = [segment for segment in self.solution.sequence.segments if segment.duration > 0] or self.solution.sequence.segments[-1:]
+        segments = [
+            segment for segment in self.solution.sequence.segments if segment.duration > 0
+        ] or self.solution.sequence.segments[-1:]
         place = np.searchsorted([segment.time for segment in segments], times, side="right") - 1
         return [
             (phase, chosen)
@@ -295,7 +297,7 @@ class SwitchedMotion(Motion):
         first = sequence.segments[0]
         P = np.diag((OWN_NOISE * EPS * _sizes(first, first.state)) ** 2)
         covariances, times, saltations = [], {}, []
-        previous: Segment | None = None
+        previous: PhaseSegment | None = None
         with np.errstate(over="ignore", invalid="ignore"):
             for segment in sequence.segments:
                 if previous is not None:
@@ -305,8 +307,8 @@ class SwitchedMotion(Motion):
                         times[id(segment.event)] = float(np.sqrt(max(along @ P @ along, 0.0)))
                     radians = float(previous.phase.flow.rates.max(initial=0.0)) * previous.duration
                     noise = EPS * (OWN_NOISE + NOISE_BY_RADIAN * radians) * _sizes(previous, y)
-                    G = _after(segment)
-                    P = np.nan_to_num(S @ P @ S.T + (G * noise) @ (G * noise).T, nan=np.inf, posinf=np.inf)
+                    G = _after(segment) @ (_along_contact(segment, n) * noise)
+                    P = np.nan_to_num(S @ P @ S.T + G @ G.T, nan=np.inf, posinf=np.inf)
                     saltations.append(S)
                 covariances.append(P)
                 previous = segment
@@ -318,9 +320,17 @@ class SwitchedMotion(Motion):
         return self._propagated[1]
 
     def error_estimate(self, times, of: Quantity = "displacement", *, order: int = 0) -> float:
-        """Return an estimate of max |error| / max |value| over the times; arguments as of ``Motion.error_estimate``.
+        """Return an estimate of max |error| / max |value| over the times.
 
         The covariance of rounding errors is carried through all phases and events; at most 64 of the times are looked at.
+
+        Args:
+            times: in s, a number or shape (T,).
+            of: the quantity.
+            order: order of a derivative of it, if any.
+
+        Returns:
+            A number without unit; infinite where the error may be as large as the answer.
         """
         own = _order_of(of)
         function = self.reaction_function if own is None else self.function
@@ -340,7 +350,7 @@ class SwitchedMotion(Motion):
             return 0.0 if not worst else np.inf
         return float(worst / largest) if np.isfinite(worst) else np.inf
 
-    def _error_at(self, segment: Segment, P: np.ndarray, time: float, own: int | None, order: int) -> float:
+    def _error_at(self, segment: PhaseSegment, P: np.ndarray, time: float, own: int | None, order: int) -> float:
         phase, n = segment.phase, self.system.size
         since = max(time - segment.time - segment.remainder, 0.0)
         rows = phase.reactions if own is None else phase.C
@@ -359,7 +369,7 @@ class SwitchedMotion(Motion):
     # Notices.
 
     @property
-    def evidence(self) -> tuple[Evidence, ...]:  # type: ignore[override]
+    def evidence(self) -> tuple[Evidence, ...]:
         """Evidence of the phases, the number of events and the largest error of their times."""
         worst = float(self._time_errors.max(initial=0.0))
         own = (
@@ -374,12 +384,12 @@ class SwitchedMotion(Motion):
         return (*self.solution.evidence, *own)
 
     @cached_property
-    def notices(self) -> tuple[Notice, ...]:  # type: ignore[override]
+    def notices(self) -> tuple[Notice, ...]:
         """Events, doubtful decisions of the phases, and the event after which digits are lost."""
         return (*self._equation_notices, *self.system.range_notices(self))
 
     @cached_property
-    def _equation_notices(self) -> tuple[Notice, ...]:  # type: ignore[override]
+    def _equation_notices(self) -> tuple[Notice, ...]:
         return distinct(
             self._event_notices, self._lost_digits, self.solution.sequence.notices, self.solution.notices, self.force.notices
         )
@@ -389,12 +399,19 @@ class SwitchedMotion(Motion):
         notices = []
         for event in self.events[:REPORTED]:
             kind = NoticeKind.IMPULSE if event.impulses else NoticeKind.JUMP if event.jump.any() else NoticeKind.SWITCH
-            sizes = ", ".join(f"{name} {number_text(size)} {self._impulse_units.get(name, 'N s')}" for name, size in event.impulses.items())
+            sizes = ", ".join(
+                f"{name} {number_text(size)} {self._impulse_units.get(name, 'N s')}" for name, size in event.impulses.items()
+            )
             impulses = f"; impulses: {sizes}" if sizes else ""
             rest = "" if event.rest_time is None else ", after infinitely many bounces"
             notices.append(Notice(kind, f"t = {event.time:.9g} s: {event.text}{rest}{impulses}"))
         if len(self.events) > REPORTED:
-            notices.append(Notice(NoticeKind.SWITCH, f"there are {counted(len(self.events), 'event')} in all, the last at t = {self.events[-1].time:.9g} s"))
+            notices.append(
+                Notice(
+                    NoticeKind.SWITCH,
+                    f"there are {counted(len(self.events), 'event')} in all, the last at t = {self.events[-1].time:.9g} s",
+                )
+            )
         return tuple(notices)
 
     @property
@@ -404,9 +421,7 @@ class SwitchedMotion(Motion):
         for number, (record, error) in enumerate(zip(self.solution.sequence.records, errors)):
             gap = max(record.time - last, EPS * record.time)
             if error > TRUST_LIMIT * gap and error > TRUST_LIMIT * EPS**0.5 * record.time:
-                text = (
-                    f"from event {number + 1} at t = {record.time:.6g} s on the motion has lost its digits: small errors grow from event to event"
-                )
+                text = f"from event {number + 1} at t = {record.time:.6g} s on the motion has lost its digits: small errors grow from event to event"
                 return (Notice(NoticeKind.ACCURACY, text, doubtful=True),)
             last = record.time
         return ()
@@ -422,32 +437,50 @@ class SwitchedMotion(Motion):
         return self.event_table(), notice_table(self.notices)
 
     def enclose(self, times, digits: int = 15, *, of: Quantity = "displacement", order: int = 0):
-        """Not available: intervals are not carried through events."""
+        """Not available: intervals are not carried through events.
+
+        Args:
+            times, digits, of, order: as of ``Motion.enclose``.
+
+        Raises:
+            InputError: always.
+        """
         from ...ground.errors import InputError
 
-        raise InputError("enclose: not available for switched systems, whose errors are estimated (error_estimate, time_error of events)")
+        raise InputError(
+            "enclose: not available for switched systems, whose errors are estimated (error_estimate, time_error of events)"
+        )
 
 
-def _sizes(segment: Segment, y: np.ndarray) -> np.ndarray:
+def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
     """The sums of moduli that x and x' are made of, shape (2 n,)."""
     phase = segment.phase
     size = np.maximum(np.abs(y), np.abs(segment.state))
     return np.concatenate([np.abs(phase.C) @ size, np.abs(phase.V) @ size])
 
 
-def _transition(segment: Segment) -> tuple[np.ndarray, np.ndarray]:
+def _transition(segment: PhaseSegment) -> tuple[np.ndarray, np.ndarray]:
     """The derivative of the states at the end of a segment with respect to (x, x') at its begin, and the states there."""
     phase, n = segment.phase, segment.phase.system.size
     moved = block_states(phase.blocks, phase.start[:, : 2 * n], np.full(2 * n, segment.duration))
     return moved, phase.flow.states(segment.state, segment.duration)
 
 
-def _after(segment: Segment) -> np.ndarray:
+def _along_contact(segment: PhaseSegment, n: int) -> np.ndarray:
+    """I without the part of a displacement guard that was just zero: its rounding error is not carried on."""
+    unit, guard = np.eye(2 * n), None if segment.event is None else segment.event.guard
+    if guard is not None and guard.displacement.any() and not guard.velocity.any():
+        d = guard.displacement
+        unit[:n, :n] -= np.outer(d, d) / (d @ d)
+    return unit
+
+
+def _after(segment: PhaseSegment) -> np.ndarray:
     """The derivative of (x, x') after a switch with respect to those before it, at a fixed time."""
     return segment.jump() if segment.jump is not None else np.eye(2 * segment.phase.system.size)
 
 
-def _saltation(previous: Segment, segment: Segment, F: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+def _saltation(previous: PhaseSegment, segment: PhaseSegment, F: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
     """The derivative of (x, x') at the begin of a segment with respect to those at the begin of the previous, and of the time of the event.
 
     With the guard g and its rate: S = D F - (z+' - D z-') dt, dt = -dg / g' (saltation matrix; Leine and Nijmeijer, Dynamics and Bifurcations
@@ -466,4 +499,3 @@ def _saltation(previous: Segment, segment: Segment, F: np.ndarray, y: np.ndarray
     before = outputs @ (phase.J @ y)
     after = np.vstack([segment.phase.C, segment.phase.V]) @ (segment.phase.J @ segment.state)
     return total + np.outer(D @ before - after, along), along
-

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ...ground.checks import counted, nearest, real_number, whole_number
 from ...ground.display import Displayed, TextTable
 from ...ground.errors import InputError, within_float64
@@ -74,7 +72,15 @@ class SwitchedSystem(Displayed):
 
     @classmethod
     def of_switches(cls, system: MechanicalSystem, switches: Sequence[Switch]) -> SwitchedSystem:
-        """The system of common equations and switches, whose phases are all combinations of the states of these."""
+        """The system of common equations and switches, whose phases are all combinations of the states of these.
+
+        Args:
+            system: the equations common to all phases.
+            switches: the parts with several states.
+
+        Returns:
+            The switched system.
+        """
         made = cls.__new__(cls)
         made._set(Machine(system, switches), {}, ())
         return made
@@ -89,7 +95,9 @@ class SwitchedSystem(Displayed):
             what = "sparse matrices" if system.is_sparse else "delays"
             raise InputError(f'phase "{name}": {what} are not available in switched systems')
         if system.names != first.names:
-            raise InputError(f'phase "{name}": its coordinates are {", ".join(system.names)}; expected {", ".join(first.names)} as in the first')
+            raise InputError(
+                f'phase "{name}": its coordinates are {", ".join(system.names)}; expected {", ".join(first.names)} as in the first'
+            )
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -111,10 +119,14 @@ class SwitchedSystem(Displayed):
             InputError: an unknown phase.
         """
         if len(states) != len(self.switches):
-            raise InputError(f"phase: found {counted(len(states), 'state')}; expected one of each of {', '.join(one.name for one in self.switches)}")
+            raise InputError(
+                f"phase: found {counted(len(states), 'state')}; expected one of each of {', '.join(one.name for one in self.switches)}"
+            )
         for switch, state in zip(self.switches, states):
             if state not in switch.states:
-                raise InputError(f'{switch.name}: there is no state "{state}"{nearest(state, switch.states)}; there are {", ".join(switch.states)}')
+                raise InputError(
+                    f'{switch.name}: there is no state "{state}"{nearest(state, switch.states)}; there are {", ".join(switch.states)}'
+                )
         return self.machine.system_of(states)[0]
 
     def solve(
@@ -166,7 +178,7 @@ class SwitchedSystem(Displayed):
         with within_float64():
             sequence = PhaseSequence(self.machine, checked_source(system, force, rows), end, most)
             key = tuple(switch.start(*start) for switch in self.switches)
-            sequence.run(key, *start, penetration)
+            sequence.run(key, start[0], start[1], penetration)
             form = sequence.segments[0].phase.system.undelayed_form()
             applied = system._applied(force)
             problem = Problem(form.polynomial_matrix, start, form.force(applied))

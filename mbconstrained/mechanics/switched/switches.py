@@ -58,18 +58,35 @@ class Guard:
 
 @dataclass(frozen=True, eq=False)
 class ForceBranch:
-    """A force -(stiffness (a x - rest) + damping a x') along a, and a constant one; both on the coordinates by a^T."""
+    """A force -(stiffness (a x - rest) + damping a x') along a, and a constant one; both on the coordinates by a^T.
+
+    Attributes:
+        stored: the energy of the spring at a x = rest, J; None where the constant force is none of a spring, as friction.
+    """
 
     direction: np.ndarray
     stiffness: float = 0.0
     rest: float = 0.0
     damping: float = 0.0
     constant: float = 0.0
+    stored: float | None = 0.0
+
+    @property
+    def load(self) -> np.ndarray:
+        """The force at x = 0, shape (n,)."""
+        return self.direction * (self.constant + self.stiffness * self.rest)
+
+    @property
+    def potential(self) -> tuple[np.ndarray, float]:
+        """The part of that force that has an energy, and the energy at x = 0, J."""
+        if self.stored is None:
+            return self.direction * (self.stiffness * self.rest), self.stiffness * self.rest**2 / 2
+        return self.load, self.stored + self.rest * (self.constant + self.stiffness * self.rest / 2)
 
 
 @dataclass(frozen=True, eq=False)
 class SwitchState:
-    """What a switch adds to the equations while it is in a state.
+    """The rows, forces and guards of a switch while it is in a state.
 
     Attributes:
         rows: constraint rows.
@@ -132,11 +149,13 @@ class TimedChange:
         time: in s.
         target: the state that follows.
         sources: the states in which it takes place; empty for all.
+        text: for reports.
     """
 
     time: float
     target: str
     sources: tuple[str, ...] = ()
+    text: str = ""
 
 
 class StartSwitch(Switch):
@@ -192,25 +211,31 @@ def elastic_contact(name: str, row: np.ndarray, gap: float, stiffness: float, da
     return switch
 
 
-def piecewise_spring(name: str, row: np.ndarray, breakpoints: Sequence[float], stiffness: Sequence[float], rest: float = 0.0) -> Switch:
+def piecewise_spring(
+    name: str, row: np.ndarray, breakpoints: Sequence[float], stiffness: Sequence[float], rest: float = 0.0
+) -> Switch:
     """A continuous force of elongation e = a x - rest with one stiffness more than breakpoints; it is zero at e = 0.
 
     F(e) = integral from 0 to e of k: in each range F_i + k_i (e - e_i).
     """
     none, edges = np.zeros(len(row)), [-np.inf, *breakpoints, np.inf]
 
-    def force(e: float) -> float:
-        total = 0.0
-        for k, low, high in zip(stiffness, edges, edges[1:]):
-            total += k * (min(max(e, low), high) - min(max(0.0, low), high))
-        return total
+    def force_and_energy(e: float) -> tuple[float, float]:
+        force = energy = 0.0
+        sign = 1.0 if e >= 0 else -1.0
+        for k, low, high in sorted(zip(stiffness, edges, edges[1:]), key=lambda part: sign * part[1]):
+            begin, end = (min(max(one, low), high) for one in (0.0, e))
+            energy += (end - begin) * (force + k * (end - begin) / 2)
+            force += k * (end - begin)
+        return force, energy
 
     names = [f"range {i + 1}" for i in range(len(stiffness))]
     states = {}
     for i, k in enumerate(stiffness):
         low, high = edges[i], edges[i + 1]
         anchor = min(max(0.0, low), high)
-        branch = ForceBranch(row, k, rest + anchor, constant=-force(anchor))
+        force, energy = force_and_energy(anchor)
+        branch = ForceBranch(row, k, rest + anchor, constant=-force, stored=energy)
         guards = []
         if np.isfinite(low):
             guards.append(Guard(names[i - 1], row, none, rest + low, text=f"enters {names[i - 1]}"))
@@ -246,12 +271,12 @@ def friction(
         lower = Guard("forward", none, none, -static, {name: 1.0}, text="slips")
         states = {
             "forward": SwitchState(
-                branches=(ForceBranch(row, constant=-kinetic),),
+                branches=(ForceBranch(row, constant=-kinetic, stored=None),),
                 guards=(Guard("stuck", none, row, beyond="backward", text="sticks"),),
             ),
             "stuck": SwitchState(rows=(stuck,), guards=(upper, lower), slips="forward"),
             "backward": SwitchState(
-                branches=(ForceBranch(row, constant=kinetic),),
+                branches=(ForceBranch(row, constant=kinetic, stored=None),),
                 guards=(Guard("stuck", none, -row, beyond="forward", text="sticks"),),
             ),
         }
@@ -260,11 +285,13 @@ def friction(
     if engaged > 0 or np.isfinite(until):
         states["open"] = SwitchState()
     if engaged > 0:
-        times.append(TimedChange(engaged, engages, ("open",)))
+        times.append(TimedChange(engaged, engages, ("open",), "engages"))
     if np.isfinite(until):
-        times.append(TimedChange(until, "open", tuple(state for state in states if state != "open")))
+        times.append(TimedChange(until, "open", tuple(state for state in states if state != "open"), "is released"))
     if engaged > 0 or np.isinf(static):
-        switch = Switch(name, {key: states[key] for key in sorted(states, key=lambda key: key != ("open" if engaged > 0 else engages))}, times)
+        switch = Switch(
+            name, {key: states[key] for key in sorted(states, key=lambda key: key != ("open" if engaged > 0 else engages))}, times
+        )
     else:
         switch = StartSwitch(name, states, row, [(0.0, "backward"), (np.nextafter(0, 1), "stuck"), (np.inf, "forward")], 1, times)
     switch.unit = unit
@@ -279,7 +306,7 @@ def releasable(
     guards: Sequence[Guard],
 ) -> Switch:
     """Rows and forces that act until a time or until a guard falls to zero."""
-    times = [] if at is None else [TimedChange(at, "released", ("held",))]
+    times = [] if at is None else [TimedChange(at, "released", ("held",), "is released")]
     return Switch(name, {"held": SwitchState(tuple(rows), tuple(branches), tuple(guards)), "released": SwitchState()}, times)
 
 
@@ -289,29 +316,21 @@ def latch(
     unit: str,
     distance: float | None,
     at: float | None,
-    release_at: float | None = None,
-    release_force: float | None = None,
 ) -> Switch:
-    """Two bodies that are joined for good once a x has reached a distance, or from a time on; released at a time or by a tension."""
+    """Two bodies that are joined for good once a x has reached a distance, or from a time on."""
     none = np.zeros(len(row))
     position = distance is not None and at is None
     level: Level = "position" if position else "velocity"
     joined = Constraint(row, level=level, value=distance if position else 0.0, names=name, unit=unit)
-    guards = [] if release_force is None else [
-        Guard("released", none, none, -release_force, {name: sign}, text="is released") for sign in (1.0, -1.0)
-    ]  # fmt: skip
-    times = [TimedChange(at, "closed", ("open",))] if at is not None else []
-    if release_at is not None:
-        times.append(TimedChange(release_at, "released", ("closed", "open")))
-    states = {"closed": SwitchState(rows=(joined,), guards=tuple(guards)), "released": SwitchState()}
+    times = [TimedChange(at, "closed", ("open",), "closes")] if at is not None else []
+    states = {"closed": SwitchState(rows=(joined,))}
     if not position:
-        switch = Switch(name, {"open": SwitchState(), **states}, sorted(times, key=lambda change: change.time))
+        switch = Switch(name, {"open": SwitchState(), **states}, times)
     else:
         above = Guard("closed", row, none, distance, text="closes")
         below = Guard("closed", -row, none, -distance, text="closes")
         states = {"open above": SwitchState(guards=(above,)), "open below": SwitchState(guards=(below,)), **states}
-        times = [TimedChange(one.time, one.target, ("closed", "open above", "open below")) for one in times]
-        switch = StartSwitch(name, states, row, [(distance, "open below"), (np.inf, "open above")], times=times)
+        switch = StartSwitch(name, states, row, [(distance, "open below"), (np.inf, "open above")])
     switch.unit = unit
     return switch
 
@@ -376,7 +395,7 @@ class Transition:
         rows, names = [row.name for row in system.rows], list(system.names)
         given = dict(self.when or {})
         if not given:
-            raise InputError(f"{self._label}: when: expected factors by name, such as {{\"{names[0]}\": 1.0}}")
+            raise InputError(f'{self._label}: when: expected factors by name, such as {{"{names[0]}": 1.0}}')
         own = [name for name in given if name in rows and name not in names]
         quantity = self.quantity or ("reaction" if len(own) == len(given) else "displacement")
         known = rows if quantity == "reaction" else names
@@ -385,7 +404,7 @@ class Transition:
                 what = "constraint row" if quantity == "reaction" else "coordinate"
                 raise InputError(f'{self._label}: when: the phase "{self.source}" has no {what} "{name}"{nearest(name, known)}')
         sign = -1.0 if self.above is not None else 1.0
-        value = sign * (self.above if self.above is not None else self.below)  # type: ignore[operator]
+        value = sign * (self.above if self.above is not None else self.below)
         factors = {name: sign * real_number(factor, f"{self._label}: factor of {name}") for name, factor in given.items()}
         none, row = np.zeros(system.size), np.array([factors.get(name, 0.0) for name in names])
         text = f"to {self.target}"
