@@ -313,15 +313,21 @@ class Frequency(Analysis):
         of_input, of_output = control.inputs.names, control.outputs.names
         return replace(response, harmonic=replace(response.harmonic, input_names=of_input, output_names=of_output))
 
+    @property
+    def searched(self) -> tuple[tuple[float, float], Sequence[float]]:
+        """Limits in Hz between which peaks are searched, and the ends of the range that are given."""
+        table = self.table
+        given = [table.lowest, table.highest] if table.is_auto else table.lines[[0, -1]].tolist()
+        ends = [float(end) for end in given if end is not None]
+        return (min(ends), max(ends)) if len(ends) == 2 else (table.lowest or 0.0, table.highest or np.inf), ends
+
     @cached_property
     def largest(self) -> tuple[np.ndarray, np.ndarray]:
         """The largest |H| of each entry in the range, at a peak or at an end, and its frequency in Hz, shape (outputs, inputs) each.
 
         Of a range that the poles place, and of an entry without peak, the values are NaN.
         """
-        empty, table = self.empty, self.table
-        ends = table.lines[[0, -1]] if not table.is_auto else [end for end in (table.lowest, table.highest) if end is not None]
-        limits = (min(ends), max(ends)) if len(ends) == 2 else (table.lowest or 0.0, table.highest or np.inf)
+        empty, (limits, ends) = self.empty, self.searched
         amplitudes, places = (np.full((len(empty.outputs), len(empty.inputs)), np.nan) for _ in range(2))
         maxima = [(peak.output, peak.input, peak.frequency_hz, peak.amplitude) for peak in empty.peaks]
         at_ends = empty(ends) if len(ends) else None

@@ -135,18 +135,6 @@ class Family(Displayed):
         """M, C and K of some systems, or of one."""
         return self.mass[at], self.damping[at], self.stiffness[at]
 
-    def _transfers(self, harmonic: Harmonic, levels) -> Iterator[tuple[slice, StackedTransfer]]:
-        """Transfer functions for a harmonic response, of some systems at a time; none where poles do not give it."""
-        base, n = self.base, self.base.size
-        B, C = harmonic.inputs, harmonic.outputs
-        if self.poles is None or B.shape[0] != n + len(base.rows) or C[:, n:].any() or harmonic.imaginary is not None:
-            return
-        motions, orders = base.multiplier_map.T @ B[n:], np.asarray(levels, dtype=int)
-        for at in in_parts(len(self)):
-            M, D, K = self.matrices(at)
-            loads = [B[:n] - K @ motions] + [-(D @ motions), -(M @ motions)] * bool(motions.any())
-            yield at, StackedTransfer(self.poles.of(at), C[:, :n], motions, tuple(loads), harmonic.power, orders)
-
     def _is_free(self, shapes: np.ndarray, of: Literal["stiffness", "damping"]) -> np.ndarray:
         """Which systems have no springs, or no dampers, that resist some motions, up to rounding errors of the entries, shape (S,)."""
         V, matrices = self.base.position_form().null_space, getattr(self, of)
@@ -259,7 +247,7 @@ class Family(Displayed):
         values = np.empty((len(self), len(names[1]), len(names[0]), len(frequencies)), dtype=complex)
         errors = np.full((len(self), len(names[1]), len(names[0])), np.inf)
         at_level = quantity in BY_POLES and not any(row.order for row in self.base.rows)
-        for at, transfer in self._transfers(first.harmonic, np.zeros(len(first.inputs))) if at_level else ():
+        for at, transfer in stacked_transfers(self, first.harmonic, np.zeros(len(first.inputs))) if at_level else ():
             values[at], absolute = transfer(2j * np.pi * frequencies)
             errors[at] = np.where(transfer.poles.serve[:, None, None], _relative(values[at], absolute), np.inf)
         alone = np.flatnonzero(~(errors <= LINE_ACCURACY).all(axis=(1, 2)))
@@ -290,7 +278,7 @@ class Family(Displayed):
         spectra = first.spectra
         if not (first.infinite or spectra.longest_delay or options.get("modal_damping") is not None):
             levels = [KINDS[spectrum.of] or 0 for spectrum in spectra.spectra]
-            for at, transfer in self._transfers(first.harmonic, levels):
+            for at, transfer in stacked_transfers(self, first.harmonic, levels):
                 squares[at], errors[at] = _variances(transfer, spectra)
         served = (errors <= STACKED_VARIANCE * squares).all(axis=1)
         with np.errstate(all="ignore"):
@@ -301,6 +289,19 @@ class Family(Displayed):
             own = first if not place else self[place].random_response(*arguments, **options)
             rms[place], relative[place] = own.rms, own.error_estimate
         return FamilyRandomResponse(self, rms, relative, first.outputs, first.units, alone, (arguments, options))
+
+
+def stacked_transfers(systems: Family, harmonic: Harmonic, levels) -> Iterator[tuple[slice, StackedTransfer]]:
+    """Transfer functions for a harmonic response, of some systems at a time; none where poles do not give it."""
+    base, n, poles = systems.base, systems.base.size, systems.poles
+    B, C = harmonic.inputs, harmonic.outputs
+    if poles is None or B.shape[0] != n + len(base.rows) or C[:, n:].any() or harmonic.imaginary is not None:
+        return
+    motions, orders = base.multiplier_map.T @ B[n:], np.asarray(levels, dtype=int)
+    for at in in_parts(len(systems)):
+        M, D, K = systems.matrices(at)
+        loads = [B[:n] - K @ motions] + [-(D @ motions), -(M @ motions)] * bool(motions.any())
+        yield at, StackedTransfer(poles.of(at), C[:, :n], motions, tuple(loads), harmonic.power, orders)
 
 
 # The modes of a family of systems: eigenvalues and shapes from the stacked poles, of some systems one by one.

@@ -323,9 +323,9 @@ class Motion(SystemMotion, Response):
         return values[:n], values[n:]
 
     def _rounding(self) -> Rounding | None:
-        from .exact_motion import rounding_of_form
+        from .exact_motion import FormRounding
 
-        return rounding_of_form(self.system, self.applied)
+        return FormRounding.of(self.system, self.applied)
 
     @cached_property
     def exact(self) -> ExactResponse:

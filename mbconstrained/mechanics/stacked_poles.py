@@ -247,7 +247,7 @@ class StackedTransfer:
             total: Any = (self.outputs @ self.motions)[:, :, None]
             error: Any = 0.0
             powers = s[:, :, None]
-            for power, (residues, bound, direct) in enumerate(self._terms()):
+            for power, (residues, bound, direct) in enumerate(self.terms()):
                 shape = (len(values), -1, residues.shape[3])
                 part = residues.reshape(shape) @ each + residues.conj().reshape(shape) @ mirrored
                 total = total + (part.reshape(*residues.shape[:3], -1) + direct[..., None]) * powers**power
@@ -258,10 +258,10 @@ class StackedTransfer:
     def residues(self) -> np.ndarray:
         """The residues of H at the poles, shape (S, p, m, P)."""
         s = self.poles.values[:, None, None, :]
-        total = sum(residues * s**power for power, (residues, _, _) in enumerate(self._terms()))
+        total = sum(residues * s**power for power, (residues, _, _) in enumerate(self.terms()))
         return total * s ** (self.order - self.levels[:, None])
 
-    def _terms(self):
+    def terms(self):
         """For each power of s: residues, a bound of their size by the largest entries of the shapes, and the part without poles."""
         poles = self.poles
         X = self.outputs @ poles.shapes

@@ -9,7 +9,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
@@ -289,33 +289,32 @@ class LumpedModel(Displayed):
     def _add(self, element):
         name = element.name
         if not name:
-            element = replace(
-                element, name=next(free for free in element.default_names if free not in self._elements and free not in self._parts)
-            )
+            name = next(free for free in element.default_names if free not in self._elements and free not in self._parts)
+            element = copy(element)
+            object.__setattr__(element, "name", name)  # a frozen dataclass, whose numbers are checked
         elif not isinstance(name, str) or not name.strip():
             raise InputError(f"{element.kind}: found the name {name!r}; expected a text")
-        for one in (element, *element.parts):
-            self._check_name(element, one.name)
-        for name in element.ends:
-            self._check_body(element.label, name)
-        element = element.settled(self._units)
-        for name, unit in element.ends.items():
+        parts, ends = element.parts, element.ends
+        self._check_names(element, [element.name, *(part.name for part in parts)])
+        for name in ends:
+            self._check_body(element, name)
+        if (settled := element.settled(self._units)) is not element:
+            element, parts, ends = settled, settled.parts, settled.ends
+        for name, unit in ends.items():
             if unit and name != GROUND and self._units[name] != unit:
                 raise InputError(
                     f'{element.label}: "{name}" {STATES[self._units[name]]}, but a {element.kind} needs a body that {STATES[unit]}'
                 )
-        if len(element.ends) < element.end_count:
+        if len(ends) < element.end_count:
             raise InputError(f"{element.label}: two of its ends are on the same body; give different ones")
-        if (
-            isinstance(element, (RigidTie, SwitchingElement))
-            and len({self._units[name] for name in element.ends if name != GROUND}) > 1
-        ):
+        joins_one_kind = isinstance(element, (RigidTie, SwitchingElement))
+        if joins_one_kind and len({self._units[name] for name in ends if name != GROUND}) > 1:
             raise InputError(f"{element.label}: one end moves along the axis (m), the other turns (rad); use a rack")
         if isinstance(element, Release):
             self._check_release(element)
         self._elements[element.name] = element
-        self._units |= {body.name: body.unit for body in with_parts((element,)) if isinstance(body, Body)}
-        self._parts |= {part.name: part for part in element.parts}
+        self._units |= {body.name: body.unit for body in (element, *parts) if isinstance(body, Body)}
+        self._parts.update((part.name, part) for part in parts)
         return element
 
     def _check_release(self, release: Release) -> None:
@@ -339,20 +338,19 @@ class LumpedModel(Displayed):
                 f'{release.label}: the latch "{release.target}" is closed and released at once, at {release.at:g} s; give different times'
             )
 
-    def _check_name(self, element: Element, name: str) -> None:
+    def _check_names(self, element: Element, names: list[str]) -> None:
         """Raise an InputError where the name of an element, or of a part of it, is in use."""
-        own = [part.name for part in element.parts]
-        if name == GROUND:
-            raise InputError(f'{element.kind}: the name "ground" is that of the fixed body; choose another')
-        if (element.name, *own).count(name) > 1:
-            raise InputError(f'{element.label}: its name and those of its points must differ; found "{name}" twice')
-        known = self._elements.get(name) or self._parts.get(name)
-        if known:
-            raise InputError(f'{element.kind}: the name "{name}" is already in use ({known.kind}); names must differ')
+        for name in names:
+            if name == GROUND:
+                raise InputError(f'{element.kind}: the name "ground" is that of the fixed body; choose another')
+            if names.count(name) > 1:
+                raise InputError(f'{element.label}: its name and those of its points must differ; found "{name}" twice')
+            if known := self._elements.get(name) or self._parts.get(name):
+                raise InputError(f'{element.kind}: the name "{name}" is already in use ({known.kind}); names must differ')
 
-    def _check_body(self, label: str, name) -> None:
+    def _check_body(self, what: Element | str, name) -> None:
         if name != GROUND and name not in self._units:
-            known = (GROUND, *self.coordinates)
+            known, label = (GROUND, *self.coordinates), what if isinstance(what, str) else what.label
             raise InputError(
                 f'{label}: there is no body "{name}"{nearest(name, known)}; bodies are added before the elements between them'
             )

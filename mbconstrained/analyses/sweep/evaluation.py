@@ -22,13 +22,14 @@ from ...ground.tolerances import PROVED_ACCURACY, noise_of
 from ...mechanics.element_matrix import ElementMatrix
 from ...mechanics.family import Family, FamilyModes
 from ...mechanics.system import MechanicalSystem
+from ...robot.linearized import LinearizedRobot
 from ...scene.file import SceneName
 from ...scene.run.result import ORDERS, Result
 from ...scene.run.scene import Scene, assembled
 from ..frequency import Frequency
 from ..random import random_arguments, random_response
 from .kept_quantities import Variable, eigenvalues_of, response_lines
-from .stacked_samples import stacked_samples
+from .stacked_samples import stacked_peaks, stacked_samples
 
 #: Errors that are the answer of a sample: its equations have none, or its data are wrong.
 FAILURES = (MbconstrainedError, ArithmeticError, np.linalg.LinAlgError)
@@ -96,6 +97,17 @@ def evaluate(job: Job, rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarra
         return _Chunk(job, rows).arrays()
 
 
+#: Kept quantities that samples of elements' numbers have without scenes.
+STACKED = ("modes", "response peaks")
+
+
+def is_stacked(job: Job, row: Mapping[str, Any]) -> bool:
+    """Whether stacks serve all kept quantities of samples such as this one."""
+    with suppress(*FAILURES):
+        return all(one.source in STACKED for one in job.variables) and stacked_samples(job.given_scene, [row]) is not None
+    return False
+
+
 def without_answer(job: Job, reason: str) -> dict[str, np.ndarray]:
     """A sample that took too long, in the form of ``evaluate``."""
     values = {one.name: np.full((1, *one.shape), np.nan) for one in job.variables}
@@ -118,8 +130,8 @@ class _Chunk:
             by_source.setdefault(variable.source, []).append(variable)
         for source, variables in by_source.items():
             compute = getattr(self, "_" + source.lower().replace(" ", "_"))
-            served = self._stacked_modes(variables) if source == "modes" else frozenset()
-            for group in self._groups(served, alike=source in ("modes", "random RMS", "motion")):
+            served = self._served(variables, source)
+            for group in self._groups(served, source):
                 self._together(compute, variables, group)
         failed = np.array([bool(reason) for reason in self.reasons])
         for values in self.values.values():
@@ -145,9 +157,15 @@ class _Chunk:
         except FAILURES as problem:
             self.reasons[place] = self.reasons[place] or (str(problem).strip() or type(problem).__name__).replace("\n", " ")
 
-    def _groups(self, served: Container[int], alike: bool) -> list[list[int]]:
-        """The samples that are not served and have no reason for failure, grouped by structure."""
+    def _groups(self, served: Container[int], source: str) -> list[list[int]]:
+        """The samples that are not served and have no reason for failure, grouped by structure where that is of use."""
         groups: list[list[int]] = []
+        alike = {
+            "modes": _have_similar_systems,
+            "response peaks": _have_alike_responses,
+            "random RMS": _alike,
+            "motion": _alike,
+        }.get(source)
         for place, row in enumerate(self.rows):
             if place in served or self.reasons[place]:
                 continue
@@ -156,21 +174,31 @@ class _Chunk:
             if self.reasons[place]:
                 continue
             scene = self.scenes[place]
-            group = next((one for one in groups if alike and _alike(self.scenes[one[0]], scene)), None)
+            group = next((one for one in groups if alike and alike(self.scenes[one[0]], scene)), None)
             if group is None:
                 groups.append([place])
             else:
                 group.append(place)
         return groups
 
-    def _stacked_modes(self, variables: list[Variable]) -> frozenset[int]:
-        """The modes of samples that differ in numbers of elements only; returns the places of those that are accurate."""
+    @cached_property
+    def _stacked(self) -> tuple[np.ndarray, Family] | None:
+        """The places of the samples that differ in numbers of elements only, and their family."""
         with suppress(*FAILURES):
-            if (stacked := stacked_samples(self.job.given_scene, self.rows)) is not None:
+            return stacked_samples(self.job.given_scene, self.rows)
+        return None
+
+    def _served(self, variables: list[Variable], source: str) -> frozenset[int]:
+        """Store what stacks without a scene of each sample give, and return the places of the samples that are accurate."""
+        with suppress(*FAILURES):
+            if source in STACKED and (stacked := self._stacked) is not None:
                 places, systems = stacked
-                modes = systems.modes()
-                accurate = np.setdiff1d(np.arange(len(places)), modes.alone)
-                self._store_modes(variables, places[accurate], modes, accurate)
+                if source == "modes":
+                    modes = systems.modes()
+                    accurate = np.setdiff1d(np.arange(len(places)), modes.alone)
+                    self._store_modes(variables, places[accurate], modes, accurate)
+                else:
+                    accurate = self._stacked_peaks(variables, places, systems, self.job.given_scene, is_reduced=True)
                 return frozenset(places[accurate].tolist())
         return frozenset()
 
@@ -194,10 +222,22 @@ class _Chunk:
             self.values[variable.name][places, : own.shape[1]] = own
 
     def _response_peaks(self, variables: list[Variable], group: list[int]) -> None:
-        for place in group:
-            largest = Frequency(self.scenes[place]).largest
-            for variable, rows in zip(variables, largest):
-                self.values[variable.name][place] = rows.ravel()
+        places, served = np.array(group), np.zeros(0, dtype=int)
+        if len(group) > 1:
+            served = self._stacked_peaks(variables, places, SampleFamily.of(self._systems(group)), self.scenes[group[0]])
+        for place in np.delete(places, served).tolist():
+            with self._answering(place):
+                largest = Frequency(self.scenes[place]).largest
+                for variable, rows in zip(variables, largest):
+                    self.values[variable.name][place] = rows.ravel()
+
+    def _stacked_peaks(self, variables: list[Variable], places: np.ndarray, systems: Family, scene: Scene, **options) -> np.ndarray:
+        """Store the largest responses of systems that have those of a scene, and return the indices of those that are accurate."""
+        found = stacked_peaks(Frequency(scene), systems, **options)
+        served = np.zeros(0, dtype=int) if found is None else np.flatnonzero(found.serve)
+        for variable, values in zip(variables, () if found is None else (found.amplitudes, found.frequencies_hz)):
+            self.values[variable.name][places[served]] = values.reshape(len(values), -1)[served]
+        return served
 
     def _response_curves(self, variables: list[Variable], group: list[int]) -> None:
         for place in group:
@@ -307,19 +347,31 @@ def _by_kind(variables: Iterable[Variable]) -> Iterator[tuple[str, list[Variable
         yield kind, [one for one in chosen if one.curve[0] == kind]
 
 
-def _alike(one: Scene, other: Scene) -> bool:
-    """Whether two scenes have systems of arrays that differ only in matrices, values at 0- and static forces."""
+def _have_similar_systems(one: Scene, other: Scene) -> bool:
+    """Whether two scenes have systems of arrays that differ only in matrices."""
     first, second = one.equations.system, other.equations.system
-    if type(first) is not MechanicalSystem or type(second) is not MechanicalSystem or first.is_sparse or second.is_sparse:
+    if type(first) is not type(second) or first is None or first.is_sparse or second.is_sparse or first.names != second.names:
+        return False
+    if type(first) is not MechanicalSystem and not (isinstance(first, LinearizedRobot) and not first.rows):
         return False
     if any(scene.equations.rotor is not None or scene.equations.control for scene in (one, other)):
-        return False
-    if one.equations.ends or other.equations.ends:  # inputs that depend on the matrices
-        return False
-    tables = (one.table.force, one.table.motion, one.table.random, one.table.time)
-    if first.names != second.names or tables != (other.table.force, other.table.motion, other.table.random, other.table.time):
         return False
     rows = list(zip(first.rows, second.rows))
     return len(first.rows) == len(second.rows) and all(
         a.level == b.level and a.value == b.value and np.array_equal(a.coefficients, b.coefficients) for a, b in rows
     )
+
+
+def _alike(one: Scene, other: Scene) -> bool:
+    """Whether two scenes have systems of arrays that differ only in matrices, values at 0- and static forces."""
+    if type(one.equations.system) is not MechanicalSystem or not _have_similar_systems(one, other):
+        return False
+    if one.equations.ends or other.equations.ends:  # inputs that depend on the matrices
+        return False
+    tables = (one.table.force, one.table.motion, one.table.random, one.table.time)
+    return tables == (other.table.force, other.table.motion, other.table.random, other.table.time)
+
+
+def _have_alike_responses(one: Scene, other: Scene) -> bool:
+    """Whether the responses of two scenes have the same range, inputs and outputs."""
+    return one.table.frequency == other.table.frequency and one.table.output == other.table.output and _alike(one, other)

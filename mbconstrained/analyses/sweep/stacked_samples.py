@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,12 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 from ...ground.quantities import LARGEST, LEAST
 from ...ground.tolerances import noise_of
 from ...linalg.precise import is_worthwhile
-from ...mechanics.family import Family, family
+from ...mechanics.family import BY_POLES, Family, family, stacked_transfers
 from ...mechanics.stacked_equations import projected
+from ...mechanics.stacked_peaks import LargestResponses, largest_responses
 from ...models.lumped import coordinate_row, exact_elements, incidence_of
 from ...scene.run.scene import Scene
+from ..frequency import Frequency
 
 
 class Sampled(NDArrayOperatorsMixin):
@@ -109,3 +112,26 @@ def _stack(entries: np.ndarray, count: int) -> np.ndarray:
     for place, entry in np.ndenumerate(entries):
         result[(slice(None), *place)] = getattr(entry, "values", entry)
     return result
+
+
+def stacked_peaks(frequency: Frequency, systems: Family, is_reduced: bool = False) -> LargestResponses | None:
+    """The largest responses of systems with the inputs and outputs of a response; None where poles do not give them.
+
+    Reduced systems have the coordinates that the constraint rows of its system leave free.
+    """
+    harmonic, system = frequency.empty.harmonic, frequency.system
+    if system is None or harmonic.quantity not in BY_POLES or harmonic.sizes is not None or any(row.order for row in system.rows):
+        return None
+    if harmonic.left_out or harmonic.delayed or harmonic.input_delays:
+        return None
+    if is_reduced:
+        n, V = system.size, system.position_form().null_space
+        if len(harmonic.inputs) != n + len(system.rows) or harmonic.inputs[n:].any() or harmonic.outputs[:, n:].any():
+            return None
+        harmonic = replace(harmonic, inputs=V.T @ harmonic.inputs[:n], outputs=harmonic.outputs[:, :n] @ V)
+    parts = [
+        largest_responses(transfer, *frequency.searched)
+        for _, transfer in stacked_transfers(systems, harmonic, np.zeros(harmonic.inputs.shape[1]))
+    ]
+    joined = (np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(LargestResponses)) if parts else ()
+    return LargestResponses(*joined) if parts else None

@@ -30,7 +30,7 @@ from ...scene.schema.entry_types import Text, validated
 from ..base import Analysis, Answer
 from ..modes import variants_content
 from ..timing import machine, version_of
-from .evaluation import ANSWERED, Job
+from .evaluation import ANSWERED, Job, is_stacked
 from .execution import by_dask, by_processes, hashes, in_process
 from .kept_quantities import SampleFigure, Variable, figures_of, limits_of, variables_of
 from .plots import SweepPlots, row_plot
@@ -50,7 +50,8 @@ from .store import REASON, STATUS, Chunks, Memory, Store, column_name, variable_
 if TYPE_CHECKING:
     from ...scene.run.scene import Scene
 
-#: Samples of a chunk: as many as chunks, within these limits, so that a worker has some, and an interruption costs little.
+#: Samples of a chunk: as many as chunks, within these limits, so that a worker has some, and an interruption costs little; the most where
+#: stacks serve, to which a sample costs next to nothing.
 LEAST_CHUNK, MOST_CHUNK, USUAL_CHUNKS = 8, 256, 64
 
 MOST_WORKERS = 1024
@@ -97,10 +98,11 @@ class Sweep(Displayed):
     def _summary(self) -> str:
         return f"{self.scene.name}, {counted(len(self.samples), 'sample')} of {', '.join(self.samples.variations)}"
 
-    @property
+    @cached_property
     def chunk(self) -> int:
-        """Number of samples computed and stored together, which depends on the number of samples alone."""
-        return self.table.chunk or min(max(len(self.samples) // USUAL_CHUNKS, LEAST_CHUNK), MOST_CHUNK)
+        """Number of samples computed and stored together, which depends on the study alone."""
+        least = MOST_CHUNK if is_stacked(self.job, self.samples.nominal) else LEAST_CHUNK
+        return self.table.chunk or min(max(len(self.samples) // USUAL_CHUNKS, least), MOST_CHUNK)
 
     def run(
         self,
@@ -615,11 +617,15 @@ def study_of(scene: Scene, parameters: Mapping[str, Any] | None, options: Mappin
 
 def _middle(job: Job, scene: Scene, samples: ParameterSamples) -> Scene:
     """The scene of the middle sample, by which units and uses of the parameters are checked."""
-    for name, variation in samples.variations.items():
+    for name in samples.variations:
         if name in job.settings:
             raise InputError(f'"{name}" is set and varied; do one of them')
-        _check_unit(job, name, variation)
-    middle = job.scene(samples.nominal)
+    try:
+        middle = job.scene({name: _with_unit(one) for name, one in samples.variations.items()})
+    except SceneError:
+        for name, variation in samples.variations.items():
+            _check_unit(job, name, variation)
+        middle = job.scene(samples.nominal)
     if middle.equations.system is not None:
         middle.equations.system._refuse_delays("sweep")
     middle.equations.polynomial_matrix.jordan_pairs()  # a motion is determined
@@ -632,13 +638,19 @@ def _middle(job: Job, scene: Scene, samples: ParameterSamples) -> Scene:
     return middle
 
 
+def _with_unit(variation: Variation) -> Any:
+    """The middle value, with its unit where it has one."""
+    value, unit = variation.nominal, variation.unit
+    is_text = isinstance(variation, Values) and variation.is_text
+    return f"{value!r} {unit}" if not is_text and unit and unit != "1" else value
+
+
 def _check_unit(job: Job, name: str, variation: Variation) -> None:
     """Check that the scene accepts a value with the unit of the variation."""
-    value, unit = variation.nominal, variation.unit
     if isinstance(variation, Values) and variation.is_text:
         return
     try:
-        job.scene({name: f"{value!r} {unit}" if unit and unit != "1" else value})
+        job.scene({name: _with_unit(variation)})
     except SceneError as problem:
         raise SceneError(f"{shown(name)} cannot be varied: {str(problem).replace('--set: ', '')}") from None
 

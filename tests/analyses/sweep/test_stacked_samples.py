@@ -36,3 +36,46 @@ def test_numbers_that_elements_refuse_have_the_same_reason(monkeypatch):
     given = evaluation.evaluate(study.job, rows)
     assert stacked["status"].tolist() == given["status"].tolist() == [1, 2, 2, 2]
     assert stacked["reason"].tolist() == given["reason"].tolist()
+
+
+@pytest.mark.parametrize(
+    "table", [{}, {"from": "3 Hz", "to": "8 Hz"}, {"to": "4.5 Hz", "quantity": "accelerance", "outputs": ["machine"]}]
+)
+def test_largest_responses_in_stacks_are_those_of_single_scenes(table, monkeypatch, tmp_path):
+    text = (EXAMPLES / "tuned_mass_damper.toml").read_text().replace('from = "3 Hz"\nto = "8 Hz"\n', "")
+    own = "".join(f"{key} = {value!r}\n" for key, value in table.items())
+    (tmp_path / "scene.toml").write_text(text.replace("[frequency]\n", f"[frequency]\n{own}"))
+    study = mb.read_scene(tmp_path / "scene.toml").sweep(VARIED["tuned_mass_damper"], keep=["response peaks"], samples=20)
+    assert study.chunk == 256
+    rows = study.samples.rows(slice(0, 20))
+    stacked = evaluation.evaluate(study.job, rows)
+    monkeypatch.setattr(evaluation, "stacked_samples", lambda scene, rows: None)
+    grouped, single = evaluation.evaluate(study.job, rows), [evaluation.evaluate(study.job, [row]) for row in rows]
+    for key in ("response peak", "response peak frequency", "status"):
+        expected = np.concatenate([one[key] for one in single])
+        assert np.isfinite(expected).all()
+        np.testing.assert_allclose(stacked[key], expected, rtol=1e-11)
+        np.testing.assert_allclose(grouped[key], expected, rtol=1e-11)
+
+
+def test_largest_responses_of_prescribed_motions_and_of_undamped_models_are_those_of_single_scenes(tmp_path):
+    text = (EXAMPLES / "tuned_mass_damper.toml").read_text()
+    damper = text[text.index("[[model.damper]]") : text.index("[[force]]")]
+    (tmp_path / "undamped.toml").write_text(text.replace(damper, "").replace("\nzeta = ", "\n# "))
+    undamped = mb.read_scene(tmp_path / "undamped.toml").sweep({"ratio": "0.03..0.08:4"}, keep=["response peaks"])
+    driven = mb.read_scene(EXAMPLES / "quarter_car.toml").sweep(VARIED["quarter_car"], keep=["response peaks"], samples=4)
+    for study, is_finite in ((undamped, False), (driven, True)):
+        rows = study.samples.rows(slice(0, 4))
+        together = evaluation.evaluate(study.job, rows)
+        single = [evaluation.evaluate(study.job, [row]) for row in rows]
+        assert np.isfinite(together["response peak"]).all() == is_finite
+        for key in ("response peak", "response peak frequency", "status"):
+            np.testing.assert_allclose(together[key], np.concatenate([one[key] for one in single]), rtol=1e-11)
+
+
+def test_postures_of_an_arm_in_a_stack_are_those_of_single_scenes():
+    study = mb.read_scene(EXAMPLES / "arm_workspace.toml").sweep()
+    rows = study.samples.rows(slice(0, 6))
+    together, single = evaluation.evaluate(study.job, rows), [evaluation.evaluate(study.job, [row]) for row in rows]
+    for key in ("frequency", "damping ratio", "status"):
+        np.testing.assert_allclose(together[key], np.concatenate([one[key] for one in single]), rtol=1e-11)
