@@ -58,7 +58,7 @@ def is_sparse(value) -> bool:
     return "scipy.sparse" in sys.modules and sys.modules["scipy.sparse"].issparse(value)
 
 
-def real_array(value, what: str, *, shape: tuple[int | None, ...] | None = None) -> np.ndarray:
+def real_array(value, what: object, *, shape: tuple[int | None, ...] | None = None) -> np.ndarray:
     """A new float64 array of finite real numbers.
 
     >>> real_array([[1, 2], [3, 4]], "mass", shape=(2, 2))
@@ -92,7 +92,7 @@ def real_array(value, what: str, *, shape: tuple[int | None, ...] | None = None)
     return array
 
 
-def real_number(value, what: str, *, positive: bool = False, minimum: float | None = None) -> float:
+def real_number(value, what: object, *, positive: bool = False, minimum: float | None = None) -> float:
     """A finite float, optionally greater than 0 or at least a minimum; otherwise an InputError.
 
     >>> real_number(2, "stiffness", positive=True)

@@ -119,7 +119,7 @@ def within_float64() -> Iterator[None]:
 
 
 @contextmanager
-def named(name: str) -> Iterator[None]:
+def named(name: object) -> Iterator[None]:
     """A context that adds a name to the message of an InputError about its value."""
     try:
         yield

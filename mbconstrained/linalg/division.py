@@ -57,8 +57,11 @@ def is_symmetric(matrix: Matrix) -> bool:
         return True
     size = np.sqrt(full(abs(matrix).max(axis=1)).reshape(-1))
     row, column, difference = entries(asymmetry)
-    if not (difference <= noise_of(size[row] * size[column])).all():
+    noise = noise_of(size[row] * size[column])
+    if not (difference <= noise).all():
         return False
+    if isinstance(matrix, np.ndarray) and (np.maximum(np.abs(matrix), np.abs(matrix.T))[row, column] > noise).all():
+        return True  # coupled by these entries themselves
     i, j, values = entries(abs(matrix))
     clear = values > noise_of(size[i] * size[j])
     joined = scipy.sparse.csr_array((values[clear], (i[clear], j[clear])), shape=matrix.shape)

@@ -80,19 +80,27 @@ class DoubleDouble:
             return _renormalized(total, error + (self.high * other.low + self.low * other.high))
         if not np.iscomplexobj(self.high):
             return other * self
-        axes = max(self.high.ndim, other.high.ndim)
+        (high, low), axes = self._parts(), max(self.high.ndim, other.high.ndim)
+        (high, low) = (part.reshape(2, *[1] * (axes - self.high.ndim), *self.shape) for part in (high, low))
         if not np.iscomplexobj(other.high):
-            return _paired(self._parts(axes, 0, 1) * other)
-        products = self._parts(axes, 0, 1, 0, 1) * other._parts(axes, 0, 1, 1, 0)  # all four at once
-        first, second = products[::2], products[1::2]
-        sign = np.array([-1.0, 1.0]).reshape(2, *[1] * axes)
-        return _paired(first + DoubleDouble(sign * second.high, sign * second.low))
+            total, error = product_with_error(high, other.high)
+            return _paired(*_renormalized_parts(total, error + (high * other.low + low * other.high)))
+        (own, rest), one = other._parts(), (2, 1, *[1] * (axes - other.high.ndim), *other.shape)
+        own, rest = own.reshape(one), rest.reshape(one)
+        high, low = np.array([high, high[::-1]]), np.array([low, low[::-1]])
+        total, error = product_with_error(high, own)  # (a c, b c) and (b d, a d)
+        error += high * rest + low * own
+        total[1, 0], error[1, 0] = -total[1, 0], -error[1, 0]
+        total, more = sum_with_error(total[0], total[1])
+        return _paired(*_renormalized_parts(total, error[0] + error[1] + more))
 
-    def _parts(self, axes: int, *which: int) -> DoubleDouble:
-        """Real (0) and imaginary (1) parts along a new first axis before so many others."""
-        shape = (len(which), *[1] * (axes - self.high.ndim), *self.shape)
-        parts = (np.array([part.imag if k else part.real for k in which]) for part in (self.high, self.low))
-        return DoubleDouble(*(part.reshape(shape) for part in parts))
+    def scaled(self, units) -> DoubleDouble:
+        """The numbers times powers of two."""
+        return DoubleDouble(self.high * units, self.low * units)
+
+    def _parts(self) -> tuple[np.ndarray, np.ndarray]:
+        """Real and imaginary parts along a new first axis."""
+        return np.array([self.high.real, self.high.imag]), np.array([self.low.real, self.low.imag])
 
     def __rmatmul__(self, matrix: np.ndarray) -> DoubleDouble:
         """matrix @ self of a float64 matrix with few entries, each row summed entry by entry."""
@@ -101,8 +109,12 @@ class DoubleDouble:
             both = matrix @ DoubleDouble(*parts)
             return DoubleDouble(both.high.view(complex), both.low.view(complex))
         row, column = matrix.nonzero()
-        counts = np.bincount(row, minlength=len(matrix))
-        own = self[column] * matrix[row, column][:, None]
+        counts, factors = np.bincount(row, minlength=len(matrix)), matrix[row, column][:, None]
+        own = self[column]
+        if (np.abs(np.frexp(factors)[0]) == 0.5).all():  # powers of two
+            own = own.scaled(factors)
+        else:
+            own = own * factors
         if (counts == 1).all():
             return own
         place = np.arange(len(row)) - (np.cumsum(counts) - counts)[row]
@@ -111,29 +123,38 @@ class DoubleDouble:
         return DoubleDouble(*terms).sum()
 
     def sum(self) -> DoubleDouble:
-        """The sum along the first axis, pairwise."""
-        parts = self
-        while len(parts.high) > 1:
-            half = len(parts.high) // 2
-            rest = parts[2 * half :]
-            parts = parts[:half] + parts[half : 2 * half]
-            if len(rest.high):
-                parts = stacked(parts, rest)
-        return parts[0] if len(parts.high) else DoubleDouble(np.zeros(self.shape[1:]), np.zeros(self.shape[1:]))
+        """The sum along the first axis, pairwise; the errors of the sums are summed in float64."""
+        high, low = self.high, self.low
+        if not len(high):
+            return DoubleDouble(np.zeros(self.shape[1:]), np.zeros(self.shape[1:]))
+        while (count := len(high)) > 1:
+            half = count // 2
+            total, error = sum_with_error(high[:half], high[half : 2 * half])
+            error += low[:half] + low[half : 2 * half]
+            if count % 2:
+                total, error = np.concatenate([total, high[-1:]]), np.concatenate([error, low[-1:]])
+            high, low = total, error
+        return _renormalized(high[0], low[0])
 
 
 def _renormalized(high: np.ndarray, low: np.ndarray) -> DoubleDouble:
+    return DoubleDouble(*_renormalized_parts(high, low))
+
+
+def _renormalized_parts(high: np.ndarray, low: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     total = high + low
-    return DoubleDouble(total, low - (total - high))
+    return total, low - (total - high)
 
 
 def _complex(real: DoubleDouble, imaginary: DoubleDouble) -> DoubleDouble:
     return DoubleDouble(real.high + 1j * imaginary.high, real.low + 1j * imaginary.low)
 
 
-def _paired(parts: DoubleDouble) -> DoubleDouble:
+def _paired(high: np.ndarray, low: np.ndarray) -> DoubleDouble:
     """Complex numbers from their real and imaginary parts along the first axis."""
-    return _complex(parts[0], parts[1])
+    result = np.empty((2, *high.shape[1:]), dtype=complex)
+    result.real, result.imag = (high[0], low[0]), (high[1], low[1])
+    return DoubleDouble(*result)
 
 
 def stacked(*parts: DoubleDouble) -> DoubleDouble:

@@ -31,7 +31,7 @@ BALANCING_ROUNDS = 12
 NEWTON_STEPS, LONGEST_STEP, SHORTEST_STEP = 40, 3.0, 0.25
 
 #: Beyond so many states what couples them is found by their graph, not by powers of their matrix.
-FEW_STATES = 40
+FEW_STATES = 48
 
 #: Number of rows from which the exponents of a sparse A(s) come from sparse equations.
 MANY_ROWS = 150

@@ -7,6 +7,7 @@ as they are, and the multipliers are part of the answer.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -48,35 +49,83 @@ def exact_motion(system: EquationsOfMotion, initial: np.ndarray, applied: Impuls
     return ExactResponse(regular(RationalMatrix(matrices), equations, coordinates), start, sources_of(force), range(n))
 
 
-def rounding_of_form(system: EquationsOfMotion, applied: ImpulsiveSmooth) -> Rounding | None:
+class FormRounding(Rounding):
     """Rounding errors of the constrained form of a motion, with respect to its masses, springs, dampers, rows and forces.
 
     V^T K was rounded, and so was V: where A V is not zero, constraint forces enter, lambda = G (K x + ... - f) with G A^T = I.
     """
-    form = system.constrained_form()
-    given, V, A = system.given, form.null_space.astype(Extended), form.rows
-    elements = tuple(matrix.factors if isinstance(matrix, ElementMatrix) else None for matrix in given)
-    if not len(A) and not any(elements):
-        return None
-    unit = UNIT * (len(V) + 4)
-    forces = np.abs(V.T @ A.T) + unit * (np.abs(V.T) @ np.abs(A.T))
-    through = (forces @ np.abs(system._independent.left_inverse)).astype(float)
-    coefficients, own = [], V.shape[1]
-    for matrix, projected in zip(given, form.polynomial_matrix.coefficients):
-        whole, size = _extended(matrix)
+
+    system: EquationsOfMotion
+    applied: ImpulsiveSmooth
+
+    def __init__(self, system: EquationsOfMotion, applied: ImpulsiveSmooth):
+        self.__dict__.update(system=system, applied=applied)
+
+    @classmethod
+    def of(cls, system: EquationsOfMotion, applied: ImpulsiveSmooth) -> FormRounding | None:
+        """Rounding errors of a motion; None where its equations are the data."""
+        given = system.given
+        return cls(system, applied) if len(system.rows) or any(isinstance(matrix, ElementMatrix) for matrix in given) else None
+
+    @cached_property
+    def _terms(self) -> np.ndarray:
+        """The sizes of the terms of [K, C, M], shape (3, n, n)."""
+        return np.array([_sizes(matrix) for matrix in self.system.given])
+
+    @cached_property
+    def _through(self) -> np.ndarray:
+        """Bounds of the constraint forces in the equations, relative to each term, shape (n - k, n); zero for whole numbers."""
+        form = self.system.undelayed_form()
+        V, A = form.null_space, form.rows
+        if _is_whole(V) and _is_whole(A) and not (A @ V).any():
+            return np.zeros(V.T.shape)
+        extended = V.astype(Extended)
+        forces = np.abs(extended.T @ A.T) + UNIT * (len(V) + 4) * (np.abs(V.T) @ np.abs(A.T))
+        return forces.astype(float) @ np.abs(self.system.multiplier_map)
+
+    @cached_property
+    def coefficients(self) -> tuple[np.ndarray, ...]:
+        """Bounds of the errors of A_0, A_1, A_2, shape (n, n) each."""
+        form = self.system.undelayed_form()
+        V, projected, sizes = form.null_space, form.polynomial_matrix.coefficients, self._terms
+        own, turned, size = V.shape[1], V.T.astype(Extended), np.abs(V.T)
         lost = np.zeros(projected.shape)
-        lost[:own] = np.abs(V.T @ whole - projected[:own]) + unit * (np.abs(V.T) @ size) + through @ size
-        coefficients.append(lost)
-    load = np.abs(applied.smooth.coefficients).max(axis=1, initial=0.0)
-    mixed = ~(((V != 0).sum(axis=0) == 1) & (V.max(axis=0, initial=0.0) == 1.0))
-    force = np.zeros(len(V))
-    force[:own] = through @ load + mixed * EPS * len(V) * (np.abs(V.T).astype(float) @ load)
-    if not len(A):
-        return Rounding(tuple(coefficients), force, elements)
-    basis, uncertain = _null_space(form.null_space, A, system)
-    parts = [_projected(matrix, basis, whole[own:]) for matrix, whole in zip(given, form.polynomial_matrix.coefficients)]
-    unresolved = [np.concatenate([uncertain @ _extended(matrix)[1], 0 * A]) for matrix in given]
-    return Rounding(tuple(coefficients), force, tuple(parts), tuple(unresolved))
+        for power, matrix in enumerate(self.system.given):
+            lost[power, :own] = np.abs(turned @ _extended(matrix) - projected[power, :own])
+        lost[:, :own] += UNIT * (len(V) + 4) * (size @ sizes) + self._through @ sizes
+        return tuple(lost)
+
+    @cached_property
+    def force(self) -> np.ndarray:
+        """A bound of the errors of the coefficients of f, for each row, shape (n,)."""
+        V, columns = self.system.undelayed_form().null_space, self.applied.smooth.coefficients
+        force = np.zeros(len(V))
+        if columns.any():
+            load = np.abs(columns).max(axis=1, initial=0.0)
+            mixed = ~(((V != 0).sum(axis=0) == 1) & (V.max(axis=0, initial=0.0) == 1.0))
+            force[: V.shape[1]] = self._through @ load + mixed * EPS * len(V) * (np.abs(V.T) @ load)
+        return force
+
+    @property
+    def elements(self) -> tuple[Factors | None, ...]:
+        """The data that A_0, A_1, A_2 are assembled from, those of the constrained form with the digits of V."""
+        return self._refined[0]
+
+    @property
+    def unresolved(self) -> tuple[np.ndarray, ...]:
+        """Bounds of what the elements still lack of A_0, A_1, A_2."""
+        return self._refined[1]
+
+    @cached_property
+    def _refined(self) -> tuple[tuple[Factors | None, ...], tuple[np.ndarray, ...]]:
+        system = self.system
+        form, given = system.undelayed_form(), system.given
+        A, own = form.rows, form.null_space.shape[1]
+        if not len(A):
+            return tuple(matrix.factors if isinstance(matrix, ElementMatrix) else None for matrix in given), ()
+        basis, uncertain = _null_space(form.null_space, A, system)
+        parts = [_projected(matrix, basis, whole[own:]) for matrix, whole in zip(given, form.polynomial_matrix.coefficients)]
+        return tuple(parts), tuple(np.concatenate([uncertain @ sizes, 0 * A]) for sizes in self._terms)
 
 
 def _null_space(V: np.ndarray, A: np.ndarray, system: EquationsOfMotion) -> tuple[DoubleDouble, np.ndarray]:
@@ -101,9 +150,22 @@ def _projected(matrix: np.ndarray | ElementMatrix, V: DoubleDouble, rows: np.nda
     return Factors(through, values, np.concatenate([*[elements.right] * count, rows]))
 
 
-def _extended(matrix: np.ndarray | ElementMatrix) -> tuple[np.ndarray, np.ndarray]:
-    """A matrix in extended precision, and the sizes of the terms of its entries."""
+def _extended(matrix: np.ndarray | ElementMatrix) -> np.ndarray:
+    """A matrix in extended precision."""
     if not isinstance(matrix, ElementMatrix):
-        return matrix.astype(Extended), np.abs(matrix)
-    B, k = matrix.directions.astype(Extended), matrix.constants
-    return (B.T * k) @ B, (np.abs(matrix.directions.T) * np.abs(k)) @ np.abs(matrix.directions)
+        return matrix.astype(Extended)
+    B = matrix.directions.astype(Extended)
+    return (B.T * matrix.constants) @ B
+
+
+def _sizes(matrix: np.ndarray | ElementMatrix) -> np.ndarray:
+    """The sizes of the terms of the entries of a matrix."""
+    if not isinstance(matrix, ElementMatrix):
+        return np.abs(matrix)
+    B = np.abs(matrix.directions)
+    return (B.T * np.abs(matrix.constants)) @ B
+
+
+def _is_whole(matrix: np.ndarray) -> bool:
+    """Whether all entries are whole numbers, of so few bits that products of such matrices are exact."""
+    return bool((matrix == np.rint(matrix)).all()) and float(np.abs(matrix).max(initial=0.0)) <= 2.0**20

@@ -64,21 +64,36 @@ class Entry(NamedTuple):
         return self.field.default is MISSING and self.field.default_factory is MISSING
 
 
-_ENTRIES: dict[type, dict[str, Entry]] = {}
+class _Fields(NamedTuple):
+    """The fields of a class of elements by name; those with one number, the positive ones first; those with a body, and its unit."""
+
+    entries: dict[str, Entry]
+    numbers: dict[str, Numeric]
+    joins: tuple[tuple[str, str | None], ...]
+
+
+_FIELDS: dict[type, _Fields] = {}
+
+
+def _fields_of(kind: type[Element]) -> _Fields:
+    if kind not in _FIELDS:
+        hints = get_type_hints(kind, include_extras=True)
+        entries = {each.name: Entry(*get_args(hints[each.name])[:2], each) for each in fields(kind)}  # type: ignore[call-arg]
+        numbers = {name: entry.about for name, entry in entries.items() if entry.is_number}
+        ordered = dict(sorted(numbers.items(), key=lambda item: get_args(Range).index(item[1].range)))
+        joins = ((name, entry.about.unit) for name, entry in entries.items() if isinstance(entry.about, Joins))
+        _FIELDS[kind] = _Fields(entries, ordered, tuple((name, kind.axis if unit == "" else unit) for name, unit in joins))
+    return _FIELDS[kind]
 
 
 def entries_of(kind: type[Element]) -> dict[str, Entry]:
     """The fields of a class of elements by name."""
-    if kind not in _ENTRIES:
-        hints = get_type_hints(kind, include_extras=True)
-        _ENTRIES[kind] = {each.name: Entry(*get_args(hints[each.name])[:2], each) for each in fields(kind)}  # type: ignore[call-arg]
-    return _ENTRIES[kind]
+    return _fields_of(kind).entries
 
 
 def numbers_of(kind: type[Element]) -> dict[str, Numeric]:
     """The annotations of the fields with one number, the positive ones first."""
-    numbers = {name: entry.about for name, entry in entries_of(kind).items() if entry.is_number}
-    return dict(sorted(numbers.items(), key=lambda item: get_args(Range).index(item[1].range)))
+    return _fields_of(kind).numbers
 
 
 # Common to all elements.
@@ -108,11 +123,11 @@ class Element:
             if value is not None or entries_of(type(self))[name].field.default is not None:
                 object.__setattr__(self, name, self._number(value, name.replace("_", " "), about))  # a frozen dataclass
 
-    def _number(self, value, what: str, about: Numeric) -> float | str:
+    def _number(self, value, field: str, about: Numeric) -> float | str:
         """A number in SI; expressions of parameters as such, and texts whose unit depends on the model unchanged."""
-        what = f"{self.label}: {what}"
         if isinstance(value, str) and about.unit is None:
             return value
+        what = _Labelled(self, field)
         if isinstance(value, str):
             with named(what):
                 value = quantity(value, about.unit)
@@ -145,8 +160,7 @@ class Element:
 
     @property
     def _joined(self) -> list[tuple[str, str | None]]:
-        joins = [(name, entry.about) for name, entry in entries_of(type(self)).items() if isinstance(entry.about, Joins)]
-        return [(getattr(self, name), self.axis if about.unit == "" else about.unit) for name, about in joins]
+        return [(getattr(self, name), unit) for name, unit in _fields_of(type(self)).joins]
 
     @property
     def parts(self) -> tuple[Element, ...]:
@@ -163,6 +177,16 @@ class Element:
         """Names for an element without one, the first that is not in use to be chosen."""
         base = f"{self.kind} {'-'.join(str(body) for body, _ in self._joined[:2])}"
         return (f"{base} {number}" if number > 1 else base for number in count(1))
+
+
+class _Labelled:
+    """A field of an element in messages, whose text is made when there is one."""
+
+    def __init__(self, element: Element, field: str):
+        self.element, self.field = element, field
+
+    def __str__(self) -> str:
+        return f"{self.element.label}: {self.field}"
 
 
 def unchecked(kind: type, **values) -> Element:

@@ -174,6 +174,12 @@ class Factors:
     @cached_property
     def matrix(self) -> np.ndarray:
         """The nearest float64 matrix, shape (r, r): every entry is the exact sum of its terms, rounded once."""
+        signs = np.abs(self.left), np.abs(self.right)
+        if all(((part == 0) | (part == 1)).all() for part in signs) and (signs[0] @ signs[1]).max(initial=0.0) <= 2:
+            with np.errstate(over="ignore", invalid="ignore"):
+                total = (self.left * self.values) @ self.right + 0.0  # no negative zeros; two terms are rounded once
+            if np.isfinite(total).all():
+                return total
         factors, row, column, begin = self._terms
         total = np.zeros(self._shape)
         if not len(begin):

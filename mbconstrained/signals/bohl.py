@@ -70,6 +70,8 @@ class Restarts:
 
     def located(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Index of the piece of each time (T,), and the time since its knot."""
+        if len(self.knots) == 1:
+            return np.zeros(len(times), dtype=int), times
         piece = self.knots.searchsorted(times, side="right") - 1
         since = times - self.knots[piece]
         if isinstance(self.remainders, np.ndarray):

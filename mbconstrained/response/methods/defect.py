@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import fsum
+from math import ceil, fsum, log2
 
 import numpy as np
 
@@ -194,6 +194,9 @@ class Defect:
 
     def allows(self, place: np.ndarray, order: int, times: np.ndarray, allowed: np.ndarray) -> np.ndarray:
         """The times at which the errors of this derivative of place @ z, by its modes, are guaranteed as small as allowed."""
+        if self.is_one_piece and len(times):
+            with np.errstate(all="ignore"):
+                return self._late(place, order, times, allowed) if self._modes is not None else np.zeros(len(times), dtype=bool)
         sure, covered = np.zeros(len(times), dtype=bool), self.covers(times)
         pieces, since = self.flow.states.restarts.located(times)
         with np.errstate(all="ignore"):
@@ -204,9 +207,14 @@ class Defect:
 
     def covers(self, times: np.ndarray) -> np.ndarray:
         """The times at which the errors of the sums of modes are bounded: truth values, shape (T,)."""
-        if self._modes is None:
-            return np.zeros(len(times), dtype=bool)
+        if self._modes is None or self.is_one_piece:
+            return np.full(len(times), self._modes is not None)
         return self.follows_force | (self.flow.states.restarts.located(times)[0] == 0)
+
+    @property
+    def is_one_piece(self) -> bool:
+        """Whether the motion has no restarts."""
+        return len(self.flow.knots) == 1
 
     @cached_property
     def in_whole_pieces(self) -> Defect | None:
@@ -276,10 +284,11 @@ class Defect:
 
     # Sums of modes.
 
-    def _late(self, place, order, times, allowed) -> np.ndarray:
-        """Whether the errors of the sums of modes are within the allowed ones."""
+    def _late(self, place, order, times, allowed, rounding: float | None = None) -> np.ndarray:
+        """Whether the errors of the sums of modes are within the allowed ones, rounding errors relative to the size of their terms."""
         end = float(times.max())
-        constant, linear, rest = self._envelope(place, order, self._until(end))
+        terms, constant, linear, rest = self._known_envelope(place, order, self._until(end))
+        constant = constant + (self._unit[0] if rounding is None else rounding) * terms
         rates = self._modes.rates
         growth = np.exp(np.maximum(rates, 0.0) * end)
         sure = (constant + end * linear) @ growth + rest * growth.max(initial=1.0) <= allowed
@@ -290,29 +299,42 @@ class Defect:
         sure[at] = constant @ decay + times[at] * (linear @ decay) + rest * growth.max(initial=1.0) <= allowed[at]
         return sure
 
-    def _envelope(self, place, order: int, end: float) -> tuple[np.ndarray, np.ndarray, float]:
-        """b, c and d: the error at t <= end is at most the sum of (b + c t) e^(a t), a the rates, and d times the largest growth."""
+    def _known_envelope(self, place, order: int, end: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+        known, key = self._envelopes, (order, end)
+        if key not in known or known[key][0] is not place:
+            known[key] = place, self._envelope(place, order, end)
+        return known[key][1]
+
+    @cached_property
+    def _envelopes(self) -> dict[tuple[int, float], tuple[np.ndarray, tuple[np.ndarray, np.ndarray, np.ndarray, float]]]:
+        """The last bounds of each order and end."""
+        return {}
+
+    def _envelope(self, place, order: int, end: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+        """s, b, c and d: the error at t <= end is at most the sum of (b + c t) e^(a t), a the rates, d times the largest growth, and
+        rounding errors relative to the sum of s e^(a t)."""
         modes, n, v = self._modes, len(self._own), self._modes.sizes
-        Q, (rounded, turned) = modes.spread(end), self._unit
+        Q, turned = modes.spread(end), self._unit[1]
         size = folded(self._derived(place, order), None, modes.starts)
         start, driven, second, secular, remaining = self._amplitudes(end)
         if not np.isfinite(remaining).all():
-            return np.zeros(len(v)), np.zeros(len(v)), np.inf
+            return np.zeros(len(v)), np.zeros(len(v)), np.zeros(len(v)), np.inf
         rest = size[:, :n] @ remaining
         decaying, lasting = self._direct(place, order) if order or len(self.flow.reduction.algebraic) else (0.0, 0.0)
         rest = rest + lasting
-        size, own = size.max(axis=0), size[:, :n].max(axis=0)
+        size, own = size.max(axis=0, initial=0.0), size[:, :n].max(axis=0, initial=0.0)
         summed = size * (Q @ v)
-        constant = rounded * summed + (own @ second) * v + decaying
+        constant = (own @ second) * v + decaying
         linear = turned * summed * np.abs(modes.zeros) + (own @ secular) * v
         constant[:n] += own * (start + driven)
         linear[:n] += own * (secular @ v)
-        return constant, linear, float(rest.max(initial=0.0))
+        return summed, constant, linear, float(rest.max(initial=0.0))
 
     def _until(self, end: float) -> float:
         """The end of the piece, or of the last one the next power of two: bounds until then are known to the next evaluation."""
-        gaps = self._gaps
-        return float(gaps[self.piece]) if self.piece < len(gaps) else 2.0 ** np.ceil(np.log2(end)) if end else 0.0
+        if self.piece + 1 < len(self._knots):
+            return float(self._gaps[self.piece])
+        return 2.0 ** ceil(log2(end)) if end else 0.0
 
     @property
     def _gaps(self) -> np.ndarray:

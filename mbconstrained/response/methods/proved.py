@@ -21,6 +21,7 @@ from ...ground.errors import SingularPolynomialMatrix
 from ...ground.tolerances import EPS, PROVED_ACCURACY
 from ...signals.bohl import BohlFunction
 from ..events import Event, without_zeros
+from ..flow import LATER
 from .defect import Defect
 from .refined import RefinedDefect
 
@@ -36,6 +37,9 @@ KEPT_ACCURACY = PROVED_ACCURACY / 3
 
 #: Sums of refined modes are as much better as their rounding to float64 may take.
 REFINED_ACCURACY = PROVED_ACCURACY - 2 * EPS
+
+#: From so many radians of the fastest mode on, phases in float64 are not right where all coordinates are small at once.
+MANY_RADIANS = 64.0
 
 #: The exact engine is asked for so many times at once.
 AT_ONCE = 2048
@@ -86,21 +90,33 @@ class ProvedFunction(BohlFunction):
             return self.proved(times)[0] if len(times) <= MOST_TIMES and self.is_provable else self.rough(times)
         refining = self.defect.flow.refined is not None
         covered = (self.refined if refining else self.defect).covers(times)
-        if 0 < np.count_nonzero(~covered) <= MOST_TIMES and self.is_provable:
+        if not covered.all() and np.count_nonzero(~covered) <= MOST_TIMES and self.is_provable:
             values = np.empty((self.size, len(times)))
             values[:, ~covered] = self.proved(times[~covered])[0]
             if covered.any():
                 values[:, covered] = self._values(times[covered])
             return values
-        if refining:
-            values, sure = self._by_refined_modes(times)
+        often = refining or self._turns_often(times)
+        if often:
+            values, sure = self._by_refined_modes(times, self.refined.rounded)
             doubtful = np.flatnonzero(~sure)
         else:
             values, doubtful = self._sums_of_modes(times)
-            doubtful = self._refined(values, times, self._begun(values, times, doubtful))
+        if not refining:
+            doubtful = self._begun(values, times, doubtful)
+        if len(doubtful) and self.refined is not None and self.refined.refined is not None:
+            better, sure = self._by_refined_modes(times[doubtful], self.refined.doubled if often else self.refined.proved)
+            values[:, doubtful[sure]] = better[:, sure]
+            doubtful = doubtful[~sure]
         if 0 < len(doubtful) <= MOST_TIMES and self.is_provable:
             values[:, doubtful] = self.proved(times[doubtful])[0]
         return values
+
+    def _turns_often(self, times: np.ndarray) -> bool:
+        """Whether phases turn so often that refined modes are needed at many times, where there are such."""
+        if not self.defect.is_one_piece or self.defect.flow.modal_rate * times.max(initial=0.0) < MANY_RADIANS:
+            return False
+        return self.refined is not None and self.refined.refined is not None
 
     def _sums_of_modes(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values, and the indices of the times at which they are not guaranteed to ``PROVED_ACCURACY``."""
@@ -127,15 +143,19 @@ class ProvedFunction(BohlFunction):
 
     def _surely(self, values: np.ndarray, times: np.ndarray, accuracy: float = PROVED_ACCURACY) -> np.ndarray:
         """Which sums of modes are guaranteed to this accuracy relative to the largest value."""
-        allowed = accuracy * np.maximum(values.max(axis=0), -values.min(axis=0))
+        allowed = accuracy * np.abs(values).max(axis=0)
         return self.defect.allows(self.rough.place, self.rough.order, times, allowed)
 
     def _begun(self, values: np.ndarray, times: np.ndarray, doubtful: np.ndarray) -> np.ndarray:
         """Replace values at the first doubtful times by the Taylor series, and return the indices that remain doubtful."""
+        if not len(doubtful):
+            return doubtful
         flow = self.defect.flow
         if not flow.jumping and flow.impulsive is None and self.order < len(flow.initial) and not flow.initial[self.order].any():
             values[:, doubtful[times[doubtful] == 0]] = 0.0  # as given
             doubtful = doubtful[times[doubtful] > 0]
+        if not len(doubtful) or times[doubtful].min() * flow.modal_rate >= LATER:
+            return doubtful
         start = flow.taylor_start(modal=True)
         early = doubtful[times[doubtful] < start.end]
         if not len(early):
@@ -147,18 +167,10 @@ class ProvedFunction(BohlFunction):
         right = bound <= PROVED_ACCURACY * np.abs(values[:, early]).max(axis=0)
         return np.setdiff1d(doubtful, early[right])
 
-    def _refined(self, values: np.ndarray, times: np.ndarray, doubtful: np.ndarray) -> np.ndarray:
-        """Replace values at doubtful times by sums of refined modes, and return the indices that remain doubtful."""
-        if not len(doubtful) or (modes := self.refined) is None or modes.refined is None:
-            return doubtful
-        better, sure = self._by_refined_modes(times[doubtful])
-        values[:, doubtful[sure]] = better[:, sure]
-        return doubtful[~sure]
-
-    def _by_refined_modes(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _by_refined_modes(self, times: np.ndarray, sums: Callable) -> tuple[np.ndarray, np.ndarray]:
         """Sums of refined modes, and at which times they are guaranteed."""
         with np.errstate(all="ignore"):
-            return self.refined.proved(self._through, self.order, times, REFINED_ACCURACY)
+            return sums(self._through, self.order, times, REFINED_ACCURACY)
 
     def proved(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values by the exact engine, shape (p, T), with bounds of their errors."""

@@ -17,8 +17,10 @@ import scipy
 
 from ...ground.tolerances import EPS, LEAST_NUMBER
 from ...linalg.arrays import full
-from ...linalg.division import accurate_product
+from ...linalg.blocks import CHUNK_ENTRIES
+from ...linalg.division import accurate_product, sum_with_error
 from ...linalg.double_double import DOUBLED_EPS, EXPONENTIAL_EPS, DoubleDouble, exponential, outer, stacked, turns
+from ...linalg.exponential import step_of_few_rows
 from ...polynomial.coefficients import Factors
 from ...polynomial.reduced_equations import Reduction
 from ...signals.bohl import BohlFunction, FreeRestarts, Restarts
@@ -36,6 +38,9 @@ RESONANCE = 2.0**-30
 
 #: After a correction smaller than this what is left is below rounding errors of exponentials; at most so many.
 LAST_CORRECTION, CORRECTIONS = 2.0**-36, 8
+
+#: The residual after a correction smaller than this is the one before and its change, which float64 computes to the same digits.
+SMALL_CORRECTION = 2.0**-44
 
 #: The inverse follows corrections of modes that are larger.
 LARGE_CORRECTION = 2.0**-26
@@ -93,22 +98,23 @@ class RefinedModes:
             return None
         n, m = len(flow.start), len(reduction.second)
         given, above = np.concatenate([own.poles, forced.poles]), np.concatenate([own.pairs, n + forced.pairs])
-        leading = np.setdiff1d(np.arange(len(given)), above + 1)
+        first = np.ones(len(given), dtype=bool)
+        first[above + 1] = False
+        leading = np.flatnonzero(first)
         at = np.arange(np.count_nonzero(leading < n))
         of_modes, conjugate = leading[at], np.arange(n)
         conjugate[own.pairs], conjugate[own.pairs + 1] = own.pairs + 1, own.pairs
         left, start = own.back @ free.inverse, np.zeros((len(full(flow.output)), len(leading)), dtype=complex)
         start[:, at] = full(flow.output)[:, :n] @ (free.basis @ own.turn[:, of_modes])
-        poles, shapes = DoubleDouble.of(given[leading]), DoubleDouble.of(start)
         equations = _RefinedEquations.of(flow, elements)
+        residual = equations.residual(DoubleDouble.of(start), DoubleDouble.of(given[leading]), leading)
         Y, eliminated = full(reduction.Y), [-full(matrix) for matrix in reduction.through]
         parts, sizes, _, noise = divided_by_masses(left, reduction)
         largest, step, turned = np.ones(len(leading)), 0, False
         for _ in range(CORRECTIONS):
-            residual = equations.residual(shapes, poles, leading)[0]
-            change = parts @ _eliminated(reduction, residual, poles.high, eliminated)
-            slaved = Y @ residual[reduction.algebraic]
-            others, rest = _whole(poles.high[at], leading[at], own.pairs, n), _whole(poles.low[at], leading[at], own.pairs, n)
+            shapes, poles = residual.shapes, residual.poles
+            change = parts @ _eliminated(reduction, residual.values, poles.high, eliminated)
+            others, rest = (_whole(part[at], leading[at], own.pairs, n) for part in (poles.high, poles.low))
             distance = (poles.high - others[:, None]) + (poles.low - rest[:, None])
             turned = not turned and bool(groups := _mixed(change[of_modes][:, at], distance[of_modes][:, at], poles.high[at]))
             if turned:  # the next step corrects the combined modes
@@ -121,38 +127,46 @@ class RefinedModes:
                     left[places + 1] = left[places].conj()
                     separate = poles[np.repeat(group[:1], len(group))] + values
                     high[group], low[group] = separate.high, separate.low
-                poles = DoubleDouble(high, low)
+                residual = equations.residual(shapes, DoubleDouble(high, low), leading)
                 parts, sizes, _, noise = divided_by_masses(left, reduction)
                 continue
             small = np.abs(distance) > RESONANCE * np.abs(poles.high)
             small[:, at] = np.abs(change[:, at]) < SMALL_RESIDUAL * np.abs(distance[:, at])
             corrections = np.divide(change, distance, out=np.zeros_like(change), where=small)
-            size = np.abs(slaved).max(axis=0) / (np.abs(shapes.high).max(axis=0) + LEAST_NUMBER)
-            shapes = shapes - slaved - _whole(shapes.high[:, at], leading[at], own.pairs, n) @ corrections
+            bent = -_whole(shapes.high[:, at], leading[at], own.pairs, n) @ corrections
+            size = np.abs(corrections).max(axis=0, initial=0.0)
+            if len(reduction.algebraic):
+                slaved = Y @ residual.values[reduction.algebraic]
+                size = np.maximum(size, np.abs(slaved).max(axis=0) / (np.abs(shapes.high).max(axis=0) + LEAST_NUMBER))
+                bent -= slaved
             moved = np.zeros(len(leading), dtype=complex)
-            moved[at] = change[of_modes, at]
-            poles = poles - moved
-            size = np.maximum(size, np.abs(corrections).max(axis=0, initial=0.0))
+            moved[at] = -change[of_modes, at]
             if not step:
                 largest[len(at) :] = size[len(at) :]
             step += 1
+            if size.max(initial=0.0) <= SMALL_CORRECTION:
+                residual = equations.changed(residual, bent, moved)
+                break
+            residual = equations.residual(shapes + bent, poles + moved, leading)
             if (size <= LAST_CORRECTION * largest).all():
                 break
             if size[at].max(initial=0.0) > LARGE_CORRECTION:
                 left = left + _paired(corrections[:, at], leading[at], own.pairs, conjugate) @ left
                 parts, sizes, _, noise = divided_by_masses(left, reduction)
-        signed, bound = equations.residual(shapes, poles, leading)
+        shapes, poles, uncertain = residual.shapes, residual.poles, residual.errors
         for order, matrix in enumerate(unresolved):
-            bound = bound + matrix @ np.abs(shapes.high) * np.abs(poles.high) ** order
-        known, effects = _eliminated(reduction, signed, poles.high, eliminated), np.abs(parts) + noise * sizes
-        uncertain, most = (_eliminated_sizes(reduction, part, poles.high) for part in (bound - np.abs(signed), bound))
+            if matrix.any():
+                uncertain = uncertain + matrix @ np.abs(shapes.high) * np.abs(poles.high) ** order
+        bound = np.abs(residual.values) + uncertain
+        known, effects = _eliminated(reduction, residual.values, poles.high, eliminated), np.abs(parts) + noise * sizes
+        uncertain, most = (_eliminated_sizes(reduction, part, poles.high) for part in (uncertain, bound))
         driven, of_rows = np.zeros((n, len(given))), np.zeros((len(bound), len(given)))
         driven[:, leading] = np.abs(parts @ known) + np.abs(parts) @ uncertain + noise * (sizes @ most)
         of_rows[:, leading] = bound
         driven[:, above + 1], of_rows[:, above + 1] = driven[conjugate][:, above], of_rows[:, above]
-        moving = shapes[reduction.chosen]
-        second = moving[:m] * poles
-        return cls(poles, shapes, stacked(moving[:m], second, moving[m:]), left, leading, above, of_rows, effects, driven)
+        moving, velocities = shapes[reduction.chosen], residual.first[reduction.chosen[:m]]
+        states = stacked(moving[:m], velocities, moving[m:])
+        return cls(poles, shapes, states, left, leading, above, of_rows, effects, driven)
 
     @property
     def free(self) -> int:
@@ -192,19 +206,31 @@ class RefinedModes:
         """X^-1 @ right of states (n, K) for the leading modes, and bounds of its error for all, to first order."""
         n, count = len(self.left), self.free
         result, weights = DoubleDouble.of(np.zeros((count, right.shape[1]), dtype=complex)), self.weights[:count, None]
-        X, back, rest = self.states[:, :count], self.left[self.leading[:count]], right
+        X, back, rest, largest = (
+            self.states[:, :count],
+            self.left[self.leading[:count]],
+            right,
+            np.abs(right.high).max(axis=0, initial=0.0),
+        )
+        errors = 0.0
         for _ in range(STEPS):
-            result = result + back @ rest.high
+            change = back @ rest.high
+            result, left = result + change, rest.high
+            if (np.abs(left) <= SMALL_CORRECTION * largest).all():
+                left = left - (X.high @ (weights * change)).real
+                errors = (n + 4) * EPS * (np.abs(rest.high) + np.abs(X.high) @ (weights * np.abs(change)))
+                break
             rest = right - self.summed(X, result, weights)
-            if (np.abs(rest.high) <= LAST_REST * np.abs(right.high).max(axis=0, initial=0.0)).all():
+            left = rest.high
+            if (np.abs(left) <= LAST_REST * largest).all():
                 break
         sizes = np.abs(X.high) @ (weights * np.abs(result.high)) + np.abs(right.high) + LEAST_NUMBER
-        return result, np.abs(self.left) @ (np.abs(rest.high) + (n + 4) * DOUBLED_EPS * sizes)
+        return result, np.abs(self.left) @ (np.abs(left) + errors + (n + 4) * DOUBLED_EPS * sizes)
 
     @staticmethod
     def summed(states: DoubleDouble, amplitudes: DoubleDouble, weights: np.ndarray) -> DoubleDouble:
         """The real part of states @ amplitudes with the conjugate modes."""
-        columns, factors = DoubleDouble(states.high.T, states.low.T)[..., None], (amplitudes * weights)[:, None]
+        columns, factors = DoubleDouble(states.high.T, states.low.T)[..., None], amplitudes.scaled(weights)[:, None]
         return (stacked(columns.real, -columns.imag) * stacked(factors.real, factors.imag)).sum()
 
 
@@ -234,6 +260,9 @@ class _Separated:
 
     @classmethod
     def of(cls, blocks: Sequence[np.ndarray]) -> _Separated | None:
+        if not blocks:
+            none = np.zeros((0, 0), dtype=complex)
+            return cls(none.reshape(0), np.zeros(0, dtype=int), none, none)
         if any(
             len(block) > 2 or (len(block) == 2 and not -block[0, 1] * block[1, 0] > ((block[0, 0] - block[1, 1]) / 2) ** 2)
             for block in blocks
@@ -309,7 +338,10 @@ def _eliminated(reduction: Reduction, residual: np.ndarray, poles: np.ndarray, t
 
 def _eliminated_sizes(reduction: Reduction, bounds: np.ndarray, poles: np.ndarray) -> np.ndarray:
     """Bounds of residuals after the same elimination as the residuals."""
-    rest, Y = np.concatenate([reduction.second, reduction.first]), np.abs(full(reduction.Y))
+    rest = np.concatenate([reduction.second, reduction.first])
+    if not len(reduction.algebraic):
+        return bounds[rest]
+    Y = np.abs(full(reduction.Y))
     return _eliminated(reduction, bounds, np.abs(poles), [np.abs(full(A)[rest]) @ Y for A in reduction.given])
 
 
@@ -355,14 +387,15 @@ class _RefinedEquations:
         terms = np.count_nonzero(left, axis=1) + counts.max(initial=0) + 8
         return cls(flow, left, values, right, differences[:, None], terms[:, None])
 
-    def residual(self, shapes: DoubleDouble, poles: DoubleDouble, leading: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """A(s) x - F at some poles s, rounded, and bounds of its absolute value with all rounding errors, shape (r, L) each."""
-        smooth, n, first = self.flow.force.smooth, len(self.flow.start), shapes * poles
+    def residual(self, shapes: DoubleDouble, poles: DoubleDouble, leading: np.ndarray) -> _ModalResidual:
+        """A(s) x - F at some poles s."""
+        first = shapes * poles
         x = stacked(shapes, first, first * poles)
         strains = self.right @ x
         total, terms_of_strains = self.left @ (strains * self.values), np.abs(self.right) @ (np.abs(x.high) + LEAST_NUMBER)
         strained = np.where(self.differences, np.abs(strains.high) + LEAST_NUMBER, terms_of_strains)
         sizes = np.abs(self.left) @ (np.abs(self.values) * strained)
+        smooth, n = self.flow.force.smooth, len(self.flow.start)
         forced = leading[leading >= n] - n
         if len(forced):
             F = smooth.coefficients
@@ -371,7 +404,32 @@ class _RefinedEquations:
             paired = np.flatnonzero(poles.high[driven].imag > 0)
             load[:, driven][:, paired] += _second_state(smooth, forced[paired]) * F[:, forced[paired] + 1]
             total, sizes = total - load, sizes + np.abs(load)
-        return total.high, np.abs(total.high) + self.terms * DOUBLED_EPS * sizes
+        return _ModalResidual(total.high, self.terms * DOUBLED_EPS * sizes, shapes, first, poles)
+
+    def changed(self, residual: _ModalResidual, change: np.ndarray, moved: np.ndarray) -> _ModalResidual:
+        """The residual after small changes of shapes and poles, to a rounding error of the change."""
+        x, poles = residual.shapes.high, residual.poles.high
+        shapes, after = residual.shapes + change, residual.poles + moved
+        s = after.high
+        first = s * change + moved * x
+        rates = np.concatenate([change, first, s * s * change + (poles + s) * moved * x])
+        x, change, moved, s = np.abs(x), np.abs(change), np.abs(moved), np.abs(s)
+        sizes = np.concatenate([change, s * change + moved * x, s * s * change + (np.abs(poles) + s) * moved * x])
+        more = self.left @ (self.values * (self.right @ rates))
+        sizes = np.abs(self.left) @ (np.abs(self.values) * (np.abs(self.right) @ sizes))
+        errors = residual.errors + self.terms * EPS * sizes
+        return _ModalResidual(residual.values + more, errors, shapes, residual.first + first, after)
+
+
+@dataclass(frozen=True, eq=False)
+class _ModalResidual:
+    """A(s) x - F at some poles s, rounded, bounds of its rounding errors, shape (r, L) each, and x, s x and s."""
+
+    values: np.ndarray
+    errors: np.ndarray
+    shapes: DoubleDouble
+    first: DoubleDouble
+    poles: DoubleDouble
 
 
 @dataclass(frozen=True, eq=False)
@@ -418,27 +476,47 @@ class RefinedDefect(Defect):
 
         Phases have always twice the digits; exponentials and sums where those of float64 do not suffice.
         """
-        restarts, (growth, turned) = self._force, self.refined.turns
-        values, sure = np.empty((len(matrix), len(times))), np.zeros(len(times), dtype=bool)
-        C = self._output(matrix, order) * self.refined.weights
-        pieces, since = restarts.located(times)
-        for piece in np.unique(pieces).tolist():
-            at, own = np.flatnonzero(pieces == piece), self._pieces[piece]
-            exact = DoubleDouble.of(times[at]) - restarts.knots[piece]
-            exact = exact - np.broadcast_to(restarts.remainders, restarts.knots.shape)[piece]
-            weights, exponents = C * own._amplitude, (outer(growth, exact), outer(turned, exact))
-            values[:, at], rounded = _rounded_sums(weights.high, *exponents)
-            allowed = accuracy * np.abs(values[:, at]).max(axis=0)
-            sure[at] = own._late(matrix, order, since[at], allowed - rounded)
-            late = np.flatnonzero(~sure[at])
-            if len(late):
-                values[:, at[late]] = _sums(weights, *(part[:, late] for part in exponents))
-                allowed = accuracy * np.abs(values[:, at[late]]).max(axis=0)
-                sure[at[late]] = own._late(matrix, order, since[at[late]], allowed)
+        values, sure = self.rounded(matrix, order, times, accuracy)
+        if len(late := np.flatnonzero(~sure)):
+            values[:, late], sure[late] = self.doubled(matrix, order, times[late], accuracy)
         return values, sure
 
+    def rounded(self, matrix: np.ndarray, order: int, times: np.ndarray, accuracy: float) -> tuple[np.ndarray, np.ndarray]:
+        """Sums in float64, and at which times they are guaranteed to this accuracy of the largest value."""
+        return self._summed(matrix, order, times, accuracy, SUMMED_IN_FLOAT64 * EPS, _sums_in_float64)
+
+    def doubled(self, matrix: np.ndarray, order: int, times: np.ndarray, accuracy: float) -> tuple[np.ndarray, np.ndarray]:
+        """Sums with twice the digits, and at which times they are guaranteed to this accuracy of the largest value."""
+        return self._summed(matrix, order, times, accuracy, 2 * EXPONENTIAL_EPS, _sums)
+
+    def _summed(self, matrix, order, times, accuracy, rounding, sums) -> tuple[np.ndarray, np.ndarray]:
+        restarts, values, sure = self._force, np.empty((len(matrix), len(times))), np.zeros(len(times), dtype=bool)
+        pieces, since = restarts.located(times)
+        many = len(restarts.knots) > 1
+        for piece in np.unique(pieces).tolist() if many else range(min(len(times), 1)):
+            at, own = np.flatnonzero(pieces == piece) if many else slice(None), self._pieces[piece]
+            exact = DoubleDouble.of(times[at])
+            if piece:
+                exact = exact - restarts.knots[piece] - np.broadcast_to(restarts.remainders, restarts.knots.shape)[piece]
+            values[:, at] = _in_chunks(sums, own._weights(matrix, order), *self.refined.turns, exact)
+            sure[at] = own._late(matrix, order, since[at], accuracy * np.abs(values[:, at]).max(axis=0, initial=0.0), rounding)
+        return values, sure
+
+    def _weights(self, matrix: np.ndarray, order: int) -> DoubleDouble:
+        """Factors of the exponentials of the leading poles."""
+        known = self._known_weights
+        if order not in known or known[order][0] is not matrix:
+            known[order] = matrix, self._output(matrix, order) * self._amplitude.scaled(self.refined.weights)
+        return known[order][1]
+
+    @cached_property
+    def _known_weights(self) -> dict[int, tuple[np.ndarray, DoubleDouble]]:
+        """The last factors of each order."""
+        return {}
+
     def _output(self, matrix: np.ndarray, order: int) -> DoubleDouble:
-        output = matrix @ self.refined.shapes
+        shapes = self.refined.shapes
+        output = shapes if np.array_equal(matrix, np.eye(shapes.shape[0])) else matrix @ shapes
         for _ in range(order):
             output = output * self.refined.poles
         return output
@@ -475,12 +553,17 @@ class RefinedDefect(Defect):
         pairs = at[paired]
         starts[paired] = (v[pairs] - _second_state(self.flow.force.smooth, pairs)[:, None] * v[pairs + 1]) / 2
         right = DoubleDouble.of(np.concatenate([self._initial[:, None], jumps[:, 1:]], axis=1))
-        moved = exponential(*(outer(part, DoubleDouble.of(gaps)) for part in refined.turns))
-        if len(at):
+        changes = -starts[:, :1], np.zeros((len(at), 1))
+        if len(gaps):
+            moved = exponential(*(outer(part, DoubleDouble.of(gaps)) for part in refined.turns))
             ends = moved[count:] * starts[:, :-1] - starts[:, 1:]
-            changes = [np.concatenate([-starts[:, :1] * first, part], axis=1) for first, part in ((1, ends.high), (0, ends.low))]
+            changes = np.concatenate([changes[0], ends.high], axis=1), np.concatenate([changes[1], ends.low], axis=1)
+        if len(at):
             right = right + refined.summed(responses, DoubleDouble(*changes), weights)
         begun, errors = refined.solved(right)
+        errors[:, 0] += back.sum(axis=1) * self._inconsistent
+        if not len(gaps):
+            return stacked(begun, DoubleDouble.of(starts)), errors + back @ uncertain
         pieces = [begun[:, 0]]
         for k in range(len(gaps)):
             pieces.append(moved[:count, k] * pieces[-1] + begun[:, k + 1])
@@ -490,7 +573,6 @@ class RefinedDefect(Defect):
         turned = np.abs(moved.high) * np.abs(amplitudes.high[:, :-1]) * rounded
         lost = weights * (turned[count:] + DOUBLED_EPS * np.abs(starts[:, 1:]))
         errors[:, 1:] += back @ (np.abs(responses.high) @ lost) + refined.whole(turned.T).T[:n]
-        errors[:, 0] += back.sum(axis=1) * self._inconsistent
         return amplitudes, errors + back @ uncertain
 
     @property
@@ -498,11 +580,16 @@ class RefinedDefect(Defect):
         """A bound of the jump by initial values that satisfy algebraic equations to rounding errors only."""
         flow, smooth = self.flow, self.flow.force.smooth
         constraining = flow.reduction.algebraic[flow.reduction.constraining]
-        rows, F, v = full(flow.reduction.given[0])[constraining], smooth.coefficients[constraining], smooth.start_at_zero
-        for x in flow.initial if len(rows) else ():
-            if (rows @ DoubleDouble.of(x[:, None]) - F @ DoubleDouble.of(v[:, None])).high.any():
-                return 4 * EPS * float(np.abs(flow.initial).max())
-            v = smooth.generator @ v
+        if not len(constraining):
+            return 0.0
+        left, at_zero = full(flow.reduction.given[0])[constraining] @ DoubleDouble.of(flow.initial.T), smooth.start_at_zero[:, None]
+        if len(at_zero):
+            states = np.concatenate(
+                [np.linalg.matrix_power(smooth.generator, k) @ at_zero for k in range(len(flow.initial))], axis=1
+            )
+            left = left - smooth.coefficients[constraining] @ DoubleDouble.of(states)
+        if left.high.any():
+            return 4 * EPS * float(np.abs(flow.initial).max())
         return 0.0
 
     @property
@@ -595,23 +682,58 @@ def refined_modes(flow: Flow, elements: Elements, unresolved: tuple[np.ndarray, 
     return flow.computed[elements]
 
 
-def _rounded_sums(weights: np.ndarray, growth: DoubleDouble, turned: DoubleDouble) -> tuple[np.ndarray, np.ndarray]:
-    """The real part of weights @ 2^growth e^(2 pi i turned) in float64, and bounds of its rounding errors in any row."""
-    angles = 2 * np.pi * ((turned.high - np.rint(turned.high)) + turned.low)
-    parts, sizes = np.concatenate([np.cos(angles), np.sin(angles)]), np.abs(weights).max(axis=0, initial=0.0)
+def _in_chunks(sums, weights: DoubleDouble, growth: DoubleDouble, turned: DoubleDouble, times: DoubleDouble) -> np.ndarray:
+    """Sums at so many times at once that memory stays near that of the answer."""
+    count, width = len(times.high), max(1, CHUNK_ENTRIES // max(*weights.shape, 1))
+    if count <= width:
+        return sums(weights, growth, turned, times)
+    parts = (times[begin : begin + width] for begin in range(0, count, width))
+    return np.concatenate([sums(weights, growth, turned, part) for part in parts], axis=1)
+
+
+def _sums_in_float64(weights: DoubleDouble, growth: DoubleDouble, turned: DoubleDouble, times: DoubleDouble) -> np.ndarray:
+    """The real part of weights @ 2^(growth t) e^(2 pi i turned t), of exact phases; at many even times t = T + tau as e^(s T) e^(s tau)."""
+    given, m = times.high, len(growth.high)
+    step = step_of_few_rows(len(weights.high), m, given) if not times.low.any() else None
+    if step is None:
+        parts = _exponentials(growth, turned, times)
+        return np.concatenate([weights.high.real, -weights.high.imag], axis=1) @ np.concatenate([parts.real, parts.imag])
+    fine = int(len(given) ** 0.5)
+    coarse, tau = given[::fine], step * np.arange(fine)
+    table = np.ascontiguousarray(_exponentials(growth, turned, DoubleDouble.of(np.concatenate([coarse, tau]))).T)
+    result = _by_table(weights.high, table, len(coarse), len(given))
+    between, error = sum_with_error(given, -np.repeat(coarse, fine)[: len(given)])
+    beyond = (between - np.tile(tau, len(coarse))[: len(given)]) + error  # by rounding errors of the times
+    rates = np.log(2.0) * growth.high + 2j * np.pi * turned.high
+    if np.abs(beyond).max() * np.abs(rates).max(initial=0.0) > EPS:
+        result += beyond * _by_table(weights.high * rates, table, len(coarse), len(given))
+    return result
+
+
+def _by_table(weights: np.ndarray, table: np.ndarray, coarse: int, count: int) -> np.ndarray:
+    """The real part of weights @ e^(s (T + tau)), e^(s T) the first rows of a table and e^(s tau) the others."""
+    left = np.multiply(weights[:, None], table[:coarse], order="C").view(float).reshape(-1, 2 * table.shape[1])
+    result = left @ np.conj(table[coarse:]).view(float).T
+    return np.ascontiguousarray(result.reshape(len(weights), -1)[:, :count])
+
+
+def _exponentials(growth: DoubleDouble, turned: DoubleDouble, times: DoubleDouble) -> np.ndarray:
+    """2^(growth t) e^(2 pi i turned t) in float64 with exact phases, shape (m, T)."""
+    exponents, m = outer(stacked(growth, turned), times), len(growth.high)
+    turn = exponents.high[m:]
+    angles = 2 * np.pi * ((turn - np.rint(turn)) + exponents.low[m:])
+    result = np.empty(angles.shape, dtype=complex)
+    result.real, result.imag = np.cos(angles), np.sin(angles)
     if growth.high.any():
-        factors = np.exp2(growth.high)
-        factors += factors * (np.log(2.0) * growth.low)
-        parts *= np.concatenate([factors, factors])
-        sizes = sizes @ factors
-    else:
-        sizes = sizes.sum()
-    return np.concatenate([weights.real, -weights.imag], axis=1) @ parts, SUMMED_IN_FLOAT64 * EPS * sizes
+        factors = np.exp2(exponents.high[:m])
+        result *= factors + factors * (np.log(2.0) * exponents.low[:m])
+    return result
 
 
-def _sums(weights: DoubleDouble, growth: DoubleDouble, turned: DoubleDouble) -> np.ndarray:
-    """The real part of weights @ 2^growth e^(2 pi i turned) with the accuracy of exponentials, relative to the size of each term in any row."""
-    parts, sizes = exponential(growth, turned), np.abs(weights.high).max(axis=0, initial=0.0)
+def _sums(weights: DoubleDouble, growth: DoubleDouble, turned: DoubleDouble, times: DoubleDouble) -> np.ndarray:
+    """The real part of weights @ 2^(growth t) e^(2 pi i turned t) with the accuracy of exponentials, relative to each term in any row."""
+    parts = exponential(outer(growth, times), outer(turned, times))
+    sizes = np.abs(weights.high).max(axis=0, initial=0.0)
     unit = np.ldexp(1.0, np.frexp(sizes)[1])
     left, small = (np.concatenate([part.real, -part.imag], axis=1) for part in (weights.high / unit, weights.low / unit))
     unit = unit[:, None]
