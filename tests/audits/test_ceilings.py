@@ -29,7 +29,7 @@ LINES = {
     "docs": 284,
     "exact": 7336,
     "exchange": 1399,
-    "frequency": 5699,
+    "frequency": 5714,
     "ground": 2115,
     "linalg": 5090,
     "mechanics": 15054,
@@ -38,7 +38,7 @@ LINES = {
     "polynomial": 3752,
     "response": 8165,
     "robot": 8819,
-    "scene": 10056,
+    "scene": 10057,
     "signals": 1900,
 }
 
