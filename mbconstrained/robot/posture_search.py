@@ -55,7 +55,7 @@ PLURALS = {LIFTS: "lift off", SLIPS: "slip", TIPS: "tip over"}
 
 
 @dataclass(frozen=True, eq=False)
-class Contact:
+class PostureContact:
     """A foot at rest."""
 
     support: Support  # a loop or bushing with friction
@@ -95,7 +95,7 @@ class Exceeded:
     """Feet that exceed one of their limits."""
 
     # one foot; several where it is open how they share the load, of which some are outside with every share
-    contacts: tuple[Contact, ...]
+    contacts: tuple[PostureContact, ...]
     limit: str  # LIFTS, SLIPS or TIPS
     # places of the worst time and of the first one
     worst: int
@@ -136,7 +136,7 @@ def moving_contact_notices(
         yield Notice(NoticeKind.LARGE_MOTION, f"{text}; the equations keep feet in place")
 
 
-def _contacts(balance: Balance) -> Iterator[Contact]:
+def _contacts(balance: Balance) -> Iterator[PostureContact]:
     for item, _, G, places in balance.loops:
         if item.connection.friction is not None:
             yield _contact(balance, item, places, G.T)
@@ -145,15 +145,19 @@ def _contacts(balance: Balance) -> Iterator[Contact]:
             yield _contact(balance, item, None, spring.wrench[:, None])
 
 
-def _contact(balance: Balance, item: Attached, places: slice | None, wrench: np.ndarray) -> Contact:
+def _contact(balance: Balance, item: Attached, places: slice | None, wrench: np.ndarray) -> PostureContact:
     """The contact of a wrench on body2 in the frame on body1."""
     frame = balance.kinematics.frame(item.first)[0]
     on_foot = item.connection.on_foot(wrench)
-    return Contact(item.connection, places, np.vstack([frame @ on_foot[:3], on_foot[3:]]), frame)
+    return PostureContact(item.connection, places, np.vstack([frame @ on_foot[:3], on_foot[3:]]), frame)
 
 
 def _exceeded(
-    balance: Balance, free: np.ndarray, multipliers: np.ndarray, feet: Sequence[tuple[Contact, np.ndarray]], tolerance: float
+    balance: Balance,
+    free: np.ndarray,
+    multipliers: np.ndarray,
+    feet: Sequence[tuple[PostureContact, np.ndarray]],
+    tolerance: float,
 ) -> list[Exceeded]:
     """Feet that exceed their limits; where the load sharing of loops is undetermined, only if every share exceeds them."""
     J = balance.scaled_jacobian[:, free].T
@@ -173,7 +177,7 @@ def _exceeded(
     return exceeded + _of_every_share(balance, J, multipliers, tuple(contact for contact, _ in together), places, tolerance)
 
 
-def _outside(contact: Contact, limits: Sequence[Limit]) -> Iterator[Exceeded]:
+def _outside(contact: PostureContact, limits: Sequence[Limit]) -> Iterator[Exceeded]:
     """Events in which a foot lifts off, or before that slips, or tips over: either may be first, and both may occur."""
     before = len(limits[0].excess)
     for limit in limits:
@@ -199,7 +203,7 @@ class Limit:
         return self.excess > self.least
 
 
-def _limits(contact: Contact, wrench: np.ndarray, tolerance: float, size: float | None = None) -> list[Limit]:
+def _limits(contact: PostureContact, wrench: np.ndarray, tolerance: float, size: float | None = None) -> list[Limit]:
     """Tensile normal force (N), tangential force beyond friction (N), position of the centre of pressure relative to the sole.
 
     The tolerance is relative to the size, by default the largest force.
@@ -257,7 +261,12 @@ _LACKING = {
 
 
 def _of_every_share(
-    balance: Balance, J: np.ndarray, multipliers: np.ndarray, contacts: tuple[Contact, ...], places: Sequence[int], tolerance: float
+    balance: Balance,
+    J: np.ndarray,
+    multipliers: np.ndarray,
+    contacts: tuple[PostureContact, ...],
+    places: Sequence[int],
+    tolerance: float,
 ) -> list[Exceeded]:
     """Limits that feet exceed for all multipliers with the same load on the free coordinates, J^T lambda = force.
 
