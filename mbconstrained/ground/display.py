@@ -31,6 +31,7 @@ class TextTable:
         columns, rows: headings, and the texts below them.
         note: a sentence below, or an empty string.
         folded: on the page only the title is shown until it is clicked.
+        times: times of the rows, s, which rows on the page lead to; empty for none.
 
     Raises:
         InputError: a row whose length is not the number of columns.
@@ -41,6 +42,7 @@ class TextTable:
     rows: tuple[tuple[str, ...], ...]
     note: str = ""
     folded: bool = False
+    times: tuple[float, ...] = ()
 
     def __post_init__(self):
         object.__setattr__(self, "columns", tuple(map(str, self.columns)))

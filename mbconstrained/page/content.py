@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -383,6 +384,7 @@ class Plot:
         includes: values that the vertical axis reaches in any case.
         shown: number of curves that are shown at first.
         bands: ranges of the horizontal axis with a background of their own.
+        phases: begins of phases along the horizontal axis, ascending, with their names; a coloured band below the axes shows them.
         is_large: whether the picture is high and as wide as the page.
         variable_unit: in a phase plane, unit of the variable, whose value is shown at the pointer; None for no such text.
         cells: a map behind the curves, which fills the axes.
@@ -412,6 +414,7 @@ class Plot:
     variable_unit: str | None = None
     cells: Cells | None = None
     image: str = ""
+    phases: tuple[tuple[float, str], ...] = ()
 
     def __post_init__(self):
         times = ascending_times(self.times, f'plot "{self.title[:60]}", {"times" if self.variable == "time" else self.variable}')
@@ -434,6 +437,21 @@ class Plot:
     def along(self, curve: Curve) -> np.ndarray:
         """The values of a curve along the horizontal axis."""
         return curve.along if curve.along is not None else self.across.values if self.across else self.times
+
+    @property
+    def phase_ranges(self) -> dict[str, list[tuple[float, float]]]:
+        """The ranges of each phase within the drawn ones, by its name.
+
+        >>> row = np.array([0.0, 4.0])
+        >>> Plot("gap", "m", row, (Curve("a", row),), phases=((0.0, "open"), (1.0, "closed"), (3.0, "open"))).phase_ranges
+        {'open': [(0.0, 1.0), (3.0, 4.0)], 'closed': [(1.0, 3.0)]}
+        """
+        first, last = float(self.times[0]), float(self.times[-1])
+        ranges: dict[str, list[tuple[float, float]]] = {}
+        for (begin, name), (end, _) in pairwise((*self.phases, (math.inf, ""))):
+            if begin < last and end > first:
+                ranges.setdefault(name, []).append((max(begin, first), min(end, last)))
+        return ranges
 
     @property
     def across_name(self) -> str:
