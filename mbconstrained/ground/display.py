@@ -32,6 +32,7 @@ class TextTable:
     rows: tuple[tuple[str, ...], ...]
     note: str = ""  # a sentence below, or an empty string
     folded: bool = False  # on the page only the title is shown until it is clicked
+    times: tuple[float, ...] = ()  # times of the rows, s, which rows on the page lead to; empty for none
 
     def __post_init__(self):
         object.__setattr__(self, "columns", tuple(map(str, self.columns)))

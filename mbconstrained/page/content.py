@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -346,6 +347,8 @@ class Plot:
     variable_unit: str | None = None
     cells: Cells | None = None  # a map behind the curves, which fills the axes
     image: str = ""  # successive plots with the same text here are panels of one image
+    # begins of phases along the horizontal axis, ascending, with their names; a coloured band below the axes shows them
+    phases: tuple[tuple[float, str], ...] = ()
 
     def __post_init__(self):
         times = ascending_times(self.times, f'plot "{self.title[:60]}", {"times" if self.variable == "time" else self.variable}')
@@ -368,6 +371,21 @@ class Plot:
     def along(self, curve: Curve) -> np.ndarray:
         """The values of a curve along the horizontal axis."""
         return curve.along if curve.along is not None else self.across.values if self.across else self.times
+
+    @property
+    def phase_ranges(self) -> dict[str, list[tuple[float, float]]]:
+        """The ranges of each phase within the drawn ones, by its name.
+
+        >>> row = np.array([0.0, 4.0])
+        >>> Plot("gap", "m", row, (Curve("a", row),), phases=((0.0, "open"), (1.0, "closed"), (3.0, "open"))).phase_ranges
+        {'open': [(0.0, 1.0), (3.0, 4.0)], 'closed': [(1.0, 3.0)]}
+        """
+        first, last = float(self.times[0]), float(self.times[-1])
+        ranges: dict[str, list[tuple[float, float]]] = {}
+        for (begin, name), (end, _) in pairwise((*self.phases, (math.inf, ""))):
+            if begin < last and end > first:
+                ranges.setdefault(name, []).append((max(begin, first), min(end, last)))
+        return ranges
 
     @property
     def across_name(self) -> str:
