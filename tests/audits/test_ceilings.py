@@ -31,7 +31,7 @@ LINES = {
     "exchange": 1367,
     "frequency": 5716,
     "ground": 2117,
-    "linalg": 5146,
+    "linalg": 5147,
     "mechanics": 15063,
     "models": 1904,
     "page": 4859,
