@@ -194,9 +194,9 @@ class Defect:
 
     def allows(self, place: np.ndarray, order: int, times: np.ndarray, allowed: np.ndarray) -> np.ndarray:
         """The times at which the errors of this derivative of place @ z, by its modes, are guaranteed as small as allowed."""
-        if self.is_one_piece and len(times):
+        if self.is_whole and len(times):
             with np.errstate(all="ignore"):
-                return self._late(place, order, times, allowed) if self._modes is not None else np.zeros(len(times), dtype=bool)
+                return self._late(place, order, times, allowed)
         sure, covered = np.zeros(len(times), dtype=bool), self.covers(times)
         pieces, since = self.flow.states.restarts.located(times)
         with np.errstate(all="ignore"):
@@ -207,7 +207,7 @@ class Defect:
 
     def covers(self, times: np.ndarray) -> np.ndarray:
         """The times at which the errors of the sums of modes are bounded: truth values, shape (T,)."""
-        if self._modes is None or self.is_one_piece:
+        if self._modes is None or self.is_whole:
             return np.full(len(times), self._modes is not None)
         return self.follows_force | (self.flow.states.restarts.located(times)[0] == 0)
 
@@ -215,6 +215,11 @@ class Defect:
     def is_one_piece(self) -> bool:
         """Whether the motion has no restarts."""
         return len(self.flow.knots) == 1
+
+    @cached_property
+    def is_whole(self) -> bool:
+        """Whether the motion has no restarts, and the errors are bounded at all times."""
+        return self.is_one_piece and self._modes is not None
 
     @cached_property
     def in_whole_pieces(self) -> Defect | None:
