@@ -158,8 +158,7 @@ class RefinedModes:
                 parts, sizes, _, noise = divided_by_masses(left, reduction)
         shapes, poles, uncertain = residual.shapes, residual.poles, residual.errors
         for order, matrix in enumerate(unresolved):
-            if matrix.any():
-                uncertain = uncertain + matrix @ np.abs(shapes.high) * np.abs(poles.high) ** order
+            uncertain = uncertain + matrix @ np.abs(shapes.high) * np.abs(poles.high) ** order
         bound = np.abs(residual.values) + uncertain
         known, effects = _eliminated(reduction, residual.values, poles.high, eliminated), np.abs(parts) + noise * sizes
         uncertain, most = (_eliminated_sizes(reduction, part, poles.high) for part in (uncertain, bound))
@@ -179,7 +178,9 @@ class RefinedModes:
     @cached_property
     def weights(self) -> np.ndarray:
         """2 for leading poles of pairs, of which the sum with the conjugate is taken, 1 for others."""
-        return np.where(np.isin(self.leading, self.above), 2.0, 1.0)
+        weights = np.ones(len(self.leading))
+        weights[self.leading.searchsorted(self.above)] = 2.0
+        return weights
 
     def whole(self, values: np.ndarray) -> np.ndarray:
         """Values of all poles from those of the leading ones, along the last axis."""
