@@ -76,7 +76,7 @@ class BoundedModes:
         if len(at) > len(blocks):
             if any(np.tril(block, -2).any() for block in blocks if len(block) > 2):
                 return None
-            links = folded(np.triu(J, 1), at, at)
+            links = folded(J, at, at)  # below the diagonal there are entries of pairs only
             np.fill_diagonal(links, 0.0)
             counts = np.bincount(of_block)
             clustered, rates = counts[of_block] > 1, rates.copy()
@@ -112,7 +112,7 @@ class BoundedModes:
         most, joined, separate = Q[:n, :n] @ E @ Q, self.stretch[:, None] * self.links, direct / distance
         for _ in range(2 * len(joined)):
             more = (direct + joined[:n, :n] @ separate + separate @ joined) / distance
-            if np.array_equal(more, separate, equal_nan=True):
+            if more.tobytes() == separate.tobytes():
                 break
             separate = more
         rows, columns = Q[:n, :n] @ separate, separate @ Q

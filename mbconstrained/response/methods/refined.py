@@ -161,7 +161,7 @@ class RefinedModes:
             uncertain = uncertain + matrix @ np.abs(shapes.high) * np.abs(poles.high) ** order
         bound = np.abs(residual.values) + uncertain
         known, effects = _eliminated(reduction, residual.values, poles.high, eliminated), np.abs(parts) + noise * sizes
-        uncertain, most = (_eliminated_sizes(reduction, part, poles.high) for part in (uncertain, bound))
+        uncertain, most = _eliminated_sizes(reduction, (uncertain, bound), poles.high)
         driven, of_rows = np.zeros((n, len(given))), np.zeros((len(bound), len(given)))
         driven[:, leading] = np.abs(parts @ known) + np.abs(parts) @ uncertain + noise * (sizes @ most)
         of_rows[:, leading] = bound
@@ -345,13 +345,11 @@ def _eliminated(reduction: Reduction, residual: np.ndarray, poles: np.ndarray, t
     return result
 
 
-def _eliminated_sizes(reduction: Reduction, bounds: np.ndarray, poles: np.ndarray) -> np.ndarray:
+def _eliminated_sizes(reduction: Reduction, bounds: Sequence[np.ndarray], poles: np.ndarray) -> list[np.ndarray]:
     """Bounds of residuals after the same elimination as the residuals."""
-    rest = np.concatenate([reduction.second, reduction.first])
-    if not len(reduction.algebraic):
-        return bounds[rest]
-    Y = np.abs(full(reduction.Y))
-    return _eliminated(reduction, bounds, np.abs(poles), [np.abs(full(A)[rest]) @ Y for A in reduction.given])
+    rest, Y = np.concatenate([reduction.second, reduction.first]), np.abs(full(reduction.Y))
+    through = [np.abs(full(A)[rest]) @ Y for A in reduction.given if Y.size]
+    return [_eliminated(reduction, one, np.abs(poles), through) for one in bounds]
 
 
 def _turns_evenly(block: np.ndarray) -> bool:
@@ -664,7 +662,7 @@ class RefinedDefect(Defect):
         errors, n, driven = self._force_errors, len(self.flow.start), self.refined.driven
         if not errors.any():
             return driven
-        through = _eliminated_sizes(self.flow.reduction, errors, self._modes.zeros[n:])
+        (through,) = _eliminated_sizes(self.flow.reduction, [errors], self._modes.zeros[n:])
         return np.concatenate([driven[:, :n], driven[:, n:] + self.refined.parts @ through], axis=1)
 
     @property
@@ -742,7 +740,7 @@ class _Exponentials:
         step = even_step(given) if len(given) >= FEWEST_EVEN and not times.low.any() else None
         if step is None:
             return cls(_exponentials(growth, turned, times))
-        fine = int(len(given) ** 0.5)
+        fine = 2 * int(len(given) ** 0.5)  # every row has its own factors at the times T
         coarse, tau = given[::fine], step * np.arange(fine)
         table = _exponentials(growth, turned, DoubleDouble.of(np.concatenate([coarse, tau])))
         between, error = sum_with_error(given, -np.repeat(coarse, fine)[: len(given)])
