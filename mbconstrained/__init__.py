@@ -77,6 +77,10 @@ if TYPE_CHECKING:
     from .mechanics.rotating import Campbell as Campbell
     from .mechanics.rotating import CriticalSpeed as CriticalSpeed
     from .mechanics.sensitivities import Sensitivities as Sensitivities
+    from .mechanics.switched.switched_motion import SwitchedMotion as SwitchedMotion
+    from .mechanics.switched.switched_motion import SwitchEvent as SwitchEvent
+    from .mechanics.switched.switched_system import SwitchedSystem as SwitchedSystem
+    from .mechanics.switched.switches import Transition as Transition
     from .mechanics.system import MechanicalSystem as MechanicalSystem
     from .models.lumped import LumpedModel as LumpedModel
     from .polynomial.characteristic_roots import CharacteristicRoots as CharacteristicRoots
@@ -169,6 +173,9 @@ _NAMES = {
     "mechanics.parameter": "Parameter",
     "mechanics.rotating": "Campbell CriticalSpeed",
     "mechanics.sensitivities": "Sensitivities",
+    "mechanics.switched.switched_motion": "SwitchEvent SwitchedMotion",
+    "mechanics.switched.switched_system": "SwitchedSystem",
+    "mechanics.switched.switches": "Transition",
     "mechanics.system": "MechanicalSystem",
     "models.lumped": "LumpedModel",
     "polynomial.characteristic_roots": "CharacteristicRoots characteristic_roots",

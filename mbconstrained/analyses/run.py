@@ -238,7 +238,7 @@ class RunAnswer(Result, Answer):
             "jump": motion.jump,
             "impulses": motion.impulses,
             "constraint_impulses": getattr(motion, "constraint_impulses", ()),
-            "events": [{"time": one.time, "jump": one.jump, "impulses": one.impulses} for one in motion.events],
+            "events": [{"time": one.time, "jump": one.jump, "impulses": one.impulses} for one in motion._later_events],
             "later_constraint_impulses": [
                 {"time": load.time, "impulses": load.impulses} for load in getattr(motion, "later_constraint_impulses", ())
             ],

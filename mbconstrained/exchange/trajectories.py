@@ -194,6 +194,11 @@ class Exported:
     events: Any
     derivative: Any
 
+    @property
+    def _later_events(self) -> Any:
+        """Jumps and impulses of the coordinates after t = 0."""
+        return self.events
+
     def to_xarray(self, times):
         """x at times (T,) as a ``DataArray`` with the dimensions time (s) and coordinate; of a state space the outputs too.
 
@@ -259,7 +264,7 @@ class Exported:
 
     def _start_arrays(self) -> dict[str, np.ndarray]:
         """Arrays by name: initial and jump (q, r), impulses (P, r); event_times (E,), event_jumps, event_impulses where there are."""
-        return {"initial": self.initial, **_arrays_of_jumps(self.jump, self.impulses, self.events)}
+        return {"initial": self.initial, **_arrays_of_jumps(self.jump, self.impulses, self._later_events)}
 
     def write(
         self,

@@ -45,6 +45,7 @@ class NoticeKind(StrEnum):
     LARGE_MOTION = "large motion", "a motion beyond the range in which the linear equations represent the model"
     OVERRIDE = "override", "a value of the scene file that the command line replaced"
     DAMPING = "damping", "which velocity mass-proportional damping acts on"
+    SWITCH = "switch", "the equations change: a contact, a connection or a friction force takes another state"
     AT_REST = "at rest", "nothing moves in the given time"
     ALIASING = "aliasing", "the fastest motion is too fast for the times of the output"
 

@@ -147,4 +147,6 @@ def product(matrix: Matrix, columns: np.ndarray) -> np.ndarray:
     >>> product(np.array([[2.0]]), np.array([[1.0 + 1.0j]])).tolist()
     [[(2+2j)]]
     """
+    if isinstance(matrix, np.ndarray) and is_diagonal(matrix):
+        return matrix.diagonal()[:, None] * columns
     return (matrix @ np.ascontiguousarray(columns).view(float)).view(columns.dtype)

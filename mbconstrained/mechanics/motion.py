@@ -246,10 +246,15 @@ class Motion(SystemMotion, Response):
         rates = super().trajectories(times, [kind for kind in chosen if kind != "reaction"])
         if "reaction" not in chosen:
             return rates
-        rows = self.system.rows
+        rows = self._reaction_rows
         names, units = tuple(row.name for row in rows), tuple(force_unit(row.unit) for row in rows)
         values = self.reaction(real_array(times, "times", shape=(None,)))
         return (*rates, Curves("reaction", names, ("reaction",) * len(rows), units, values))
+
+    @property
+    def _reaction_rows(self) -> tuple[ConstraintRow, ...]:
+        """The constraint rows in the order of the multipliers."""
+        return self.system.rows
 
     def reaction(self, times) -> np.ndarray:
         """The multipliers lambda(t) of the constraint rows.

@@ -27,9 +27,12 @@ from ..mechanics.element_matrix import ElementMatrix
 from ..mechanics.energy import EnergyParts
 from ..mechanics.equations import ElementForce
 from ..mechanics.parameter import Parameter
+from ..mechanics.switched.switched_system import SwitchedSystem
+from ..mechanics.switched.switches import Switch
 from ..mechanics.system import MechanicalSystem
 from ..signals.inputs import ImpulsiveSmooth, zero
 from . import elements as catalogue
+from . import switching
 from .elements import (
     Body,
     DelayedFeedback,
@@ -44,6 +47,7 @@ from .elements import (
     with_parts,
 )
 from .rotor import Bearing, Rotor, Unbalance, rotor_terms
+from .switching import Release, SwitchingElement
 
 STATES = {"m": "moves along the axis (m)", "rad": "turns (rad)"}
 
@@ -137,6 +141,16 @@ class LumpedModel(Displayed):
     gear_mesh = _adds(catalogue.GearMesh)
     rack = _adds(catalogue.Rack)
     pulley = _adds(catalogue.Pulley)
+    contact = _adds(switching.Contact)
+    backlash = _adds(switching.Backlash)
+    one_sided_spring = _adds(switching.OneSidedSpring)
+    cable = _adds(switching.Cable)
+    piecewise_spring = _adds(switching.PiecewiseSpring)
+    dry_friction = _adds(switching.DryFriction)
+    clutch = _adds(switching.Clutch)
+    brake = _adds(switching.Brake)
+    latch = _adds(switching.Latch)
+    release = _adds(Release)
     rotor = _adds(Rotor)
     bearing = _adds(Bearing)
     unbalance = _adds(Unbalance)
@@ -171,8 +185,10 @@ class LumpedModel(Displayed):
         """The factors K = B^T diag(k) B, C = B^T diag(c) B, M = diag(m)."""
         return incidence_of(self.elements, self.coordinates)
 
-    def assemble(self, sparse: bool = False) -> MechanicalSystem:
+    def assemble(self, sparse: bool = False) -> MechanicalSystem | SwitchedSystem:
         """M x'' + C x' + K x = f of all elements: rest lengths and weights are its static force, ties its constraint rows.
+
+        With contacts, friction, clutches, latches and the like it is a ``SwitchedSystem``, whose phases have these equations in common.
 
         Args:
             sparse: matrices as ``scipy.sparse``, for models of thousands of bodies: their memory is proportional to the number of
@@ -189,12 +205,46 @@ class LumpedModel(Displayed):
         >>> model.assemble(sparse=True).modes(count=2).natural_frequencies.round(6)  # 200 sin((2 i - 1) pi / 4002), i = 1, 2
         array([0.157001, 0.471003])
         """
+        if not self.has_switches:
+            return self._assembled(self.elements, sparse)
+        if sparse:
+            raise InputError("assemble: a model with contacts, friction or other switches has no sparse matrices; leave sparse out")
+        return SwitchedSystem.of_switches(self.common_system(), self.switches())
+
+    @property
+    def has_switches(self) -> bool:
+        """Whether elements of the model have several states."""
+        return any(isinstance(element, (SwitchingElement, Release)) for element in self.elements)
+
+    def common_system(self) -> MechanicalSystem:
+        """The equations of all elements without switches, which all phases have in common."""
+        released = {element.target for element in self.elements if isinstance(element, Release)}
+        return self._assembled([element for element in self.elements if element.name not in released], False)
+
+    def switches(self) -> tuple[Switch, ...]:
+        """The parts with several states, in the order of the elements."""
+        names, result = self.coordinates, []
+        releases = {element.target: element for element in self.elements if isinstance(element, Release)}
+        for element in self.elements:
+            if not isinstance(element, SwitchingElement) and element.name not in releases:
+                continue
+            row = coordinate_row(element.row, names)  # type: ignore[attr-defined]
+            unit = next((self._units[name] for name in element.ends if name in self._units), "m")
+            release = releases.get(element.name)
+            if not isinstance(element, SwitchingElement):
+                result.append(switching.released(element, release, row, unit))  # type: ignore[arg-type]
+                continue
+            own = element.switches(row, unit)
+            result += own if release is None else switching.with_release(own, release, row)
+        return tuple(result)
+
+    def _assembled(self, elements: Sequence[Element], sparse: bool) -> MechanicalSystem:
         units, names = self.units, self.coordinates
         if not units:
             raise InputError("the model has no body; add a mass, an inertia or a node")
-        factors = incidence_of(self.elements, names, sparse=sparse)
+        factors = incidence_of(elements, names, sparse=sparse)
         signals = [signal.mapped(coordinate_row({name: 1.0}, names)[:, None]) for name, signal in self._forces.items()]
-        turning = rotor_terms(self.elements, names)
+        turning = rotor_terms(elements, names)
         if sparse and turning:
             raise InputError("assemble: a model with rotors has no sparse matrices; leave sparse out")
         springs: Any = factors.springs.product if sparse else factors.springs.matrix
@@ -216,9 +266,9 @@ class LumpedModel(Displayed):
         )
         if turning:
             system.speed_tables, system.unbalance, system.whirl_matrix = turning.tables, turning.unbalance, turning.whirl
-        loss_factors = {element.name: getattr(element, "loss_factor", 0.0) for element in with_parts(self.elements)}
+        loss_factors = {element.name: getattr(element, "loss_factor", 0.0) for element in with_parts(elements)}
         system.loss_factors = {name: factor for name, factor in loss_factors.items() if factor}
-        system.elements = ElementForces(self.elements, names)
+        system.elements = ElementForces(elements, names)
         if not sparse and not (turning and turning.stiffness.any()):
             system.part_source = partial(_energy_parts, factors, names)
         system.origin = copy(self)
@@ -256,12 +306,36 @@ class LumpedModel(Displayed):
                 )
         if len(ends) < element.end_count:
             raise InputError(f"{element.label}: two of its ends are on the same body; give different ones")
-        if isinstance(element, RigidTie) and len({self._units[name] for name in ends if name != GROUND}) > 1:
+        joins_one_kind = isinstance(element, (RigidTie, SwitchingElement))
+        if joins_one_kind and len({self._units[name] for name in ends if name != GROUND}) > 1:
             raise InputError(f"{element.label}: one end moves along the axis (m), the other turns (rad); use a rack")
+        if isinstance(element, Release):
+            self._check_release(element)
         self._elements[element.name] = element
         self._units |= {body.name: body.unit for body in (element, *parts) if isinstance(body, Body)}
         self._parts.update((part.name, part) for part in parts)
         return element
+
+    def _check_release(self, release: Release) -> None:
+        """Raise an InputError where nothing of this name can be released, or it is already."""
+        target = self._elements.get(release.target)
+        if not isinstance(target, (Link, Tie, SwitchingElement)):
+            known = [name for name, one in self._elements.items() if isinstance(one, (Link, Tie, SwitchingElement))]
+            what = f"is a {target.kind}, which cannot be released" if target else "does not exist"
+            raise InputError(
+                f'{release.label}: "{release.target}" {what}{nearest(release.target, known)}; expected the name of a spring, '
+                "damper, tie, contact, latch …, added before its release"
+            )
+        if any(isinstance(one, Release) and one.target == release.target for one in self.elements):
+            raise InputError(f'{release.label}: "{release.target}" has a release already; give one')
+        if isinstance(target, PrescribedMotion):
+            raise InputError(
+                f'{release.label}: "{release.target}" is a prescribed motion; expected a spring, damper, tie, contact or latch'
+            )
+        if isinstance(target, switching.Latch) and target.at is not None and target.at == release.at:
+            raise InputError(
+                f'{release.label}: the latch "{release.target}" is closed and released at once, at {release.at:g} s; give different times'
+            )
 
     def _check_names(self, element: Element, names: list[str]) -> None:
         """Raise an InputError where the name of an element, or of a part of it, is in use."""

@@ -133,6 +133,10 @@ class Response(Exported, Presented):
     @property
     def events(self) -> tuple[Event, ...]:
         """Jumps and impulses after t = 0, where the force starts, stops, changes or has impulses, by ascending time."""
+        return self._later_events
+
+    @property
+    def _later_events(self) -> tuple[Event, ...]:
         return self._events[1:]
 
     @cached_property
@@ -144,7 +148,7 @@ class Response(Exported, Presented):
     @cached_property
     def _kinks(self) -> tuple[Event, ...]:
         """Events at which the excitation is continuous and its slope jumps, as between the samples of a record."""
-        return kinks_of(self.events, self.force)
+        return kinks_of(self._later_events, self.force)
 
     @cached_property
     def is_proved(self) -> bool:
@@ -188,7 +192,7 @@ class Response(Exported, Presented):
         impulses = int(np.any(self.impulses, axis=0).sum()) if self.impulses else 0
         return (
             f"{counted(len(names), 'coordinate')}: {shown}; {counted(jumps, 'jump')} and "
-            f"{counted(impulses, 'impulse')} at t = 0; {counted(len(self.events), 'event')} later"
+            f"{counted(impulses, 'impulse')} at t = 0; {counted(len(self._later_events), 'event')} later"
         )
 
     def _tables(self) -> tuple[TextTable, ...]:
@@ -197,7 +201,7 @@ class Response(Exported, Presented):
         impulses = ((names[i], str(k), f"{part[i]:.6g}") for k, part in enumerate(self.impulses) for i in np.flatnonzero(part))
         events = (
             (f"{event.time:.6g}", str(np.count_nonzero(event.jump)), str(sum(map(np.count_nonzero, event.impulses))))
-            for event in self.events
+            for event in self._later_events
         )
         return (
             TextTable("Jumps at t = 0", ("coordinate", "order of derivative", "jump"), tuple(jumps)),

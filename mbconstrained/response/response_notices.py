@@ -146,7 +146,7 @@ def _later(x: SolvedProblem):
 def without_kinks(x: SolvedProblem) -> list[Event]:
     """The events after t = 0, except kinks of the excitation."""
     kinks = {event.time for event in x._kinks}
-    return [event for event in x.events if event.time not in kinks]
+    return [event for event in x._later_events if event.time not in kinks]
 
 
 def kink_notices(x: SolvedProblem, jump_text: Callable[[int, int, float], str]) -> Iterator[Notice]:

@@ -55,7 +55,7 @@ PLURALS = {LIFTS: "lift off", SLIPS: "slip", TIPS: "tip over"}
 
 
 @dataclass(frozen=True, eq=False)
-class Contact:
+class PostureContact:
     """A foot at rest.
 
     Attributes:
@@ -76,7 +76,7 @@ class Contact:
         return self.wrench if self.places is None else (self.wrench @ multipliers[self.places])[:, None]
 
     def of(self, wrench: np.ndarray) -> np.ndarray:
-        """Contact force from a wrench on body2 in the directions of the ground, both of shape (6, T)."""
+        """PostureContact force from a wrench on body2 in the directions of the ground, both of shape (6, T)."""
         on_foot = self.support.on_foot(wrench)
         return np.vstack([on_foot[:3], self.frame.T @ on_foot[3:]])
 
@@ -108,7 +108,7 @@ class Exceeded:
         text: the worst value.
     """
 
-    contacts: tuple[Contact, ...]
+    contacts: tuple[PostureContact, ...]
     limit: str
     worst: int
     first: int
@@ -153,7 +153,7 @@ def moving_contact_notices(
         yield Notice(NoticeKind.LARGE_MOTION, f"{text}; the equations keep feet in place")
 
 
-def _contacts(balance: Balance) -> Iterator[Contact]:
+def _contacts(balance: Balance) -> Iterator[PostureContact]:
     for item, _, G, places in balance.loops:
         if item.connection.friction is not None:
             yield _contact(balance, item, places, G.T)
@@ -162,18 +162,18 @@ def _contacts(balance: Balance) -> Iterator[Contact]:
             yield _contact(balance, item, None, spring.wrench[:, None])
 
 
-def _contact(balance: Balance, item: Attached, places: slice | None, wrench: np.ndarray) -> Contact:
+def _contact(balance: Balance, item: Attached, places: slice | None, wrench: np.ndarray) -> PostureContact:
     """The contact of a wrench on body2 in the frame on body1."""
     frame = balance.kinematics.frame(item.first)[0]
     on_foot = item.connection.on_foot(wrench)
-    return Contact(item.connection, places, np.vstack([frame @ on_foot[:3], on_foot[3:]]), frame)
+    return PostureContact(item.connection, places, np.vstack([frame @ on_foot[:3], on_foot[3:]]), frame)
 
 
 def _exceeded(
     balance: Balance,
     free: np.ndarray,
     multipliers: np.ndarray,
-    feet: Sequence[tuple[Contact, np.ndarray]],
+    feet: Sequence[tuple[PostureContact, np.ndarray]],
     tolerance: float,
 ) -> list[Exceeded]:
     """Feet that exceed their limits; where the load sharing of loops is undetermined, only if every share exceeds them."""
@@ -194,7 +194,7 @@ def _exceeded(
     return exceeded + _of_every_share(balance, J, multipliers, tuple(contact for contact, _ in together), places, tolerance)
 
 
-def _outside(contact: Contact, limits: Sequence[Limit]) -> Iterator[Exceeded]:
+def _outside(contact: PostureContact, limits: Sequence[Limit]) -> Iterator[Exceeded]:
     """Events in which a foot lifts off, or before that slips, or tips over: either may be first, and both may occur."""
     before = len(limits[0].excess)
     for limit in limits:
@@ -220,7 +220,7 @@ class Limit:
         return self.excess > self.least
 
 
-def _limits(contact: Contact, wrench: np.ndarray, tolerance: float, size: float | None = None) -> list[Limit]:
+def _limits(contact: PostureContact, wrench: np.ndarray, tolerance: float, size: float | None = None) -> list[Limit]:
     """Tensile normal force (N), tangential force beyond friction (N), position of the centre of pressure relative to the sole.
 
     The tolerance is relative to the size, by default the largest force.
@@ -278,7 +278,12 @@ _LACKING = {
 
 
 def _of_every_share(
-    balance: Balance, J: np.ndarray, multipliers: np.ndarray, contacts: tuple[Contact, ...], places: Sequence[int], tolerance: float
+    balance: Balance,
+    J: np.ndarray,
+    multipliers: np.ndarray,
+    contacts: tuple[PostureContact, ...],
+    places: Sequence[int],
+    tolerance: float,
 ) -> list[Exceeded]:
     """Limits that feet exceed for all multipliers with the same load on the free coordinates, J^T lambda = force.
 

@@ -21,25 +21,25 @@ from tests.audits.source import FILES, MODULES, ROOT, expect_none, room, text, t
 #: (the method of steps, characteristic roots, exact responses, feedback elements) took 1,630 lines, most of them in response and polynomial. Matrices that are not
 #: regular (Kronecker form, kernels over the rationals, other numbers of equations than coordinates) took 690 lines, 430 of them in polynomial.
 LINES = {
-    "__init__": 219,
+    "__init__": 226,
     "__main__": 8,
     "analyses": 10860,
     "cli": 980,
     "control": 2612,
     "docs": 284,
     "exact": 7336,
-    "exchange": 1394,
-    "frequency": 5668,
-    "ground": 2114,
-    "linalg": 5064,
-    "mechanics": 12461,
-    "models": 1435,
+    "exchange": 1399,
+    "frequency": 5714,
+    "ground": 2115,
+    "linalg": 5090,
+    "mechanics": 15054,
+    "models": 1904,
     "page": 4913,
-    "polynomial": 3747,
-    "response": 8013,
-    "robot": 8814,
-    "scene": 10056,
-    "signals": 1898,
+    "polynomial": 3752,
+    "response": 8165,
+    "robot": 8819,
+    "scene": 10057,
+    "signals": 1900,
 }
 
 #: So far may a room be below its ceiling before that must be lowered.

@@ -1,0 +1,305 @@
+"""One phase of a switched system: its equations together with those of the force, and the maps from values at 0- to its states.
+
+The force is w' = J_f w, f = C_f w, and [[A(s), -C_f], [0, s I - J_f]] has the motion under the force as its free motion: from its Jordan
+pairs follow the states just after a switch, the jumps and the impulses, whatever the index of the phase (Moysis et al., Eqs. 42-45).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy
+
+from ...ground.errors import InputError, MbconstrainedError
+from ...ground.notices import Notice, distinct
+from ...linalg.blocks import block_diagonalize, block_matrix
+from ...linalg.exponential import block_states
+from ...polynomial.jordan_pairs import JordanPairs
+from ...polynomial.polynomial_matrix import PolynomialMatrix
+from ...response.events import starts_of
+from ...response.response_notices import pair_notices
+from ...signals.impulsive import ImpulsiveSmooth
+from ...signals.inputs import step, zero
+from ..energy import energy_of
+from .flow import NOISE, PhaseFlow
+
+if TYPE_CHECKING:
+    from ..system import MechanicalSystem
+    from .switches import ForceBranch, Guard
+
+#: An entry of the state that differs from that before a switch by less than this part of its terms does not jump.
+STILL = 16 * NOISE
+
+
+class Source:
+    """All that acts from outside: the force on the n coordinates, the signals of constraint rows, and the constant 1.
+
+    Args:
+        applied: the force, n rows.
+        signals: signals of constraint rows, one row each.
+    """
+
+    def __init__(self, applied: ImpulsiveSmooth, signals: Sequence[ImpulsiveSmooth]):
+        self.size, self.signals = applied.size, list(signals)
+        rows = self.size + len(signals) + 1
+        unit = np.eye(rows)
+        total = applied.mapped(unit[:, : self.size]) + step(unit[-1])
+        for place, signal in enumerate(signals, self.size):
+            total = total + signal.mapped(unit[:, [place]])
+        self.total = total
+        smooth = total.smooth
+        self.coefficients, self.blocks, self.restarts = smooth.coefficients, smooth.blocks, smooth.restarts
+        self.loads = {0.0: total.impulses, **{load.time: load.impulses for load in total.later}}
+
+    @property
+    def knots(self) -> np.ndarray:
+        """Times at which the force starts, stops, changes or has impulses, in s."""
+        return self.total.knots
+
+    def place(self, signal: ImpulsiveSmooth) -> int:
+        """The row of a signal."""
+        return self.size + next(i for i, own in enumerate(self.signals) if own is signal)
+
+    def at(self, time: float) -> np.ndarray:
+        """The states w at a time, at a knot just after it."""
+        piece, since = self.restarts.located(np.array([time]))
+        states = self.restarts.states[:, piece]
+        return states[:, 0] if not since.any() else block_states(self.blocks, states, since)[:, 0]
+
+    def of_rows(self, system: MechanicalSystem) -> np.ndarray:
+        """S with [V^T f; b] = S (f, signals, 1) for the constrained form of a phase, and the static force of its elements in f."""
+        form, n = system.undelayed_form(), self.size
+        S = np.zeros((n, n + len(self.signals) + 1))
+        free = form.null_space.shape[1]
+        S[:free, :n] = form.null_space.T
+        for place, row in enumerate(system.rows, free):
+            S[place, -1] = row.value
+            if row.signal is not None:
+                S[place, self.place(row.signal)] += 1.0
+        return S
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseEntry:
+    """The states of a phase just after a switch.
+
+    Attributes:
+        state: y.
+        jump: of x and x', shape (2, n); exactly zero where they are continuous.
+        impulses: arrays (n,) of x, the k-th multiplies the k-th derivative of Dirac's delta.
+        reactions: of the multipliers, arrays (k,) in the order of the rows.
+    """
+
+    state: np.ndarray
+    jump: np.ndarray
+    impulses: tuple[np.ndarray, ...]
+    reactions: tuple[np.ndarray, ...]
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether nothing jumps and there is no impulse."""
+        return not (self.jump.any() or self.impulses or self.reactions)
+
+
+class Phase:
+    """The equations of one phase with the force.
+
+    Args:
+        name: for messages.
+        system: the equations.
+        branches: those among the equations, whose forces at x = 0 are in addition to the source.
+        source: the force.
+        guards: by which it may end.
+        longest: the longest time of interest, s.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        system: MechanicalSystem,
+        branches: Sequence[ForceBranch],
+        source: Source,
+        guards: Sequence[Guard],
+        longest: float,
+    ):
+        self.name, self.system, self.source, self.guards = name, system, source, tuple(guards)
+        self.constant = sum((branch.load for branch in branches), np.zeros(system.size))
+        potentials = [branch.potential for branch in branches]
+        self.potential_force = system.static_force + sum((force for force, _ in potentials), np.zeros(system.size))
+        self.offset = sum(energy for _, energy in potentials)
+        form, n, m = system.undelayed_form(), system.size, len(source.coefficients.T)
+        S = source.of_rows(system)
+        self.load_map = S
+        loads = S @ source.coefficients
+        loads[: form.null_space.shape[1]] += np.outer(form.null_space.T @ self.constant, source.coefficients[-1])
+        self.generator = block_matrix(source.blocks)
+        A0, A1, A2 = (np.pad(matrix, (0, m)) for matrix in form.polynomial_matrix.coefficients)
+        A0[:n, n:], A0[n:, n:], A1[n:, n:] = -loads, -self.generator, np.eye(m)
+        names = [f"force {i + 1}" for i in range(m)]
+        A = PolynomialMatrix(
+            [A0, A1, A2], [*system.names, *names], [*form.polynomial_matrix.equations, *(f"of {name}" for name in names)]
+        )
+        try:
+            self.pairs: JordanPairs = A.jordan_pairs()
+        except MbconstrainedError as problem:
+            raise type(problem)(*(f'phase "{name}": {problem}', *problem.args[1:])) from None
+        self._set_maps(n, m)
+        self._set_outputs(n, longest)
+
+    def _set_maps(self, n: int, m: int) -> None:
+        form = self.pairs.form
+        parts, companion, scaling = block_diagonalize(form.T), form.companion, form.companion.scaling
+        blocks, scales = [], [np.ones(0)]
+        for block in parts.blocks:
+            balanced, (scale, _) = scipy.linalg.matrix_balance(block, permute=False, separate=True)
+            blocks.append(scaling.time * balanced)
+            scales.append(scale)
+        scale = np.concatenate(scales)
+        self.blocks, self.J = tuple(blocks), block_matrix(blocks)
+        outputs = scaling.columns[:, None] * (form.C @ parts.basis) * scale
+        self.C, self.of_force = outputs[:n], outputs[n:]
+        self.V = self.C @ self.J
+        units = np.zeros((2, n + m, 2 * n + m))  # of x, x' and w
+        for order in (0, 1):
+            units[order, :n, order * n : (order + 1) * n] = np.eye(n)
+        units[0, n:, 2 * n :], units[1, n:, 2 * n :] = np.eye(m), self.generator
+        stack = companion.scaled_stack(units)
+        self.start = (parts.inverse @ (form.finite_start @ stack)) / scale[:, None]
+        self.input = scaling.time * (parts.inverse @ form.B)[:, :n] * scaling.rows[:n] / scale[:, None]
+        infinite = form.infinite_start.data @ stack
+        self.inconsistency, self._inconsistency_size = infinite, np.abs(infinite)
+
+    def _set_outputs(self, n: int, longest: float) -> None:
+        """The outputs that guards read, and their flow."""
+        rows, values = np.zeros((len(self.guards), len(self.J))), np.zeros(len(self.guards))
+        for place, guard in enumerate(self.guards):
+            rows[place] = guard.displacement @ self.C + guard.velocity @ self.V
+            for row, factor in guard.reactions.items():
+                rows[place] += factor * self.reaction_row(row)
+            values[place] = guard.value
+        self.flow = PhaseFlow(self.blocks, rows, values, longest)
+
+    # Outputs.
+
+    @cached_property
+    def static(self) -> np.ndarray:
+        """Rows of the force, with that of the elements of the phase, on the states."""
+        n = self.system.size
+        loads = self.source.coefficients[:n] + np.outer(self.constant, self.source.coefficients[-1])
+        return loads @ self.of_force
+
+    @cached_property
+    def reactions(self) -> np.ndarray:
+        """Rows of the multipliers lambda = G (M x'' + C x' + K x - f) on the states, shape (k, N)."""
+        system = self.system
+        inertia = system.mass @ (self.V @ self.J) + system.damping @ self.V + system.stiffness @ self.C
+        return system.multiplier_map @ (inertia - self.static)
+
+    @cached_property
+    def row_places(self) -> Mapping[str, int]:
+        """Places of the constraint rows by name."""
+        return {row.name: place for place, row in enumerate(self.system.rows)}
+
+    def reaction_row(self, name: str) -> np.ndarray:
+        """The row of one multiplier; zero for a row that others make redundant."""
+        place = self.row_places.get(name)
+        if place is None:
+            return np.zeros(len(self.J))
+        return self.reactions[place]
+
+    def displacement(self, y: np.ndarray) -> np.ndarray:
+        return self.C @ y
+
+    def velocity(self, y: np.ndarray) -> np.ndarray:
+        return self.V @ y
+
+    def force_states(self, y: np.ndarray) -> np.ndarray:
+        """w."""
+        return self.of_force @ y
+
+    def energy(self, x: np.ndarray, v: np.ndarray) -> float:
+        """Kinetic, strain and static energy, J."""
+        return float(energy_of(self.system.given, self.potential_force, x, v).total) + self.offset
+
+    # PhaseEntry from values just before a switch.
+
+    def enter(self, x: np.ndarray, v: np.ndarray, w: np.ndarray, loads: Sequence[np.ndarray] = ()) -> PhaseEntry:
+        """The states just after a switch, from x, x' before it, the states of the force after it, and its impulses there."""
+        n, stack = self.system.size, np.concatenate([x, v, w])
+        g = np.abs(self.inconsistency @ stack)
+        if not loads and (g <= STILL * (self._inconsistency_size @ np.abs(stack))).all():
+            return PhaseEntry(self.start @ stack, np.zeros((2, n)), (), ())
+        impulses = [np.concatenate([self.load_map @ load, np.zeros(len(w))]) for load in loads]
+        initial = np.zeros((2, n + len(w)))
+        initial[0], initial[1] = np.concatenate([x, w]), np.concatenate([v, self.generator @ w])
+        force = ImpulsiveSmooth(zero(n + len(w)).smooth, tuple(impulses))
+        begin = starts_of(self.pairs.form, initial[..., None], force)[0]
+        y = self.start @ stack
+        for order, load in enumerate(impulses):
+            y = y + np.linalg.matrix_power(self.J, order) @ (self.input @ load[:n])
+        jump = self._jump(x, v, y)
+        size = NOISE * float(np.abs(initial).max(initial=0.0)) / self.pairs.form.companion.scaling.time
+        own = _without_noise([impulse[:n] for impulse in begin.impulses], size)
+        return PhaseEntry(y, jump, own, self._reactions(jump, own, loads))
+
+    def _jump(self, x: np.ndarray, v: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """x and x' from y less those before, zero within rounding errors."""
+        jump = np.array([self.C @ y - x, self.V @ y - v])
+        size = np.array([np.abs(self.C) @ np.abs(y) + np.abs(x), np.abs(self.V) @ np.abs(y) + np.abs(v)])
+        jump[np.abs(jump) <= STILL * size.max(axis=1, keepdims=True)] = 0.0
+        return jump
+
+    def _reactions(self, jump: np.ndarray, impulses: Sequence[np.ndarray], loads: Sequence[np.ndarray]) -> tuple[np.ndarray, ...]:
+        """Impulses of the multipliers, as ``mechanics.motion.reaction_impulses``."""
+        system, n = self.system, self.system.size
+        if not system.rows:
+            return ()
+        x = [jump[1], jump[0], *impulses]  # factors of delta in M x'' from here on
+        parts = [(system.mass, x), (system.damping, x[1:]), (system.stiffness, x[2:]), (-np.eye(n), [load[:n] for load in loads])]
+        total, size = [], 0.0
+        for order in range(max(len(factors) for _, factors in parts)):
+            terms = [matrix @ factors[order] for matrix, factors in parts if order < len(factors)]
+            size = max(size, *(float(np.abs(term).max(initial=0.0)) for term in terms))
+            total.append(system.multiplier_map @ sum(terms))
+        return _without_noise(total, STILL * size)
+
+    def impulse_response(self, row: np.ndarray) -> np.ndarray:
+        """The change of the states by a unit impulse of force along a row over the coordinates."""
+        form = self.system.undelayed_form()
+        load = np.concatenate([form.null_space.T @ row, np.zeros(len(form.rows))])
+        return self.input @ load
+
+    def has_massless(self, row: np.ndarray) -> bool:
+        """Whether an impulse of force along a row would move the coordinates at once, as those without mass."""
+        b = self.impulse_response(row)
+        moved = np.abs(self.C @ b)
+        return bool((moved > STILL * (np.abs(self.C) @ np.abs(b)) + STILL * moved.max(initial=0.0)).any())
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """Doubtful decisions and redundant rows of the phase."""
+        return distinct(self.system.notices, (notice for notice in pair_notices(self.pairs) if notice.doubtful))
+
+
+def _without_noise(impulses: Sequence[np.ndarray], size: float) -> tuple[np.ndarray, ...]:
+    """Impulses up to the last order with one that is more than a rounding error."""
+    cleaned = [np.where(np.abs(impulse) > size, impulse, 0.0) for impulse in impulses]
+    while cleaned and not cleaned[-1].any():
+        cleaned.pop()
+    return tuple(cleaned)
+
+
+def checked_source(system: MechanicalSystem, force, rows: Sequence) -> Source:
+    """The force on a system and the signals of constraint rows."""
+    signals: list[ImpulsiveSmooth] = []
+    for row in rows:
+        if row.signal is not None and not any(row.signal is own for own in signals):
+            signals.append(row.signal)
+    applied = system._applied(force)
+    if applied.size != system.size:
+        raise InputError(f"force: it has {applied.size} rows; expected {system.size}")
+    return Source(applied, signals)

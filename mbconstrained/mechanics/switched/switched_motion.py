@@ -1,0 +1,501 @@
+"""The motion of a switched system: one function of time through all phases, with its events and their sensitivities."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...ground.checks import counted
+from ...ground.coordinate_units import force_unit, impulse_unit
+from ...ground.display import TextTable, notice_table, number_text
+from ...ground.notices import Evidence, Notice, NoticeKind, distinct
+from ...ground.tolerances import EPS, TRUST_LIMIT
+from ...linalg.exponential import block_states
+from ...response.choose import Method
+from ...response.events import Event
+from ...signals.bohl import BohlFunction, FreeRestarts, Restarts
+from ...signals.impulsive import ImpulsiveLoad
+from ..constraints import ConstraintRow
+from ..energy import Energy, energy_of
+from ..motion import Motion, Quantity, _order_of
+from .phase import STILL, Phase
+from .sequence import PhaseSegment, PhaseSequence, SwitchRecord
+
+if TYPE_CHECKING:
+    from ...response.methods.defect import Rounding
+
+#: The method that reports and plans name.
+SWITCHED = Method("switched", "phase by phase by the Jordan pairs of each, switched at the zeros of its guards")
+
+#: Rounding errors of the states of a phase, in units of EPS: at once, and by radian of the fastest rate.
+OWN_NOISE, NOISE_BY_RADIAN = 8.0, 1.0
+
+#: Times at which errors are estimated.
+ESTIMATED = 64
+
+#: Events that are reported in a sentence each.
+REPORTED = 6
+
+
+@dataclass(frozen=True, eq=False)
+class SwitchEvent:
+    """A switch from one phase to the next, or an impact within a phase.
+
+    Attributes:
+        time: in s.
+        before, after: the phases.
+        jump: of x and x', shape (2, n); zero where they are continuous.
+        impulses: of contacts and constraint rows by name, in N s or N m s; those that follow from a jump of the displacement are left out.
+        higher_impulses: factors of derivatives of Dirac's delta by name, (N s^2, ...).
+        coordinate_impulses: arrays (n,), the k-th multiplies the k-th derivative of Dirac's delta in x.
+        energy_before, energy_after: kinetic, strain and static energy, J.
+        momentum_residual: |M jump of x' + C jump of x - sum of the impulses| relative to the largest term.
+        grazing: whether a guard only touches zero.
+        rest_time: where infinitely many bounces end, the time at which they do, s; None elsewhere.
+        text: what happens.
+    """
+
+    time: float
+    before: str
+    after: str
+    jump: np.ndarray
+    impulses: Mapping[str, float]
+    higher_impulses: Mapping[str, tuple[float, ...]]
+    coordinate_impulses: tuple[np.ndarray, ...]
+    energy_before: float
+    energy_after: float
+    momentum_residual: float
+    grazing: bool
+    rest_time: float | None
+    text: str
+    _place: int = field(repr=False)
+    _motion: SwitchedMotion = field(repr=False)
+
+    @property
+    def energy_lost(self) -> float:
+        """The energy before less that after, J."""
+        return self.energy_before - self.energy_after
+
+    @property
+    def time_error(self) -> float:
+        """Estimate of the error of the time, s; infinite where all digits are lost."""
+        return float(self._motion._time_errors[self._place])
+
+
+class SwitchedSolution:
+    """The solution of a switched system, as the methods of a ``Response`` read it."""
+
+    def __init__(self, sequence: PhaseSequence, initial: np.ndarray):
+        self.method, self.sequence = SWITCHED, sequence
+        self.phases = list(sequence.phases.values())
+        used = {id(segment.phase) for segment in sequence.segments}
+        self.phases = [phase for phase in self.phases if id(phase) in used]
+        self._ends = np.cumsum([0, *(len(phase.J) for phase in self.phases)])
+        self._place = {id(phase): place for place, phase in enumerate(self.phases)}
+        first = sequence.segments[0]
+        begin = np.array([first.phase.C @ first.state, first.phase.V @ first.state])
+        jump = begin - initial
+        jump[np.abs(jump) <= STILL * (np.abs(begin) + np.abs(initial))] = 0.0
+        self.jump, self.impulses = jump, ()
+        self.events = tuple(
+            Event(record.time, np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]]), record.coordinate_impulses)
+            for record in sequence.records
+            if record.time > 0
+        )
+
+    finite_count = property(lambda self: max(len(phase.J) for phase in self.phases))
+    coupling = property(lambda self: max(phase.pairs.finite.coupling for phase in self.phases))
+    is_precise = dropped_near_bound = False
+    has_clear_ranks, as_written = True, None
+
+    @cached_property
+    def blocks(self) -> tuple[np.ndarray, ...]:
+        """The blocks of all phases."""
+        return tuple(block for phase in self.phases for block in phase.blocks)
+
+    @cached_property
+    def restarts(self) -> Restarts:
+        """The states of all phases at the begin of each; those of phases that do not last are zero."""
+        segments = [segment for segment in self.sequence.segments if segment.duration > 0] or self.sequence.segments[-1:]
+        states = np.zeros((self._ends[-1], len(segments)))
+        for column, segment in enumerate(segments):
+            place = self._place[id(segment.phase)]
+            states[self._ends[place] : self._ends[place + 1], column] = segment.state
+        knots, remainders = np.array([one.time for one in segments], float), np.array([one.remainder for one in segments])
+        return FreeRestarts(knots, states, remainders if remainders.any() else 0.0, self.blocks)
+
+    def function_of(self, rows: Sequence[np.ndarray]) -> BohlFunction:
+        """The function with these rows on the states of each phase."""
+        return BohlFunction(np.hstack(list(rows)), self.blocks, self.restarts)
+
+    @cached_property
+    def function(self) -> BohlFunction:
+        """x(t)."""
+        return self.function_of([phase.C for phase in self.phases])
+
+    @property
+    def evidence(self) -> tuple[Evidence, ...]:
+        """Residual and decoupling of the phases, the worst of each."""
+        worst: dict[str, Evidence] = {}
+        for phase in self.phases:
+            for item in phase.pairs.evidence:
+                own = worst.get(item.name)
+                is_gap = item.name == "rank gap"
+                if own is None or (item.value < own.value if is_gap else item.value > own.value):
+                    worst[item.name] = item
+        return tuple(worst.values())
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        return distinct(*(phase.notices for phase in self.phases))
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class SwitchedMotion(Motion):
+    """x(t) of a switched system through all its phases, a ``Motion`` with ``events``.
+
+    ``x(t)`` is the regular part; at the time of an event it is the value just after it. The error estimate carries the error of each phase
+    through the sensitivities of the times of events (saltation matrices) to the next.
+
+    Attributes:
+        system: the equations common to all phases, or those of the first.
+    """
+
+    solution: SwitchedSolution  # type: ignore[assignment]
+
+    _unproved = "phases that follow each other: errors are estimated"
+
+    # Events.
+
+    @cached_property
+    def events(self) -> tuple[SwitchEvent, ...]:  # type: ignore[override]
+        """All switches and impacts, by time."""
+        return tuple(self._event(place, record) for place, record in enumerate(self.solution.sequence.records))
+
+    @property
+    def _later_events(self) -> tuple[Event, ...]:
+        return self.solution.events
+
+    @property
+    def phases(self) -> tuple[tuple[float, str], ...]:
+        """The times at which phases begin, in s, and the phases."""
+        found: list[tuple[float, str]] = []
+        for segment in self.solution.sequence.segments:
+            if segment.duration > 0 and (not found or found[-1][1] != segment.phase.name):
+                found.append((float(segment.time), segment.phase.name))
+        return tuple(found)
+
+    def _event(self, place: int, record: SwitchRecord) -> SwitchEvent:
+        machine = self.solution.sequence.machine
+        jump = np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]])
+        for row, pair in zip(jump, (record.x, record.v)):
+            row[np.abs(row) <= STILL * (np.abs(pair[0]) + np.abs(pair[1])).max(initial=0.0)] = 0.0
+        impulses = {name: sizes[0] for name, sizes in record.impulses.items() if sizes and sizes[0]}
+        higher = {name: tuple(sizes[1:]) for name, sizes in record.impulses.items() if any(sizes[1:])}
+        return SwitchEvent(
+            time=float(record.time if record.resting is None else record.resting),
+            before=machine.label(record.before),
+            after=machine.label(record.after),
+            jump=jump,
+            impulses=impulses,
+            higher_impulses=higher,
+            coordinate_impulses=record.coordinate_impulses,
+            energy_before=record.phases[0].energy(record.x[0], record.v[0]),
+            energy_after=record.phases[1].energy(record.x[1], record.v[1]),
+            momentum_residual=self.solution.sequence.momentum_residual(record),
+            grazing=record.grazing,
+            rest_time=None if record.resting is None else float(record.resting),
+            text="; ".join(dict.fromkeys(record.texts)) or ("a guard touches zero" if record.grazing else "the load jumps"),
+            _place=place,
+            _motion=self,
+        )
+
+    def event_table(self) -> TextTable:
+        """The events with their times, phases, impulses and energies."""
+        rows = []
+        units = self._impulse_units
+        for event in self.events:
+            impulses = ", ".join(f"{name} {number_text(size)} {units.get(name, 'N s')}" for name, size in event.impulses.items())
+            lost = number_text(event.energy_lost) if abs(event.energy_lost) > STILL * abs(event.energy_before) else "0"
+            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, event.before, event.after, impulses, lost))
+        columns = ("t (s)", "error (s)", "what", "before", "after", "impulses", "energy lost (J)")
+        return TextTable("Events", columns, tuple(rows))
+
+    # Rows of all phases.
+
+    @cached_property
+    def _reaction_rows(self) -> tuple[ConstraintRow, ...]:
+        """The constraint rows of all phases, each once by name."""
+        rows: dict[str, ConstraintRow] = {}
+        for phase in self.solution.phases:
+            for row in phase.system.rows:
+                rows.setdefault(row.name, row)
+        return tuple(rows.values())
+
+    @property
+    def _impulse_units(self) -> dict[str, str]:
+        units = {row.name: impulse_unit(force_unit(row.unit), 0) for row in self._reaction_rows}
+        for switch in self.solution.sequence.machine.switches:
+            units.setdefault(switch.name, impulse_unit(force_unit(switch.unit), 0))
+        return units
+
+    @cached_property
+    def reaction_function(self) -> BohlFunction:
+        """The multipliers of all rows, zero while a row is not part of the equations."""
+        rows = []
+        for phase in self.solution.phases:
+            rows.append(np.array([phase.reaction_row(row.name) for row in self._reaction_rows]).reshape(-1, len(phase.J)))
+        return self.solution.function_of(rows)
+
+    @cached_property
+    def _constraint_loads(self) -> tuple[ImpulsiveLoad, ...]:
+        names = [row.name for row in self._reaction_rows]
+        loads = []
+        for record in self.solution.sequence.records:
+            count = max((len(sizes) for name, sizes in record.impulses.items() if name in names), default=0)
+            arrays = tuple(
+                np.array([(record.impulses.get(name, []) + [0.0] * count)[order] for name in names]) for order in range(count)
+            )
+            if arrays:
+                loads.append(ImpulsiveLoad(float(record.time), arrays))
+        return tuple(loads)
+
+    # Energy.
+
+    def energy(self, times) -> Energy:
+        """Kinetic, strain and static energy, those of the elements of each phase included, in J."""
+        times = np.asarray(times, dtype=float)
+        flat = np.atleast_1d(times)
+        x, v = self.displacement(flat), self.velocity(flat)
+        parts = np.zeros((3, len(flat)))
+        for phase, chosen in self._by_phase(flat):
+            own = energy_of(phase.system.given, phase.potential_force, x[:, chosen], v[:, chosen])
+            parts[:, chosen] = own.kinetic, own.strain + phase.offset, own.static
+        return Energy(*(part if times.ndim else part[0] for part in parts))
+
+    def _by_phase(self, times: np.ndarray) -> list[tuple[Phase, np.ndarray]]:
+        segments = [
+            segment for segment in self.solution.sequence.segments if segment.duration > 0
+        ] or self.solution.sequence.segments[-1:]
+        place = np.searchsorted([segment.time for segment in segments], times, side="right") - 1
+        return [
+            (phase, chosen)
+            for phase in self.solution.phases
+            if len(chosen := np.flatnonzero([segments[i].phase is phase for i in place]))
+        ]
+
+    # Errors.
+
+    @cached_property
+    def _propagated(self) -> tuple[list[np.ndarray], np.ndarray, list[np.ndarray]]:
+        """Covariances of the errors of (x, x') at the begin of segments, those of times of events, and saltation matrices."""
+        sequence, n = self.solution.sequence, self.system.size
+        first = sequence.segments[0]
+        P = np.diag((OWN_NOISE * EPS * _sizes(first, first.state)) ** 2)
+        covariances, times, saltations = [], {}, []
+        previous: PhaseSegment | None = None
+        with np.errstate(over="ignore", invalid="ignore"):
+            for segment in sequence.segments:
+                if previous is not None:
+                    F, y = _transition(previous)
+                    S, along = _saltation(previous, segment, F, y)
+                    if along is not None and segment.event is not None:
+                        times[id(segment.event)] = float(np.sqrt(max(along @ P @ along, 0.0)))
+                    radians = float(previous.phase.flow.rates.max(initial=0.0)) * previous.duration
+                    noise = EPS * (OWN_NOISE + NOISE_BY_RADIAN * radians) * _sizes(previous, y)
+                    G = _after(segment) @ (_along_contact(segment, n) * noise)
+                    P = np.nan_to_num(S @ P @ S.T + G @ G.T, nan=np.inf, posinf=np.inf)
+                    saltations.append(S)
+                covariances.append(P)
+                previous = segment
+        errors = [times.get(id(record), 0.0) + EPS * record.time for record in sequence.records]
+        return covariances, np.nan_to_num(np.array(errors), nan=np.inf), saltations
+
+    @property
+    def _time_errors(self) -> np.ndarray:
+        return self._propagated[1]
+
+    def error_estimate(self, times, of: Quantity = "displacement", *, order: int = 0) -> float:
+        """Return an estimate of max |error| / max |value| over the times.
+
+        The covariance of rounding errors is carried through all phases and events; at most 64 of the times are looked at.
+
+        Args:
+            times: in s, a number or shape (T,).
+            of: the quantity.
+            order: order of a derivative of it, if any.
+
+        Returns:
+            A number without unit; infinite where the error may be as large as the answer.
+        """
+        own = _order_of(of)
+        function = self.reaction_function if own is None else self.function
+        total = order + (own or 0)
+        function = function.derivative(total) if total else function
+        flat = np.unique(np.atleast_1d(np.asarray(times, dtype=float)))
+        flat = flat[np.linspace(0, len(flat) - 1, min(len(flat), ESTIMATED)).astype(int)]
+        largest = float(np.abs(function(flat)).max(initial=0.0))
+        segments = self.solution.sequence.segments
+        begins = np.array([segment.time for segment in segments])
+        worst = 0.0
+        with np.errstate(over="ignore", invalid="ignore"):
+            for time in flat:
+                place = int(np.searchsorted(begins, time, side="right")) - 1
+                worst = max(worst, self._error_at(segments[place], self._propagated[0][place], float(time), own, total))
+        if not worst or largest == 0:
+            return 0.0 if not worst else np.inf
+        return float(worst / largest) if np.isfinite(worst) else np.inf
+
+    def _error_at(self, segment: PhaseSegment, P: np.ndarray, time: float, own: int | None, order: int) -> float:
+        phase, n = segment.phase, self.system.size
+        since = max(time - segment.time - segment.remainder, 0.0)
+        rows = phase.reactions if own is None else phase.C
+        for _ in range(order):
+            rows = rows @ phase.J
+        if not len(rows):
+            return 0.0
+        moved = block_states(phase.blocks, phase.start[:, : 2 * n], np.full(2 * n, since))
+        y = phase.flow.states(segment.state, since)
+        A = rows @ moved
+        radians = float(phase.flow.rates.max(initial=0.0)) * since
+        noise = EPS * (OWN_NOISE + NOISE_BY_RADIAN * radians) * (np.abs(rows) @ np.abs(y))
+        variance = np.einsum("ij,jk,ik->i", A, P, A) + noise**2
+        return float(np.sqrt(np.nan_to_num(variance, nan=np.inf).max(initial=0.0)))
+
+    # Notices.
+
+    @property
+    def evidence(self) -> tuple[Evidence, ...]:
+        """Evidence of the phases, the number of events and the largest error of their times."""
+        worst = float(self._time_errors.max(initial=0.0))
+        own = (
+            Evidence("events", len(self.events), "switches and impacts"),
+            Evidence("time of events", worst, "estimate of the largest error of the time of an event, s"),
+            Evidence(
+                "momentum",
+                max((event.momentum_residual for event in self.events), default=0.0),
+                "largest residual of the balance of momentum at an event, relative to its largest term",
+            ),
+        )
+        return (*self.solution.evidence, *own)
+
+    @cached_property
+    def notices(self) -> tuple[Notice, ...]:
+        """Events, doubtful decisions of the phases, and the event after which digits are lost."""
+        return (*self._equation_notices, *self.system.range_notices(self))
+
+    @cached_property
+    def _equation_notices(self) -> tuple[Notice, ...]:
+        return distinct(
+            self._event_notices, self._lost_digits, self.solution.sequence.notices, self.solution.notices, self.force.notices
+        )
+
+    @property
+    def _event_notices(self) -> tuple[Notice, ...]:
+        notices = []
+        for event in self.events[:REPORTED]:
+            kind = NoticeKind.IMPULSE if event.impulses else NoticeKind.JUMP if event.jump.any() else NoticeKind.SWITCH
+            sizes = ", ".join(
+                f"{name} {number_text(size)} {self._impulse_units.get(name, 'N s')}" for name, size in event.impulses.items()
+            )
+            impulses = f"; impulses: {sizes}" if sizes else ""
+            rest = "" if event.rest_time is None else ", after infinitely many bounces"
+            notices.append(Notice(kind, f"t = {event.time:.9g} s: {event.text}{rest}{impulses}"))
+        if len(self.events) > REPORTED:
+            notices.append(
+                Notice(
+                    NoticeKind.SWITCH,
+                    f"there are {counted(len(self.events), 'event')} in all, the last at t = {self.events[-1].time:.9g} s",
+                )
+            )
+        return tuple(notices)
+
+    @property
+    def _lost_digits(self) -> tuple[Notice, ...]:
+        """A notice where the errors of event times, relative to the time between events, leave no digits."""
+        errors, last = self._time_errors, 0.0
+        for number, (record, error) in enumerate(zip(self.solution.sequence.records, errors)):
+            gap = max(record.time - last, EPS * record.time)
+            if error > TRUST_LIMIT * gap and error > TRUST_LIMIT * EPS**0.5 * record.time:
+                text = f"from event {number + 1} at t = {record.time:.6g} s on the motion has lost its digits: small errors grow from event to event"
+                return (Notice(NoticeKind.ACCURACY, text, doubtful=True),)
+            last = record.time
+        return ()
+
+    def _rounding(self) -> Rounding | None:
+        return None
+
+    def _summary(self) -> str:
+        names = ", ".join(self.names)
+        return f"{counted(len(self.names), 'coordinate')}: {names}; {counted(len(self.events), 'event')}"
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        return self.event_table(), notice_table(self.notices)
+
+    def enclose(self, times, digits: int = 15, *, of: Quantity = "displacement", order: int = 0):
+        """Not available: intervals are not carried through events.
+
+        Args:
+            times, digits, of, order: as of ``Motion.enclose``.
+
+        Raises:
+            InputError: always.
+        """
+        from ...ground.errors import InputError
+
+        raise InputError(
+            "enclose: not available for switched systems, whose errors are estimated (error_estimate, time_error of events)"
+        )
+
+
+def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
+    """The sums of moduli that x and x' are made of, shape (2 n,)."""
+    phase = segment.phase
+    size = np.maximum(np.abs(y), np.abs(segment.state))
+    return np.concatenate([np.abs(phase.C) @ size, np.abs(phase.V) @ size])
+
+
+def _transition(segment: PhaseSegment) -> tuple[np.ndarray, np.ndarray]:
+    """The derivative of the states at the end of a segment with respect to (x, x') at its begin, and the states there."""
+    phase, n = segment.phase, segment.phase.system.size
+    moved = block_states(phase.blocks, phase.start[:, : 2 * n], np.full(2 * n, segment.duration))
+    return moved, phase.flow.states(segment.state, segment.duration)
+
+
+def _along_contact(segment: PhaseSegment, n: int) -> np.ndarray:
+    """I without the part of a displacement guard that was just zero: its rounding error is not carried on."""
+    unit, guard = np.eye(2 * n), None if segment.event is None else segment.event.guard
+    if guard is not None and guard.displacement.any() and not guard.velocity.any():
+        d = guard.displacement
+        unit[:n, :n] -= np.outer(d, d) / (d @ d)
+    return unit
+
+
+def _after(segment: PhaseSegment) -> np.ndarray:
+    """The derivative of (x, x') after a switch with respect to those before it, at a fixed time."""
+    return segment.jump() if segment.jump is not None else np.eye(2 * segment.phase.system.size)
+
+
+def _saltation(previous: PhaseSegment, segment: PhaseSegment, F: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+    """The derivative of (x, x') at the begin of a segment with respect to those at the begin of the previous, and of the time of the event.
+
+    With the guard g and its rate: S = D F - (z+' - D z-') dt, dt = -dg / g' (saltation matrix; Leine and Nijmeijer, Dynamics and Bifurcations
+    of Non-Smooth Mechanical Systems, 2004, section 7.4).
+    """
+    phase, D = previous.phase, _after(segment)
+    outputs = np.vstack([phase.C, phase.V])
+    total = D @ (outputs @ F)
+    record = segment.event
+    if record is None or record.guard_row is None:
+        return total, None
+    rate = float(record.guard_row @ (phase.J @ y))
+    if rate == 0:
+        return total, np.full(F.shape[1], np.inf)
+    along = -(record.guard_row @ F) / rate
+    before = outputs @ (phase.J @ y)
+    after = np.vstack([segment.phase.C, segment.phase.V]) @ (segment.phase.J @ segment.state)
+    return total + np.outer(D @ before - after, along), along

@@ -1,0 +1,214 @@
+"""Systems whose equations change: phases with transitions, and models with contacts, friction, clutches and latches."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from ...ground.checks import counted, nearest, real_number, whole_number
+from ...ground.display import Displayed, TextTable
+from ...ground.errors import InputError, within_float64
+from ...response.problem import Problem
+from .phase import checked_source
+from .sequence import MOST_EVENTS, Machine, PhaseSequence
+from .switched_motion import SwitchedMotion, SwitchedSolution
+from .switches import Switch, SwitchState, TimedChange, Transition
+
+if TYPE_CHECKING:
+    from ..system import MechanicalSystem
+
+
+class SwitchedSystem(Displayed):
+    """A mechanical system that changes its equations: each phase M x'' + C x' + K x = f + A^T lambda with rows of its own.
+
+    The motion starts in one phase. Where the condition of a transition is met, the next phase begins with the values just before it
+    as values at 0-: those that do not fit its equations jump, with impulses, as its Jordan pairs say (Moysis et al., section 4).
+
+    Args:
+        phases: the systems by name, with the same coordinates.
+        transitions: from phase to phase.
+        start: the first phase; by default the first of ``phases``.
+
+    Raises:
+        InputError: phases with different coordinates, transitions between unknown phases or with unknown names.
+
+    A mass on a spring meets a stop at x = 0.5 and stays there:
+
+    >>> import mbconstrained as mb
+    >>> free = mb.MechanicalSystem([[1.0]], stiffness=[[4.0]])
+    >>> held = free.with_constraints(mb.Constraint([1.0], value=0.5, names="stop"))
+    >>> machine = SwitchedSystem({"free": free, "held": held}, [Transition("free", "held", when={"x1": 1.0}, above=0.5)])
+    >>> x = machine.solve(velocity=[2.0], end=3.0)
+    >>> [(event.before, event.after, round(event.time, 6), round(event.impulses["stop"], 6)) for event in x.events]
+    [('free', 'held', 0.261799, -1.732051)]
+    """
+
+    def __init__(self, phases: Mapping[str, MechanicalSystem], transitions: Sequence[Transition] = (), start: str | None = None):
+        phases = dict(phases)
+        if not phases:
+            raise InputError("phases: found none; expected systems by name")
+        first = next(iter(phases.values()))
+        for name, system in phases.items():
+            self._check_phase(name, system, first)
+        start = next(iter(phases)) if start is None else start
+        for name in [start, *(name for one in transitions for name in (one.source, one.target))]:
+            if name not in phases:
+                raise InputError(f'there is no phase "{name}"{nearest(str(name), phases)}; there are {", ".join(phases)}')
+        guards: dict[str, list] = {name: [] for name in phases}
+        changes = []
+        for one in transitions:
+            if one.at is not None:
+                changes.append(TimedChange(one.at, one.target, (one.source,)))
+            else:
+                guards[one.source].append(one.guard(phases[one.source]))
+        ordered = [start, *(name for name in phases if name != start)]
+        states = {name: SwitchState(guards=tuple(guards[name])) for name in ordered}
+        switch = Switch("phase", states, sorted(changes, key=lambda change: change.time))
+        self._set(Machine(phases[start], [switch], phases), phases, tuple(transitions))
+
+    def _set(self, machine: Machine, phases, transitions) -> None:
+        self.machine, self.phases, self.transitions = machine, phases, transitions
+        self.system = machine.system
+
+    @classmethod
+    def of_switches(cls, system: MechanicalSystem, switches: Sequence[Switch]) -> SwitchedSystem:
+        """The system of common equations and switches, whose phases are all combinations of the states of these.
+
+        Args:
+            system: the equations common to all phases.
+            switches: the parts with several states.
+
+        Returns:
+            The switched system.
+        """
+        made = cls.__new__(cls)
+        made._set(Machine(system, switches), {}, ())
+        return made
+
+    @staticmethod
+    def _check_phase(name: str, system, first) -> None:
+        from ..equations import EquationsOfMotion
+
+        if not isinstance(system, EquationsOfMotion):
+            raise InputError(f'phase "{name}": found {type(system).__name__}; expected a MechanicalSystem')
+        if system.is_sparse or system.delayed:
+            what = "sparse matrices" if system.is_sparse else "delays"
+            raise InputError(f'phase "{name}": {what} are not available in switched systems')
+        if system.names != first.names:
+            raise InputError(
+                f'phase "{name}": its coordinates are {", ".join(system.names)}; expected {", ".join(first.names)} as in the first'
+            )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The coordinates."""
+        return self.system.names
+
+    @property
+    def switches(self) -> tuple[Switch, ...]:
+        """The parts with several states."""
+        return self.machine.switches
+
+    def phase(self, *states: str) -> MechanicalSystem:
+        """The equations of one phase, for its modes and responses.
+
+        Args:
+            states: the name of the phase, or the states of all switches in their order.
+
+        Raises:
+            InputError: an unknown phase.
+        """
+        if len(states) != len(self.switches):
+            raise InputError(
+                f"phase: found {counted(len(states), 'state')}; expected one of each of {', '.join(one.name for one in self.switches)}"
+            )
+        for switch, state in zip(self.switches, states):
+            if state not in switch.states:
+                raise InputError(
+                    f'{switch.name}: there is no state "{state}"{nearest(state, switch.states)}; there are {", ".join(switch.states)}'
+                )
+        return self.machine.system_of(states)[0]
+
+    def solve(
+        self,
+        displacement=None,
+        velocity=None,
+        force=None,
+        *,
+        end: float,
+        penetration: bool = False,
+        most_events: int = MOST_EVENTS,
+    ) -> SwitchedMotion:
+        """Solve for the motion through all phases up to a time.
+
+        Every phase is solved in closed form by its Jordan pairs. It ends at the first zero of one of its guards, which is isolated by
+        Bernstein coefficients of Taylor polynomials and refined to rounding errors: none is missed. Impacts follow Newton's law of
+        restitution, those at one time all at once. Bounces that accumulate are summed where they are geometric.
+
+        Args:
+            displacement, velocity: x and x' at 0-, shape (n,), or by name.
+            force: in addition to the system's own, as of ``MechanicalSystem.solve``.
+            end: the last time, in s.
+            penetration: whether contacts may be penetrated at the start; they close then, with a jump and impulses.
+            most_events: more events end in an error.
+
+        Returns:
+            A ``SwitchedMotion`` with ``events``.
+
+        Raises:
+            InputError: a start in penetration, unknown names.
+            NotUnique: more events than ``most_events``; states that alternate without end.
+            SingularPolynomialMatrix: a phase whose motion is not unique; the text names its free coordinates.
+
+        A ball dropped from 1 m bounces with e = 0.8 and comes to rest:
+
+        >>> import mbconstrained as mb
+        >>> model = mb.LumpedModel()
+        >>> _ = model.mass("ball", 1.0), model.gravity(-9.81), model.contact("ground", "ball", restitution=0.8)
+        >>> x = model.assemble().solve({"ball": 1.0}, end=5.0)
+        >>> round(x.events[-1].time, 12), x.events[-1].after
+        (4.063712768872, 'closed')
+        """
+        system = self.system
+        system._refuse_loss_factors()
+        end = real_number(end, "end", positive=True)
+        most = whole_number(most_events, "most_events", minimum=1)
+        start = system._start(displacement, velocity)
+        rows = [row for one in (self.phases.values() if self.phases else (system,)) for row in one.rows]
+        with within_float64():
+            sequence = PhaseSequence(self.machine, checked_source(system, force, rows), end, most)
+            key = tuple(switch.start(*start) for switch in self.switches)
+            sequence.run(key, start[0], start[1], penetration)
+            form = sequence.segments[0].phase.system.undelayed_form()
+            applied = system._applied(force)
+            problem = Problem(form.polynomial_matrix, start, form.force(applied))
+            return SwitchedMotion(problem, SwitchedSolution(sequence, start), system, applied)
+
+    def __getattr__(self, name: str):
+        from ..system import MechanicalSystem
+
+        if not name.startswith("_") and hasattr(MechanicalSystem, name):
+            raise AttributeError(
+                f"a switched system has no {name}: its equations change. Take those of one phase, such as "
+                f"system.phase({', '.join(repr(next(iter(switch.states))) for switch in self.switches)}).{name}"
+            )
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+    def _summary(self) -> str:
+        if self.phases:
+            return f"{counted(len(self.names), 'coordinate')}, {counted(len(self.phases), 'phase')}, {counted(len(self.transitions), 'transition')}"
+        return f"{counted(len(self.names), 'coordinate')}, {counted(len(self.switches), 'switch', 'switches')}"
+
+    def _tables(self) -> tuple[TextTable, ...]:
+        if self.phases:
+            rows = ((one.source, one.target, _condition(one)) for one in self.transitions)
+            return (TextTable("Transitions", ("from", "to", "when"), tuple(rows)),)
+        return (TextTable("Switches", ("name", "states"), tuple((one.name, ", ".join(one.states)) for one in self.switches)),)
+
+
+def _condition(one: Transition) -> str:
+    if one.at is not None:
+        return f"t = {one.at:g} s"
+    terms = " + ".join(f"{factor:g} {name}" for name, factor in (one.when or {}).items())
+    side, limit = ("above", one.above) if one.above is not None else ("below", one.below)
+    return f"{terms} {side} {limit:g}"

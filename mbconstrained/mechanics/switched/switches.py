@@ -1,0 +1,425 @@
+"""Switches: parts of a model that have several states, each with constraint rows, forces and guards of its own.
+
+A guard is a linear function of displacements, velocities and multipliers that is positive while the state lasts. A state ends at the
+first time at which one of its guards falls to zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from ...ground.checks import nearest, real_number
+from ...ground.errors import InputError
+from ..constraints import Constraint, Level
+
+Output = Literal["displacement", "velocity", "reaction"]
+
+
+@dataclass(frozen=True, eq=False)
+class Guard:
+    """g = d x + c x' + sum of factor times multiplier - value, positive while the state lasts.
+
+    Attributes:
+        target: the state that follows where it falls to zero.
+        displacement, velocity: d and c, shape (n,).
+        value: what is subtracted.
+        reactions: factors of the multipliers of constraint rows by name.
+        beyond: the state that follows where it is negative at once, not zero first; None for the same.
+        restitution: of an impact along d; None for a guard that is none.
+        condition: a guard whose value must be positive for this one to count; None without.
+        dwell: so long, in s, it must stay negative before the state ends.
+        text: for reports.
+    """
+
+    target: str
+    displacement: np.ndarray
+    velocity: np.ndarray
+    value: float = 0.0
+    reactions: Mapping[str, float] = field(default_factory=dict)
+    beyond: str | None = None
+    restitution: float | None = None
+    condition: Guard | None = None
+    dwell: float = 0.0
+    text: str = ""
+    is_opposite: bool = False
+
+    @property
+    def opposite(self) -> Guard:
+        """The guard with the opposite sign."""
+        factors = {name: -factor for name, factor in self.reactions.items()}
+        return replace(
+            self, displacement=-self.displacement, velocity=-self.velocity, value=-self.value, reactions=factors, is_opposite=True
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ForceBranch:
+    """A force -(stiffness (a x - rest) + damping a x') along a, and a constant one; both on the coordinates by a^T.
+
+    Attributes:
+        stored: the energy of the spring at a x = rest, J; None where the constant force is none of a spring, as friction.
+    """
+
+    direction: np.ndarray
+    stiffness: float = 0.0
+    rest: float = 0.0
+    damping: float = 0.0
+    constant: float = 0.0
+    stored: float | None = 0.0
+
+    @property
+    def load(self) -> np.ndarray:
+        """The force at x = 0, shape (n,)."""
+        return self.direction * (self.constant + self.stiffness * self.rest)
+
+    @property
+    def potential(self) -> tuple[np.ndarray, float]:
+        """The part of that force that has an energy, and the energy at x = 0, J."""
+        if self.stored is None:
+            return self.direction * (self.stiffness * self.rest), self.stiffness * self.rest**2 / 2
+        return self.load, self.stored + self.rest * (self.constant + self.stiffness * self.rest / 2)
+
+
+@dataclass(frozen=True, eq=False)
+class SwitchState:
+    """The rows, forces and guards of a switch while it is in a state.
+
+    Attributes:
+        rows: constraint rows.
+        branches: forces.
+        guards: by which the state ends.
+        slips: whether its force is bounded, so that it passes on no impulse: the state that it takes during impacts; None where it is not.
+    """
+
+    rows: tuple[Constraint, ...] = ()
+    branches: tuple[ForceBranch, ...] = ()
+    guards: tuple[Guard, ...] = ()
+    slips: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class UnilateralContact:
+    """A rigid contact a x + gap >= 0 among the states of a switch.
+
+    Attributes:
+        row: a.
+        gap: at x = 0.
+        restitution: e of a x' after an impact = -e a x' before it.
+        open, closed: the states.
+    """
+
+    row: np.ndarray
+    gap: float
+    restitution: float
+    open: str
+    closed: str
+
+
+class Switch:
+    """A named part with several states.
+
+    Attributes:
+        name: of the part.
+        states: by name.
+        times: states that it takes at given times, (time, state or from which state to which), ascending.
+        contact: its rigid contact; None without.
+        unit: unit of its displacement.
+    """
+
+    unit: str = "m"
+    contact: UnilateralContact | None = None
+
+    def __init__(self, name: str, states: Mapping[str, SwitchState], times: Sequence[TimedChange] = ()):
+        self.name, self.states, self.times = name, dict(states), tuple(times)
+
+    def start(self, x: np.ndarray, v: np.ndarray) -> str:
+        """The state at the start."""
+        return next(iter(self.states))
+
+
+@dataclass(frozen=True)
+class TimedChange:
+    """A change of state at a time.
+
+    Attributes:
+        time: in s.
+        target: the state that follows.
+        sources: the states in which it takes place; empty for all.
+        text: for reports.
+    """
+
+    time: float
+    target: str
+    sources: tuple[str, ...] = ()
+    text: str = ""
+
+
+class StartSwitch(Switch):
+    """A switch whose state at the start depends on a displacement or a velocity along a row.
+
+    Args:
+        limits: ascending (limit, state): the state of the first limit above the value at the start.
+    """
+
+    def __init__(self, name, states, row, limits, order: int = 0, times: Sequence[TimedChange] = ()):
+        super().__init__(name, states, times)
+        self.row, self.limits, self.order = row, limits, order
+
+    def start(self, x: np.ndarray, v: np.ndarray) -> str:
+        value = float(self.row @ (v if self.order else x))
+        return next(state for limit, state in self.limits if value < limit or limit == np.inf)
+
+
+# The switches of models, by rows over their coordinates.
+
+
+def rigid_contact(name: str, row: np.ndarray, gap: float, restitution: float, unit: str = "m") -> Switch:
+    """a x + gap >= 0 without deformation: impacts by Newton's law of restitution, rest at zero, lift-off where the force would pull."""
+    none = np.zeros(len(row))
+    switch = Switch(
+        name,
+        {
+            "open": SwitchState(guards=(Guard("closed", row, none, -gap, restitution=restitution, text="closes"),)),
+            "closed": SwitchState(
+                rows=(Constraint(row, value=-gap, names=name, unit=unit),),
+                guards=(Guard("open", none, none, reactions={name: 1.0}, text="opens"),),
+            ),
+        },
+    )
+    switch.contact, switch.unit = UnilateralContact(row, gap, restitution, "open", "closed"), unit
+    return switch
+
+
+def elastic_contact(name: str, row: np.ndarray, gap: float, stiffness: float, damping: float = 0.0, unit: str = "m") -> Switch:
+    """A force -(k e + c e') for e = a x + gap < 0 that never pulls: where damping would make it pull, the contact separates."""
+    none, rest = np.zeros(len(row)), -gap
+    branch = ForceBranch(row, stiffness, rest, damping)
+    opens = Guard("open", -row, none, gap, text="opens")
+    closes = Guard("closed", row, none, rest, text="closes")
+    states = {"open": SwitchState(guards=(closes,)), "closed": SwitchState(branches=(branch,), guards=(opens,))}
+    if damping:
+        separates = Guard("separating", -stiffness * row, -damping * row, -stiffness * rest, text="separates")
+        returns = Guard("closed", stiffness * row, damping * row, stiffness * rest, text="closes")
+        states["closed"] = SwitchState(branches=(branch,), guards=(opens, separates))
+        states["separating"] = SwitchState(guards=(opens, returns))
+    switch = StartSwitch(name, states, row, [(rest, "closed"), (np.inf, "open")])
+    switch.unit = unit
+    return switch
+
+
+def piecewise_spring(
+    name: str, row: np.ndarray, breakpoints: Sequence[float], stiffness: Sequence[float], rest: float = 0.0
+) -> Switch:
+    """A continuous force of elongation e = a x - rest with one stiffness more than breakpoints; it is zero at e = 0.
+
+    F(e) = integral from 0 to e of k: in each range F_i + k_i (e - e_i).
+    """
+    none, edges = np.zeros(len(row)), [-np.inf, *breakpoints, np.inf]
+
+    def force_and_energy(e: float) -> tuple[float, float]:
+        force = energy = 0.0
+        sign = 1.0 if e >= 0 else -1.0
+        for k, low, high in sorted(zip(stiffness, edges, edges[1:]), key=lambda part: sign * part[1]):
+            begin, end = (min(max(one, low), high) for one in (0.0, e))
+            energy += (end - begin) * (force + k * (end - begin) / 2)
+            force += k * (end - begin)
+        return force, energy
+
+    names = [f"range {i + 1}" for i in range(len(stiffness))]
+    states = {}
+    for i, k in enumerate(stiffness):
+        low, high = edges[i], edges[i + 1]
+        anchor = min(max(0.0, low), high)
+        force, energy = force_and_energy(anchor)
+        branch = ForceBranch(row, k, rest + anchor, constant=-force, stored=energy)
+        guards = []
+        if np.isfinite(low):
+            guards.append(Guard(names[i - 1], row, none, rest + low, text=f"enters {names[i - 1]}"))
+        if np.isfinite(high):
+            guards.append(Guard(names[i + 1], -row, none, -rest - high, text=f"enters {names[i + 1]}"))
+        states[names[i]] = SwitchState(branches=(branch,), guards=tuple(guards))
+    limits = [(rest + edge if np.isfinite(edge) else edge, state) for edge, state in zip(edges[1:], names)]
+    return StartSwitch(name, states, row, limits)
+
+
+def friction(
+    name: str,
+    row: np.ndarray,
+    kinetic: float,
+    static: float,
+    unit: str = "m",
+    engaged: float = 0.0,
+    until: float = np.inf,
+) -> Switch:
+    """Coulomb friction along a: a force of the kinetic size against a x', exactly at rest as long as that takes no more than the static one.
+
+    Args:
+        kinetic, static: limits of the force, in N or N m; infinite for a rigid connection.
+        engaged: acts from this time on, in s.
+        until: until then.
+    """
+    none = np.zeros(len(row))
+    stuck = Constraint(row, level="velocity", names=name, unit=unit)
+    if np.isinf(static):
+        states = {"locked": SwitchState(rows=(stuck,))}
+    else:
+        upper = Guard("backward", none, none, -static, {name: -1.0}, text="slips")
+        lower = Guard("forward", none, none, -static, {name: 1.0}, text="slips")
+        states = {
+            "forward": SwitchState(
+                branches=(ForceBranch(row, constant=-kinetic, stored=None),),
+                guards=(Guard("stuck", none, row, beyond="backward", text="sticks"),),
+            ),
+            "stuck": SwitchState(rows=(stuck,), guards=(upper, lower), slips="forward"),
+            "backward": SwitchState(
+                branches=(ForceBranch(row, constant=kinetic, stored=None),),
+                guards=(Guard("stuck", none, -row, beyond="forward", text="sticks"),),
+            ),
+        }
+    engages = next(iter(states)) if np.isinf(static) else "stuck"
+    times = []
+    if engaged > 0 or np.isfinite(until):
+        states["open"] = SwitchState()
+    if engaged > 0:
+        times.append(TimedChange(engaged, engages, ("open",), "engages"))
+    if np.isfinite(until):
+        times.append(TimedChange(until, "open", tuple(state for state in states if state != "open"), "is released"))
+    if engaged > 0 or np.isinf(static):
+        switch = Switch(
+            name, {key: states[key] for key in sorted(states, key=lambda key: key != ("open" if engaged > 0 else engages))}, times
+        )
+    else:
+        switch = StartSwitch(name, states, row, [(0.0, "backward"), (np.nextafter(0, 1), "stuck"), (np.inf, "forward")], 1, times)
+    switch.unit = unit
+    return switch
+
+
+def releasable(
+    name: str,
+    rows: Sequence[Constraint],
+    branches: Sequence[ForceBranch],
+    at: float | None,
+    guards: Sequence[Guard],
+) -> Switch:
+    """Rows and forces that act until a time or until a guard falls to zero."""
+    times = [] if at is None else [TimedChange(at, "released", ("held",), "is released")]
+    return Switch(name, {"held": SwitchState(tuple(rows), tuple(branches), tuple(guards)), "released": SwitchState()}, times)
+
+
+def latch(
+    name: str,
+    row: np.ndarray,
+    unit: str,
+    distance: float | None,
+    at: float | None,
+) -> Switch:
+    """Two bodies that are joined for good once a x has reached a distance, or from a time on."""
+    none = np.zeros(len(row))
+    position = distance is not None and at is None
+    level: Level = "position" if position else "velocity"
+    joined = Constraint(row, level=level, value=distance if position else 0.0, names=name, unit=unit)
+    times = [TimedChange(at, "closed", ("open",), "closes")] if at is not None else []
+    states = {"closed": SwitchState(rows=(joined,))}
+    if not position:
+        switch = Switch(name, {"open": SwitchState(), **states}, times)
+    else:
+        above = Guard("closed", row, none, distance, text="closes")
+        below = Guard("closed", -row, none, -distance, text="closes")
+        states = {"open above": SwitchState(guards=(above,)), "open below": SwitchState(guards=(below,)), **states}
+        switch = StartSwitch(name, states, row, [(distance, "open below"), (np.inf, "open above")])
+    switch.unit = unit
+    return switch
+
+
+# Transitions between phases that are given as whole systems.
+
+
+@dataclass(frozen=True)
+class Transition:
+    """The end of a phase of a ``SwitchedSystem`` and the one that follows.
+
+    It takes place at a time, or where a linear combination of displacements, velocities or multipliers rises above or falls below a
+    limit. With a restitution e > 0 the velocity of the combination is reversed, -e times that before, and the phase goes on; it ends
+    where the velocity after an impact is nothing.
+
+    Args:
+        source, target: names of the phases before and after.
+        when: factors by the names of coordinates, or of constraint rows of the source for multipliers.
+        above, below: the limit in SI; one of both.
+        at: a time in s, in place of ``when``.
+        quantity: "displacement", "velocity" or "reaction" of ``when``; by default reactions where the names are those of rows.
+        restitution: e of an impact, 0 ... 1.
+        dwell: so long the limit must be exceeded, in s.
+
+    Raises:
+        InputError: no condition or several, a restitution outside 0 ... 1.
+
+    >>> Transition("open", "closed", when={"x1": 1.0}, above=0.02)
+    Transition(source='open', target='closed', when={'x1': 1.0}, above=0.02, below=None, at=None, quantity=None, restitution=0.0, dwell=0.0)
+    """
+
+    source: str
+    target: str
+    when: Mapping[str, float] | None = None
+    above: float | None = None
+    below: float | None = None
+    at: float | None = None
+    quantity: Output | None = None
+    restitution: float = 0.0
+    dwell: float = 0.0
+
+    SIDES: ClassVar = ("above", "below")
+    _label: str = field(default="", init=False, repr=False, compare=False)
+
+    def __post_init__(self):
+        label = f'transition from "{self.source}" to "{self.target}"'
+        object.__setattr__(self, "_label", label)
+        sides = [side for side in self.SIDES if getattr(self, side) is not None]
+        if (self.when is None) == (self.at is None) or len(sides) != (self.when is not None):
+            raise InputError(f"{label}: expected when={{...}} with above= or below=, or a time at=")
+        for name in (*sides, *(["at"] if self.at is not None else [])):
+            object.__setattr__(self, name, real_number(getattr(self, name), f"{label}: {name}"))
+        if self.at is not None and self.at <= 0:
+            raise InputError(f"{label}: found at = {self.at:g} s; expected a time after 0")
+        object.__setattr__(self, "restitution", checked_restitution(self.restitution, label))
+        object.__setattr__(self, "dwell", real_number(self.dwell, f"{label}: dwell", minimum=0.0))
+        if self.source == self.target and not self.restitution:
+            raise InputError(f"{label}: expected two different phases")
+
+    def guard(self, system) -> Guard:
+        """The guard for the phase that it ends."""
+        rows, names = [row.name for row in system.rows], list(system.names)
+        given = dict(self.when or {})
+        if not given:
+            raise InputError(f'{self._label}: when: expected factors by name, such as {{"{names[0]}": 1.0}}')
+        own = [name for name in given if name in rows and name not in names]
+        quantity = self.quantity or ("reaction" if len(own) == len(given) else "displacement")
+        known = rows if quantity == "reaction" else names
+        for name in given:
+            if name not in known:
+                what = "constraint row" if quantity == "reaction" else "coordinate"
+                raise InputError(f'{self._label}: when: the phase "{self.source}" has no {what} "{name}"{nearest(name, known)}')
+        sign = -1.0 if self.above is not None else 1.0
+        value = sign * (self.above if self.above is not None else self.below)
+        factors = {name: sign * real_number(factor, f"{self._label}: factor of {name}") for name, factor in given.items()}
+        none, row = np.zeros(system.size), np.array([factors.get(name, 0.0) for name in names])
+        text = f"to {self.target}"
+        if quantity == "reaction":
+            return Guard(self.target, none, none, value, factors, dwell=self.dwell, text=text)
+        if quantity == "velocity":
+            return Guard(self.target, none, row, value, dwell=self.dwell, text=text)
+        if quantity != "displacement":
+            raise InputError(f'{self._label}: quantity: found {quantity!r}; expected "displacement", "velocity" or "reaction"')
+        return Guard(self.target, row, none, value, restitution=self.restitution or None, dwell=self.dwell, text=text)
+
+
+def checked_restitution(value, label: str) -> float:
+    """A coefficient of restitution, or an InputError."""
+    number = real_number(value, f"{label}: restitution")
+    if not 0 <= number <= 1:
+        raise InputError(f"{label}: restitution: found {number:g}; expected a number from 0 (no rebound) to 1 (no loss)")
+    return number
