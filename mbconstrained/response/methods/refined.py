@@ -399,7 +399,7 @@ class _RefinedEquations:
         first = shapes * poles
         x = stacked(shapes, first, first * poles)
         strains = self.right @ x
-        total, terms_of_strains = self.left @ (strains * self.values), np.abs(self.right) @ (np.abs(x.high) + LEAST_NUMBER)
+        total, terms_of_strains = self.left @ strains.times(self.values), np.abs(self.right) @ (np.abs(x.high) + LEAST_NUMBER)
         strained = np.where(self.differences, np.abs(strains.high) + LEAST_NUMBER, terms_of_strains)
         sizes = np.abs(self.left) @ (np.abs(self.values) * strained)
         smooth, n = self.flow.force.smooth, len(self.flow.start)
