@@ -201,7 +201,7 @@ class RefinedModes:
 
     @cached_property
     def exponentials(self) -> dict[bytes, _Exponentials]:
-        """Those at the last even times: displacement, velocity and acceleration at the same times have them in common."""
+        """Exponentials at the last even times, which displacement, velocity and acceleration have in common."""
         return {}
 
     @cached_property
