@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from ...robot.linear_range import LinearRange
     from ...robot.robot import Robot
     from ...robot.statics import Posture
+    from .switched import Switching
 
 Decision = tuple[bool, str]  # whether a stage runs, and the reason
 
@@ -102,6 +103,7 @@ class Equations:
         ends: what brings the motion to its end: boundary values, an input of least energy, input shapers.
         solvability: conditions and free coordinates of equations that are no regular system by themselves; the polynomial matrix is that
             of the completed system. None where they are one.
+        switching: the switched system behind the motion; the system is then that of one phase. None without switches.
     """
 
     coordinates: Coordinates
@@ -117,6 +119,7 @@ class Equations:
     response: Response | None = None
     ends: tuple[End, ...] = ()
     solvability: Solvability | None = None
+    switching: Switching | None = None
 
     # The problem, and its solution.
 
@@ -157,6 +160,8 @@ class Equations:
         """The answer: a Motion where there is a mechanical system, else a Response."""
         if self.response is not None:
             return self.response
+        if self.switching is not None:
+            return self.switching.solve(self.initial, self.force)
         if self.system is not None:
             return self.system.solve(*self.initial, force=self.force)
         from ...response.solve import solve
@@ -174,6 +179,13 @@ class Equations:
         return self.robot_scene and self.robot_scene.posture
 
     # Names, outputs and forces besides those of the coordinates.
+
+    @property
+    def has_reactions(self) -> bool:
+        """Whether there are constraint rows, in whatever phase."""
+        if self.switching is not None:
+            return self.switching.has_rows
+        return self.system is not None and bool(self.system.rows)
 
     @property
     def has_forces(self) -> bool:
@@ -256,6 +268,8 @@ class Equations:
 
     def unproved(self, reason: str, plots: Sequence[str]) -> str:
         """The reason why an output is not proved, in addition to that of the coordinates."""
+        if self.switching is not None:
+            return "phases that follow each other: errors are estimated"
         return reason or next((end.unproved for end in self.ends if end.unproved), "")
 
     def without_formula(self, modal_damping: bool) -> str:

@@ -40,6 +40,7 @@ from .scene_data import SceneData
 from .stages import connection_forces
 
 if TYPE_CHECKING:
+    from ...mechanics.constraints import ConstraintRow
     from ...mechanics.motion import Motion
     from ...mechanics.system import MechanicalSystem
     from ...page.content import RecordResponse, TimeFunctions
@@ -101,11 +102,9 @@ def impulses_of(impulses: Sequence, coordinates: Coordinates) -> list[ReportedIm
     ]
 
 
-def forces_of_rows(system: MechanicalSystem, name: str = "force of {}", shown: OutputUnits = OutputUnits()) -> Coordinates:
+def forces_of_rows(rows: Sequence[ConstraintRow], name: str = "force of {}", shown: OutputUnits = OutputUnits()) -> Coordinates:
     """Names and units of the constraint forces."""
-    return Coordinates(
-        tuple(name.format(row.name) for row in system.rows), tuple(force_unit(row.unit) for row in system.rows), shown
-    )
+    return Coordinates(tuple(name.format(row.name) for row in rows), tuple(force_unit(row.unit) for row in rows), shown)
 
 
 def with_units(response: Response, coordinates: Coordinates) -> tuple[Notice, ...]:
@@ -144,7 +143,9 @@ def folded(notices: Sequence[Notice], jumps: int, impulses: int, later: tuple[in
     """One sentence in place of the notices on each jump and impulse, which are in tables."""
     counts_of_events = [*_counted("At t = 0", jumps, impulses), *_counted("After t = 0", *later)]
     jump, impulse = NoticeKind.JUMP, NoticeKind.IMPULSE  # a jump of a constraint row is a cause, which no table has
-    in_tables = (one.kind == impulse or (one.kind == jump and not one.text.startswith("constraint ")) for one in notices)
+    in_tables = (
+        one.kind in (impulse, NoticeKind.SWITCH) or (one.kind == jump and not one.text.startswith("constraint ")) for one in notices
+    )
     return (*counts_of_events, *(notice for notice, is_listed in zip(notices, in_tables) if not is_listed))
 
 
@@ -159,13 +160,16 @@ MOST_NOTICES = 12
 
 def start_notices(equations: Equations) -> tuple[Notice, ...]:
     """Notices on the start: causes first, then the jumps and impulses; none where the start is consistent."""
+    if equations.switching is not None:
+        kinds = (NoticeKind.JUMP, NoticeKind.IMPULSE)
+        return tuple(notice for notice in equations.switching.begin.notices if notice.kind in kinds)
     if equations.start_fits:
         return ()
     motion: Any = equations.solve()  # a Motion where there is a system
     coordinates = equations.coordinates
     notices = [*_causes(equations, motion), *_sentences(motion, coordinates)]
     if equations.system is not None:
-        forces = forces_of_rows(equations.system, 'constraint "{}"')
+        forces = forces_of_rows(equations.system.rows, 'constraint "{}"')
         notices += [
             Notice(NoticeKind.IMPULSE, f"{impulse.name}: its force contains {impulse.delta} of {impulse.size} at t = 0")
             for impulse in impulses_of(motion.constraint_impulses, forces)
@@ -263,6 +267,8 @@ def _fastest_visible(scene: SceneData, motion: Motion, slowest: float) -> tuple[
 
 def _angular_frequencies(scene: SceneData, motion: Motion) -> list[float]:
     """Angular frequencies of the eigenvalues and the forces, in descending order."""
+    if hasattr(motion, "phases"):
+        return sorted({abs(value.imag) for value in zeros_of(motion.function.blocks)}, reverse=True)
     A = scene.equations.polynomial_matrix
     zeros = {abs(value.imag) for value in (A.reduction if isinstance(A.reduction, Reduction) else A).eigenvalues}
     smooth = motion.force.smooth  # prescribed motions, too
@@ -285,7 +291,7 @@ def _visible_frequency(scene: SceneData, motion: Motion, descending: list[float]
     kept = list(_distinct(descending))
     coordinates = scene.equations.coordinates
     some = motion(scene.times)
-    for begin, length in _stretches(scene, 2 * math.pi / kept[0]):
+    for begin, length in _stretches(scene, motion, 2 * math.pi / kept[0]):
         local = np.linspace(0.0, length, LOOKS)
         both = [motion(begin + local), motion(begin + length + local)]
         scale = visible(np.hstack([some, *both]), coordinates.units)
@@ -306,13 +312,16 @@ def _amplitudes(parts: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.hypot(*factors.reshape(2, -1, len(values)))
 
 
-def _stretches(scene: SceneData, period: float) -> Iterator[tuple[float, float]]:
+def _stretches(scene: SceneData, motion: Motion, period: float) -> Iterator[tuple[float, float]]:
     """Stretches of time to search for oscillations of this period: beginnings and lengths, in s, each followed by an equal one."""
     time, force = scene.table.time, scene.equations.force
     whole = time.end - time.start
     length = min(PERIODS * period, whole / 2)
-    yield from ((time.start + min(place * whole, whole - 2 * length), length) for place in ALIASING_PLACES)
     changes = np.array([0.0]) if force is None else force.knots[force.knots < time.end]
+    if not hasattr(motion, "phases"):
+        yield from ((time.start + min(place * whole, whole - 2 * length), length) for place in ALIASING_PLACES)
+    else:  # nothing oscillates on through an event
+        changes = np.unique([*changes, *(event.time for event in motion.events if event.time < time.end)])
     begins = np.maximum(changes + LASTS * time.spacing, time.start)
     left = np.append(changes[1:], time.end) - begins
     for k in np.argsort(-left, kind="stable")[:MOST_CHANGES]:
@@ -402,10 +411,19 @@ class Result:
     def __init__(self, scene: SceneData):
         self.scene = scene
         self.system: MechanicalSystem | None = scene.equations.system
-        self._rows = () if self.system is None else self.system.rows
         self._curves: dict[str, Curves] = {}
         self._extrema: dict[tuple[str, tuple[int, ...] | None], Extrema] = {}
         self._functions: dict[str, TimeFunctions] = {}
+
+    @cached_property
+    def rows(self) -> tuple[ConstraintRow, ...]:
+        """The constraint rows whose forces the motion has; of a switched system those of all phases."""
+        return () if self.system is None else getattr(self.motion, "_reaction_rows", self.system.rows)
+
+    @property
+    def is_switched(self) -> bool:
+        """Whether the motion has phases with equations of their own."""
+        return hasattr(self.motion, "phases")
 
     def jordan_pairs(self) -> JordanPairs:
         """The pairs (C, J, B) of the finite zeros and of those at infinity."""
@@ -446,7 +464,7 @@ class Result:
         reactions = ["reaction", "ground_reaction"] if output.reactions else []
         requested = ["displacement", *plots, *reactions, *(["quantity"] if output.quantity else [])]
         available = {
-            "reaction": bool(self._rows),
+            "reaction": bool(self.rows),
             "ground_reaction": equations.has_connections,
             "output": not equations.has_outputs_among_coordinates,
             "force": equations.has_forces,
@@ -477,7 +495,7 @@ class Result:
             values = motion.derivative(order) if order else motion
             return KindOfCurves(coordinates.names, units, values, lambda: values if order else motion.function, None, titles)
         if kind == "reaction":
-            names, units = zip(*((row.name, force_unit(row.unit)) for row in self._rows))
+            names, units = zip(*((row.name, force_unit(row.unit)) for row in self.rows))
             return KindOfCurves(names, units, motion.reaction, lambda: motion.reaction_function)
         if kind == "output":
             of_outputs = lambda times: equations.output_values(times, motion(times))  # noqa: E731
@@ -500,7 +518,7 @@ class Result:
 
     def _connection_forces(self) -> KindOfCurves:
         """Forces of loops, springs and bushings of a robot."""
-        forces, motion, rows = self.scene.equations.robot_scene.system.connection_forces, self.motion, self._rows
+        forces, motion, rows = self.scene.equations.robot_scene.system.connection_forces, self.motion, self.rows
         rate = motion.derivative(1)
         titles = tuple(f"{'force' if unit == 'N' else 'torque'} in ground axes" for unit in forces.units)
 
@@ -542,7 +560,7 @@ class Result:
         """The motion from which the curves are computed, where a force restarts; at its knots all values up to the degree of A(s)."""
         from ...page.content import RecordResponse
 
-        if (
+        if self.is_switched or (
             self.system is not None and self.system.delayed
         ):  # the coordinates do not follow from their values at the knots of the force
             return None
@@ -554,7 +572,7 @@ class Result:
     @property
     def _breaks(self) -> np.ndarray:
         """Times at which the motion or a derivative of it may jump."""
-        times = [*self.motion.force.knots, *(event.time for event in self.motion.events)]
+        times = [*self.motion.force.knots, *(event.time for event in self.motion._later_events)]
         if self.system is not None and self.system.delayed:
             times += self.motion.solution.steps.kinks(float(self.times[-1]))
         return np.unique(times)
@@ -622,13 +640,15 @@ class Result:
         """The impulses at t = 0 in the coordinates, then in the constraint forces."""
         coordinates = self.scene.equations.coordinates
         impulses = impulses_of(self.motion.impulses, coordinates)
-        if self._rows:
-            impulses += impulses_of(self.motion.constraint_impulses, forces_of_rows(self.system, shown=coordinates.shown))
+        if self.rows and not self.is_switched:  # the table of events has those of contacts and rows
+            impulses += impulses_of(self.motion.constraint_impulses, forces_of_rows(self.rows, shown=coordinates.shown))
         return impulses
 
     @cached_property
     def later(self) -> list[Event | ImpulsiveLoad]:
         """The events of the motion, except kinks, and the impulses of its constraint forces after t = 0, by time."""
+        if self.is_switched:  # the table of events has them
+            return []
         events = [*without_kinks(self.motion), *getattr(self.motion, "later_constraint_impulses", ())]
         return sorted(events, key=lambda event: event.time)
 
@@ -664,9 +684,9 @@ class Result:
         """Error estimates of each requested kind of curve; energies depend on x and x', outputs of a robot on x."""
         watched = ["ground_reaction"] if self.scene.equations.has_connections and self.watches_connections else []
         parts = (part for kind in (*self.kinds, *watched) for part in PARTS.get(kind, (kind,)))
-        kinds = [kind for kind in dict.fromkeys(parts) if kind != "reaction" or self._rows]
-        if isinstance(self.motion, BoundaryResponse):  # which is no motion of its start alone
-            return {kind: self.motion.error_estimate(self.times, **_of_boundary(kind, self.system)) for kind in kinds}
+        kinds = [kind for kind in dict.fromkeys(parts) if kind != "reaction" or self.rows]
+        if self.is_switched or isinstance(self.motion, BoundaryResponse):  # which is no motion of its start alone
+            return {kind: self.motion.error_estimate(self.times, **_of_kind(kind, self.system)) for kind in kinds}
         views = {kind: methodcaller("derivative", order) for kind, order in ORDERS.items()}
         views["reaction"] = getattr(self.motion, "_reaction_of", None)
         estimates = {kind: error_estimate(self.motion, self.times, views[kind]) for kind in kinds}
@@ -684,8 +704,8 @@ class Result:
         return self.scene.equations.linear_range(self.motion, self.times)
 
 
-def _of_boundary(kind: str, system: MechanicalSystem | None) -> dict:
-    """The arguments of the error estimate of a kind of curves, of a motion with boundary values."""
+def _of_kind(kind: str, system: MechanicalSystem | None) -> dict:
+    """The arguments of a motion's own error estimate for a kind of curves."""
     return {"order": ORDERS.get(kind, 0)} if system is None else {"of": kind if kind in (*ORDERS, "reaction") else "displacement"}
 
 
