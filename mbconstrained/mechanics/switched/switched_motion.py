@@ -246,7 +246,7 @@ class SwitchedMotion(Motion):
             rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, phase, impulses, text(lost, "J")))
         columns = ("t (s)", "error (s)", "what", "next phase", "impulses", "energy lost")
         note = f"The first {len(rows)} of {len(self.events)} are shown." if len(rows) < len(self.events) else ""
-        return TextTable("Events", columns, tuple(rows), note)
+        return TextTable("Events", columns, tuple(rows), note, times=tuple(event.time for event in self.events[:most]))
 
     def _impulse_texts(self, event: SwitchEvent, text: Callable[[float, str], str]) -> list[str]:
         """The impulses of an event by name, with the factors of derivatives of Dirac's delta."""
