@@ -130,7 +130,8 @@ class RunAnswer(Result, Answer):
         accuracy = (one for kind, estimate in self.error_estimates.items() for one in doubts_of(f"the {kind}", estimate))
         proved = self.certificate.notices if self.certificate else ()
         moves = np.ptp(self.values, axis=1).any() or any(notice.kind in (NoticeKind.JUMP, NoticeKind.IMPULSE) for notice in notices)
-        first = (*self.scene.notices, *self._omissions(), *proved, *(self.frequency.response.notices if self.frequency else ()))
+        of_frequency = (*self.frequency.scene.phase_notices, *self.frequency.response.notices) if self.frequency else ()
+        first = (*self.scene.notices, *self._omissions(), *proved, *of_frequency)
         at_rest = () if moves else (Notice(NoticeKind.AT_REST, NOTHING_MOVES),)
         aliased = aliasing_notices(self.scene, self.motion, len(self.times))
         of_modes = self.modes.notices if self.system is not None and self.system.delayed else ()
@@ -198,7 +199,7 @@ class RunAnswer(Result, Answer):
             return None
         from .frequency import Frequency
 
-        return Frequency(self.scene)
+        return Frequency(self.scene.in_phase())
 
     # For the terminal, programs and the page.
 

@@ -170,7 +170,7 @@ def _mechanical(
         with at(file_name, "model"):
             switched = machine(system)
         switching = switching_of(table, switched, initial, force_of(loads), file_name)
-        system, rotor = phase_system(switching), None
+        system, rotor = phase_system(switching), rotor and machine(rotor).phase(*switching.phase)
     with at(file_name, "model"):
         polynomial_matrix = system.undelayed_form().polynomial_matrix
     if any(load.factors for load in table.force):

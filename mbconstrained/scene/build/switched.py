@@ -97,8 +97,8 @@ class Switching:
     @property
     def notice(self) -> Notice:
         """The phase for which a linear analysis answers."""
-        text = f"this answer is for the phase {self.label}, as if nothing switched; linear_phase below [model] chooses another"
-        return Notice(NoticeKind.SWITCH, text)
+        text = f"modes and responses are those of the phase {self.label}, as if nothing switched; linear_phase below [model] chooses another"
+        return Notice(NoticeKind.OMITTED, text)
 
 
 def switching_of(table, machine: SwitchedSystem, initial: np.ndarray, force, file_name: str) -> Switching:

@@ -36,6 +36,7 @@ class SceneData(Displayed):
 
     Attributes:
         plan, named_parameters: as of ``Scene``.
+        phase_notices: the phase that the equations are those of, where the model switches.
     """
 
     plan: ClassVar[Callable[..., Any]]
@@ -49,6 +50,7 @@ class SceneData(Displayed):
     parameters: Parameters = Parameters()
     settings: tuple[Setting, ...] = ()
     file_name: SceneName = SceneName("")
+    phase_notices: tuple[Notice, ...] = ()
 
     def _summary(self) -> str:
         return f"{self.name}: {self.title}" if self.title else self.name
@@ -89,7 +91,7 @@ class SceneData(Displayed):
             *_matrix_notices(self.table, self.equations.system),
         )
         missing = self.equations.mesh_notices() if self.table.output.page and self.table.output.animation else ()
-        return (*(setting.notice for setting in self.settings), *given, *free, *missing)
+        return (*self.phase_notices, *(setting.notice for setting in self.settings), *given, *free, *missing)
 
     @cached_property
     def method(self) -> Method:
@@ -113,6 +115,12 @@ class SceneData(Displayed):
         if self.equations.switching is not None:
             refuse_with_switches(certified.table, (), self.file_name)
         return certified
+
+    def in_phase(self) -> Self:
+        """The scene with the equations of one phase alone, as linear analyses take it."""
+        if (switching := self.equations.switching) is None:
+            return self
+        return replace(self, equations=replace(self.equations, switching=None), phase_notices=(switching.notice,))
 
     def with_viewer(self, viewer: str) -> Self:
         """The scene with the script of the viewer "inside" its page, in a "separate" file, or "compressed"."""
