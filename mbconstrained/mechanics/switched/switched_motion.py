@@ -456,7 +456,7 @@ def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
     """The sums of moduli that x and x' are made of, shape (2 n,)."""
     phase = segment.phase
     size = np.maximum(np.abs(y), np.abs(segment.state))
-    return np.concatenate([np.abs(phase.C) @ size, np.abs(phase.V) @ size])
+    return np.concatenate([phase.C_size @ size, phase.V_size @ size])
 
 
 def _transition(segment: PhaseSegment) -> tuple[np.ndarray, np.ndarray]:
