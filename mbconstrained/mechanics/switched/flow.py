@@ -45,6 +45,9 @@ DIVIDED = 6
 #: A zero is bisected until the panel is so narrow, relative to the first.
 NARROWEST = 2.0**-26
 
+#: A minimum belongs to a point that touches zero if it is so near.
+NEAR = 2.0**-18
+
 #: Steps of Newton's method, safeguarded by bisection.
 STEPS = 80
 
@@ -410,7 +413,22 @@ def first_root(bernstein: np.ndarray, taylor: np.ndarray, noise: float) -> tuple
         half = width / 2
         waiting.append((right @ b, low + half, half))
         waiting.append((left @ b, low, half))
-    return touched, touched is not None
+    return (None, False) if touched is None else (_lowest(taylor, touched), True)
+
+
+def _lowest(taylor: np.ndarray, share: float) -> float:
+    """The place of the minimum near a point at which a polynomial touches zero, by Newton's method; the point where there is none near."""
+    slope, bend = (np.polynomial.polynomial.polyder(taylor, order) for order in (1, 2))
+    best = share
+    for _ in range(STEPS):
+        own = float(np.polynomial.polynomial.polyval(best, bend))
+        step = float(np.polynomial.polynomial.polyval(best, slope)) / own if own > 0 else 0.0
+        if not abs(best - step - share) <= NEAR:
+            return share
+        best -= step
+        if abs(step) <= EPS * best:
+            break
+    return min(max(best, 0.0), 1.0)
 
 
 def _refined(taylor: np.ndarray, low: float, high: float) -> float:

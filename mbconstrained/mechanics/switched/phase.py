@@ -27,10 +27,11 @@ from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import step, zero
 from ..energy import energy_of
 from .flow import NOISE, PhaseFlow
+from .switches import functional
 
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
-    from .switches import ForceBranch, Guard
+    from .switches import ForceBranch, Functional, Guard
 
 #: An entry of the state that differs from that before a switch by less than this part of its terms does not jump.
 STILL = 16 * NOISE
@@ -211,6 +212,18 @@ class Phase:
     def row_places(self) -> Mapping[str, int]:
         """Places of the constraint rows by name."""
         return {row.name: place for place, row in enumerate(self.system.rows)}
+
+    @cached_property
+    def zeros(self) -> dict[Functional, int]:
+        """How many derivatives, the value among them, of the outputs of constant constraint rows are exactly zero."""
+        found = {}
+        for row in self.system.rows:
+            a, none = row.coefficients, np.zeros(self.system.size)
+            if row.signal is None and row.level == "position":
+                found[functional(a, none, row.value)] = 2
+            elif row.signal is None and row.level == "velocity":
+                found[functional(none, a, row.value)] = 1
+        return found
 
     def reaction_row(self, name: str) -> np.ndarray:
         """The row of one multiplier; zero for a row that others make redundant."""

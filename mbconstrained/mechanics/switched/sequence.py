@@ -18,9 +18,9 @@ from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS
 from ..constraints import Constraint
 from .flow import NOISE, Crossing
-from .impact import impulses_of_contacts
+from .impact import ContactSet
 from .phase import STILL, Phase, PhaseEntry, Source
-from .switches import ForceBranch, Functional, Guard, Switch, UnilateralContact, functional
+from .switches import ForceBranch, Functional, Guard, Switch, UnilateralContact
 
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
@@ -207,6 +207,7 @@ class PhaseSequence:
         self.segments: list[PhaseSegment] = []
         self.records: list[SwitchRecord] = []
         self.notices: list[Notice] = []
+        self.impacts: dict[tuple, ContactSet] = {}
         self.largest_impact = 0.0
 
     def phase(self, key: Key) -> Phase:
@@ -226,7 +227,9 @@ class PhaseSequence:
         self._check_start(key, x, v, accepted)
         knots = [*source.knots[1:], np.inf][::-1]
         changes = sorted((change.time, place, change) for place, switch in enumerate(switches) for change in switch.times)[::-1]
-        self._settle(SwitchRecord(0.0, 0.0, key, key, [x, x], [v, v], (np.abs(x), np.abs(v)), source.at(0.0), source.loads.get(0.0, ())))
+        self._settle(
+            SwitchRecord(0.0, 0.0, key, key, [x, x], [v, v], (np.abs(x), np.abs(v)), source.at(0.0), source.loads.get(0.0, ()))
+        )
         while True:
             segment, key = self.segments[-1], self.key
             phase = segment.phase
@@ -245,7 +248,7 @@ class PhaseSequence:
             moduli = np.maximum(np.abs(state), np.abs(segment.state))
             size = phase.C_size @ moduli, phase.V_size @ moduli
             record = SwitchRecord(time, remainder, key, key, [x, x], [v, v], size, phase.force_states(state))
-            self._note_rows(record, phase)
+            record.zeros.update(phase.zeros)
             if crossing is not None:
                 self._fire(record, phase, crossing)
             else:
@@ -290,7 +293,7 @@ class PhaseSequence:
             if self._slips(record, phase, entry):
                 continue
             order, sign = self._signs(record, phase, entry)
-            negative = [number for number in np.flatnonzero(sign < 0) if phase.guards[number].dwell == 0]
+            negative = [int(number) for number in np.flatnonzero(sign < 0) if phase.guards[number].dwell == 0]
             if not negative:
                 break
             if len(visited) > TRIALS or (record.after in visited and entry.is_smooth):
@@ -352,20 +355,13 @@ class PhaseSequence:
     # Guards.
 
     @staticmethod
-    def _note_rows(record: SwitchRecord, phase: Phase) -> None:
-        """The constraint rows of a phase hold exactly."""
-        for row in phase.system.rows:
-            if row.signal is None and row.level != "acceleration":
-                position, none = row.level == "position", np.zeros(len(row.coefficients))
-                output = functional(*((row.coefficients, none) if position else (none, row.coefficients)), row.value)
-                record.zeros[output] = 2 if position else 1
-
-    @staticmethod
     def _signs(record: SwitchRecord, phase: Phase, entry: PhaseEntry) -> tuple[np.ndarray, np.ndarray]:
         """The orders of the zeros of the guards of a phase, and the signs after them."""
         x, v = (record.x[1], record.v[1]) if entry.is_smooth else (phase.C @ entry.state, phase.V @ entry.state)
         size = record.size
-        known = np.array([max(record.zeros.get(guard.functional, 0), guard.zeros(x, v, size, NOISE)) for guard in phase.guards], int)
+        known = np.array(
+            [max(record.zeros.get(guard.functional, 0), guard.zeros(x, v, size, NOISE)) for guard in phase.guards], int
+        )
         return phase.flow.orders(entry.state, entry.size, known, record.time)
 
     def _fire(self, record: SwitchRecord, phase: Phase, crossing: Crossing) -> None:
@@ -426,7 +422,7 @@ class PhaseSequence:
         record.x[1], record.v[1] = phase.C @ entry.state, phase.V @ entry.state
         record.loads = ()
         record.forget(bool(entry.jump[0].any()))
-        self._note_rows(record, phase)
+        record.zeros.update(phase.zeros)
 
     # Impacts.
 
@@ -445,57 +441,57 @@ class PhaseSequence:
     def _impact(self, record: SwitchRecord, striking: Mapping[int, Guard]) -> None:
         """The velocities after an impact of all rigid contacts that touch, and their states."""
         touching = self._touching(record, striking)
-        places, contacts = list(touching), list(touching.values())
-        phase = self.phase(self._without(record.after, touching))
-        massless = [place for place, contact in touching.items() if phase.has_massless(contact.row)]
-        for place in massless:
-            record.turn(place, touching[place].closed)
-            record.texts.append(f"{self.machine.switches[place].name} closes")
-            if touching[place].restitution:
-                name = self.machine.switches[place].name
-                text = f"{name}: the point that strikes has no mass; it stays in contact, without the restitution"
-                self._note(NoticeKind.OMITTED, text)
-        if massless:
+        key, switches = self._without(record.after, touching), self.machine.switches
+        phase, contacts = self.phase(key), list(touching.values())
+        names = {place: self._impulse_name(place, contact, phase) for place, contact in touching.items()}
+        if (key, *touching) not in self.impacts:
+            self.impacts[key, *touching] = ContactSet(phase, contacts)
+        impact = self.impacts[key, *touching]
+        for place, contact, massless in zip(touching, contacts, impact.massless):
+            if massless:
+                record.turn(place, contact.closed)
+                record.texts.append(f"{names[place]} closes")
+                if contact.restitution:
+                    text = f"{names[place]}: the point that strikes has no mass; it stays in contact, without the restitution"
+                    self._note(NoticeKind.OMITTED, text)
+        if any(impact.massless):
             return
-        A = np.array([contact.row for contact in contacts])
-        u, size = A @ record.v[1], np.abs(A) @ record.size[1]
-        u = np.where(np.abs(u) <= NOISE * size, 0.0, u)
-        B = np.array([phase.impulse_response(contact.row) for contact in contacts]).T
-        W = A @ phase.V @ B
-        e = np.array([contact.restitution for contact in contacts])
+        quoted = ", ".join(f'"{name}"' for name in names.values())
+        if impact.is_dependent:
+            text = f"the contacts {quoted} depend on each other: the motion is unique, the shares of their impulses are not"
+            self._note(NoticeKind.REDUNDANT, text)
+        u, size = impact.rows @ record.v[1], np.abs(impact.rows) @ record.size[1]
+        u[np.abs(u) <= NOISE * size] = 0.0
         record.impacts += 1
-        self.largest_impact = max(self.largest_impact, float(np.abs(u).max(initial=0.0)))
-        self._note_dependent(W, places)
-        y = record.enter(phase).state
+        self.largest_impact = max(self.largest_impact, float(np.abs(u).max()))
+        y, e = record.enter(phase).state, impact.restitution * (record.impacts <= REPEATED)
         try:
-            e = e * (record.impacts <= REPEATED)
-            p, rests = self._solved(W, u, e, size)
+            p, rests = impact.solve(u, e, size)
         except NotUnique:
             e = np.zeros(len(e))
-            p, rests = self._solved(W, u, e, size)
-        if not e.any() and any(contact.restitution for contact in contacts):
-            names = ", ".join(f'"{self._impulse_name(place, contact, phase)}"' for place, contact in touching.items())
-            text = f"the contacts {names} strike against each other without end at one time; they are taken without rebound"
+            p, rests = impact.solve(u, e, size)
+        if not e.any() and impact.restitution.any():
+            text = f"the contacts {quoted} strike against each other without end at one time; they are taken without rebound"
             self._note(NoticeKind.OMITTED, text)
-        summed = self._summed(record, touching, phase, y + B @ p, rests, e)
+        summed = self._summed(record, touching, impact, y + impact.response @ p, rests, e)
         if summed.any():
             e = np.where(summed, 0.0, e)
-            p, rests = self._solved(W, u, e, size)
-        y = y + B @ p
-        x, v = phase.C @ y, phase.V @ y
+            p, rests = impact.solve(u, e, size)
+        y = y + impact.response @ p
+        before = record.x[1], record.v[1]
+        record.x[1], record.v[1] = phase.C @ y, phase.V @ y
         record.forget(False)
-        for number, (place, contact) in enumerate(touching.items()):
-            name = self._impulse_name(place, contact, phase)
-            if p[number]:
-                record.add_impulse(name, [float(p[number])])
-            if place in striking or p[number]:
-                held = record.before[place] == contact.closed
-                record.texts.append(f"{name} {'strikes' if not rests[number] else 'holds' if held else 'closes'}")
-            record.turn(place, contact.closed if rests[number] else contact.open)
-            record.zeros[contact.functional] = 2 if rests[number] else 1
-        self._note_other_rows(phase, record, A, p, x - record.x[1], v - record.v[1])
-        record.maps.append(_impact_map(phase, A, B, W, e, p))
-        record.x[1], record.v[1] = x, v
+        for (place, contact), impulse, own in zip(touching.items(), p, rests):
+            if impulse:
+                record.add_impulse(names[place], [float(impulse)])
+            if place in striking or impulse:
+                held = switches[place].contact is contact and record.before[place] == contact.closed
+                record.texts.append(f"{names[place]} {'strikes' if not own else 'holds' if held else 'closes'}")
+            record.turn(place, contact.closed if own else contact.open)
+            record.zeros[contact.functional] = 2 if own else 1
+        for name, own in impact.row_impulses(p, record.x[1] - before[0], record.v[1] - before[1]).items():
+            record.add_impulse(name, [own])
+        record.maps.append(lambda: impact.derivative(e, p))
 
     def _without(self, key: Key, touching: Mapping[int, UnilateralContact]) -> Key:
         """The phase without contacts and with bounded forces that slip."""
@@ -506,19 +502,13 @@ class PhaseSequence:
             key = key if slips is None else _replaced(key, place, slips)
         return key
 
-    @staticmethod
-    def _solved(W: np.ndarray, u: np.ndarray, e: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The impulses of contacts, and which of them are at rest afterwards."""
-        p = impulses_of_contacts(W, u, e)
-        p[p <= 4 * EPS * p.max(initial=0.0)] = 0.0
-        after = u + W @ p
-        return p, np.where(p > 0, e * u == 0, np.abs(after) <= NOISE * (size + np.abs(W) @ p))
-
-    def _summed(self, record: SwitchRecord, touching, phase: Phase, y: np.ndarray, rests: np.ndarray, e: np.ndarray) -> np.ndarray:
+    def _summed(
+        self, record: SwitchRecord, touching, impact: ContactSet, y: np.ndarray, rests: np.ndarray, e: np.ndarray
+    ) -> np.ndarray:
         """Which contacts bounce so little, and geometrically to rounding errors, that all further bounces are summed."""
-        x, v, key = phase.C @ y, phase.V @ y, record.after
+        x, v, key = impact.phase.C @ y, impact.phase.V @ y, record.after
         summed = np.zeros(len(e), bool)
-        speeds = np.array([contact.row @ v for contact in touching.values()])
+        speeds = impact.rows @ v
         small = ~rests & (speeds > 0) & (speeds <= SMALL_BOUNCE * self.largest_impact) & (e < 1)
         if not small.any():
             return summed
@@ -537,17 +527,6 @@ class PhaseSequence:
                     record.resting = record.time + rest
         return summed
 
-    def _note_other_rows(self, phase: Phase, record: SwitchRecord, A, p, moved, gained) -> None:
-        """Impulses of the constraint rows of the phase in an impact."""
-        system = phase.system
-        if system.rows:
-            terms = [system.mass @ gained, system.damping @ moved, -A.T @ p]
-            total = system.multiplier_map @ sum(terms)
-            size = STILL * (np.abs(system.multiplier_map) @ sum(map(np.abs, terms)))
-            for row, impulse in zip(system.rows, np.where(np.abs(total) > size, total, 0.0)):
-                if impulse:
-                    record.add_impulse(row.name, [float(impulse)])
-
     def _impulse_name(self, place: int, contact: UnilateralContact, phase: Phase) -> str:
         """The name of a contact: its own, or that of the row which the following phase adds."""
         if self.machine.systems is None:
@@ -558,18 +537,6 @@ class PhaseSequence:
     def _note(self, kind: NoticeKind, text: str) -> None:
         if all(notice.text != text for notice in self.notices):
             self.notices.append(Notice(kind, text))
-
-    def _note_dependent(self, W: np.ndarray, places: Sequence[int]) -> None:
-        """Notice where the impulses of contacts that touch are not unique."""
-        if len(W) < 2:
-            return
-        scale = np.sqrt(np.maximum(np.diag(W), 0.0))
-        scale[scale == 0] = 1.0
-        values = np.linalg.eigvalsh((W / scale / scale[:, None] + (W / scale / scale[:, None]).T) / 2)
-        if values[0] <= STILL * len(W) * values[-1]:
-            names = ", ".join(f'"{self.machine.switches[place].name}"' for place in places)
-            text = f"the contacts {names} depend on each other: the motion is unique, the shares of their impulses are not"
-            self._note(NoticeKind.REDUNDANT, text)
 
     # Search.
 
@@ -629,18 +596,6 @@ def _impulse_unit(unit: str, order: int) -> str:
 def _map_of(phase: Phase) -> Callable[[], np.ndarray]:
     """The derivative of (x, x') at the begin of a phase with respect to those just before it."""
     return lambda: np.vstack([phase.C, phase.V]) @ phase.start[:, : 2 * phase.system.size]
-
-
-def _impact_map(phase: Phase, A, B, W, e, p) -> Callable[[], np.ndarray]:
-    def derivative() -> np.ndarray:
-        n = phase.system.size
-        total, own = np.eye(2 * n), np.flatnonzero(p > 0)
-        if len(own):
-            by = np.linalg.solve(W[np.ix_(own, own)], (1 + e[own])[:, None] * A[own])
-            total[:, n:] -= np.vstack([phase.C, phase.V]) @ B[:, own] @ by
-        return total
-
-    return derivative
 
 
 def _product(maps: Sequence[Callable[[], np.ndarray]]) -> Callable[[], np.ndarray]:

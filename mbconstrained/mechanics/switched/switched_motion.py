@@ -492,6 +492,9 @@ def _saltation(previous: PhaseSegment, segment: PhaseSegment, F: np.ndarray, y: 
     record = segment.event
     if record is None or record.guard_row is None:
         return total, None
+    if record.grazing:  # the time of a minimum, of the rate of the guard; nothing changes there
+        rate = float(record.guard_row @ (phase.J @ (phase.J @ y)))
+        return total, -(record.guard_row @ phase.J @ F) / rate if rate else np.full(F.shape[1], np.inf)
     rate = float(record.guard_row @ (phase.J @ y))
     if rate == 0:
         return total, np.full(F.shape[1], np.inf)
