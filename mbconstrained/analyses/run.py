@@ -55,21 +55,15 @@ def run_scene(scene: Scene, folder: Path | None, progress: Callable[[Stage], Non
 
 
 class RunAnswer(Result, Answer):
-    """The answer to a scene, whose parts are computed at their first use; the plan lists them.
-
-    Attributes:
-        plan: the stages with their costs.
-        files: written files, in this order.
-        folder: of the files.
-    """
+    """The answer to a scene, whose parts are computed at their first use; the plan lists them."""
 
     kind = ""
 
     def __init__(self, scene: Scene, plan: Plan, folder: Path | None = None):
         Result.__init__(self, scene)
-        self.plan = plan
-        self.folder = folder
-        self.files: list[Path] = []
+        self.plan = plan  # the stages with their costs
+        self.folder = folder  # of the files
+        self.files: list[Path] = []  # written files, in this order
         self.still_problem = self.formula_problem = ""
         self._together: Replacements | None = None
 

@@ -28,7 +28,8 @@ def show(json: bool, data: Callable[[], dict], blocks: Callable[[], Sequence[str
     if json:
         _say(json_format.dumps(data(), indent=2, allow_nan=False))
     else:
-        _say("\n\n".join(_text_of(block, line_width()) for block in blocks()))
+        width = line_width()
+        _say("\n\n".join(table_text(each, width) if isinstance(each, TextTable) else wrapped(each, width) for each in blocks()))
 
 
 def line_width() -> int:
@@ -43,11 +44,6 @@ def show_error(message: str, json: bool, code: int) -> int:
     else:
         print(message, file=sys.stderr)
     return code
-
-
-def show_message(text: str) -> None:
-    """A text about work that goes on."""
-    print(text, file=sys.stderr, flush=True)
 
 
 def show_text(text: str) -> None:
@@ -100,13 +96,9 @@ def _line_progress(what: str) -> Callable[[int, int], None]:
         last = now
         rate = (done - first) / (now - start)
         left = f", about {(total - done) / rate / 60:.2g} min left" if rate else ""
-        show_message(f"{what}: {done:,} of {total:,}{left}")
+        print(f"{what}: {done:,} of {total:,}{left}", file=sys.stderr, flush=True)
 
     return report
-
-
-def _text_of(block: str | TextTable, width: int) -> str:
-    return table_text(block, width) if isinstance(block, TextTable) else wrapped(block, width)
 
 
 def _say(text: str) -> None:

@@ -24,23 +24,15 @@ WIDTH = 80
 
 @dataclass(frozen=True)
 class TextTable:
-    """A titled table of texts for the terminal, the page and notebooks.
+    """A titled table of texts for the terminal, the page and notebooks."""
 
-    Attributes:
-        title: heading.
-        columns, rows: headings, and the texts below them.
-        note: a sentence below, or an empty string.
-        folded: on the page only the title is shown until it is clicked.
-
-    Raises:
-        InputError: a row whose length is not the number of columns.
-    """
-
-    title: str
+    title: str  # heading
+    # headings, and the texts below them
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
-    note: str = ""
-    folded: bool = False
+    note: str = ""  # a sentence below, or an empty string
+    folded: bool = False  # on the page only the title is shown until it is clicked
+    times: tuple[float, ...] = ()  # times of the rows, s, which rows on the page lead to; empty for none
 
     def __post_init__(self):
         object.__setattr__(self, "columns", tuple(map(str, self.columns)))
