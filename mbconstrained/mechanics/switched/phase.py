@@ -215,7 +215,7 @@ class Phase:
 
     @cached_property
     def zeros(self) -> dict[Functional, int]:
-        """How many derivatives, the value among them, of the outputs of constant constraint rows are exactly zero."""
+        """The outputs of constant constraint rows, each with the number of derivatives, the value among them, that are exactly zero."""
         found = {}
         for row in self.system.rows:
             a, none = row.coefficients, np.zeros(self.system.size)

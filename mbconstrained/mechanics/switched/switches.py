@@ -63,11 +63,11 @@ class Guard:
 
     @cached_property
     def functional(self) -> Functional:
-        """What vanishes with the guard."""
+        """The output that vanishes with the guard."""
         return functional(self.displacement, self.velocity, self.value, self.reactions)
 
     def zeros(self, x: np.ndarray, v: np.ndarray, size: tuple[np.ndarray, np.ndarray], noise: float) -> int:
-        """How many derivatives, the value among them, are zero by x and x' alone, within a part of their sizes."""
+        """The number of derivatives, the value among them, that are zero by x and x' alone, within a part of their sizes."""
         if self.reactions:
             return 0
         d, c, (x_size, v_size) = self.displacement, self.velocity, size
