@@ -36,7 +36,7 @@ LINES = {
     "models": 1904,
     "page": 4859,
     "polynomial": 3756,
-    "response": 8167,
+    "response": 8189,
     "robot": 8819,
     "scene": 10065,
     "signals": 1900,
