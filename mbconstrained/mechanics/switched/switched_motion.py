@@ -104,10 +104,7 @@ class SwitchedSolution:
         self._ends = np.cumsum([0, *(len(phase.J) for phase in self.phases)])
         self._place = {id(phase): place for place, phase in enumerate(self.phases)}
         first = sequence.segments[0]
-        begin = np.array([first.phase.C @ first.state, first.phase.V @ first.state])
-        jump = begin - initial
-        jump[np.abs(jump) <= STILL * (np.abs(begin) + np.abs(initial))] = 0.0
-        self.jump = jump
+        self.jump = first.phase.start_jump(initial, first.state)
         self.impulses = next((record.coordinate_impulses for record in sequence.records if not record.time), ())
         self.events = tuple(
             Event(record.time, np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]]), record.coordinate_impulses)
@@ -239,12 +236,14 @@ class SwitchedMotion(Motion):
         """
         rows = []
         largest = max((abs(event.energy_before) for event in self.events), default=0.0)
-        for event in self.events[:most]:
-            impulses = ", ".join(self._impulse_texts(event, text))
-            lost = event.energy_lost if abs(event.energy_lost) > STILL * largest else 0.0
-            phase = event.after if event.after != event.before else ""
-            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, phase, impulses, text(lost, "J")))
-        columns = ("t (s)", "error (s)", "what", "next phase", "impulses", "energy lost")
+        for event, record in zip(self.events[:most], self.solution.sequence.records):
+            impulses = ", ".join(
+                own.removeprefix(f"{event.text.removesuffix(' strikes')} ") for own in self._impulse_texts(event, text)
+            )
+            lost = text(event.energy_lost, "J") if abs(event.energy_lost) > STILL * largest else ""
+            states = ", ".join(state for old, state in zip(record.before, record.after) if state != old)
+            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, states, impulses, lost))
+        columns = ("t (s)", "error (s)", "what", "next state", "impulses", "energy lost")
         note = f"The first {len(rows)} of {len(self.events)} are shown." if len(rows) < len(self.events) else ""
         return TextTable("Events", columns, tuple(rows), note, times=tuple(event.time for event in self.events[:most]))
 
