@@ -336,6 +336,11 @@ def _link_data(link: DrawnLink, drawing: Drawing, index: dict[str, int], poses: 
     end_point = link.end_point or _attachment(end, link.end_offset, arriving, posts)
     from_start, from_end = _link_ends(link, poses, start_point, end_point)
     gap = matrix_of(link.turn).T @ (from_end - from_start) / unit
+    turning = link.kind in ("play", "clutch", "brake")
+    limits = [-drawing.turn_scale * one if turning and one is not None else one for one in link.limits]
+    if not turning and any(one is not None for one in limits):
+        limits = _limits(drawing, start, end, np.array(end.rest) + end_point - start.rest - start_point, link.limits, unit)
+    begins, levels = zip(*link.states) if link.states else ((), ())
     lengths = np.linalg.norm(gap, axis=0)
     return {
         "kind": link.kind,
@@ -352,7 +357,19 @@ def _link_data(link: DrawnLink, drawing: Drawing, index: dict[str, int], poses: 
         "coaxial": bool(np.argmax(np.abs(gap[:, 0])) == 1),
         "radius": over.size[0] / 2 if over else 0.5,
         "turn": quaternions_of(np.array(link.turn)[:, None]).ravel().tolist() if any(link.turn) else None,
+        "limits": limits,
+        "magnification": link.magnification,
+        "states": {"begins": packed(np.array(begins), "<f8"), "levels": list(levels)} if link.states else None,
     }
+
+
+def _limits(drawing: Drawing, start: DrawnBody, end: DrawnBody, rest: np.ndarray, limits, unit: float) -> list[float | None]:
+    """The lengths of a link at which it closes when it becomes shorter and longer; ``rest`` is from end to end at zero coordinates."""
+    moves = (*end.moves.values(), *start.moves.values())
+    distance = float(np.linalg.norm(rest))
+    away = float(np.dot(moves[0], rest)) / (distance or 1.0) if moves else 1.0
+    lengths = [None if one is None else max(distance + drawing.scale * one * away, 0.0) / unit for one in limits]
+    return lengths[::-1] if away < 0 else lengths
 
 
 def _link_ends(link: DrawnLink, poses: BodyPoses, start_point, end_point) -> list[np.ndarray]:

@@ -24,6 +24,7 @@ from ..energy import Energy, energy_of
 from ..motion import Motion, Quantity, _order_of
 from .phase import STILL, Phase
 from .sequence import PhaseSegment, PhaseSequence, SwitchRecord
+from .switches import SwitchState
 
 if TYPE_CHECKING:
     from ...response.methods.defect import Rounding
@@ -79,6 +80,18 @@ class SwitchEvent:
     def energy_lost(self) -> float:
         """The energy before less that after, J."""
         return self.energy_before - self.energy_after
+
+    @property
+    def energy_lost_text(self) -> str:
+        """The energy lost in J as text, "0" within rounding errors of the largest energy at an event."""
+        lost, largest = self.energy_lost, max(abs(event.energy_before) for event in self._motion.events)
+        return number_text(lost) if abs(lost) > STILL * max(largest, abs(self.energy_after)) else "0"
+
+    @property
+    def impulse_texts(self) -> tuple[str, ...]:
+        """The impulses with names and units, as texts."""
+        units = self._motion._impulse_units
+        return tuple(f"{name} {number_text(size)} {units.get(name, 'N s')}" for name, size in self.impulses.items())
 
     @property
     def time_error(self) -> float:
@@ -222,11 +235,10 @@ class SwitchedMotion(Motion):
     def event_table(self) -> TextTable:
         """The events with their times, phases, impulses and energies."""
         rows = []
-        units = self._impulse_units
         for event in self.events:
-            impulses = ", ".join(f"{name} {number_text(size)} {units.get(name, 'N s')}" for name, size in event.impulses.items())
-            lost = number_text(event.energy_lost) if abs(event.energy_lost) > STILL * abs(event.energy_before) else "0"
-            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, event.before, event.after, impulses, lost))
+            impulses = ", ".join(event.impulse_texts)
+            texts = event.text, event.before, event.after, impulses, event.energy_lost_text
+            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", *texts))
         columns = ("t (s)", "error (s)", "what", "before", "after", "impulses", "energy lost (J)")
         return TextTable("Events", columns, tuple(rows), times=tuple(event.time for event in self.events))
 
@@ -240,6 +252,28 @@ class SwitchedMotion(Motion):
             for row in phase.system.rows:
                 rows.setdefault(row.name, row)
         return tuple(rows.values())
+
+    @property
+    def impulse_rows(self) -> dict[str, np.ndarray]:
+        """The directions of the impulses of contacts and constraint rows over the coordinates, by name."""
+        machine = self.solution.sequence.machine
+        rows = {row.name: row.coefficients for system in (machine.systems or {}).values() for row in system.rows}
+        rows |= {switch.name: switch.contact.row for switch in machine.switches if switch.contact is not None}
+        return rows | {row.name: row.coefficients for row in self._reaction_rows}
+
+    @cached_property
+    def engagements(self) -> dict[str, tuple[tuple[float, int], ...]]:
+        """The times at which each switch changes, in s, with its engagement: 0 without force, 1 slipping, 2 closed, stuck or taut."""
+        sequence, found = self.solution.sequence, {}
+        keys = {id(phase): key for key, phase in sequence.phases.items()}
+        for place, switch in enumerate(sequence.machine.switches):
+            levels: list[tuple[float, int]] = []
+            for segment in sequence.segments:
+                level = _engagement(switch.states[keys[id(segment.phase)][place]])
+                if segment.duration > 0 and (not levels or levels[-1][1] != level):
+                    levels.append((float(segment.time), level))
+            found[switch.name] = tuple(levels)
+        return found
 
     @property
     def _impulse_units(self) -> dict[str, str]:
@@ -404,10 +438,7 @@ class SwitchedMotion(Motion):
         notices = []
         for event in self.events[:REPORTED]:
             kind = NoticeKind.IMPULSE if event.impulses else NoticeKind.JUMP if event.jump.any() else NoticeKind.SWITCH
-            sizes = ", ".join(
-                f"{name} {number_text(size)} {self._impulse_units.get(name, 'N s')}" for name, size in event.impulses.items()
-            )
-            impulses = f"; impulses: {sizes}" if sizes else ""
+            impulses = f"; impulses: {', '.join(event.impulse_texts)}" if event.impulses else ""
             rest = "" if event.rest_time is None else ", after infinitely many bounces"
             notices.append(Notice(kind, f"t = {event.time:.9g} s: {event.text}{rest}{impulses}"))
         if len(self.events) > REPORTED:
@@ -455,6 +486,13 @@ class SwitchedMotion(Motion):
         raise InputError(
             "enclose: not available for switched systems, whose errors are estimated (error_estimate, time_error of events)"
         )
+
+
+def _engagement(state: SwitchState) -> int:
+    """The engagement of a switch in a state: friction that slips has a force without energy."""
+    if state.rows:
+        return 2
+    return 1 if any(branch.stored is None for branch in state.branches) else 2 * bool(state.branches)
 
 
 def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
