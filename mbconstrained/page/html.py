@@ -500,7 +500,7 @@ def _parts(content: PageContent) -> tuple[list[str], dict, list[str], dict[str, 
     if functions.needed:
         blocks["plot-data"], names = functions.as_data(), list(_PLOTS)
     if data:
-        names += [*_ANIMATION, *[f"{name}.js" for name in ("overlay", "posing") if name in data["figure"]], script]
+        names += [*_ANIMATION, *[f"{name}.js" for name in ("overlay", "posing", "switching") if name in data["figure"]], script]
         blocks["motion-data"] = data
     if names:
         names = ["theme.js", "numbers.js", *names]

@@ -7,7 +7,7 @@ const page = {
 
   state() {
     const { start, end } = player.motion;
-    return { duration: end - start, loop: page.loops(), magnification: data.figure.magnification };
+    return { duration: end - start, loop: page.loops(), pace: page.pace(player.time), magnification: data.figure.magnification };
   },
 
   shown() {

@@ -56,13 +56,12 @@ class Stage {
       const { s, l } = material.color.getHSL(hsl);
       if (s < 0.35 && l < 0.6) material.emissive.copy(glow);
     });
-    for (const link of this.links) if (link.level > 0) showEngagement(link.drawn, link.level);
+    for (const link of this.links) if (link.states) showEngagement(link, link.level, true);
     this.viewer.set_dirty();
   }
 
   addLink(link, i) {
     const drawn = new kinds[link.kind](link);
-    if (link.states) Object.assign(link.states, { begins: unpack(link.states.begins, Float64Array) });
     const frame = this.place(["links", `link ${i}`], link.turn ? group(drawn.object) : drawn.object);
     if (!link.turn) return Object.assign({ drawn: drawn }, link);
     frame.quaternion.set(...link.turn);
@@ -218,11 +217,7 @@ class Stage {
       const over = link.over === null ? null : this.end(poses[link.over], [0, 0, 0], false, link.back);
       const from = this.end(poses[link.start], link.start_point, link.start_turns, link.back);
       const to = this.end(poses[link.end], link.end_point, link.end_turns, link.back);
-      const level = engagementAt(link, time);
-      if (level >= 0 && level !== link.level) {
-        link.drawn.level = link.level = level;
-        showEngagement(link.drawn, level);
-      }
+      if (link.states) showEngagement(link, engagementAt(link.states, time)); // their script is included only where needed
       link.drawn.update(from, to, over);
       link.ends = [from.position, to.position];
     }
