@@ -173,10 +173,7 @@ def _bode(drawn: _Drawn, entries: list[_Entry], title: str, quantity: str, unit:
     phases = drawn.curves(present, _phase(drawn, present))
     if not present:
         return []
-    return [
-        _plot(drawn, title, shown, curves, quantity, vertical),
-        _plot(drawn, f"phase of the {title}", "°", phases, "phase"),
-    ]
+    return [_plot(drawn, title, shown, curves, quantity, vertical), _plot(drawn, f"phase of the {title}", "°", phases, "phase")]
 
 
 def _phase(drawn: _Drawn, entries: list[_Entry]) -> Callable[[_Entry, np.ndarray, np.ndarray], np.ndarray]:
@@ -278,11 +275,7 @@ class Frequency(Analysis):
 
     @cached_property
     def response(self) -> FrequencyResponse:
-        """H in SI at the frequencies.
-
-        Raises:
-            SceneError: unknown names, a quantity that does not fit, too many responses.
-        """
+        """H in SI at the frequencies."""
         with at(self.scene.file_name, "frequency"):
             return self.empty(self._lines())
 

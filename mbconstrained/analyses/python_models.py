@@ -180,15 +180,10 @@ def picture(motion: Response) -> str:
 
 @dataclass(frozen=True)
 class PageView:
-    """A static page inside a notebook.
+    """A static page inside a notebook."""
 
-    Attributes:
-        page: the HTML.
-        height: height of the frame, in pixels.
-    """
-
-    page: str
-    height: int
+    page: str  # the HTML
+    height: int  # height of the frame, in pixels
 
     def _repr_html_(self) -> str:
         return f'<iframe srcdoc="{html.escape(self.page)}" width="100%" height="{self.height}" frameborder="0"></iframe>'

@@ -13,6 +13,7 @@ import scipy
 from ..ground.errors import InputError
 from ..ground.notices import Notice
 from ..ground.tolerances import EPS, LARGEST_POWER, LINE_ACCURACY, LINE_ROUNDING, TRUST_LIMIT
+from ..linalg import lapack
 from ..linalg.elimination import as_slice
 from ..linalg.scaling import joint_scaling
 from ..polynomial.delayed_terms import DelayedTerm
@@ -457,7 +458,7 @@ def _matrices(coefficients, powers) -> np.ndarray:
 
 
 def _lu(matrix):
-    lu, pivots, info = scipy.linalg.lapack.zgetrf(matrix)
+    lu, pivots, info = lapack.zgetrf(matrix)
     return (lu, pivots) if info == 0 else None
 
 

@@ -31,7 +31,8 @@ from ..ground.tolerances import (
     noise_of,
     rounding_radius,
 )
-from ..linalg.arrays import entries, full, kept, product
+from ..linalg import lapack
+from ..linalg.arrays import block_diag, entries, full, kept, product
 from ..linalg.blocks import block_slices
 from ..linalg.division import definite_condition, is_symmetric, solved
 from ..linalg.exponential import BlockGroups
@@ -454,8 +455,8 @@ def _damped_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarr
     S[n:] = -solved(M, np.concatenate([K, C], axis=1))
     if not np.isfinite(S).all():
         return None, None
-    room = int(scipy.linalg.lapack.dgeev_lwork(2 * n, compute_vl=0)[0])
-    real, imaginary, _, vectors, failed = scipy.linalg.lapack.dgeev(S, compute_vl=0, lwork=room, overwrite_a=1)
+    room = int(lapack.dgeev_lwork(2 * n, compute_vl=0)[0])
+    real, imaginary, _, vectors, failed = lapack.dgeev(S, compute_vl=0, lwork=room, overwrite_a=1)
     if failed:
         return None, None
     upper = (imaginary >= 0).nonzero()[0]
@@ -521,7 +522,7 @@ def _by_pairs(A: PolynomialMatrix) -> tuple[list[Moving], list[Mode]]:
     values = np.concatenate([np.linalg.eigvals(block) for block in pair.blocks] or [np.zeros(0)])
     for place in (one for one in pair.zeros if one.value):
         chosen = np.unique(owner[np.argsort(np.abs(values - place.value), kind="stable")[: place.multiplicity]])
-        J = scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))
+        J = block_diag(*(pair.blocks[i] for i in chosen))
         C = np.hstack([pair.C[:, columns[i]] for i in chosen])
         value = place.value if place.value.imag else place.value.real
         vectors = scipy.linalg.svd(J - value * np.eye(len(J)))[2].conj().T[:, len(J) - len(place.partial_multiplicities) :]
@@ -624,7 +625,7 @@ def _positive(matrix: np.ndarray) -> bool:
     sums = np.abs(matrix).sum(axis=0)
     noise, shifted = noise_of(float(sums.max()), len(matrix)), matrix.copy()
     shifted.reshape(-1)[:: len(matrix) + 1] -= noise
-    if not scipy.linalg.lapack.dpotrf(shifted, clean=0)[1]:
+    if not lapack.dpotrf(shifted, clean=0)[1]:
         return True
     lowest = np.linalg.eigvalsh(matrix)[0]
     if lowest < -noise or len(matrix) > EXTENDED_SIZE:

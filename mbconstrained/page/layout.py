@@ -83,7 +83,7 @@ def _switching_joints(element: SwitchingElement, turning: Collection[str]) -> li
     """An element with several states as one link, or two where it is a stop on both sides."""
     kind, (low, high) = element.symbol, element.limits
     ends = element.start, element.end
-    if kind == "cable" and high is None:  # its end is behind its start
+    if kind == "cable" and low is not None:  # its end is behind its start
         ends, (low, high) = ends[::-1], (None, -low)
     if any(name in turning for name in ends):
         kind = "brake" if kind in ("friction", "latch") and GROUND in ends else _TURNING[kind]

@@ -363,21 +363,15 @@ ENERGIES = ("kinetic", "strain", "static", "total")
 
 @dataclass(frozen=True)
 class Largest:
-    """The largest modulus of a curve between the first and the last time, of the closed form.
+    """The largest modulus of a curve between the first and the last time, of the closed form."""
 
-    Attributes:
-        name, title, unit: name, title and unit of the curve, in SI.
-        value: with its sign.
-        time: in s.
-        margin: bound of the excess of the maximum over this value; 0 except for motions of very many periods.
-    """
-
+    # name, title and unit of the curve, in SI
     name: str
     title: str
     unit: str
-    value: float
-    time: float
-    margin: float
+    value: float  # with its sign
+    time: float  # in s
+    margin: float  # bound of the excess of the maximum over this value; 0 except for motions of very many periods
 
 
 class KindOfCurves(NamedTuple):
