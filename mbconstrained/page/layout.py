@@ -81,10 +81,10 @@ def joints_of(model: Iterable[Any], turning: Collection[str] = ()) -> list[Drawn
 
 def _switching_joints(element: SwitchingElement, turning: Collection[str]) -> list[DrawnJoint]:
     """An element with several states as one link, or two where it is a stop on both sides."""
-    kind, (low, high) = element.symbol, element.limits
-    ends = element.start, element.end
+    kind, ends = element.symbol, (element.start, element.end)
+    low, high = element.limits
     if kind == "cable" and low is not None:  # its end is behind its start
-        ends, (low, high) = ends[::-1], (None, -low)
+        ends, high, low = ends[::-1], -low, None
     if any(name in turning for name in ends):
         kind = "brake" if kind in ("friction", "latch") and GROUND in ends else _TURNING[kind]
     if kind != "stop" or low is None or high is None:
