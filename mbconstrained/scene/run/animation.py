@@ -175,12 +175,16 @@ class _Picture:
         for event in motion.events[:MOST_EVENTS]:
             if event.time > end:
                 return
-            event = replace(event, jump=np.where(np.abs(event.jump) > least, event.jump, 0.0))
-            lost = [] if event.energy_lost_text == "0" else [f"energy lost: {event.energy_lost_text} J"]
+            jumps = replace(event, jump=np.where(np.abs(event.jump) > least, event.jump, 0.0))
+            text, lost = self.coordinates.shown.text, motion.lost_energy(event)
             lines = _lines(
                 event.time,
-                jumps_of(motion, self.coordinates, event),
-                [*(f"impulse of {text}" for text in event.impulse_texts), *lost] or [""],
+                jumps_of(motion, self.coordinates, jumps),
+                [
+                    *(f"impulse of {one}" for one in motion.impulse_texts(event, text)),
+                    *([f"energy lost: {text(lost, 'J')}"] if lost else []),
+                ]
+                or [""],
                 f": {event.text}",
             )
             arrows = [
@@ -190,7 +194,7 @@ class _Picture:
                 for arrow, factor in self._row_arrows(drawing, rows[name], 1)
             ]
             after = motion(event.time)
-            yield DrawnEvent(event.time, lines, after - event.jump[0], after, tuple(arrows))
+            yield DrawnEvent(event.time, lines, after - jumps.jump[0], after, tuple(arrows))
 
     def _impulses(self, impulses, time: float) -> Iterator[str]:
         """Impulses of coordinates, of constraint forces and of forces, at a time."""
