@@ -25,6 +25,7 @@ from ..energy import Energy, energy_of
 from ..motion import Motion, Quantity, _order_of, _sentences, _static_offsets
 from .phase import STILL, Phase
 from .sequence import PhaseSegment, PhaseSequence, SwitchRecord
+from .switches import SwitchState
 
 if TYPE_CHECKING:
     from ...response.methods.defect import Rounding
@@ -238,17 +239,23 @@ class SwitchedMotion(Motion):
             The table.
         """
         rows = []
-        largest = max((abs(event.energy_before) for event in self.events), default=0.0)
         for event in self.events[:most]:
-            impulses = ", ".join(self._impulse_texts(event, text))
-            lost = event.energy_lost if abs(event.energy_lost) > STILL * largest else 0.0
-            phase = event.after if event.after != event.before else ""
-            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, phase, impulses, text(lost, "J")))
-        columns = ("t (s)", "error (s)", "what", "next phase", "impulses", "energy lost")
+            impulses = ", ".join(self.impulse_texts(event, text))
+            phases, lost = (event.before, event.after), text(self.lost_energy(event), "J")
+            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, *phases, impulses, lost))
+        columns = ("t (s)", "error (s)", "what", "before", "after", "impulses", "energy lost")
         note = f"The first {len(rows)} of {len(self.events)} are shown." if len(rows) < len(self.events) else ""
         return TextTable("Events", columns, tuple(rows), note, times=tuple(event.time for event in self.events[:most]))
 
-    def _impulse_texts(self, event: SwitchEvent, text: Callable[[float, str], str]) -> list[str]:
+    def lost_energy(self, event: SwitchEvent) -> float:
+        """The energy lost at an event in J, zero within rounding errors of the largest energy at an event."""
+        return event.energy_lost if abs(event.energy_lost) > STILL * self._largest_energy else 0.0
+
+    @cached_property
+    def _largest_energy(self) -> float:
+        return max(max(abs(event.energy_before), abs(event.energy_after)) for event in self.events)
+
+    def impulse_texts(self, event: SwitchEvent, text: Callable[[float, str], str]) -> list[str]:
         """The impulses of an event by name, with the factors of derivatives of Dirac's delta."""
         units, found = self._force_units, []
         for name in dict.fromkeys((*event.impulses, *event.higher_impulses)):
@@ -266,6 +273,28 @@ class SwitchedMotion(Motion):
             for row in phase.system.rows:
                 rows.setdefault(row.name, row)
         return tuple(rows.values())
+
+    @property
+    def impulse_rows(self) -> dict[str, np.ndarray]:
+        """The directions of the impulses of contacts and constraint rows over the coordinates, by name."""
+        machine = self.solution.sequence.machine
+        rows = {row.name: row.coefficients for system in (machine.systems or {}).values() for row in system.rows}
+        rows |= {switch.name: switch.contact.row for switch in machine.switches if switch.contact is not None}
+        return rows | {row.name: row.coefficients for row in self._reaction_rows}
+
+    @cached_property
+    def engagements(self) -> dict[str, tuple[tuple[float, int], ...]]:
+        """The times at which each switch changes, in s, with its engagement: 0 without force, 1 slipping, 2 closed, stuck or taut."""
+        sequence, found = self.solution.sequence, {}
+        keys = {id(phase): key for key, phase in sequence.phases.items()}
+        for place, switch in enumerate(sequence.machine.switches):
+            levels: list[tuple[float, int]] = []
+            for segment in sequence.segments:
+                level = _engagement(switch.states[keys[id(segment.phase)][place]])
+                if segment.duration > 0 and (not levels or levels[-1][1] != level):
+                    levels.append((float(segment.time), level))
+            found[switch.name] = tuple(levels)
+        return found
 
     @property
     def _force_units(self) -> dict[str, str]:
@@ -462,7 +491,7 @@ class SwitchedMotion(Motion):
                 if event.jump.any()
                 else NoticeKind.SWITCH
             )
-            sizes = ", ".join(self._impulse_texts(event, with_unit))
+            sizes = ", ".join(self.impulse_texts(event, with_unit))
             impulses = f"; impulses: {sizes}" if sizes else ""
             rest = "" if event.rest_time is None else ", after infinitely many bounces"
             notices.append(Notice(kind, f"t = {event.time:.9g} s: {event.text}{rest}{impulses}"))
@@ -511,6 +540,13 @@ class SwitchedMotion(Motion):
         raise InputError(
             "enclose: not available for switched systems, whose errors are estimated (error_estimate, time_error of events)"
         )
+
+
+def _engagement(state: SwitchState) -> int:
+    """The engagement of a switch in a state: friction that slips has a force without energy."""
+    if state.rows:
+        return 2
+    return 1 if any(branch.stored is None for branch in state.branches) else 2 * bool(state.branches)
 
 
 def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
