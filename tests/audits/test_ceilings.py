@@ -32,13 +32,13 @@ LINES = {
     "frequency": 5716,
     "ground": 2117,
     "linalg": 5172,
-    "mechanics": 15343,
-    "models": 1904,
-    "page": 4859,
+    "mechanics": 15379,
+    "models": 1930,
+    "page": 5093,
     "polynomial": 3764,
     "response": 8250,
     "robot": 9245,
-    "scene": 10132,
+    "scene": 10214,
     "signals": 1900,
 }
 

@@ -25,6 +25,7 @@ from ..energy import Energy, energy_of
 from ..motion import Motion, Quantity, _order_of, _sentences, _static_offsets
 from .phase import STILL, Phase
 from .sequence import PhaseSegment, PhaseSequence, SwitchRecord
+from .switches import SwitchState
 
 if TYPE_CHECKING:
     from ...response.methods.defect import Rounding
@@ -54,7 +55,7 @@ class SwitchEvent:
         higher_impulses: factors of derivatives of Dirac's delta by name, (N s^2, ...).
         coordinate_impulses: arrays (n,), the k-th multiplies the k-th derivative of Dirac's delta in x.
         energy_before, energy_after: kinetic, strain and static energy, J.
-        momentum_residual: |M jump of x' + C jump of x - sum of the impulses| relative to the largest term.
+        momentum_residual: |M jump of x' + C jump of x - sum of the impulses| relative to the largest momentum.
         grazing: whether a guard only touches zero.
         rest_time: where infinitely many bounces end, the time at which they do, s; None elsewhere.
         text: what happens.
@@ -235,17 +236,23 @@ class SwitchedMotion(Motion):
             The table.
         """
         rows = []
-        largest = max((abs(event.energy_before) for event in self.events), default=0.0)
         for event, record in zip(self.events[:most], self.solution.sequence.records):
-            impulses = ", ".join(
-                own.removeprefix(f"{event.text.removesuffix(' strikes')} ") for own in self._impulse_texts(event, text)
-            )
-            lost = text(event.energy_lost, "J") if abs(event.energy_lost) > STILL * largest else ""
+            named = f"{event.text.removesuffix(' strikes')} "
+            impulses = ", ".join(own.removeprefix(named) for own in self._impulse_texts(event, text))
+            lost = text(self._lost_energy(event), "J") if self._lost_energy(event) else ""
             states = ", ".join(state for old, state in zip(record.before, record.after) if state != old)
             rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, states, impulses, lost))
         columns = ("t (s)", "error (s)", "what", "next state", "impulses", "energy lost")
         note = f"The first {len(rows)} of {len(self.events)} are shown." if len(rows) < len(self.events) else ""
         return TextTable("Events", columns, tuple(rows), note, times=tuple(event.time for event in self.events[:most]))
+
+    def _lost_energy(self, event: SwitchEvent) -> float:
+        """The energy lost at an event in J, zero within rounding errors of the largest energy at an event."""
+        return event.energy_lost if abs(event.energy_lost) > STILL * self._largest_energy else 0.0
+
+    @cached_property
+    def _largest_energy(self) -> float:
+        return max(max(abs(event.energy_before), abs(event.energy_after)) for event in self.events)
 
     def _impulse_texts(self, event: SwitchEvent, text: Callable[[float, str], str]) -> list[str]:
         """The impulses of an event by name, with the factors of derivatives of Dirac's delta."""
@@ -265,6 +272,28 @@ class SwitchedMotion(Motion):
             for row in phase.system.rows:
                 rows.setdefault(row.name, row)
         return tuple(rows.values())
+
+    @property
+    def impulse_rows(self) -> dict[str, np.ndarray]:
+        """The directions of the impulses of contacts and constraint rows over the coordinates, by name."""
+        machine = self.solution.sequence.machine
+        rows = {row.name: row.coefficients for system in (machine.systems or {}).values() for row in system.rows}
+        rows |= {switch.name: switch.contact.row for switch in machine.switches if switch.contact is not None}
+        return rows | {row.name: row.coefficients for row in self._reaction_rows}
+
+    @cached_property
+    def engagements(self) -> dict[str, tuple[tuple[float, int], ...]]:
+        """The times at which each switch changes, in s, with its engagement: 0 without force, 1 slipping, 2 closed, stuck or taut."""
+        sequence, found = self.solution.sequence, {}
+        keys = {id(phase): key for key, phase in sequence.phases.items()}
+        for place, switch in enumerate(sequence.machine.switches):
+            levels: list[tuple[float, int]] = []
+            for segment in sequence.segments:
+                level = _engagement(switch.states[keys[id(segment.phase)][place]])
+                if segment.duration > 0 and (not levels or levels[-1][1] != level):
+                    levels.append((float(segment.time), level))
+            found[switch.name] = tuple(levels)
+        return found
 
     @property
     def _force_units(self) -> dict[str, str]:
@@ -420,7 +449,7 @@ class SwitchedMotion(Motion):
             Evidence(
                 "momentum",
                 max((event.momentum_residual for event in self.events), default=0.0),
-                "largest residual of the balance of momentum at an event, relative to its largest term",
+                "largest residual of the balance of momentum at an event, relative to the largest momentum",
             ),
         )
         return (*self.solution.evidence, *own)
@@ -510,6 +539,13 @@ class SwitchedMotion(Motion):
         raise InputError(
             "enclose: not available for switched systems, whose errors are estimated (error_estimate, time_error of events)"
         )
+
+
+def _engagement(state: SwitchState) -> int:
+    """The engagement of a switch in a state: friction that slips has a force without energy."""
+    if state.rows:
+        return 2
+    return 1 if any(branch.stored is None for branch in state.branches) else 2 * bool(state.branches)
 
 
 def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
