@@ -188,7 +188,7 @@ def _separated(free: BlockDiagonal, driven: Driven, forcing, limit) -> tuple[np.
     starts = [of.start for of in outer]
     for own, T in zip(block_slices(free.blocks), free.blocks):
         if len(outer) > 1:  # all at once, where that is possible
-            solution, scale, info = scipy.linalg.lapack.dtrsyl(T, generator, -excitation[own], isgn=-1)
+            solution, scale, info = lapack.dtrsyl(T, generator, -excitation[own], isgn=-1)
             found, given = (np.maximum.reduceat(np.abs(part).max(axis=0), starts) for part in (solution, excitation[own]))
             if info == 0 and scale == 1 and (found <= limit * given).all():
                 X[own] = solution
