@@ -165,17 +165,17 @@ def balanced(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return result, units
 
 
-def balanced_norm(generator: Matrix) -> float:
+def balanced_norm(generator: Matrix, units: np.ndarray | None = None) -> float:
     """The smaller of the 1-norm and the maximum norm in balancing units, decreasing for states that only excite others."""
     if isinstance(generator, np.ndarray) and len(generator) > FEW_STATES:
         generator = compressed(generator)
     if isinstance(generator, np.ndarray):
         size, first = _mutual_sizes(generator)
-        units = _balancing(size, first)
+        units = _balancing(size, first) if units is None else units
         size = size * units / units[:, None]
         return float(min(size.sum(axis=axis).max(initial=0.0) for axis in (0, 1)))
     row, column, size, _ = _mutual(generator)
-    units = balancing_units(generator)
+    units = balancing_units(generator) if units is None else units
     size = size * (units[column] / units[row])
     return float(min(np.bincount(places, size).max(initial=0.0) for places in (row, column)))
 
