@@ -31,6 +31,9 @@ BALANCING_ROUNDS = 12
 #: Newton's method for sparse matrices: most steps, and the longest and the last change of the exponent of an entry.
 NEWTON_STEPS, LONGEST_STEP, SHORTEST_STEP = 40, 3.0, 0.25
 
+#: Up to so many states equations are solved as full ones, which takes less time than to build sparse ones.
+DENSE = 100
+
 #: Beyond so many states what couples them is found by their graph, not by powers of their matrix.
 FEW_STATES = 48
 
@@ -255,9 +258,10 @@ def _laplace_solution(row, column, weights, right: np.ndarray, n: int) -> np.nda
     """The potentials of a graph with these weights of its edges for right sides of shape (n, k)."""
     degree = np.bincount(row, weights, n) + np.bincount(column, weights, n)
     rows, columns = np.concatenate([np.arange(n), row, column]), np.concatenate([np.arange(n), column, row])
-    laplacian = scipy.sparse.csc_array((np.concatenate([degree + SLIGHT, -weights, -weights]), (rows, columns)), shape=(n, n))
-    if len(row) * FILLED > n * n:
-        return np.linalg.solve(laplacian.toarray(), right)
+    values = np.concatenate([degree + SLIGHT, -weights, -weights])
+    if n <= DENSE or len(row) * FILLED > n * n:
+        return np.linalg.solve(np.bincount(rows * n + columns, values, n * n).reshape(n, n), right)
+    laplacian = scipy.sparse.csc_array((values, (rows, columns)), shape=(n, n))
     return scipy.sparse.linalg.spsolve(laplacian, right).reshape(n, right.shape[1])
 
 
