@@ -41,13 +41,13 @@ def tables_of(result: Result, certificate: Certificate | None, frequency: Freque
     jumps = tuple((jump.name, jump.what, jump.before, jump.after, jump.size) for jump in result.jumps)
     impulses = tuple((impulse.name, f"δ{_primes(impulse.order)}", impulse.size) for impulse in result.impulses)
     answers = [
+        *([result.motion.event_table(shown.text, MOST_EVENT_ROWS)] if result.is_switched else []),
         *of_model.first,
         *(end.table(equations.coordinates) for end in equations.ends),
         *([frequency.peak_table()] if frequency else []),
         *([_output_table(equations.original)] if equations.original else []),
         TextTable("Jumps at t = 0", ("coordinate", "of its", "before", "after", "jump"), jumps),
         TextTable("Impulses at t = 0", ("of", "multiplies", "size"), impulses),
-        *([result.motion.event_table(shown.text, MOST_EVENT_ROWS)] if result.is_switched else []),
         *([_later_table(result)] if result.later else []),
         largest_table(result),
         *of_model.forces,

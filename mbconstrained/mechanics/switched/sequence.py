@@ -21,7 +21,7 @@ from ..constraints import Constraint
 from .flow import NOISE
 from .impact import impulses_of_contacts
 from .phase import STILL, Phase, PhaseEntry, Source
-from .switches import ForceBranch, Guard, Switch, UnilateralContact
+from .switches import ForceBranch, Guard, Switch, TimedChange, UnilateralContact
 
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
@@ -208,7 +208,7 @@ class PhaseSequence:
                     _, place, change = changes.pop(0)
                     if not change.sources or target[place] in change.sources:
                         target = _replaced(target, place, change.target)
-                        texts.append(f"{self.machine.switches[place].name} {change.text}" if change.text else "")
+                        texts.append(self._text(place, change) if change.text else "")
                 for due in [due for due, deadline in self.deadlines.items() if deadline == time]:
                     target = _replaced(target, *due)
                     del self.deadlines[due]
@@ -391,7 +391,7 @@ class PhaseSequence:
             return self._impact(key, impacts, x, v, w, record, maps, texts)
         return key, x, v
 
-    def _text(self, place: int, guard: Guard) -> str:
+    def _text(self, place: int, guard: Guard | TimedChange) -> str:
         return guard.text if self.machine.systems is not None else f"{self.machine.switches[place].name} {guard.text}"
 
     def _left(self, key: Key, phase: Phase, entry: PhaseEntry, negative, order, values, x, v, w, record, maps, texts):

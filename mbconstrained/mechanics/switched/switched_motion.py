@@ -237,16 +237,22 @@ class SwitchedMotion(Motion):
         Returns:
             The table.
         """
-        rows = []
         largest = max((abs(event.energy_before) for event in self.events), default=0.0)
+        systems = [phase.system for phase in self.solution.phases]
+        has_energy = not any(list(system.unsymmetric(name)) for system in systems for name in ("mass", "stiffness"))
+        rows = []
         for event in self.events[:most]:
             impulses = ", ".join(self._impulse_texts(event, text))
-            lost = event.energy_lost if abs(event.energy_lost) > STILL * largest else 0.0
+            lost = text(event.energy_lost if abs(event.energy_lost) > STILL * largest else 0.0, "J") if has_energy else ""
             phase = event.after if event.after != event.before else ""
-            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, phase, impulses, text(lost, "J")))
+            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, phase, impulses, lost))
         columns = ("t (s)", "error (s)", "what", "next phase", "impulses", "energy lost")
+        shown = [place for place in range(len(columns)) if place < 4 or any(row[place] for row in rows)]
         note = f"The first {len(rows)} of {len(self.events)} are shown." if len(rows) < len(self.events) else ""
-        return TextTable("Events", columns, tuple(rows), note, times=tuple(event.time for event in self.events[:most]))
+        cells = tuple(tuple(row[place] for place in shown) for row in rows)
+        return TextTable(
+            "Events", tuple(columns[i] for i in shown), cells, note, times=tuple(one.time for one in self.events[:most])
+        )
 
     def _impulse_texts(self, event: SwitchEvent, text: Callable[[float, str], str]) -> list[str]:
         """The impulses of an event by name, with the factors of derivatives of Dirac's delta."""
