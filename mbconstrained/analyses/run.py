@@ -13,7 +13,7 @@ import numpy as np
 
 from ..exchange.trajectories import Curves, dataset_of, write_arrays, write_csv, write_trajectories
 from ..ground.checks import counted
-from ..ground.display import WIDTH, TextTable, blocks_text, table_text, wrapped
+from ..ground.display import WIDTH, TextTable, table_text, wrapped
 from ..ground.errors import InputError, MbconstrainedError
 from ..ground.files import Replacements
 from ..ground.notices import Notice, NoticeKind, distinct, doubts_of
@@ -209,7 +209,7 @@ class RunAnswer(Result, Answer):
 
     def summary(self) -> str:
         """The answer in words and tables, as it is printed."""
-        return blocks_text(self.blocks())
+        return _printed(self.blocks())
 
     def blocks(self, files: Sequence[Path] = ()) -> list[str | TextTable]:
         """The parts of the summary: texts, and tables that a terminal may lay out itself."""
@@ -469,6 +469,11 @@ class RunAnswer(Result, Answer):
 SCREEN = 22
 
 
+def _printed(parts: Sequence[str | TextTable], width: int = WIDTH) -> str:
+    """Texts and tables, one below the other."""
+    return "\n\n".join(table_text(part, width) if isinstance(part, TextTable) else wrapped(part, width) for part in parts)
+
+
 def overview(answer: RunAnswer, width: int = WIDTH, lines: int = SCREEN) -> list[str | TextTable]:
     """The parts of the summary that fit on a screen: natural frequencies, warnings, files, and the number of omitted lines.
 
@@ -500,7 +505,7 @@ def _rank(notice: Notice) -> int:
 
 def _height(parts: Sequence[str | TextTable], width: int) -> int:
     """Lines of texts and tables, with an empty one after each."""
-    return sum(blocks_text([part], width).count("\n") + 2 for part in parts)
+    return sum(_printed([part], width).count("\n") + 2 for part in parts)
 
 
 def _first_lines(text: str, width: int, most: int) -> str:
