@@ -169,8 +169,12 @@ class Flow:
     @cached_property
     def modal_rate(self) -> float:
         """An upper bound of the rates of the motion in 1/s, by its modes."""
-        blocks = (*self.reduction.decoupled.blocks, *self.force.smooth.blocks)
-        return max((sum(map(abs, column)) for block in blocks for column in block.T.tolist()), default=0.0) or 1.0
+        columns = (
+            map(abs, column)
+            for block in (*self.reduction.decoupled.blocks, *self.force.smooth.blocks)
+            for column in zip(*block.tolist())
+        )
+        return max(map(sum, columns), default=0.0) or 1.0
 
     @cached_property
     def states(self) -> BohlFunction:

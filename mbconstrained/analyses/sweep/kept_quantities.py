@@ -210,7 +210,7 @@ def event_figure(variable: Variable, events: Sequence[SwitchEvent]) -> float:
         return float(len(events))
     if impulse := LARGEST_IMPULSE.fullmatch(variable.name):
         return max((abs(event.impulses.get(impulse[1], 0.0)) for event in events), default=0.0)
-    number = EVENT_TIME.fullmatch(variable.name)[1]  # type: ignore[index]
+    number = EVENT_TIME.fullmatch(variable.name)[1]
     times = [event.time for event in events]
     if number == "last":
         return times[-1] if times else np.nan

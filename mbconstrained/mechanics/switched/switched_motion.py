@@ -526,7 +526,7 @@ def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
     """The sums of moduli that x and x' are made of, shape (2 n,)."""
     phase = segment.phase
     size = np.maximum(np.abs(y), np.abs(segment.state))
-    return np.concatenate([np.abs(phase.C) @ size, np.abs(phase.V) @ size])
+    return np.concatenate([phase.C_size @ size, phase.V_size @ size])
 
 
 def _transition(segment: PhaseSegment) -> tuple[np.ndarray, np.ndarray]:
@@ -562,6 +562,9 @@ def _saltation(previous: PhaseSegment, segment: PhaseSegment, F: np.ndarray, y: 
     record = segment.event
     if record is None or record.guard_row is None:
         return total, None
+    if record.grazing:  # the time of a minimum, of the rate of the guard; nothing changes there
+        rate = float(record.guard_row @ (phase.J @ (phase.J @ y)))
+        return total, -(record.guard_row @ phase.J @ F) / rate if rate else np.full(F.shape[1], np.inf)
     rate = float(record.guard_row @ (phase.J @ y))
     if rate == 0:
         return total, np.full(F.shape[1], np.inf)

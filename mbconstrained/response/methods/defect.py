@@ -76,7 +76,7 @@ class BoundedModes:
         if len(at) > len(blocks):
             if any(np.tril(block, -2).any() for block in blocks if len(block) > 2):
                 return None
-            links = folded(np.triu(J, 1), at, at)
+            links = folded(J, at, at)  # below the diagonal there are entries of pairs only
             np.fill_diagonal(links, 0.0)
             counts = np.bincount(of_block)
             clustered, rates = counts[of_block] > 1, rates.copy()
@@ -112,7 +112,7 @@ class BoundedModes:
         most, joined, separate = Q[:n, :n] @ E @ Q, self.stretch[:, None] * self.links, direct / distance
         for _ in range(2 * len(joined)):
             more = (direct + joined[:n, :n] @ separate + separate @ joined) / distance
-            if np.array_equal(more, separate, equal_nan=True):
+            if more.tobytes() == separate.tobytes():
                 break
             separate = more
         rows, columns = Q[:n, :n] @ separate, separate @ Q
@@ -197,9 +197,9 @@ class Defect:
 
     def allows(self, place: np.ndarray, order: int, times: np.ndarray, allowed: np.ndarray) -> np.ndarray:
         """The times at which the errors of this derivative of place @ z, by its modes, are guaranteed as small as allowed."""
-        if self.is_one_piece and len(times):
+        if self.is_whole and len(times):
             with np.errstate(all="ignore"):
-                return self._late(place, order, times, allowed) if self._modes is not None else np.zeros(len(times), dtype=bool)
+                return self._late(place, order, times, allowed)
         sure, covered = np.zeros(len(times), dtype=bool), self.covers(times)
         pieces, since = self.flow.states.restarts.located(times)
         with np.errstate(all="ignore"):
@@ -210,7 +210,7 @@ class Defect:
 
     def covers(self, times: np.ndarray) -> np.ndarray:
         """The times at which the errors of the sums of modes are bounded: truth values, shape (T,)."""
-        if self._modes is None or self.is_one_piece:
+        if self._modes is None or self.is_whole:
             return np.full(len(times), self._modes is not None)
         return self.follows_force | (self.flow.states.restarts.located(times)[0] == 0)
 
@@ -218,6 +218,11 @@ class Defect:
     def is_one_piece(self) -> bool:
         """Whether the motion has no restarts."""
         return len(self.flow.knots) == 1
+
+    @cached_property
+    def is_whole(self) -> bool:
+        """Whether the motion has no restarts, and the errors are bounded at all times."""
+        return self.is_one_piece and self._modes is not None
 
     @cached_property
     def in_whole_pieces(self) -> Defect | None:

@@ -183,7 +183,11 @@ def test_sweeps_keep_peaks_impulses_and_the_times_of_events(tmp_path):
 
 
 def test_a_sample_without_an_event_has_no_time_of_it_and_one_in_penetration_no_answer(tmp_path):
-    text = DROP.replace("ball = 1.0", 'ball = "=h"').replace("[model]", "[parameters]\nh = 1.0\n[model]", 1).replace('"5 s"', '"0.3 s"')
+    text = (
+        DROP.replace("ball = 1.0", 'ball = "=h"')
+        .replace("[model]", "[parameters]\nh = 1.0\n[model]", 1)
+        .replace('"5 s"', '"0.3 s"')
+    )
     samples = scene_of(tmp_path, text).sweep({"h": [-0.5, 0.1, 1.0]}, keep=["time of event 1", "number of events"]).run()
     assert np.isnan(samples.values("time of event 1")).tolist() == [True, False, True]
     assert np.isnan(samples.values("number of events")).tolist() == [True, False, False]
