@@ -83,6 +83,11 @@ class Switching:
         return f"{self.machine.machine.label(self.phase)}{' (at the start)' if self.phase == self.start else ''}"
 
     @property
+    def note(self) -> str:
+        """The phase whose modes a table lists."""
+        return f"Of the phase {self.label}."
+
+    @property
     def has_rows(self) -> bool:
         """Whether a phase has constraint rows, and so reactions."""
         systems = self.machine.phases.values() or (self.machine.system,)
