@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,7 +26,6 @@ from .model import Equations, no_modes
 from .switched import known, phase_system, refuse_with_switches, switching_of, transition_of
 
 if TYPE_CHECKING:
-    from ...mechanics.constraints import Constraint
     from ...mechanics.switched.switched_system import SwitchedSystem
     from ...mechanics.system import MechanicalSystem
     from ...models.lumped import LumpedModel
@@ -123,19 +122,16 @@ def _matrices(table, folder: Path, file_name: str) -> Equations:
     matrices = _matrices_of(model, ENTRY_UNITS, folder, file_name, "model")
     coordinates = _coordinates(model, len(matrices["mass"]), file_name)
     _check_kinds(model, coordinates, file_name, "model")
-    rows = _rows_of(model, coordinates, file_name, "model")
     if not model.phase:
-        return _mechanical(
-            table, _system_of(model, matrices, rows, coordinates, file_name, "model"), coordinates, folder, file_name
-        )
+        system = _system_of(model, matrices, {"model": model}, coordinates, file_name)
+        return _mechanical(table, system, coordinates, folder, file_name)
     systems = {}
     for number, phase in enumerate(model.phase, 1):
         place = f'model.phase[{number}] (of "{phase.name}")'
         own = _matrices_of(phase, PHASE_MATRICES, folder, file_name, place)
         _check_kinds(phase, coordinates, file_name, place)
         own = {**matrices, **{key: matrix for key, matrix in own.items() if matrix is not None}}
-        both = [*rows, *_rows_of(phase, coordinates, file_name, place)]
-        systems[phase.name] = _system_of(model, own, both, coordinates, file_name, place)
+        systems[phase.name] = _system_of(model, own, {"model": model, place: phase}, coordinates, file_name)
     with at(file_name, "model.start"):
         start = known(model.start or model.phase[0].name, systems, "phase")
     transitions = [transition_of(one, systems, coordinates, number, file_name) for number, one in enumerate(model.transition, 1)]
@@ -164,29 +160,22 @@ def _matrices_of(owner, keys: Iterable[str], folder: Path, file_name: str, where
     return matrices
 
 
-def _rows_of(owner, coordinates: Coordinates, file_name: str, where: str) -> list[Constraint]:
-    """The constraint rows of a table."""
+def _system_of(model, matrices, owners: Mapping[str, Any], coordinates: Coordinates, file_name: str) -> MechanicalSystem:
+    """The system of matrices with the constraint rows of tables by their place, and the unbalance of the model."""
     from ...mechanics.constraints import Constraint
-
-    constraints = []
-    for number, row in enumerate(owner.constraint, 1):
-        with at(file_name, f"{where}.constraint[{number}]"):
-            factors, value, unit = constraint_row(row, coordinates)
-            coefficients = np.array([factors.get(name, 0.0) for name in coordinates.names], float)
-            constraints.append(Constraint(coefficients, level=row.level, value=value, names=row.name, unit=unit))
-    return constraints
-
-
-def _system_of(
-    model, matrices, rows: Sequence[Constraint], coordinates: Coordinates, file_name: str, where: str
-) -> MechanicalSystem:
-    """The system of matrices and rows, with the unbalance of the model."""
     from ...mechanics.element_matrix import unbalance_of
     from ...mechanics.system import MechanicalSystem
 
+    constraints = []
+    for where, owner in owners.items():
+        for number, row in enumerate(owner.constraint, 1):
+            with at(file_name, f"{where}.constraint[{number}]"):
+                factors, value, unit = constraint_row(row, coordinates)
+                coefficients = np.array([factors.get(name, 0.0) for name in coordinates.names], float)
+                constraints.append(Constraint(coefficients, level=row.level, value=value, names=row.name, unit=unit))
     units = dict(zip(coordinates.names, coordinates.units))
-    with at(file_name, where):
-        system = MechanicalSystem(**matrices, constraints=rows, names=coordinates.names, units=units)
+    with at(file_name, list(owners)[-1]):
+        system = MechanicalSystem(**matrices, constraints=constraints, names=coordinates.names, units=units)
     for number, entry in enumerate(model.unbalance, 1):
         with at(file_name, f"model.unbalance[{number}]"):
             system.unbalance = np.zeros(system.size, dtype=complex) if system.unbalance is None else system.unbalance
