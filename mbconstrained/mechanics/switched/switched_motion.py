@@ -108,9 +108,7 @@ class SwitchedSolution:
         self.jump = first.phase.start_jump(initial, first.state)
         self.impulses = next((record.coordinate_impulses for record in sequence.records if not record.time), ())
         self.events = tuple(
-            Event(record.time, np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]]), record.coordinate_impulses)
-            for record in sequence.records
-            if record.time > 0
+            Event(record.time, _jump_of(record), record.coordinate_impulses) for record in sequence.records if record.time > 0
         )
 
     finite_count = property(lambda self: max(len(phase.J) for phase in self.phases))
@@ -202,16 +200,13 @@ class SwitchedMotion(Motion):
 
     def _event(self, place: int, record: SwitchRecord) -> SwitchEvent:
         machine = self.solution.sequence.machine
-        jump = np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]])
-        for row, pair in zip(jump, (record.x, record.v)):
-            row[np.abs(row) <= STILL * (np.abs(pair[0]) + np.abs(pair[1])).max(initial=0.0)] = 0.0
         impulses = {name: sizes[0] for name, sizes in record.impulses.items() if sizes and sizes[0]}
         higher = {name: tuple(sizes[1:]) for name, sizes in record.impulses.items() if any(sizes[1:])}
         return SwitchEvent(
             time=float(record.time if record.resting is None else record.resting),
             before=machine.label(record.before),
             after=machine.label(record.after),
-            jump=jump,
+            jump=_jump_of(record),
             impulses=impulses,
             higher_impulses=higher,
             coordinate_impulses=record.coordinate_impulses,
@@ -235,6 +230,7 @@ class SwitchedMotion(Motion):
         Returns:
             The table.
         """
+<<<<<<< HEAD
         rows = []
         for event, record in zip(self.events[:most], self.solution.sequence.records):
             named = f"{event.text.removesuffix(' strikes')} "
@@ -243,8 +239,24 @@ class SwitchedMotion(Motion):
             states = ", ".join(state for old, state in zip(record.before, record.after) if state != old)
             rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, states, impulses, lost))
         columns = ("t (s)", "error (s)", "what", "next state", "impulses", "energy lost")
+=======
+        largest = max((abs(event.energy_before) for event in self.events), default=0.0)
+        systems = [phase.system for phase in self.solution.phases]
+        has_energy = not any(list(system.unsymmetric(name)) for system in systems for name in ("mass", "stiffness"))
+        rows = []
+        for event in self.events[:most]:
+            impulses = ", ".join(self._impulse_texts(event, text))
+            lost = text(event.energy_lost if abs(event.energy_lost) > STILL * largest else 0.0, "J") if has_energy else ""
+            phase = event.after if event.after != event.before else ""
+            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, phase, impulses, lost))
+        columns = ("t (s)", "error (s)", "what", "next phase", "impulses", "energy lost")
+        shown = [place for place in range(len(columns)) if place < 4 or any(row[place] for row in rows)]
+>>>>>>> int
         note = f"The first {len(rows)} of {len(self.events)} are shown." if len(rows) < len(self.events) else ""
-        return TextTable("Events", columns, tuple(rows), note, times=tuple(event.time for event in self.events[:most]))
+        cells = tuple(tuple(row[place] for place in shown) for row in rows)
+        return TextTable(
+            "Events", tuple(columns[i] for i in shown), cells, note, times=tuple(one.time for one in self.events[:most])
+        )
 
     def _lost_energy(self, event: SwitchEvent) -> float:
         """The energy lost at an event in J, zero within rounding errors of the largest energy at an event."""
@@ -541,11 +553,20 @@ class SwitchedMotion(Motion):
         )
 
 
+<<<<<<< HEAD
 def _engagement(state: SwitchState) -> int:
     """The engagement of a switch in a state: friction that slips has a force without energy."""
     if state.rows:
         return 2
     return 1 if any(branch.stored is None for branch in state.branches) else 2 * bool(state.branches)
+=======
+def _jump_of(record: SwitchRecord) -> np.ndarray:
+    """The jumps of x and x' at an event, zero within rounding errors, shape (2, n)."""
+    jump = np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]])
+    for row, pair in zip(jump, (record.x, record.v)):
+        row[np.abs(row) <= STILL * (np.abs(pair[0]) + np.abs(pair[1])).max(initial=0.0)] = 0.0
+    return jump
+>>>>>>> int
 
 
 def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
