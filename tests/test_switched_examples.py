@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scipy.integrate
 
+import mbconstrained as mb
 from mbconstrained.scene.run.scene import read_scene
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -104,3 +105,13 @@ def test_the_foot_lands_with_its_own_momentum_and_leaves_where_the_ground_would_
     found = scipy.integrate.solve_ivp(rates, (0, 2), [0.0, -speed], rtol=1e-12, atol=1e-14, events=lifting)
     assert leaving.time - landing.time == pytest.approx(found.t_events[0][0], rel=1e-9)
     assert x.reaction(leaving.time - 1e-9)[0] == pytest.approx(0.0, abs=1e-4)
+
+
+def test_peaks_of_the_shock_are_those_of_the_motion_through_all_phases_and_end_with_it(tmp_path):
+    scene = read_scene(EXAMPLES / "dropped_crate.toml")
+    peaks = {(row["quantity"], row["of"]): row for row in scene.shock().data["peaks"]}
+    assert peaks["displacement", "crate"]["minimum"] == 0.0  # the floor
+    speed = math.sqrt(2 * G * 0.8)
+    assert peaks["velocity", "crate"]["minimum"] == pytest.approx(-speed, rel=1e-13)
+    with pytest.raises(mb.InputError, match=r"known up to 2\.5 s"):
+        scene.run().motion(2.6)

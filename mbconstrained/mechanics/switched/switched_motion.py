@@ -13,6 +13,7 @@ import numpy as np
 from ...ground.checks import counted
 from ...ground.coordinate_units import force_unit, impulse_unit
 from ...ground.display import TextTable, notice_table, with_unit
+from ...ground.errors import InputError
 from ...ground.notices import Evidence, Notice, NoticeKind, distinct
 from ...ground.tolerances import EPS, TRUST_LIMIT
 from ...linalg.exponential import block_states
@@ -94,6 +95,22 @@ class SwitchEvent:
         return float(self._motion._time_errors[self._place])
 
 
+class PhaseRestarts(FreeRestarts):
+    """The states at the begin of each phase, up to the end of the motion."""
+
+    end: float
+
+    def __init__(self, knots: np.ndarray, states: np.ndarray, remainders: np.ndarray | float, blocks, end: float):
+        super().__init__(knots, states, remainders, blocks)
+        self.__dict__["end"] = end
+
+    def located(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Index of the phase of each time (T,), and the time since its begin."""
+        if len(times) and times.max() > self.end:
+            raise InputError(f"times: found {times.max():g} s; the motion is known up to {self.end:g} s: give solve() a later end")
+        return super().located(times)
+
+
 class SwitchedSolution:
     """The solution of a switched system, as the methods of a ``Response`` read it."""
 
@@ -130,7 +147,7 @@ class SwitchedSolution:
             place = self._place[id(segment.phase)]
             states[self._ends[place] : self._ends[place + 1], column] = segment.state
         knots, remainders = np.array([one.time for one in segments], float), np.array([one.remainder for one in segments])
-        return FreeRestarts(knots, states, remainders if remainders.any() else 0.0, self.blocks)
+        return PhaseRestarts(knots, states, remainders if remainders.any() else 0.0, self.blocks, self.sequence.end)
 
     def function_of(self, rows: Sequence[np.ndarray]) -> BohlFunction:
         """The function with these rows on the states of each phase."""
@@ -230,28 +247,17 @@ class SwitchedMotion(Motion):
         Returns:
             The table.
         """
-<<<<<<< HEAD
+        systems = [phase.system for phase in self.solution.phases]
+        has_energy = not any(list(system.unsymmetric(name)) for system in systems for name in ("mass", "stiffness"))
         rows = []
         for event, record in zip(self.events[:most], self.solution.sequence.records):
             named = f"{event.text.removesuffix(' strikes')} "
             impulses = ", ".join(own.removeprefix(named) for own in self._impulse_texts(event, text))
-            lost = text(self._lost_energy(event), "J") if self._lost_energy(event) else ""
+            lost = text(self._lost_energy(event), "J") if has_energy and self._lost_energy(event) else ""
             states = ", ".join(state for old, state in zip(record.before, record.after) if state != old)
             rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, states, impulses, lost))
         columns = ("t (s)", "error (s)", "what", "next state", "impulses", "energy lost")
-=======
-        largest = max((abs(event.energy_before) for event in self.events), default=0.0)
-        systems = [phase.system for phase in self.solution.phases]
-        has_energy = not any(list(system.unsymmetric(name)) for system in systems for name in ("mass", "stiffness"))
-        rows = []
-        for event in self.events[:most]:
-            impulses = ", ".join(self._impulse_texts(event, text))
-            lost = text(event.energy_lost if abs(event.energy_lost) > STILL * largest else 0.0, "J") if has_energy else ""
-            phase = event.after if event.after != event.before else ""
-            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, phase, impulses, lost))
-        columns = ("t (s)", "error (s)", "what", "next phase", "impulses", "energy lost")
         shown = [place for place in range(len(columns)) if place < 4 or any(row[place] for row in rows)]
->>>>>>> int
         note = f"The first {len(rows)} of {len(self.events)} are shown." if len(rows) < len(self.events) else ""
         cells = tuple(tuple(row[place] for place in shown) for row in rows)
         return TextTable(
@@ -546,27 +552,24 @@ class SwitchedMotion(Motion):
         Raises:
             InputError: always.
         """
-        from ...ground.errors import InputError
-
         raise InputError(
             "enclose: not available for switched systems, whose errors are estimated (error_estimate, time_error of events)"
         )
 
 
-<<<<<<< HEAD
 def _engagement(state: SwitchState) -> int:
     """The engagement of a switch in a state: friction that slips has a force without energy."""
     if state.rows:
         return 2
     return 1 if any(branch.stored is None for branch in state.branches) else 2 * bool(state.branches)
-=======
+
+
 def _jump_of(record: SwitchRecord) -> np.ndarray:
     """The jumps of x and x' at an event, zero within rounding errors, shape (2, n)."""
     jump = np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]])
     for row, pair in zip(jump, (record.x, record.v)):
         row[np.abs(row) <= STILL * (np.abs(pair[0]) + np.abs(pair[1])).max(initial=0.0)] = 0.0
     return jump
->>>>>>> int
 
 
 def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
