@@ -211,7 +211,7 @@ def test_what_does_not_settle_is_none():
     assert zeros_near(lambda s: random.normal(size=len(s)) + 0j, np.array([1.0 + 1j, 1.0 - 1j, 2.0]), 1e-10) is None
 
 
-@pytest.mark.parametrize("count", [550, 650])
+@pytest.mark.parametrize("count", [550, 700])  # of 650 two zeros are so near that some processors lose their vectors
 @pytest.mark.parametrize("damping", [1e-4, 0.01])
 def test_close_zeros_of_a_lightly_damped_chain_of_unlike_springs(count, damping):
     """Pairs of zeros that are millionths of the fastest apart settle slowly. Sums of powers: tr S = -tr C and tr S^2 = tr C^2 - 2 tr K."""
