@@ -476,7 +476,8 @@ def overview(answer: RunAnswer, width: int = WIDTH, lines: int = SCREEN) -> list
     end = "\n".join(wrapped(text, width) for text in (_files(answer), figures, "All tables and notices: --verbose") if text)
     left = lines + 1 - _height([title, end], width)
     notices = sorted(answer.table_notices, key=_rank)
-    notes = _some_notices(notices, width, max(left // 2, left - len(answer.tables[0].rows) - 3))
+    rest = left - len(answer.tables[0].rows) - 3
+    notes = _some_notices(notices, width, left // 3 if answer.scene.equations.switching else max(left // 2, rest))
     left -= _height(notes, width)
     shown = [_some_rows(answer.tables[0], width, left - 1)]
     for table in answer.tables[1:]:

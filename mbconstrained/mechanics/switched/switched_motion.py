@@ -106,12 +106,20 @@ class SwitchedSolution:
         first = sequence.segments[0]
         begin = np.array([first.phase.C @ first.state, first.phase.V @ first.state])
         jump = begin - initial
-        jump[np.abs(jump) <= STILL * (np.abs(begin) + np.abs(initial))] = 0.0
+        size = np.array([first.phase.C_size @ np.abs(first.state), first.phase.V_size @ np.abs(first.state)])
+        jump[np.abs(jump) <= STILL * (size + np.abs(initial)).max(axis=1, keepdims=True)] = 0.0
         self.jump = jump
         self.impulses = next((record.coordinate_impulses for record in sequence.records if not record.time), ())
-        self.events = tuple(
-            Event(record.time, _jump_of(record), record.coordinate_impulses) for record in sequence.records if record.time > 0
-        )
+        values = np.array([initial, begin, *(pair for one in sequence.records for pair in zip(one.x, one.v))])
+        self._noise = STILL * np.abs(values).max(axis=(0, 2), initial=0.0)
+        self.events = tuple(Event(one.time, self.jump_of(one), one.coordinate_impulses) for one in sequence.records if one.time > 0)
+
+    def jump_of(self, record: SwitchRecord) -> np.ndarray:
+        """The jumps of x and x' at an event, zero within rounding errors of the largest values of the motion, shape (2, n)."""
+        jump = np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]])
+        for row, size, noise in zip(jump, record.size, self._noise):
+            row[np.abs(row) <= max(noise, STILL * size.max(initial=0.0))] = 0.0
+        return jump
 
     finite_count = property(lambda self: max(len(phase.J) for phase in self.phases))
     coupling = property(lambda self: max(phase.pairs.finite.coupling for phase in self.phases))
@@ -208,7 +216,7 @@ class SwitchedMotion(Motion):
             time=float(record.time if record.resting is None else record.resting),
             before=machine.label(record.before),
             after=machine.label(record.after),
-            jump=_jump_of(record),
+            jump=self.solution.jump_of(record),
             impulses=impulses,
             higher_impulses=higher,
             coordinate_impulses=record.coordinate_impulses,
@@ -217,7 +225,7 @@ class SwitchedMotion(Motion):
             momentum_residual=self.solution.sequence.momentum_residual(record),
             grazing=record.grazing,
             rest_time=None if record.resting is None else float(record.resting),
-            text="; ".join(dict.fromkeys(record.texts)) or ("a guard touches zero" if record.grazing else "the load jumps"),
+            text="; ".join(dict.fromkeys(record.texts)) or _text_of(record),
             _place=place,
             _motion=self,
         )
@@ -234,15 +242,16 @@ class SwitchedMotion(Motion):
         """
         largest = max((abs(event.energy_before) for event in self.events), default=0.0)
         systems = [phase.system for phase in self.solution.phases]
+        is_named = len(self.solution.sequence.machine.switches) == 1  # phases of several switches have long names
         has_energy = not any(list(system.unsymmetric(name)) for system in systems for name in ("mass", "stiffness"))
         rows = []
         for event in self.events[:most]:
             impulses = ", ".join(self._impulse_texts(event, text))
             lost = text(event.energy_lost if abs(event.energy_lost) > STILL * largest else 0.0, "J") if has_energy else ""
-            phase = event.after if event.after != event.before else ""
+            phase = event.after if event.after != event.before and is_named else ""
             rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, phase, impulses, lost))
         columns = ("t (s)", "error (s)", "what", "next phase", "impulses", "energy lost")
-        shown = [place for place in range(len(columns)) if place < 4 or any(row[place] for row in rows)]
+        shown = [place for place in range(len(columns)) if place < 3 or any(row[place] for row in rows)]
         note = f"The first {len(rows)} of {len(self.events)} are shown." if len(rows) < len(self.events) else ""
         cells = tuple(tuple(row[place] for place in shown) for row in rows)
         return TextTable(
@@ -514,12 +523,9 @@ class SwitchedMotion(Motion):
         )
 
 
-def _jump_of(record: SwitchRecord) -> np.ndarray:
-    """The jumps of x and x' at an event, zero within rounding errors, shape (2, n)."""
-    jump = np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]])
-    for row, pair in zip(jump, (record.x, record.v)):
-        row[np.abs(row) <= STILL * (np.abs(pair[0]) + np.abs(pair[1])).max(initial=0.0)] = 0.0
-    return jump
+def _text_of(record: SwitchRecord) -> str:
+    """What happens where no switch changes."""
+    return "a guard touches zero" if record.grazing else "the load jumps" if record.time else "the start jumps"
 
 
 def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:

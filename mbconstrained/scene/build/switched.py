@@ -85,7 +85,8 @@ class Switching:
     @property
     def note(self) -> str:
         """The phase whose modes a table lists."""
-        return f"Of the phase {self.label}."
+        is_long = self.phase == self.start and len(self.phase) > 1
+        return "Of the phase at the start." if is_long else f"Of the phase {self.label}."
 
     @property
     def has_rows(self) -> bool:
