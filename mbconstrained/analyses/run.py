@@ -231,7 +231,7 @@ class RunAnswer(Result, Answer):
             "coordinates": equations.coordinates.to_list(),
             "constraints": [
                 {"name": row.name, "level": row.level, "value": row.value if row.signal is None else "prescribed"}
-                for row in self.rows
+                for row in getattr(motion, "_constraint_rows", self.rows)
             ],
             "eigenvalues": [
                 {"real": value.real, "imaginary": value.imag, "multiplicity": multiplicity, **meaning}

@@ -20,7 +20,7 @@ from ...response.choose import Method
 from ...response.events import Event
 from ...signals.bohl import BohlFunction, FreeRestarts, Restarts
 from ...signals.impulsive import ImpulsiveLoad
-from ..constraints import ConstraintRow
+from ..constraints import ConstraintRow, constraint_rows
 from ..energy import Energy, energy_of
 from ..motion import Motion, Quantity, _order_of, _sentences, _static_offsets
 from .phase import STILL, Phase
@@ -99,6 +99,7 @@ class SwitchedSolution:
     def __init__(self, sequence: PhaseSequence, initial: np.ndarray):
         self.method, self.sequence = SWITCHED, sequence
         self.phases = list(sequence.phases.values())
+        self.keys = {id(phase): key for key, phase in sequence.phases.items()}
         used = {id(segment.phase) for segment in sequence.segments}
         self.phases = [phase for phase in self.phases if id(phase) in used]
         self._ends = np.cumsum([0, *(len(phase.J) for phase in self.phases)])
@@ -270,12 +271,22 @@ class SwitchedMotion(Motion):
 
     @cached_property
     def _reaction_rows(self) -> tuple[ConstraintRow, ...]:
-        """The constraint rows of all phases, each once by name."""
-        rows: dict[str, ConstraintRow] = {}
-        for phase in self.solution.phases:
-            for row in phase.system.rows:
-                rows.setdefault(row.name, row)
+        """The constraint rows of all phases, and the directions of forces of switches, such as elastic contacts, each once by name."""
+        rows = {row.name: row for phase in reversed(self.solution.phases) for row in reversed(phase.system.rows)}
+        rows = dict(reversed(rows.items()))
+        for switch in self.solution.sequence.machine.switches:
+            for state in switch.states.values():
+                for row in constraint_rows(state.rows, self.system.units):
+                    rows.setdefault(row.name, row)
+                for branch in state.branches:
+                    rows.setdefault(switch.name, ConstraintRow(switch.name, branch.direction, "position", 0.0, switch.unit))
         return tuple(rows.values())
+
+    @property
+    def _constraint_rows(self) -> tuple[ConstraintRow, ...]:
+        """The constraint rows of the phases of the motion."""
+        names = {row.name for phase in self.solution.phases for row in phase.system.rows}
+        return tuple(row for row in self._reaction_rows if row.name in names)
 
     @property
     def _force_units(self) -> dict[str, str]:
@@ -285,11 +296,19 @@ class SwitchedMotion(Motion):
 
     @cached_property
     def reaction_function(self) -> BohlFunction:
-        """The multipliers of all rows, zero while a row is not part of the equations."""
-        rows = []
-        for phase in self.solution.phases:
-            rows.append(np.array([phase.reaction_row(row.name) for row in self._reaction_rows]).reshape(-1, len(phase.J)))
-        return self.solution.function_of(rows)
+        """The multipliers of all rows and the forces of switches along theirs, zero while they are not part of the equations."""
+        return self.solution.function_of([self._reactions(phase) for phase in self.solution.phases])
+
+    def _reactions(self, phase: Phase) -> np.ndarray:
+        """The rows of all reactions on the states of a phase, shape (k, N)."""
+        machine, one = self.solution.sequence.machine, phase.source.coefficients[-1] @ phase.of_force
+        rows = {row.name: phase.reaction_row(row.name) for row in self._reaction_rows}
+        for switch, state in zip(machine.switches, self.solution.keys[id(phase)]):
+            for branch in switch.states[state].branches:
+                elastic = branch.stiffness * (branch.rest * one - branch.direction @ phase.C)
+                force = branch.constant * one + elastic - branch.damping * (branch.direction @ phase.V)
+                rows[switch.name] = rows[switch.name] + force
+        return np.array(list(rows.values())).reshape(-1, len(phase.J))
 
     @cached_property
     def _constraint_loads(self) -> tuple[ImpulsiveLoad, ...]:
@@ -406,7 +425,7 @@ class SwitchedMotion(Motion):
     def _error_at(self, segment: PhaseSegment, P: np.ndarray, time: float, own: int | None, order: int) -> float:
         phase, n = segment.phase, self.system.size
         since = max(time - segment.time - segment.remainder, 0.0)
-        rows = phase.reactions if own is None else phase.C
+        rows = self._reactions(phase) if own is None else phase.C
         for _ in range(order):
             rows = rows @ phase.J
         if not len(rows):

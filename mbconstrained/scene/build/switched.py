@@ -90,10 +90,10 @@ class Switching:
 
     @property
     def has_rows(self) -> bool:
-        """Whether a phase has constraint rows, and so reactions."""
+        """Whether a phase has constraint rows, or a switch a force of its own: both are reactions."""
         systems = self.machine.phases.values() or (self.machine.system,)
         states = (state for switch in self.machine.switches for state in switch.states.values())
-        return any(system.rows for system in systems) or any(state.rows for state in states)
+        return any(system.rows for system in systems) or any(state.rows or state.branches for state in states)
 
     @property
     def reason(self) -> str:
