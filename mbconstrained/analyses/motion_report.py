@@ -55,7 +55,7 @@ def tables_of(result: Result, certificate: Certificate | None, frequency: Freque
     ]
     details = [
         *of_model.details,
-        *([_constraint_table(result.rows, shown)] if system else []),
+        *([_constraint_table(getattr(result.motion, "_constraint_rows", result.rows), shown)] if system else []),
         eigenvalue_table(result),
         _evidence_table(result, of_model.evidence),
     ]

@@ -231,7 +231,7 @@ class RunAnswer(Result, Answer):
             "coordinates": equations.coordinates.to_list(),
             "constraints": [
                 {"name": row.name, "level": row.level, "value": row.value if row.signal is None else "prescribed"}
-                for row in self.rows
+                for row in getattr(motion, "_constraint_rows", self.rows)
             ],
             "eigenvalues": [
                 {"real": value.real, "imaginary": value.imag, "multiplicity": multiplicity, **meaning}
@@ -476,7 +476,8 @@ def overview(answer: RunAnswer, width: int = WIDTH, lines: int = SCREEN) -> list
     end = "\n".join(wrapped(text, width) for text in (_files(answer), figures, "All tables and notices: --verbose") if text)
     left = lines + 1 - _height([title, end], width)
     notices = sorted(answer.table_notices, key=_rank)
-    notes = _some_notices(notices, width, max(left // 2, left - len(answer.tables[0].rows) - 3))
+    rest = left - len(answer.tables[0].rows) - 3
+    notes = _some_notices(notices, width, left // 3 if answer.scene.equations.switching else max(left // 2, rest))
     left -= _height(notes, width)
     events = [table for table in answer.tables if table.title == "Events"]
     shown = [_some_rows(table, width, max(2 * left // 3, left - len(answer.tables[0].rows) - 3)) for table in events]

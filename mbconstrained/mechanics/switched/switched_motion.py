@@ -21,7 +21,7 @@ from ...response.choose import Method
 from ...response.events import Event
 from ...signals.bohl import BohlFunction, FreeRestarts, Restarts
 from ...signals.impulsive import ImpulsiveLoad
-from ..constraints import ConstraintRow
+from ..constraints import ConstraintRow, constraint_rows
 from ..energy import Energy, energy_of
 from ..motion import Motion, Quantity, _order_of, _sentences, _static_offsets
 from .phase import STILL, Phase
@@ -117,16 +117,25 @@ class SwitchedSolution:
     def __init__(self, sequence: PhaseSequence, initial: np.ndarray):
         self.method, self.sequence = SWITCHED, sequence
         self.phases = list(sequence.phases.values())
+        self.keys = {id(phase): key for key, phase in sequence.phases.items()}
         used = {id(segment.phase) for segment in sequence.segments}
         self.phases = [phase for phase in self.phases if id(phase) in used]
         self._ends = np.cumsum([0, *(len(phase.J) for phase in self.phases)])
         self._place = {id(phase): place for place, phase in enumerate(self.phases)}
         first = sequence.segments[0]
+        begin = np.array([first.phase.C @ first.state, first.phase.V @ first.state])
         self.jump = first.phase.start_jump(initial, first.state)
         self.impulses = next((record.coordinate_impulses for record in sequence.records if not record.time), ())
-        self.events = tuple(
-            Event(record.time, _jump_of(record), record.coordinate_impulses) for record in sequence.records if record.time > 0
-        )
+        values = np.array([initial, begin, *(pair for one in sequence.records for pair in zip(one.x, one.v))])
+        self._noise = STILL * np.abs(values).max(axis=(0, 2), initial=0.0)
+        self.events = tuple(Event(one.time, self.jump_of(one), one.coordinate_impulses) for one in sequence.records if one.time > 0)
+
+    def jump_of(self, record: SwitchRecord) -> np.ndarray:
+        """The jumps of x and x' at an event, zero within rounding errors of the largest values of the motion, shape (2, n)."""
+        jump = np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]])
+        for row, size, noise in zip(jump, record.size, self._noise):
+            row[np.abs(row) <= max(noise, STILL * size.max(initial=0.0))] = 0.0
+        return jump
 
     finite_count = property(lambda self: max(len(phase.J) for phase in self.phases))
     coupling = property(lambda self: max(phase.pairs.finite.coupling for phase in self.phases))
@@ -223,7 +232,7 @@ class SwitchedMotion(Motion):
             time=float(record.time if record.resting is None else record.resting),
             before=machine.label(record.before),
             after=machine.label(record.after),
-            jump=_jump_of(record),
+            jump=self.solution.jump_of(record),
             impulses=impulses,
             higher_impulses=higher,
             coordinate_impulses=record.coordinate_impulses,
@@ -232,7 +241,7 @@ class SwitchedMotion(Motion):
             momentum_residual=self.solution.sequence.momentum_residual(record),
             grazing=record.grazing,
             rest_time=None if record.resting is None else float(record.resting),
-            text="; ".join(dict.fromkeys(record.texts)) or ("a guard touches zero" if record.grazing else "the load jumps"),
+            text="; ".join(dict.fromkeys(record.texts)) or _text_of(record),
             _place=place,
             _motion=self,
         )
@@ -257,7 +266,7 @@ class SwitchedMotion(Motion):
             states = ", ".join(state for old, state in zip(record.before, record.after) if state != old)
             rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, states, impulses, lost))
         columns = ("t (s)", "error (s)", "what", "next state", "impulses", "energy lost")
-        shown = [place for place in range(len(columns)) if place < 4 or any(row[place] for row in rows)]
+        shown = [place for place in range(len(columns)) if place < 3 or any(row[place] for row in rows)]
         note = f"The first {len(rows)} of {len(self.events)} are shown." if len(rows) < len(self.events) else ""
         cells = tuple(tuple(row[place] for place in shown) for row in rows)
         return TextTable(
@@ -284,11 +293,15 @@ class SwitchedMotion(Motion):
 
     @cached_property
     def _reaction_rows(self) -> tuple[ConstraintRow, ...]:
-        """The constraint rows of all phases, each once by name."""
-        rows: dict[str, ConstraintRow] = {}
-        for phase in self.solution.phases:
-            for row in phase.system.rows:
-                rows.setdefault(row.name, row)
+        """The constraint rows of all phases, and the directions of forces of switches, such as elastic contacts, each once by name."""
+        rows = {row.name: row for phase in reversed(self.solution.phases) for row in reversed(phase.system.rows)}
+        rows = dict(reversed(rows.items()))
+        for switch in self.solution.sequence.machine.switches:
+            for state in switch.states.values():
+                for row in constraint_rows(state.rows, self.system.units):
+                    rows.setdefault(row.name, row)
+                for branch in state.branches:
+                    rows.setdefault(switch.name, ConstraintRow(switch.name, branch.direction, "position", 0.0, switch.unit))
         return tuple(rows.values())
 
     @property
@@ -314,6 +327,12 @@ class SwitchedMotion(Motion):
         return found
 
     @property
+    def _constraint_rows(self) -> tuple[ConstraintRow, ...]:
+        """The constraint rows of the phases of the motion."""
+        names = {row.name for phase in self.solution.phases for row in phase.system.rows}
+        return tuple(row for row in self._reaction_rows if row.name in names)
+
+    @property
     def _force_units(self) -> dict[str, str]:
         switches = {switch.name: force_unit(switch.unit) for switch in self.solution.sequence.machine.switches}
         rows = {row.name: force_unit(row.unit) for row in self._reaction_rows}
@@ -321,11 +340,19 @@ class SwitchedMotion(Motion):
 
     @cached_property
     def reaction_function(self) -> BohlFunction:
-        """The multipliers of all rows, zero while a row is not part of the equations."""
-        rows = []
-        for phase in self.solution.phases:
-            rows.append(np.array([phase.reaction_row(row.name) for row in self._reaction_rows]).reshape(-1, len(phase.J)))
-        return self.solution.function_of(rows)
+        """The multipliers of all rows and the forces of switches along theirs, zero while they are not part of the equations."""
+        return self.solution.function_of([self._reactions(phase) for phase in self.solution.phases])
+
+    def _reactions(self, phase: Phase) -> np.ndarray:
+        """The rows of all reactions on the states of a phase, shape (k, N)."""
+        machine, one = self.solution.sequence.machine, phase.source.coefficients[-1] @ phase.of_force
+        rows = {row.name: phase.reaction_row(row.name) for row in self._reaction_rows}
+        for switch, state in zip(machine.switches, self.solution.keys[id(phase)]):
+            for branch in switch.states[state].branches:
+                elastic = branch.stiffness * (branch.rest * one - branch.direction @ phase.C)
+                force = branch.constant * one + elastic - branch.damping * (branch.direction @ phase.V)
+                rows[switch.name] = rows[switch.name] + force
+        return np.array(list(rows.values())).reshape(-1, len(phase.J))
 
     @cached_property
     def _constraint_loads(self) -> tuple[ImpulsiveLoad, ...]:
@@ -442,7 +469,7 @@ class SwitchedMotion(Motion):
     def _error_at(self, segment: PhaseSegment, P: np.ndarray, time: float, own: int | None, order: int) -> float:
         phase, n = segment.phase, self.system.size
         since = max(time - segment.time - segment.remainder, 0.0)
-        rows = phase.reactions if own is None else phase.C
+        rows = self._reactions(phase) if own is None else phase.C
         for _ in range(order):
             rows = rows @ phase.J
         if not len(rows):
@@ -564,12 +591,9 @@ def _engagement(state: SwitchState) -> int:
     return 1 if any(branch.stored is None for branch in state.branches) else 2 * bool(state.branches)
 
 
-def _jump_of(record: SwitchRecord) -> np.ndarray:
-    """The jumps of x and x' at an event, zero within rounding errors, shape (2, n)."""
-    jump = np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]])
-    for row, pair in zip(jump, (record.x, record.v)):
-        row[np.abs(row) <= STILL * (np.abs(pair[0]) + np.abs(pair[1])).max(initial=0.0)] = 0.0
-    return jump
+def _text_of(record: SwitchRecord) -> str:
+    """The text of an event at which no switch changes."""
+    return "a guard touches zero" if record.grazing else "the load jumps" if record.time else "the start jumps"
 
 
 def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:

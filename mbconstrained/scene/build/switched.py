@@ -85,14 +85,15 @@ class Switching:
     @property
     def note(self) -> str:
         """The phase whose modes a table lists."""
-        return f"Of the phase {self.label}."
+        is_long = self.phase == self.start and len(self.phase) > 1
+        return "Of the phase at the start." if is_long else f"Of the phase {self.label}."
 
     @property
     def has_rows(self) -> bool:
-        """Whether a phase has constraint rows, and so reactions."""
+        """Whether a phase has constraint rows, or a switch a force of its own: both are reactions."""
         systems = self.machine.phases.values() or (self.machine.system,)
         states = (state for switch in self.machine.switches for state in switch.states.values())
-        return any(system.rows for system in systems) or any(state.rows for state in states)
+        return any(system.rows for system in systems) or any(state.rows or state.branches for state in states)
 
     @property
     def reason(self) -> str:

@@ -113,7 +113,7 @@ def test_linear_analyses_answer_for_the_named_phase_and_say_so(tmp_path):
     assert modes.to_dict()["notices"]
 
 
-@pytest.mark.parametrize("command", ["formula", "accuracy", "stability"])
+@pytest.mark.parametrize("command", ["formula", "stability"])
 def test_analyses_of_one_closed_form_refuse_by_name(tmp_path, command, capsys):
     (tmp_path / "scene.toml").write_text(STOPPED)
     with pytest.raises(SystemExit) as end:

@@ -198,3 +198,43 @@ def test_figures_of_events_need_switches(tmp_path):
     text = without.replace("ball = 1.0", 'ball = "=h"').replace("[model]", "[parameters]\nh = 1.0\n[model]", 1)
     with pytest.raises(InputError, match="no contacts"):
         scene_of(tmp_path, text).sweep({"h": [0.5, 1.0]}, keep=["number of events"])
+
+
+MANY = """
+[model]
+kind = "lumped"
+gravity = -9.81
+mass = [{ name = "a", mass = 1.0 }, { name = "b", mass = 2.0 }]
+spring = [{ between = ["ground", "a"], stiffness = 300 }, { name = "tie", between = ["a", "b"], stiffness = 200 }]
+damper = [{ between = ["a", "b"], damping = 1.0 }]
+contact = [{ name = "stop", start = "ground", end = "b", gap = "60 mm", stiffness = "20 kN/m", damping = "5 N s/m" }]
+dry_friction = [{ name = "wall", start = "ground", end = "a", normal_force = "10 N", coefficient = 0.4, static_coefficient = 0.6 }]
+release = [{ target = "tie", at = "0.8 s" }]
+[[force]]
+coordinate = "a"
+kind = "harmonic"
+frequency = "3 Hz"
+value = "6 N"
+[time]
+end = "2 s"
+points = 201
+[output]
+page = false
+plots = ["reaction"]
+"""
+
+
+def test_the_forces_of_all_switches_balance_the_motion(tmp_path):
+    """M x'' + C x' + K x - f is the sum of the reactions along their rows, stuck or sliding, open or closed."""
+    x = scene_of(tmp_path, MANY).run()
+    motion, system = x.motion, x.motion.system
+    assert {one.text for one in motion.events} >= {"wall slips", "wall sticks", "stop closes", "tie is released"}
+    assert {row.name for row in x.rows} == {"wall", "stop", "tie"}
+    times = x.times
+    inertia = system.mass @ motion.acceleration(times) + system.damping @ motion.velocity(times) + system.stiffness @ motion(times)
+    forces = np.array([row.coefficients for row in x.rows]).T @ motion.reaction(times)
+    assert inertia - motion.applied(times) - forces == pytest.approx(np.zeros_like(forces), abs=1e-10)
+    wall = dict(zip([row.name for row in x.rows], motion.reaction(times)))["wall"]
+    assert np.isclose(np.abs(wall), 4.0, rtol=1e-12).sum() > 9 and np.abs(wall).max() < 6.0 + 1e-12
+    assert [row["name"] for row in x.to_dict()["constraints"]] == ["wall"]
+    assert x.error_estimates["reaction"] < 1e-9
