@@ -12,7 +12,7 @@ import numpy as np
 
 from ...ground.checks import counted
 from ...ground.coordinate_units import force_unit, impulse_unit
-from ...ground.display import TextTable, notice_table, with_unit
+from ...ground.display import TextTable, notice_table, phase_labels, with_unit
 from ...ground.notices import Evidence, Notice, NoticeKind, distinct
 from ...ground.tolerances import EPS, TRUST_LIMIT
 from ...linalg.exponential import block_states
@@ -238,10 +238,10 @@ class SwitchedMotion(Motion):
         Returns:
             The table.
         """
-        rows = []
+        rows, labels = [], phase_labels(name for event in self.events for name in (event.before, event.after))
         for event in self.events[:most]:
             impulses = ", ".join(self.impulse_texts(event, text))
-            phases, lost = (event.before, event.after), text(self.lost_energy(event), "J")
+            phases, lost = (labels[event.before], labels[event.after]), text(self.lost_energy(event), "J")
             rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, *phases, impulses, lost))
         columns = ("t (s)", "error (s)", "what", "before", "after", "impulses", "energy lost")
         note = f"The first {len(rows)} of {len(self.events)} are shown." if len(rows) < len(self.events) else ""
@@ -339,14 +339,18 @@ class SwitchedMotion(Motion):
     # Energy.
 
     def energy(self, times) -> Energy:
-        """Kinetic, strain and static energy, those of the elements of each phase included, in J."""
+        """Kinetic, strain and static energy, those of the elements of each phase included, in J.
+
+        The springs of contacts and of other elements with several states have strain energy, none while they do not act.
+        """
         times = np.asarray(times, dtype=float)
         flat = np.atleast_1d(times)
         x, v = self.displacement(flat), self.velocity(flat)
         parts = np.zeros((3, len(flat)))
         for phase, chosen in self._by_phase(flat):
             own = energy_of(phase.system.given, phase.potential_force, x[:, chosen], v[:, chosen])
-            parts[:, chosen] = own.kinetic, own.strain + phase.offset, own.static
+            moved = (phase.potential_force - phase.system.static_force) @ x[:, chosen]
+            parts[:, chosen] = own.kinetic, own.strain + phase.offset - moved, own.static + moved
         return Energy(*(part if times.ndim else part[0] for part in parts))
 
     def _by_phase(self, times: np.ndarray) -> list[tuple[Phase, np.ndarray]]:

@@ -40,8 +40,8 @@ MOST_NUMBERS = 400_000
 #: Jumps below this share of the largest value of a coordinate or velocity are not reported in the picture.
 NOISE = 1e-12
 
-#: Most events in an animation; the first are shown.
-MOST_EVENTS = 100
+#: Most events in an animation, and most switches; the first are shown.
+MOST_EVENTS, MOST_SWITCHES = 100, 1_000
 
 #: Lines of one event in the picture; the tables have all.
 MOST_LINES = 6
@@ -172,7 +172,7 @@ class _Picture:
         motion, rows, end = self.motion, self.motion.impulse_rows, float(self.result.times[-1])
         curves = [self.result.curves(kind).values for kind in ("displacement", "velocity")]
         least = NOISE * np.array([np.abs(values).max(axis=1) for values in curves])
-        for event in motion.events[:MOST_EVENTS]:
+        for event in motion.events[:MOST_SWITCHES]:
             if event.time > end:
                 return
             jumps = replace(event, jump=np.where(np.abs(event.jump) > least, event.jump, 0.0))
