@@ -111,9 +111,7 @@ class SwitchedSolution:
         self.jump = jump
         self.impulses = next((record.coordinate_impulses for record in sequence.records if not record.time), ())
         self.events = tuple(
-            Event(record.time, np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]]), record.coordinate_impulses)
-            for record in sequence.records
-            if record.time > 0
+            Event(record.time, _jump_of(record), record.coordinate_impulses) for record in sequence.records if record.time > 0
         )
 
     finite_count = property(lambda self: max(len(phase.J) for phase in self.phases))
@@ -205,16 +203,13 @@ class SwitchedMotion(Motion):
 
     def _event(self, place: int, record: SwitchRecord) -> SwitchEvent:
         machine = self.solution.sequence.machine
-        jump = np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]])
-        for row, pair in zip(jump, (record.x, record.v)):
-            row[np.abs(row) <= STILL * (np.abs(pair[0]) + np.abs(pair[1])).max(initial=0.0)] = 0.0
         impulses = {name: sizes[0] for name, sizes in record.impulses.items() if sizes and sizes[0]}
         higher = {name: tuple(sizes[1:]) for name, sizes in record.impulses.items() if any(sizes[1:])}
         return SwitchEvent(
             time=float(record.time if record.resting is None else record.resting),
             before=machine.label(record.before),
             after=machine.label(record.after),
-            jump=jump,
+            jump=_jump_of(record),
             impulses=impulses,
             higher_impulses=higher,
             coordinate_impulses=record.coordinate_impulses,
@@ -241,15 +236,28 @@ class SwitchedMotion(Motion):
         rows, labels = [], phase_labels(name for event in self.events for name in (event.before, event.after))
         for event in self.events[:most]:
             impulses = ", ".join(self.impulse_texts(event, text))
-            phases, lost = (labels[event.before], labels[event.after]), text(self.lost_energy(event), "J")
+            phases, lost = (
+                (labels[event.before], labels[event.after]),
+                text(self.lost_energy(event), "J") if self.has_energy else "",
+            )
             rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, *phases, impulses, lost))
         columns = ("t (s)", "error (s)", "what", "before", "after", "impulses", "energy lost")
+        shown = [place for place in range(len(columns)) if place < 5 or any(row[place] for row in rows)]
         note = f"The first {len(rows)} of {len(self.events)} are shown." if len(rows) < len(self.events) else ""
-        return TextTable("Events", columns, tuple(rows), note, times=tuple(event.time for event in self.events[:most]))
+        cells = tuple(tuple(row[place] for place in shown) for row in rows)
+        return TextTable(
+            "Events", tuple(columns[i] for i in shown), cells, note, times=tuple(one.time for one in self.events[:most])
+        )
 
     def lost_energy(self, event: SwitchEvent) -> float:
         """The energy lost at an event in J, zero within rounding errors of the largest energy at an event."""
-        return event.energy_lost if abs(event.energy_lost) > STILL * self._largest_energy else 0.0
+        return event.energy_lost if self.has_energy and abs(event.energy_lost) > STILL * self._largest_energy else 0.0
+
+    @cached_property
+    def has_energy(self) -> bool:
+        """Whether the matrices of all phases are symmetric, so that the system has an energy."""
+        systems = [phase.system for phase in self.solution.phases]
+        return not any(list(system.unsymmetric(name)) for system in systems for name in ("mass", "stiffness"))
 
     @cached_property
     def _largest_energy(self) -> float:
@@ -551,6 +559,14 @@ def _engagement(state: SwitchState) -> int:
     if state.rows:
         return 2
     return 1 if any(branch.stored is None for branch in state.branches) else 2 * bool(state.branches)
+
+
+def _jump_of(record: SwitchRecord) -> np.ndarray:
+    """The jumps of x and x' at an event, zero within rounding errors, shape (2, n)."""
+    jump = np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]])
+    for row, pair in zip(jump, (record.x, record.v)):
+        row[np.abs(row) <= STILL * (np.abs(pair[0]) + np.abs(pair[1])).max(initial=0.0)] = 0.0
+    return jump
 
 
 def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
