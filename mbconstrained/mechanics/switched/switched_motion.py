@@ -250,7 +250,14 @@ class SwitchedMotion(Motion):
         )
 
     def lost_energy(self, event: SwitchEvent) -> float:
-        """The energy lost at an event in J, zero within rounding errors of the largest energy at an event."""
+        """The energy lost at an event, zero within rounding errors of the largest energy at an event.
+
+        Args:
+            event: one of the events.
+
+        Returns:
+            The energy before less that after, J.
+        """
         return event.energy_lost if self.has_energy and abs(event.energy_lost) > STILL * self._largest_energy else 0.0
 
     @cached_property
@@ -264,7 +271,15 @@ class SwitchedMotion(Motion):
         return max(max(abs(event.energy_before), abs(event.energy_after)) for event in self.events)
 
     def impulse_texts(self, event: SwitchEvent, text: Callable[[float, str], str]) -> list[str]:
-        """The impulses of an event by name, with the factors of derivatives of Dirac's delta."""
+        """The impulses of an event by name, with the factors of derivatives of Dirac's delta.
+
+        Args:
+            event: one of the events.
+            text: makes a text of a value and its SI unit.
+
+        Returns:
+            A text for each.
+        """
         units, found = self._force_units, []
         for name in dict.fromkeys((*event.impulses, *event.higher_impulses)):
             sizes = (event.impulses.get(name, 0.0), *event.higher_impulses.get(name, ()))
