@@ -256,13 +256,11 @@ class SwitchedMotion(Motion):
         Returns:
             The table.
         """
-        systems = [phase.system for phase in self.solution.phases]
-        has_energy = not any(list(system.unsymmetric(name)) for system in systems for name in ("mass", "stiffness"))
         rows = []
         for event, record in zip(self.events[:most], self.solution.sequence.records):
             named = f"{event.text.removesuffix(' strikes')} "
-            impulses = ", ".join(own.removeprefix(named) for own in self._impulse_texts(event, text))
-            lost = text(self._lost_energy(event), "J") if has_energy and self._lost_energy(event) else ""
+            impulses = ", ".join(own.removeprefix(named) for own in self.impulse_texts(event, text))
+            lost = text(self.lost_energy(event), "J") if self.lost_energy(event) else ""
             states = ", ".join(state for old, state in zip(record.before, record.after) if state != old)
             rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, states, impulses, lost))
         columns = ("t (s)", "error (s)", "what", "next state", "impulses", "energy lost")
@@ -273,16 +271,37 @@ class SwitchedMotion(Motion):
             "Events", tuple(columns[i] for i in shown), cells, note, times=tuple(one.time for one in self.events[:most])
         )
 
-    def _lost_energy(self, event: SwitchEvent) -> float:
-        """The energy lost at an event in J, zero within rounding errors of the largest energy at an event."""
-        return event.energy_lost if abs(event.energy_lost) > STILL * self._largest_energy else 0.0
+    def lost_energy(self, event: SwitchEvent) -> float:
+        """The energy lost at an event, zero within rounding errors of the largest energy at an event.
+
+        Args:
+            event: one of the events.
+
+        Returns:
+            The energy before less that after, J.
+        """
+        return event.energy_lost if self.has_energy and abs(event.energy_lost) > STILL * self._largest_energy else 0.0
+
+    @cached_property
+    def has_energy(self) -> bool:
+        """Whether the matrices of all phases are symmetric, so that the system has an energy."""
+        systems = [phase.system for phase in self.solution.phases]
+        return not any(list(system.unsymmetric(name)) for system in systems for name in ("mass", "stiffness"))
 
     @cached_property
     def _largest_energy(self) -> float:
         return max(max(abs(event.energy_before), abs(event.energy_after)) for event in self.events)
 
-    def _impulse_texts(self, event: SwitchEvent, text: Callable[[float, str], str]) -> list[str]:
-        """The impulses of an event by name, with the factors of derivatives of Dirac's delta."""
+    def impulse_texts(self, event: SwitchEvent, text: Callable[[float, str], str]) -> list[str]:
+        """The impulses of an event by name, with the factors of derivatives of Dirac's delta.
+
+        Args:
+            event: one of the events.
+            text: makes a text of a value and its SI unit.
+
+        Returns:
+            A text for each.
+        """
         units, found = self._force_units, []
         for name in dict.fromkeys((*event.impulses, *event.higher_impulses)):
             sizes = (event.impulses.get(name, 0.0), *event.higher_impulses.get(name, ()))
@@ -383,14 +402,18 @@ class SwitchedMotion(Motion):
     # Energy.
 
     def energy(self, times) -> Energy:
-        """Kinetic, strain and static energy, those of the elements of each phase included, in J."""
+        """Kinetic, strain and static energy, those of the elements of each phase included, in J.
+
+        The springs of contacts and of other elements with several states have strain energy, none while they do not act.
+        """
         times = np.asarray(times, dtype=float)
         flat = np.atleast_1d(times)
         x, v = self.displacement(flat), self.velocity(flat)
         parts = np.zeros((3, len(flat)))
         for phase, chosen in self._by_phase(flat):
             own = energy_of(phase.system.given, phase.potential_force, x[:, chosen], v[:, chosen])
-            parts[:, chosen] = own.kinetic, own.strain + phase.offset, own.static
+            moved = (phase.potential_force - phase.system.static_force) @ x[:, chosen]
+            parts[:, chosen] = own.kinetic, own.strain + phase.offset - moved, own.static + moved
         return Energy(*(part if times.ndim else part[0] for part in parts))
 
     def _by_phase(self, times: np.ndarray) -> list[tuple[Phase, np.ndarray]]:
@@ -535,7 +558,7 @@ class SwitchedMotion(Motion):
                 if event.jump.any()
                 else NoticeKind.SWITCH
             )
-            sizes = ", ".join(self._impulse_texts(event, with_unit))
+            sizes = ", ".join(self.impulse_texts(event, with_unit))
             impulses = f"; impulses: {sizes}" if sizes else ""
             rest = "" if event.rest_time is None else ", after infinitely many bounces"
             notices.append(Notice(kind, f"t = {event.time:.9g} s: {event.text}{rest}{impulses}"))
