@@ -34,6 +34,9 @@ SWITCHED = Method("switched", "phase by phase by the Jordan pairs of each, switc
 #: Rounding errors of the states of a phase, in units of EPS: at once, and by radian of the fastest rate.
 OWN_NOISE, NOISE_BY_RADIAN = 8.0, 1.0
 
+#: Estimates are so many standard deviations.
+DEVIATIONS = 3.0
+
 #: Times at which errors are estimated.
 ESTIMATED = 64
 
@@ -317,7 +320,7 @@ class SwitchedMotion(Motion):
                     saltations.append(S)
                 covariances.append(P)
                 previous = segment
-        errors = [times.get(id(record), 0.0) + EPS * record.time for record in sequence.records]
+        errors = [DEVIATIONS * times.get(id(record), 0.0) + EPS * record.time for record in sequence.records]
         return covariances, np.nan_to_num(np.array(errors), nan=np.inf), saltations
 
     @property
@@ -369,7 +372,7 @@ class SwitchedMotion(Motion):
         radians = float(phase.flow.rates.max(initial=0.0)) * since
         noise = EPS * (OWN_NOISE + NOISE_BY_RADIAN * radians) * (np.abs(rows) @ np.abs(y))
         variance = np.einsum("ij,jk,ik->i", A, P, A) + noise**2
-        return float(np.sqrt(np.nan_to_num(variance, nan=np.inf).max(initial=0.0)))
+        return DEVIATIONS * float(np.sqrt(np.nan_to_num(variance, nan=np.inf).max(initial=0.0)))
 
     # Notices.
 
