@@ -260,9 +260,11 @@ class PhaseSequence:
                     if not change.sources or record.after[place] in change.sources:
                         record.turn(place, change.target)
                         record.texts.append(f"{switches[place].name} {change.text}" if change.text else "")
-                for due in [due for due, deadline in self.deadlines.items() if deadline == time]:
-                    record.turn(*due)
-                    del self.deadlines[due]
+                for place, guard in self.machine.guards(key):
+                    if guard.dwell and self.deadlines.get((place, guard.target)) == time:
+                        record.turn(place, guard.target)
+                        record.texts.append(self._text(place, guard))
+                        del self.deadlines[place, guard.target]
             self._settle(record)
 
     def _check_start(self, key: Key, x, v, accepted: bool) -> None:
