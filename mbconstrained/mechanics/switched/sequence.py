@@ -7,6 +7,7 @@ one that follows it, until no guard is. Rigid contacts that touch have their imp
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from itertools import islice, product
 from typing import TYPE_CHECKING
@@ -171,11 +172,13 @@ def with_parts(system: MechanicalSystem, branches: Sequence[ForceBranch], rows: 
     if springs or dampers:
         K, C, M = system.given
         K, C = _with_branches(K, springs, "stiffness"), _with_branches(C, dampers, "damping")
-        made = system.base_class(
-            M, C, K, system.constraints, system.names, static_force=system.static_force, force=system.excitation, units=system.units
+        system = copy(system)
+        system.stiffness, system.damping = (
+            system._matrix(one, name, system.size) for one, name in ((K, "stiffness"), (C, "damping"))
         )
-        made.elements, made.origin = system.elements, system.origin
-        system = made
+        system.given, system._forms = (K, C, M), {}
+        system.part_source = system._named_parts = None
+        system.__dict__.pop("energy_parts", None)
     return system.with_constraints(*rows) if rows else system
 
 
@@ -283,7 +286,8 @@ class PhaseSequence:
                 )
                 raise InputError(
                     f"{switch.name}: at the start it is penetrated by {-gap:.6g} {switch.unit}; closing it there would need an "
-                    f"impulse of {sizes or '0'}. Start outside, or pass penetration=True to accept the jump"
+                    f"impulse of {sizes or '0'}. Start outside, or accept the jump with penetration=True (in a scene, "
+                    "penetration = true below [initial])"
                 )
 
     def _settle(self, record: SwitchRecord) -> None:
