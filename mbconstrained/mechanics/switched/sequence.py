@@ -263,9 +263,11 @@ class PhaseSequence:
                     if not change.sources or record.after[place] in change.sources:
                         record.turn(place, change.target)
                         record.texts.append(self._text(place, change) if change.text else "")
-                for due in [due for due, deadline in self.deadlines.items() if deadline == time]:
-                    record.turn(*due)
-                    del self.deadlines[due]
+                for place, guard in self.machine.guards(key):
+                    if guard.dwell and self.deadlines.get((place, guard.target)) == time:
+                        record.turn(place, guard.target)
+                        record.texts.append(self._text(place, guard))
+                        del self.deadlines[place, guard.target]
             self._settle(record)
 
     def _check_start(self, key: Key, x, v, accepted: bool) -> None:
@@ -345,10 +347,13 @@ class PhaseSequence:
         if not set(record.impulses) <= set(rows):
             return 0.0
         system = record.phases[1].system
-        terms = [system.mass @ (record.v[1] - record.v[0]), system.damping @ (record.x[1] - record.x[0])]
+        terms = [
+            sign * matrix @ pair[side]
+            for matrix, pair in ((system.mass, record.v), (system.damping, record.x))
+            for side, sign in ((1, 1), (0, -1))
+        ]
         terms += [-rows[name] * sizes[0] for name, sizes in record.impulses.items()]
-        sizes = [system.mass @ v for v in record.v] + terms  # momenta whose difference has their rounding errors
-        largest = max(float(np.abs(size).max(initial=0.0)) for size in sizes)
+        largest = max(float(np.abs(term).max(initial=0.0)) for term in terms)
         return float(np.abs(sum(terms)).max(initial=0.0)) / largest if largest else 0.0
 
     def _stop(self, record: SwitchRecord) -> None:
@@ -376,6 +381,9 @@ class PhaseSequence:
         hit = [listed[number] for number in crossing.guards]
         for _, guard in hit:
             record.zeros[guard.functional] = 2 if crossing.grazing else 1
+            d = guard.displacement
+            if guard.functional[0] == "displacement" and not crossing.grazing:  # lest rounding errors add up from impact to impact
+                record.x[1] = record.x[1] - d * ((d @ record.x[1] - guard.value) / (d @ d))
         if not hit:
             return
         record.guard, record.grazing = hit[0][1], crossing.grazing
