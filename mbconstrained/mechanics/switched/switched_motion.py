@@ -288,6 +288,30 @@ class SwitchedMotion(Motion):
             if len(chosen := np.flatnonzero([segments[i].phase is phase for i in place]))
         ]
 
+    # Sensitivities.
+
+    def transition_matrix(self) -> np.ndarray:
+        """The derivative of (x, x') at the end with respect to those at 0-, the force unchanged.
+
+        The product of the transition matrices of all phases and the saltation matrices of all events (Leine and Nijmeijer, Dynamics and
+        Bifurcations of Non-Smooth Mechanical Systems, 2004, section 7.4). Over one period of a periodic motion its eigenvalues are the
+        Floquet multipliers.
+
+        Returns:
+            Shape (2 n, 2 n); infinite after an event that only touches its guard.
+
+        A ball that bounces elastically comes back from twice the height after sqrt 2 times the time: 1 m/s faster at 0-, it is
+
+        >>> import mbconstrained as mb
+        >>> model = mb.LumpedModel()
+        >>> _ = model.mass("ball", 1.0), model.gravity(-10.0), model.contact("ground", "ball", gap=0.2, restitution=1.0)
+        >>> x = model.assemble().solve(velocity=[0.0], end=0.4)  # twice the time of fall
+        >>> x.transition_matrix().round(9)
+        array([[-1., -0.],
+               [40., -1.]])
+        """
+        return transition_matrix(self.solution.sequence)
+
     # Errors.
 
     @cached_property
@@ -450,6 +474,17 @@ class SwitchedMotion(Motion):
         raise InputError(
             "enclose: not available for switched systems, whose errors are estimated (error_estimate, time_error of events)"
         )
+
+
+def transition_matrix(sequence: PhaseSequence) -> np.ndarray:
+    """The derivative of (x, x') at the end of a sequence with respect to those at 0-."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        first, *others = sequence.segments
+        total = _after(first)
+        for previous, segment in zip([first, *others], others):
+            total = _saltation(previous, segment, *_transition(previous))[0] @ total
+        last = sequence.segments[-1]
+        return np.vstack([last.phase.C, last.phase.V]) @ (_transition(last)[0] @ total)
 
 
 def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
