@@ -494,17 +494,17 @@ def state_at(sequence: PhaseSequence, time: float) -> tuple[Key, np.ndarray]:
 def find_periodic(system: SwitchedSystem, period, guess, force) -> PeriodicMotion:
     """The periodic motion near a guess, or near the motion after some periods."""
     T = None if period is None else real_number(period, "period", positive=True)
-    start = None if guess is None else _start_of(system, guess)
+    start = None if guess is None else start_of(system, guess)
     with within_float64():
         map = PeriodMap(system, force, T)
         if map.is_autonomous:
             return _free(map, T, start).periodic_motion()
         map.period = T = map.force_period() if T is None else T
         map.check_force()
-        return _forced(map, start).periodic_motion()
+        return forced_orbit(map, start).periodic_motion()
 
 
-def _start_of(system: SwitchedSystem, guess) -> np.ndarray:
+def start_of(system: SwitchedSystem, guess) -> np.ndarray:
     """z from the forms of a guess."""
     own, n = system.system, system.system.size
     if isinstance(guess, PeriodicMotion):
@@ -521,7 +521,7 @@ def _start_of(system: SwitchedSystem, guess) -> np.ndarray:
     return np.concatenate([values.ravel(), np.zeros(2 * n - values.size)])
 
 
-def _forced(map: PeriodMap, start: np.ndarray | None) -> Orbit:
+def forced_orbit(map: PeriodMap, start: np.ndarray | None) -> Orbit:
     """The closed orbit with a given period."""
     T, z = map.period, np.zeros(2 * map.size) if start is None else start
     key = map.system._first_key(z[: map.size], z[map.size :])

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from ..system import MechanicalSystem
+    from .frequency_curve import FrequencyCurve
     from .periodic import PeriodicMotion
 
 
@@ -236,6 +237,39 @@ class SwitchedSystem(Displayed):
         from .periodic import find_periodic
 
         return find_periodic(self, period, guess, force)
+
+    def frequency_curve(self, force_pattern, frequencies_hz, start=None, *, periods: int = 1, most_points: int = 1000) -> FrequencyCurve:
+        """Follow a branch of periodic motions over the frequency of a harmonic force, around its folds, stable or not.
+
+        Each point is a periodic motion as of ``periodic``; between them the branch is followed along its arc. Where a multiplier passes
+        through +1 or -1, a pair leaves the unit circle, or the number of events changes, the frequency is located and reported.
+
+        Args:
+            force_pattern: amplitudes F of the force Re(F e^{i w t}), real or complex, shape (n,), or by name.
+            frequencies_hz: of the force, in Hz: the first and the last, and any between at which points are wanted, too.
+            start: a guess for the first, as of ``periodic``.
+            periods: periods of the force in one of the motion, 2 for motions after a period doubling.
+            most_points: the branch ends after so many.
+
+        Returns:
+            A ``FrequencyCurve``.
+
+        Raises:
+            InputError: frequencies that are not positive, a pattern with unknown names.
+            NotUnique: no periodic motion at the first frequency.
+
+        A vibration isolator with an elastic stop:
+
+        >>> import mbconstrained as mb
+        >>> model = mb.LumpedModel()
+        >>> _ = model.mass("m", 1.0), model.spring("ground", "m", stiffness=1.0), model.damper("ground", "m", damping=0.1)
+        >>> _ = model.contact("ground", "m", gap=1.0, stiffness=4.0)
+        >>> curve = model.assemble().frequency_curve({"m": 0.3}, [0.12, 0.25])
+        >>> [one.kind for one in curve.bifurcations]
+        """
+        from .frequency_curve import follow
+
+        return follow(self, force_pattern, frequencies_hz, start, periods, most_points)
 
     def __getattr__(self, name: str):
         from ..system import MechanicalSystem
