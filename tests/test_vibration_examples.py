@@ -302,6 +302,12 @@ def test_chatter_grows_between_two_lobes_and_decays_on_one():
     s = 2j * math.pi * peak.frequency_hz
     own = 2 * s * s + 4 * math.pi * 0.03 * 2 * 250 * s + k + pressure * 4e-4 * (1 - np.exp(-0.012 * s))
     assert peak.amplitude == pytest.approx(1 / abs(own), rel=1e-10)
+    ratios = [
+        next(one for one in frequency("chatter", own).peaks if one.frequency_hz > 240).damping_ratio
+        for own in ({}, {"turn": 0.012})
+    ]
+    root = next(mode.eigenvalue for mode in growing.modes if mode.eigenvalue.real > 0)
+    assert ratios[0] == pytest.approx(-root.real / abs(root), rel=0.01) and ratios[1] > 0  # the peak of a motion that grows
 
 
 def test_the_crane_with_a_shaper_stops_without_swing_and_the_other_one_swings_as_its_closed_form():

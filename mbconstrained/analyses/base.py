@@ -205,31 +205,22 @@ class Answer(Displayed):
 
 
 class Analysis:
-    """A question: a name, a sentence of help, settings, and a function from a scene to an answer.
+    """A question: a name, a sentence of help, settings, and a function from a scene to an answer."""
 
-    Attributes:
-        name: name of the command and of the table in a scene.
-        settings: a table of the scene, whose entries are the options of the command.
-        options: names of options that differ from their entries, by entry; None for entries without an option. Lists and tables are
-            options, which may be repeated, where they are named here.
-        formats: written formats; none for those of [output] in the scene; "text" alone for a text that is printed as it is.
-        progress: what a bar counts, such as "generations"; "steps" for a line with the name of each step; empty for short work.
-        without_scene: options of the answer without a scene, given by ``answer_without_scene``.
-        replaced: entries of the table that a given one replaces, by its name.
-        writes: whether the command writes files without being asked.
-        handles_delays: whether it has an answer for systems with delays.
-        handles_choices: whether it has one for equations with free coordinates once these are chosen: of the motion, not of modes.
-    """
-
-    name: ClassVar[str]
-    settings: ClassVar[type[Table] | None] = None
+    name: ClassVar[str]  # name of the command and of the table in a scene
+    settings: ClassVar[type[Table] | None] = None  # a table of the scene, whose entries are the options of the command
+    # names of options that differ from their entries, by entry; None for entries without an option. Lists and tables are options,
+    # which may be repeated, where they are named here
     options: ClassVar[Mapping[str, str | None]] = {}
-    replaced: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    replaced: ClassVar[Mapping[str, tuple[str, ...]]] = {}  # entries of the table that a given one replaces, by its name
+    # written formats; none for those of [output] in the scene; "text" alone for a text that is printed as it is
     formats: ClassVar[tuple[str, ...]] = ()
+    # what a bar counts, such as "generations"; "steps" for a line with the name of each step; empty for short work
     progress: ClassVar[str] = ""
-    without_scene: ClassVar[tuple[str, ...]] = ()
-    writes: ClassVar[bool] = True
-    handles_delays: ClassVar[bool] = False
+    without_scene: ClassVar[tuple[str, ...]] = ()  # options of the answer without a scene, given by ``answer_without_scene``
+    writes: ClassVar[bool] = True  # whether the command writes files without being asked
+    handles_delays: ClassVar[bool] = False  # whether it has an answer for systems with delays
+    # whether it has one for equations with free coordinates once these are chosen: of the motion, not of modes
     handles_choices: ClassVar[bool] = False
 
     @classmethod
@@ -302,11 +293,7 @@ class Analysis:
 
     @classmethod
     def changed(cls, own: Table | None, given: Mapping[str, Any], file_name: str) -> Table:
-        """The settings with other values; those that a given one replaces are left out.
-
-        Raises:
-            SceneError: a wrong value; the text names the table and the entry.
-        """
+        """The settings with other values; those that a given one replaces are left out."""
         base = own.model_dump(exclude_unset=True, by_alias=True) if own else {}
         for key in given:
             for other in cls.replaced.get(key, ()):

@@ -69,11 +69,7 @@ class CampbellDiagram(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: CampbellTable | None) -> Answer:
-        """The answer of a scene with a rotor.
-
-        Raises:
-            InputError: nothing turns, no critical speed from which a range follows, a range that does not ascend.
-        """
+        """The answer of a scene with a rotor."""
         own = _Rotor(scene, settings or CampbellTable())
         notices = list(scene.notices)
         if not own.is_stable:
@@ -306,17 +302,7 @@ class _Rotor:
 
 
 def _spectra(bases: np.ndarray, lines: np.ndarray, heights: np.ndarray, half: float, right: float) -> tuple[np.ndarray, np.ndarray]:
-    """Spectra above their bases, peaks as triangles at their lines: the points of what those before, which are lower, do not hide.
-
-    Args:
-        bases: shape (S,), ascending.
-        lines, heights: of the peaks, shape (orders, S).
-        half: half the width of a peak.
-        right: end of the axis.
-
-    Returns:
-        Points along both axes; NaN between parts.
-    """
+    """Spectra above ascending bases, with triangles at their lines: the points that those before do not hide, NaN between parts."""
     corners = (lines[..., None] + [-half, 0.0, half]).clip(0.0, right)
     x = np.unique([*np.linspace(0.0, right, HIDING), *corners.ravel()])
     horizon, points = np.full(len(x), -np.inf), []

@@ -173,7 +173,8 @@ class DiscreteRunAnswer(RunAnswer):
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
         """Notices on the answer, and doubts about it."""
-        start = () if self.scene.equations.are_bare else start_notices(self.scene.equations)
+        equations = self.scene.equations
+        start = () if equations.are_bare or equations.has_outputs_among_coordinates else start_notices(equations)
         moves = np.ptp(self.values, axis=1).any()
         at_rest = (
             () if moves else (Notice(NoticeKind.AT_REST, "all samples are equal: the start is one of rest, and no force changes"),)

@@ -177,11 +177,7 @@ class FormulaOfMotion(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: FormulaOptions | None, progress: Callable[[str], None] | None = None) -> Answer:
-        """The answer of a scene whose formula can be written.
-
-        Raises:
-            InputError: there is no such formula, digits without numbers.
-        """
+        """The answer of a scene whose formula can be written."""
         from ..exact.formula_printers import records
 
         own = settings or FormulaOptions()
@@ -192,13 +188,7 @@ class FormulaOfMotion(Analysis):
         notes = filter(None, [parameters_text(form), form.step_note, *map(str, scene.notices)])
         text = written(form, own.language, digits)
         parts = [form.title, text, "\n".join(notes)] if own.language == "text" else [text]
-        return cls.of(
-            scene,
-            tables=(),
-            data=records(form, digits),
-            keys=(),
-            text="\n\n".join(filter(None, parts)),
-        )
+        return cls.of(scene, tables=(), data=records(form, digits), keys=(), text="\n\n".join(filter(None, parts)))
 
 
 def written(form: ClosedForm, language: str, digits: int | None = None) -> str:

@@ -173,10 +173,7 @@ def _bode(drawn: _Drawn, entries: list[_Entry], title: str, quantity: str, unit:
     phases = drawn.curves(present, _phase(drawn, present))
     if not present:
         return []
-    return [
-        _plot(drawn, title, shown, curves, quantity, vertical),
-        _plot(drawn, f"phase of the {title}", "°", phases, "phase"),
-    ]
+    return [_plot(drawn, title, shown, curves, quantity, vertical), _plot(drawn, f"phase of the {title}", "°", phases, "phase")]
 
 
 def _phase(drawn: _Drawn, entries: list[_Entry]) -> Callable[[_Entry, np.ndarray, np.ndarray], np.ndarray]:
@@ -246,7 +243,7 @@ SMALLEST_RATIO = 1e-12
 
 INVERSES = ("dynamic stiffness", "impedance", "apparent mass")
 NOTHING = "–"
-HALF_POWER = "bandwidth: between the frequencies of half the power; damping ratio: bandwidth / (2 frequency)"
+HALF_POWER = "bandwidth: between the frequencies of half the power; damping ratio: bandwidth / (2 frequency), negative where the motion grows"
 NO_PEAKS = "There are none in this range."
 
 
@@ -278,11 +275,7 @@ class Frequency(Analysis):
 
     @cached_property
     def response(self) -> FrequencyResponse:
-        """H in SI at the frequencies.
-
-        Raises:
-            SceneError: unknown names, a quantity that does not fit, too many responses.
-        """
+        """H in SI at the frequencies."""
         with at(self.scene.file_name, "frequency"):
             return self.empty(self._lines())
 
@@ -472,6 +465,10 @@ class Frequency(Analysis):
         yield "inputs", ", ".join(response.inputs)
         yield "outputs", ", ".join(response.outputs)
         yield "frequencies", f"{low} to {high} {table.axis}, {count}, {how}"
+        late = [f"{delay:g} s of {name}" for name, delay in zip(response.inputs, response.harmonic.input_delays) if delay]
+        late += [f"{term.delay:g} s of the feedback" for term in response.harmonic.delayed]
+        if late:
+            yield "dead time", ", ".join(late)
         yield "error estimate", f"{self._error:.2g} of each value"
         if not response.harmonic.delayed and response.rigid_body.any():
             yield "rigid body", "the responses contain 1/s², motion that nothing restores"
@@ -498,7 +495,7 @@ class Frequency(Analysis):
         place = self.response.outputs.index(peak.output), self.response.inputs.index(peak.input)
         amplitude, unit = float(factors[place]) * peak.amplitude, str(units[place])
         size = f"{amplitude:.4g}" if np.isfinite(amplitude) else "infinite"
-        width, ratio = peak.bandwidth_hz, _half_power_ratio(peak)
+        width, ratio = peak.bandwidth_hz, peak.damping_ratio
         return (
             *self._entry(peak.output, peak.input),
             f"{self.axis_factor * peak.frequency_hz:.5g}",
@@ -526,10 +523,7 @@ class Frequency(Analysis):
             "outputs": response.outputs,
             "units": response.units,
             "frequencies": {"from": f[0], "to": f[-1], "count": len(f)},
-            "peaks": [
-                {**_entries(peak, "amplitude", "bandwidth_hz", "phase"), "damping_ratio": _half_power_ratio(peak)}
-                for peak in self.peaks
-            ],
+            "peaks": [_entries(peak, "amplitude", "bandwidth_hz", "phase", "damping_ratio") for peak in self.peaks],
             "antiresonances": [_entries(zero, "damping_ratio") for zero in self.antiresonances],
             "poles": [{"real": s.real, "imaginary": s.imag} for s in (() if response.harmonic.delayed else response.poles)],
             "poles_on_lines": [{"frequency_hz": one.frequency_hz, "order": one.pole.order} for one in response.poles_on_lines],
@@ -601,11 +595,6 @@ class Frequency(Analysis):
 
 def _entries(feature: Peak | Antiresonance, *keys: str) -> dict[str, Any]:
     return {key: getattr(feature, key) for key in ("output", "input", "frequency_hz", *keys)}
-
-
-def _half_power_ratio(peak: Peak) -> float | None:
-    """The damping ratio by the half-power bandwidth; None where there is no bandwidth."""
-    return None if peak.bandwidth_hz is None else peak.bandwidth_hz / (2 * peak.frequency_hz)
 
 
 def _unit_text(system: MechanicalSystem, name: str, quantity: str) -> str:

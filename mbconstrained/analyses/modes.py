@@ -244,11 +244,7 @@ class ModalAnalysis(Analysis):
             yield "\n".join(row for text in notes for row in wrap(text, WIDTH))
 
     def shapes(self) -> Shapes:
-        """A picture for each line of the list, all with the same drawing.
-
-        Raises:
-            SceneError: no mass, damping and stiffness.
-        """
+        """A picture for each line of the list, all with the same drawing."""
         if self.system is None:
             place = "model" if self.scene.equations.control else "model.coefficients"
             raise SceneError(

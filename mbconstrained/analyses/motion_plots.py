@@ -48,7 +48,8 @@ def _plots(result: Result, curves: Curves) -> list[Plot]:
     for i in _wanted(result, curves):
         curve = Curve(curves.names[i], values[i], i, (functions, i))
         groups.setdefault((curves.titles[i], curves.units[i]), []).append(curve)
-    return [Plot(title, _shown(unit), times, tuple(drawn)) for (title, unit), drawn in groups.items()]
+    phases = result.motion.phases if result.is_switched else ()
+    return [Plot(title, _shown(unit), times, tuple(drawn), phases=phases) for (title, unit), drawn in groups.items()]
 
 
 def _drawn_times(result: Result, functions: TimeFunctions, units: Sequence[str]) -> np.ndarray:

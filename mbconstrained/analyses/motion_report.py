@@ -46,7 +46,7 @@ def tables_of(result: Result, certificate: Certificate | None, frequency: Freque
         *([_output_table(equations.original)] if equations.original else []),
         TextTable("Jumps at t = 0", ("coordinate", "of its", "before", "after", "jump"), jumps),
         TextTable("Impulses at t = 0", ("of", "multiplies", "size"), impulses),
-        *([_later_table(result)] if result.later else []),
+        *([result.motion.event_table()] if result.is_switched else [_later_table(result)] if result.later else []),
         largest_table(result),
         *of_model.forces,
         *([certificate.table] if certificate else []),
@@ -216,7 +216,7 @@ def _event_rows(result: Result, event: Event | ImpulsiveLoad) -> list[tuple[str,
     jumps = [] if isinstance(event, ImpulsiveLoad) else jumps_of(result.motion, coordinates, event)
     rows: list[tuple[str, ...]] = [(jump.name, f"{jump.what} jumps", jump.before, jump.after, jump.size) for jump in jumps]
     rows += _impulse_rows(
-        impulses_of(event.impulses, forces_of_rows(result.system, shown=coordinates.shown) if is_load else coordinates)
+        impulses_of(event.impulses, forces_of_rows(result.rows, shown=coordinates.shown) if is_load else coordinates)
     )
     return [(f"{number_text(event.time)} s", *row) for row in rows]
 

@@ -16,6 +16,7 @@ from ..ground.checks import nearest, real_number, whole_number
 from ..ground.errors import InputError
 from ..mechanics.modes import Modes
 from ..mechanics.motion import Motion
+from ..mechanics.switched.switched_motion import SwitchedMotion
 from ..response.response import Response
 from ..scene.build.model import Equations
 from ..scene.build.robot_model import RobotEquations, RobotScene
@@ -55,8 +56,11 @@ def result_of(
     for kind in plots:
         if kind not in KINDS:
             raise InputError(f"plots: found {kind!r}{nearest(str(kind), KINDS)}; expected some of {', '.join(KINDS)}")
+    last = _last_time(motion) if end is None else real_number(end, "end", positive=True)
+    if isinstance(motion, SwitchedMotion) and last > motion.end:
+        raise InputError(f"end: found {last:g} s; the motion is known up to {motion.end:g} s: solve it with a later end")
     times = TimeTable.model_construct(
-        end=_last_time(motion) if end is None else real_number(end, "end", positive=True),
+        end=last,
         points=whole_number(points, "points", minimum=2),
     )
     system = motion.system if isinstance(motion, Motion) else None
@@ -115,7 +119,9 @@ def _robot_scene(system: EquationsOfMotion | None) -> RobotScene | None:
 
 
 def _last_time(motion: Response) -> float:
-    """Some periods of the slowest oscillation, or time constants of the slowest decay, after the last restart of the force."""
+    """The end of a switched motion; else some periods of the slowest oscillation, or time constants of the slowest decay, after the last restart of the force."""
+    if isinstance(motion, SwitchedMotion):
+        return motion.end
     zeros = np.array([zero.value for zero in motion.pairs.finite.zeros] or [0.0], dtype=complex)
     oscillating, decaying = np.abs(zeros[zeros.imag > 0]), -zeros[(zeros.imag == 0) & (zeros.real < 0)].real
     last = float(motion.problem.force.knots[-1])
@@ -173,15 +179,10 @@ def picture(motion: Response) -> str:
 
 @dataclass(frozen=True)
 class PageView:
-    """A static page inside a notebook.
+    """A static page inside a notebook."""
 
-    Attributes:
-        page: the HTML.
-        height: height of the frame, in pixels.
-    """
-
-    page: str
-    height: int
+    page: str  # the HTML
+    height: int  # height of the frame, in pixels
 
     def _repr_html_(self) -> str:
         return f'<iframe srcdoc="{html.escape(self.page)}" width="100%" height="{self.height}" frameborder="0"></iframe>'

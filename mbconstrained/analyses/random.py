@@ -47,11 +47,7 @@ class Random(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: RandomTable | None) -> Answer:
-        """The answer of a scene with mass, damping and stiffness.
-
-        Raises:
-            SceneError: no table [random], unknown names, units that do not fit.
-        """
+        """The answer of a scene with mass, damping and stiffness."""
         response = random_response(scene, settings)
         own = _Outputs(response, [scene.equations.coordinates.shown.of(unit) for unit in response.units])
         system = scene.equations.system
@@ -84,11 +80,7 @@ class Random(Analysis):
 
 
 def random_response(scene: Scene, table: RandomTable | None = None) -> RandomResponse:
-    """The response of a scene to its random inputs, in SI.
-
-    Raises:
-        SceneError: no table [random], two inputs of one name, a model without mass, damping and stiffness, unknown names.
-    """
+    """The response of a scene to its random inputs, in SI."""
     with at(scene.file_name, "random"):
         excitation, options = random_arguments(scene, table or scene.table.random)
         return scene.equations.system.random_response(*excitation, **options)

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..exchange.trajectories import Curves, dataset_of, write_arrays, write_csv, write_trajectories
 from ..ground.checks import counted
-from ..ground.display import WIDTH, TextTable, table_text, wrapped
+from ..ground.display import WIDTH, TextTable, blocks_text, table_text, wrapped
 from ..ground.errors import InputError, MbconstrainedError
 from ..ground.files import Replacements
 from ..ground.notices import Notice, NoticeKind, distinct, doubts_of
@@ -55,21 +55,15 @@ def run_scene(scene: Scene, folder: Path | None, progress: Callable[[Stage], Non
 
 
 class RunAnswer(Result, Answer):
-    """The answer to a scene, whose parts are computed at their first use; the plan lists them.
-
-    Attributes:
-        plan: the stages with their costs.
-        files: written files, in this order.
-        folder: of the files.
-    """
+    """The answer to a scene, whose parts are computed at their first use; the plan lists them."""
 
     kind = ""
 
     def __init__(self, scene: Scene, plan: Plan, folder: Path | None = None):
         Result.__init__(self, scene)
-        self.plan = plan
-        self.folder = folder
-        self.files: list[Path] = []
+        self.plan = plan  # the stages with their costs
+        self.folder = folder  # of the files
+        self.files: list[Path] = []  # written files, in this order
         self.still_problem = self.formula_problem = ""
         self._together: Replacements | None = None
 
@@ -204,7 +198,7 @@ class RunAnswer(Result, Answer):
 
     def summary(self) -> str:
         """The answer in words and tables, as it is printed."""
-        return _printed(self.blocks())
+        return blocks_text(self.blocks())
 
     def blocks(self, files: Sequence[Path] = ()) -> list[str | TextTable]:
         """The parts of the summary: texts, and tables that a terminal may lay out itself."""
@@ -457,11 +451,6 @@ class RunAnswer(Result, Answer):
 SCREEN = 22
 
 
-def _printed(parts: Sequence[str | TextTable], width: int = WIDTH) -> str:
-    """Texts and tables, one below the other."""
-    return "\n\n".join(table_text(part, width) if isinstance(part, TextTable) else wrapped(part, width) for part in parts)
-
-
 def overview(answer: RunAnswer, width: int = WIDTH, lines: int = SCREEN) -> list[str | TextTable]:
     """The parts of the summary that fit on a screen: natural frequencies, warnings, files, and the number of omitted lines.
 
@@ -493,7 +482,7 @@ def _rank(notice: Notice) -> int:
 
 def _height(parts: Sequence[str | TextTable], width: int) -> int:
     """Lines of texts and tables, with an empty one after each."""
-    return sum(_printed([part], width).count("\n") + 2 for part in parts)
+    return sum(blocks_text([part], width).count("\n") + 2 for part in parts)
 
 
 def _first_lines(text: str, width: int, most: int) -> str:

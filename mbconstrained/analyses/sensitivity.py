@@ -63,19 +63,10 @@ class Sensitivity(Analysis):
 
     @classmethod
     def solve(cls, scene: SceneData, settings: VariedNames | None) -> Answer:
-        """The answer of a scene with a mechanical system.
-
-        Raises:
-            InputError: no mechanical system, an unknown name.
-        """
+        """The answer of a scene with a mechanical system."""
         self = cls(scene, (settings and settings.to) or ())
         return cls.of(
-            scene,
-            tables=tuple(self.tables()),
-            data=self._data(),
-            heading=scene.heading,
-            most_rows=None,
-            keys=("notices",),
+            scene, tables=tuple(self.tables()), data=self._data(), heading=scene.heading, most_rows=None, keys=("notices",)
         )
 
     @cached_property

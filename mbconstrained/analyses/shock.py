@@ -56,11 +56,7 @@ class Shock(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: ShockTable | None) -> Answer:
-        """The answer of a scene with mass, damping and stiffness.
-
-        Raises:
-            SceneError: another model, a motion that does not end, unknown names.
-        """
+        """The answer of a scene with mass, damping and stiffness."""
         table, system = settings or ShockTable(), scene.equations.system
         motions = {name: coordinate for motion in scene.table.motion for name, (coordinate, _) in motion.rows.items()}
         with at(scene.file_name, "shock.of"):

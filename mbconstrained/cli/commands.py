@@ -80,21 +80,9 @@ def _verbatim(text: str) -> str:
     return "\n\n".join("\b\n" + block for block in text.split("\n\n"))
 
 
-def _show_version(requested: bool) -> None:
-    if requested:
-        from importlib.metadata import version
-
-        print(f"mbconstrained {version('mbconstrained')}")
-        raise typer.Exit
-
-
 @app.callback(help=_verbatim(HELP), epilog=_verbatim(EPILOG))
-def _group(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and exit.")
-    ] = False,
-) -> None:
-    pass
+def _group(version: Annotated[bool, typer.Option("--version", help="Print the version and exit.")] = False) -> None:
+    """The option stands in the help; ``main`` answers it, before the commands are imported."""
 
 
 @app.command("run", short_help=ANALYSES["run"][1])

@@ -27,11 +27,7 @@ def template_names() -> tuple[str, ...]:
 
 
 def template_text(name: str) -> str:
-    """The text of a template.
-
-    Raises:
-        InputError: there is no such template.
-    """
+    """The text of a template."""
     if name not in template_names():
         known = template_names()
         raise InputError(f"--template: there is no template {shown(name)}{nearest(name, known)}; there are {', '.join(known)}")
@@ -46,13 +42,7 @@ def template_table() -> str:
 
 
 def write_template(path: Path, template: str = "") -> str:
-    """Write a template with its files under a name, and return their names and the next commands; by default that named after the file.
-
-    Raises:
-        InputError: no such template, a name that no scene can have.
-        FileNotFoundError: there is no such folder.
-        FileExistsError: a file is there already; nothing is written then.
-    """
+    """Write a template with its files where none of them is yet, and return their names and the next commands."""
     path = _scene_path(path)
     if not path.parent.is_dir():
         raise FileNotFoundError(None, "there is no such folder; make it first", str(path.parent))

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from ..ground.display import WIDTH, TextTable, table_text, wrapped
+from ..ground.display import WIDTH, TextTable, blocks_text
 
 if TYPE_CHECKING:
     from ..scene.run.plan import Stage
@@ -28,7 +28,7 @@ def show(json: bool, data: Callable[[], dict], blocks: Callable[[], Sequence[str
     if json:
         _say(json_format.dumps(data(), indent=2, allow_nan=False))
     else:
-        _say("\n\n".join(_text_of(block, line_width()) for block in blocks()))
+        _say(blocks_text(blocks(), line_width()))
 
 
 def line_width() -> int:
@@ -43,11 +43,6 @@ def show_error(message: str, json: bool, code: int) -> int:
     else:
         print(message, file=sys.stderr)
     return code
-
-
-def show_message(text: str) -> None:
-    """A text about work that goes on."""
-    print(text, file=sys.stderr, flush=True)
 
 
 def show_text(text: str) -> None:
@@ -100,13 +95,9 @@ def _line_progress(what: str) -> Callable[[int, int], None]:
         last = now
         rate = (done - first) / (now - start)
         left = f", about {(total - done) / rate / 60:.2g} min left" if rate else ""
-        show_message(f"{what}: {done:,} of {total:,}{left}")
+        print(f"{what}: {done:,} of {total:,}{left}", file=sys.stderr, flush=True)
 
     return report
-
-
-def _text_of(block: str | TextTable, width: int) -> str:
-    return table_text(block, width) if isinstance(block, TextTable) else wrapped(block, width)
 
 
 def _say(text: str) -> None:

@@ -11,11 +11,11 @@ from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from ..ground.checks import counted, nearest, optional_package, real_array, real_number
 from ..ground.errors import InputError
 from ..ground.tolerances import CONJUGATE_ROOTS
+from ..linalg.arrays import block_diag
 from ..linalg.rank import Noisy
 from .state_equations import StateEquations, roots_of, transfer_of
 

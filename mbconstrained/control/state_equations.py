@@ -161,18 +161,13 @@ DIRECTION = 1.7 * np.exp(0.9j)
 
 @dataclass(frozen=True, repr=False)
 class Transfer(Displayed):
-    """G(s) = gain prod(s - zeros)/prod(s - poles).
+    """G(s) = gain prod(s - zeros)/prod(s - poles)."""
 
-    Attributes:
-        zeros, poles: with their multiplicities; of a complex pair the one above the real axis stands for both.
-        gain: the factor; 0 where G(s) = 0 for every s.
-        dc_gain: G(0), common zeros and poles at 0 left out; None where G has a pole at 0.
-    """
-
+    # with their multiplicities; of a complex pair the one above the real axis stands for both
     zeros: tuple[FiniteZero, ...]
     poles: tuple[FiniteZero, ...]
-    gain: float
-    dc_gain: float | None
+    gain: float  # the factor; 0 where G(s) = 0 for every s
+    dc_gain: float | None  # G(0), common zeros and poles at 0 left out; None where G has a pole at 0
 
     def _summary(self) -> str:
         zeros, poles = (sum(root.count for root in roots) for roots in (self.zeros, self.poles))

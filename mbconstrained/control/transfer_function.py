@@ -22,6 +22,7 @@ from ..ground.checks import real_array, real_number
 from ..ground.errors import InputError, Overflow
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EARLY_ERROR, EPS, PRECISE_DIGITS, PROBE_SIZE, rounding_radius
+from ..linalg.arrays import block_diag
 from ..linalg.blocks import eigenvalues
 from ..linalg.precise import midpoints, precise, precise_arithmetic
 from ..polynomial.polynomial_matrix import PolynomialMatrix
@@ -42,19 +43,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ResidueSum:
-    """y(t) = Re(transient^T E(t)) + sum of forced[k] I_(k+1)(t), for t > 0, and impulses at t = 0 (Theorems 1 and 2).
+    """y(t) = Re(transient^T E(t)) + sum of forced[k] I_(k+1)(t), for t > 0, and impulses at t = 0 (Theorems 1 and 2)."""
 
-    Attributes:
-        form: the closed form that it belongs to.
-        transient: the row in front of E(t), Eq. (48), shape (n,), complex.
-        forced: the factors of I_1, I_2, ..., Eq. (49).
-        impulses: the factors of Dirac's delta and of its derivatives, Eq. (50), corrected: I_0, I_-1, ...
-    """
-
-    form: ResidueForm
-    transient: np.ndarray
-    forced: np.ndarray
-    impulses: np.ndarray
+    form: ResidueForm  # the closed form that it belongs to
+    transient: np.ndarray  # the row in front of E(t), Eq. (48), shape (n,), complex
+    forced: np.ndarray  # the factors of I_1, I_2, ..., Eq. (49)
+    impulses: np.ndarray  # the factors of Dirac's delta and of its derivatives, Eq. (50), corrected: I_0, I_-1, ...
 
     def __call__(self, times) -> np.ndarray:
         """The regular part at a time (-> a number) or at times (T,) (-> (T,))."""
@@ -67,34 +61,19 @@ class ResidueSum:
 class ResidueForm:
     """Poles, kappa, J, E(t) of a(s) and what responses are made of them.
 
-    Attributes:
-        numerator: b_0 ... b_m, divided by a_n, shape (m + 1,).
-        poles: the different poles other than 0, complex, those of a pair side by side.
-        multiplicities: d_i of each.
-        zero_poles: n0, the order of the pole at s = 0 (Eq. 34).
-
     >>> form = ResidueForm(np.array([1.0]), np.array([-1.0, -2.0]), (1, 1), 0)  # 1 / ((s + 1)(s + 2))
     >>> form.kappa.real.tolist(), float(form.fundamental_solution(0.0)), form.general_response(1).forced.round(12).tolist()
     ([1.0, -1.0], 0.0, [0.5])
     """
 
-    numerator: np.ndarray
-    poles: np.ndarray
-    multiplicities: tuple[int, ...]
-    zero_poles: int
+    numerator: np.ndarray  # b_0 ... b_m, divided by a_n, shape (m + 1,)
+    poles: np.ndarray  # the different poles other than 0, complex, those of a pair side by side
+    multiplicities: tuple[int, ...]  # d_i of each
+    zero_poles: int  # n0, the order of the pole at s = 0 (Eq. 34)
 
     @staticmethod
     def of(numerator: np.ndarray, zeros: Sequence[FiniteZero], zero_poles: int) -> ResidueForm:
-        """The form of b(s)/a(s).
-
-        Args:
-            numerator: b_0 ... b_m over a_n.
-            zeros: zeros of a(s) other than s = 0.
-            zero_poles: n0, the order of the pole at s = 0.
-
-        Returns:
-            The form.
-        """
+        """The form of b(s)/a(s) from b/a_n, the zeros of a(s) other than 0, and the order n0 of the pole at s = 0."""
         pairs = [(value, zero.multiplicity) for zero in zeros for value in sorted({zero.value, np.conj(zero.value)}, key=np.imag)]
         poles, multiplicities = zip(*pairs) if pairs else ((), ())
         return ResidueForm(np.asarray(numerator, dtype=float), np.array(poles, dtype=complex), tuple(multiplicities), zero_poles)
@@ -125,7 +104,7 @@ class ResidueForm:
     def J(self) -> np.ndarray:
         """The Jordan matrix of Eqs. (41), (42), shape (n, n), complex."""
         blocks = [pole * np.eye(d) + np.eye(d, k=1) for pole, d in zip(self.poles, self.multiplicities)]
-        return scipy.linalg.block_diag(*blocks) if blocks else np.zeros((0, 0))
+        return block_diag(*blocks)
 
     def exponentials(self, times) -> np.ndarray:
         """E(t) of Eqs. (38), (39): t^(j-1)/(j-1)! e^(lambda_i t), shape (n,) or (n, T); E' = J^T E (43)."""
@@ -157,27 +136,11 @@ class ResidueForm:
         return K
 
     def fundamental_solution(self, times, order: int = 0) -> np.ndarray:
-        """y_f^(order)(t) = (J^order kappa)^T E(t), Eqs. (40) (its left side is y_f), (44).
-
-        Args:
-            times: a number or shape (T,).
-            order: below zero the integral without polynomial part.
-
-        Returns:
-            A number or shape (T,).
-        """
+        """y_f^(order)(t) = (J^order kappa)^T E(t), Eqs. (40), (44); below order 0 the integral without polynomial part."""
         return (self.rows(order, 1) @ self.exponentials(times).reshape(self.order, -1)).real.reshape(np.shape(times))
 
     def at_zero(self, first: int, count: int) -> np.ndarray:
-        """y_f^(j)(0) for j = first ... first + count - 1, Eq. (29) at t = 0; those of Eq. (13) exactly.
-
-        Args:
-            first: any whole number.
-            count: the number of values.
-
-        Returns:
-            Shape (count,).
-        """
+        """y_f^(j)(0) for j = first ... first + count - 1, Eq. (29) at t = 0, shape (count,); those of Eq. (13) exactly."""
         values = (self.rows(first, count) @ self.exponentials(0.0)).real
         orders = np.arange(first, first + count)
         known = (orders >= 0) & (orders <= self.order - 1)

@@ -52,31 +52,21 @@ class Jump:
 
 @dataclass(frozen=True)
 class ClosedForm:
-    """x(t) for t > 0, one expression for each coordinate.
+    """x(t) for t > 0, one expression for each coordinate."""
 
-    Attributes:
-        names: names of the r coordinates, as the user wrote them.
-        values: r expressions in the time.
-        time: the symbol t.
-        parameters: the other symbols; those that are not given have their own names and no values.
-        impulses, jumps: jumps and impulses at t = 0, and later impulses.
-        admissible, continuous: equations in the values at 0- without which there are impulses, or jumps.
-        assumptions: expressions that must not vanish for the formula to hold.
-        positive: expressions that must be positive for the formula to be real in this form.
-        title: a line about where it comes from.
-    """
-
-    names: tuple[str, ...]
-    values: tuple[sympy.Expr, ...]
-    time: sympy.Symbol
-    parameters: tuple[FormulaParameter, ...] = ()
+    names: tuple[str, ...]  # names of the r coordinates, as the user wrote them
+    values: tuple[sympy.Expr, ...]  # r expressions in the time
+    time: sympy.Symbol  # the symbol t
+    parameters: tuple[FormulaParameter, ...] = ()  # the other symbols; those that are not given have their own names and no values
+    # jumps and impulses at t = 0, and later impulses
     impulses: tuple[Impulse, ...] = ()
     jumps: tuple[Jump, ...] = ()
+    # equations in the values at 0- without which there are impulses, or jumps
     admissible: tuple[sympy.Eq, ...] = ()
     continuous: tuple[sympy.Eq, ...] = ()
-    assumptions: tuple[sympy.Expr, ...] = ()
-    positive: tuple[sympy.Expr, ...] = ()
-    title: str = ""
+    assumptions: tuple[sympy.Expr, ...] = ()  # expressions that must not vanish for the formula to hold
+    positive: tuple[sympy.Expr, ...] = ()  # expressions that must be positive for the formula to be real in this form
+    title: str = ""  # a line about where it comes from
 
     def __post_init__(self):
         known = {p.symbol for p in self.parameters}
@@ -384,19 +374,12 @@ Part: TypeAlias = str | Derivative | Term | sympy.Basic
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """The terms of every coordinate, and what the names in them stand for.
+    """The terms of every coordinate, and what the names in them stand for."""
 
-    Attributes:
-        form: source of the terms.
-        rows: terms by coordinate.
-        shorthands: names for long rates and frequencies.
-        digits: digits of decimals, or None where numbers are exact.
-    """
-
-    form: ClosedForm
-    rows: list[list[Term]]
-    shorthands: list[Shorthand]
-    digits: int | None
+    form: ClosedForm  # source of the terms
+    rows: list[list[Term]]  # terms by coordinate
+    shorthands: list[Shorthand]  # names for long rates and frequencies
+    digits: int | None  # digits of decimals, or None where numbers are exact
 
     def short(self, expression: sympy.Expr) -> sympy.Expr:
         """An expression with the abbreviation for it, or for minus it."""

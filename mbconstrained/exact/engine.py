@@ -93,23 +93,15 @@ class ExactMatrix(Protocol):
 
 @dataclass(frozen=True, repr=False)
 class RootPolynomials:
-    """One term phi psi^T / p^k of the principal part of A(s)^-1 at the zeros of p.
+    """One term phi psi^T / p^k of the principal part of A(s)^-1 at the zeros of p."""
 
-    Attributes:
-        ring: K[s].
-        divisor: p, irreducible and monic.
-        length: k.
-        right: phi, r polynomials modulo p^k.
-        compute_left: returns psi; over the rationals its coefficients have many more digits than those of phi.
-        pivot: the divisor of the elimination, where there is one: a polynomial not divisible by p.
-    """
-
-    ring: PolynomialRing
-    divisor: Polynomial
-    length: int
-    right: tuple[Polynomial, ...]
+    ring: PolynomialRing  # K[s]
+    divisor: Polynomial  # p, irreducible and monic
+    length: int  # k
+    right: tuple[Polynomial, ...]  # phi, r polynomials modulo p^k
+    # returns psi; over the rationals its coefficients have many more digits than those of phi
     compute_left: Callable[[], tuple[Polynomial, ...]] = field(compare=False)
-    pivot: Polynomial | None = None
+    pivot: Polynomial | None = None  # the divisor of the elimination, where there is one: a polynomial not divisible by p
 
     def __repr__(self) -> str:
         return f"RootPolynomials({self.ring.text(self.divisor)}, length={self.length})"
@@ -399,15 +391,10 @@ class ExactPair:
 
 @dataclass(frozen=True, repr=False)
 class ElementaryDivisor:
-    """The powers p^k of one irreducible polynomial p among the elementary divisors of A(s).
+    """The powers p^k of one irreducible polynomial p among the elementary divisors of A(s)."""
 
-    Attributes:
-        polynomial: p, monic, irreducible over the field: Fractions, the lowest power first, or a Poly in s.
-        exponents: the k > 0, ascending: the partial multiplicities of each of the zeros of p.
-    """
-
-    polynomial: object
-    exponents: tuple[int, ...]
+    polynomial: object  # p, monic, irreducible over the field: Fractions, the lowest power first, or a Poly in s
+    exponents: tuple[int, ...]  # the k > 0, ascending: the partial multiplicities of each of the zeros of p
     ring: PolynomialRing = field(compare=False)
     divisor: Polynomial = field(compare=False)
 

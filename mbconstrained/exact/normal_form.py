@@ -40,24 +40,18 @@ class ExactInfinitePart(Displayed):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class ExactNormalForm(Displayed):
-    """The mechanical normal form with entries that are Fractions; names as in ``mbconstrained.NormalForm``.
+    """The mechanical normal form with entries that are Fractions; names as in ``mbconstrained.NormalForm``."""
 
-    Attributes:
-        transformation, left_transformation, inverse: T, L and T^+, shapes (n_f, n), (n_f, n) and (n, n_f): L F = T, L A = A^ T, L B = B^.
-        state_matrix, input_matrix: A^ = [0, I; A^_21, A^_22] and B^ = [0; R].
-        output_matrix: C T^+; None where no outputs were given.
-        polynomial: the polynomial part D_0, D_1, ... of the transfer function; empty without outputs.
-        infinite: the infinite part of a singular F, or None.
-    """
-
+    # T, L and T^+, shapes (n_f, n), (n_f, n) and (n, n_f): L F = T, L A = A^ T, L B = B^
     transformation: np.ndarray
     left_transformation: np.ndarray
     inverse: np.ndarray
+    # A^ = [0, I; A^_21, A^_22] and B^ = [0; R]
     state_matrix: np.ndarray
     input_matrix: np.ndarray
-    output_matrix: np.ndarray | None
-    polynomial: tuple[np.ndarray, ...]
-    infinite: ExactInfinitePart | None
+    output_matrix: np.ndarray | None  # C T^+; None where no outputs were given
+    polynomial: tuple[np.ndarray, ...]  # the polynomial part D_0, D_1, ... of the transfer function; empty without outputs
+    infinite: ExactInfinitePart | None  # the infinite part of a singular F, or None
 
     def _summary(self) -> str:
         text = f"{counted(len(self.state_matrix) // 2, 'coordinate')}, {counted(self.input_matrix.shape[1], 'input')}"

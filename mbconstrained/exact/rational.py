@@ -20,10 +20,10 @@ from weakref import WeakKeyDictionary
 
 import flint
 import numpy as np
-import scipy
 
 from ..ground.checks import whole_number
 from ..ground.errors import SingularPolynomialMatrix
+from ..linalg.arrays import block_diag
 from ..polynomial.jordan_pairs import in_order
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..polynomial.structure import FiniteZero, polynomial_text, singular_sentence
@@ -224,7 +224,7 @@ class RationalRing:
         return np.concatenate(matrices, axis)
 
     def diagonal(self, matrices: Sequence[np.ndarray]) -> np.ndarray:
-        return scipy.linalg.block_diag(*matrices) + Fraction(0)
+        return block_diag(*matrices) + Fraction(0)
 
     def finite_zeros(self, divisors) -> tuple[FiniteZero, ...]:
         """The nearest float64 numbers, in the order of the numeric engine."""

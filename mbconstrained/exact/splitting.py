@@ -21,15 +21,10 @@ STEPS = 12
 
 @dataclass(frozen=True)
 class Branch:
-    """Branch of the eigenvalues into which s splits: s + c e^r for a small positive change e of the parameter.
+    """Branch of the eigenvalues into which s splits: s + c e^r for a small positive change e of the parameter."""
 
-    Attributes:
-        exponent: r; 1 for a derivative, less where the eigenvalue is defective.
-        coefficient: c, in 1/s per unit of the parameter to the power r; 0 for a constant branch.
-    """
-
-    exponent: Fraction
-    coefficient: complex
+    exponent: Fraction  # r; 1 for a derivative, less where the eigenvalue is defective
+    coefficient: complex  # c, in 1/s per unit of the parameter to the power r; 0 for a constant branch
 
 
 @dataclass(frozen=True)

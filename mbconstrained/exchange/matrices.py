@@ -29,18 +29,12 @@ _UNIT = re.compile(r"[(\[]([^()\[\]]+)[)\]]\s*$")
 
 @dataclass(frozen=True, eq=False)
 class NumberTable:
-    """The numbers of a text file.
+    """The numbers of a text file."""
 
-    Attributes:
-        file: its name, for messages.
-        values: shape (rows, columns); nan where an entry is empty.
-        lines: the line of each row in the file, shape (rows,).
-        heads: the header and comment lines above the numbers that have an entry for each column, the last one first.
-    """
-
-    file: str
-    values: np.ndarray = field(repr=False)
-    lines: np.ndarray = field(repr=False)
+    file: str  # its name, for messages
+    values: np.ndarray = field(repr=False)  # shape (rows, columns); nan where an entry is empty
+    lines: np.ndarray = field(repr=False)  # the line of each row in the file, shape (rows,)
+    # the header and comment lines above the numbers that have an entry for each column, the last one first
     heads: tuple[tuple[str, ...], ...] = ()
 
     def column(self, which: int | str, key: str = "column") -> int:

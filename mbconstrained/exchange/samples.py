@@ -22,26 +22,17 @@ STANDARD_GRAVITY = 9.80665  # m/s^2, by definition
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Values over time as they are in a file.
+    """Values over time as they are in a file."""
 
-    Attributes:
-        file: its name, for messages.
-        times: shape (T,), ascending; two samples at one time are a jump.
-        values: shape (T,).
-        name: name of the column or channel; an empty text where there is none.
-        time_unit, unit: as the file writes them; empty texts where it does not.
-        is_scaled: whether the format itself fixes times in s and values in an SI unit, 1 for shares of full scale.
-        lines: the line of each sample in the file; None where it has no lines.
-    """
-
-    file: str
-    times: np.ndarray = field(repr=False)
-    values: np.ndarray = field(repr=False)
-    name: str = ""
+    file: str  # its name, for messages
+    times: np.ndarray = field(repr=False)  # shape (T,), ascending; two samples at one time are a jump
+    values: np.ndarray = field(repr=False)  # shape (T,)
+    name: str = ""  # name of the column or channel; an empty text where there is none
+    # as the file writes them; empty texts where it does not
     time_unit: str = ""
     unit: str = ""
-    is_scaled: bool = False
-    lines: np.ndarray | None = field(default=None, repr=False)
+    is_scaled: bool = False  # whether the format itself fixes times in s and values in an SI unit, 1 for shares of full scale
+    lines: np.ndarray | None = field(default=None, repr=False)  # the line of each sample in the file; None where it has no lines
 
     def place(self, row: int) -> str:
         """Location of a sample in the file, for messages."""
@@ -169,19 +160,12 @@ HEADER_LINES = 80  # in which a format is recognized; DYNA has 64
 
 
 class GroundMotion(NamedTuple):
-    """A record of even steps.
+    """A record of even steps."""
 
-    Attributes:
-        step: between samples, in s.
-        values: shape (T,), in the unit.
-        unit: "m", "m/s" or "m/s^2".
-        name: name of the record.
-    """
-
-    step: float
-    values: np.ndarray
-    unit: str
-    name: str
+    step: float  # between samples, in s
+    values: np.ndarray  # shape (T,), in the unit
+    unit: str  # "m", "m/s" or "m/s^2"
+    name: str  # name of the record
 
 
 def ground_motion(file: str, text: str) -> GroundMotion | None:

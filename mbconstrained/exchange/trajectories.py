@@ -19,19 +19,14 @@ from .universal import UNIVERSAL, Geometry, write_functions
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """Values of one kind over time.
+    """Values of one kind over time."""
 
-    Attributes:
-        kind: "displacement", "velocity", "acceleration", "reaction", "energy" or "output".
-        names, titles, units: of the rows; a title names the quantity, e.g. "angle". An unknown unit is an empty text.
-        values: shape (rows, T).
-    """
-
-    kind: str
+    kind: str  # "displacement", "velocity", "acceleration", "reaction", "energy" or "output"
+    # of the rows; a title names the quantity, e.g. "angle". An unknown unit is an empty text
     names: tuple[str, ...]
     titles: tuple[str, ...]
     units: tuple[str, ...]
-    values: np.ndarray
+    values: np.ndarray  # shape (rows, T)
 
     @property
     def heads(self) -> list[str]:

@@ -37,18 +37,13 @@ LONGEST_ID = 80
 
 @dataclass(frozen=True, eq=False)
 class Function:
-    """A function of time of a universal file.
+    """A function of time of a universal file."""
 
-    Attributes:
-        name: its first line of identification.
-        times, values: shape (T,), in s and in the unit.
-        unit: in SI; an empty text where the file does not state the kind of quantity.
-    """
-
-    name: str
+    name: str  # its first line of identification
+    # shape (T,), in s and in the unit
     times: np.ndarray = field(repr=False)
     values: np.ndarray = field(repr=False)
-    unit: str
+    unit: str  # in SI; an empty text where the file does not state the kind of quantity
 
 
 def read_function(path: Path, which: int | str | None = None) -> Function:

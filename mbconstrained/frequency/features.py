@@ -42,6 +42,7 @@ class Peak:
         amplitude: |H|; infinite at a pole on the axis.
         bandwidth_hz: between the two frequencies with |H| = amplitude / sqrt(2); None where |H| does not fall so far on both sides.
         phase: phase of H, in rad; at a pole on the axis just below it.
+        grows: whether the eigenvalue nearest to the peak lies in the right half plane: the peak is that of a motion that is not reached.
     """
 
     output: str
@@ -50,6 +51,14 @@ class Peak:
     amplitude: float
     bandwidth_hz: float | None
     phase: float
+    grows: bool = False
+
+    @property
+    def damping_ratio(self) -> float | None:
+        """bandwidth / (2 frequency), negative next to an eigenvalue that grows; None without a bandwidth."""
+        if self.bandwidth_hz is None:
+            return None
+        return (-1.0 if self.grows else 1.0) * self.bandwidth_hz / (2 * self.frequency_hz)
 
 
 @dataclass(frozen=True)
@@ -134,7 +143,13 @@ def _undelayed_peaks(harmonic: Harmonic) -> Iterator[Peak]:
                 if pole.value.imag and pole.residues[-1, i, j]:
                     phase = float(np.angle(pole.residues[-1, i, j] * (1j) ** pole.order))
                     yield Peak(output, input, pole.value.imag / (2 * np.pi), np.inf, 0.0, phase)
-            yield from _maxima(entry, grid, output, input)
+            for peak in _maxima(entry, grid, output, input):
+                yield replace(peak, grows=_grows(poles, peak))
+
+
+def _grows(poles: tuple[Pole, ...], peak: Peak) -> bool:
+    at = 2j * np.pi * peak.frequency_hz
+    return bool(poles) and min((pole.value for pole in poles), key=lambda value: abs(value - at)).real > 0
 
 
 def _maxima(entry: _ResponseEntry, grid, output: str, input: str) -> Iterator[Peak]:

@@ -13,6 +13,7 @@ import scipy
 from ..ground.errors import InputError
 from ..ground.notices import Notice
 from ..ground.tolerances import EPS, LARGEST_POWER, LINE_ACCURACY, LINE_ROUNDING, TRUST_LIMIT
+from ..linalg import lapack
 from ..linalg.elimination import as_slice
 from ..linalg.scaling import joint_scaling
 from ..polynomial.delayed_terms import DelayedTerm
@@ -69,7 +70,9 @@ class Lines:
         """The errors relative to the values, at most infinite; 0 of an exact zero."""
         size = np.abs(self.values)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            return np.where(self.errors == 0, 0.0, np.where(size > 0, self.errors / size, np.inf))
+            result = np.divide(self.errors, size, out=size)
+        result[self.errors == 0] = 0.0
+        return result  # infinite where a value is zero, and its error is not
 
 
 class StructuredSolver:
@@ -129,14 +132,15 @@ class StructuredSolver:
             factors = self._factors(float(nu[left[at]])) if len(left) else None
             if factors is None:
                 break
-            self._pass(values, errors, solutions, left, nu, factors, accuracy)
-            left = left[(errors[..., left] > accuracy * np.abs(values[..., left])).any(axis=(0, 1))]
+            self._pass(values, errors, solutions, left, nu, factors, accuracy, is_first=not attempt)
+            own = _consecutive(left)
+            left = left[(errors[..., own] > accuracy * np.abs(values[..., own])).any(axis=(0, 1))]
         self._pass(values, errors, solutions, left, nu, None, accuracy)
         if solutions is not None:
             solutions *= self.columns[:, None, None]
         return Lines(values, errors, solutions)
 
-    def _pass(self, values, errors, solutions, lines, nu, factors, accuracy) -> None:
+    def _pass(self, values, errors, solutions, lines, nu, factors, accuracy, is_first=False) -> None:
         """Solve some lines in parts and keep improved values; without an order of elimination lines are pivoted and refined."""
         entries = self.size**2 if factors is None else len(factors.rows) + 4 * self.size * self.inputs.shape[1]
         count = max(LEAST, CHUNK // max(entries, 1))
@@ -145,28 +149,38 @@ class StructuredSolver:
             with np.errstate(all="ignore", under="call", call=lambda kind, _, kinds=lost: kinds.append(kind)):
                 own = nu[part].astype(float)
                 solver = _Full(self, own) if factors is None else _Eliminated(self, own, factors)
-                X, Z = self._both(solver)
-                H, error = _contracted(self.outputs, X), _bilinear(Z, self._ratio * solver.terms(X))
+                solutions_of_both, right, left = self._both(solver)
+                X, Z, sizes = solutions_of_both[:, right], solutions_of_both[:, left], np.abs(solutions_of_both)
+                H, error = _contracted(self.outputs, X), _bilinear(sizes[:, left], self._ratio * solver.bound(X, sizes[:, right]))
+                loose = ~(error <= accuracy * np.abs(H)).all(axis=(0, 1))
+                if factors is not None and loose.any():
+                    measured = self._ratio * solver.at(loose).terms(X[..., loose])
+                    error[..., loose] = _bilinear(sizes[:, left][..., loose], measured)
                 limit = TRUST_LIMIT if factors is None and self.size > REFINED else accuracy
-                bad = ~(error <= limit * np.abs(H)).all(axis=(0, 1)) & np.isfinite(error).all(axis=(0, 1))
+                bad = loose & ~(error <= limit * np.abs(H)).all(axis=(0, 1)) & np.isfinite(error).all(axis=(0, 1))
                 if bad.any():
                     refined = self._refined(solver.at(bad), nu[part][bad], X[..., bad], Z[..., bad])
                     H[..., bad], error[..., bad], X[..., bad] = refined
             if lost:  # below the range of float64 a value is no digit of the answer
                 error = np.where(np.abs(H) < np.finfo(float).tiny / EPS, np.inf, error)
-            error = np.where(np.isfinite(error) & np.isfinite(H), error, np.inf)
-            better = error < errors[..., part]
-            values[..., part] = np.where(better, H, values[..., part])
-            errors[..., part] = np.where(better, error, errors[..., part])
+            if not (finite := np.isfinite(error) & np.isfinite(H)).all():
+                H[~finite], error[~finite] = 0.0, np.inf
+            own = _consecutive(part)
+            if not is_first:
+                better = error < errors[..., own]
+                H, error = np.where(better, H, values[..., own]), np.where(better, error, errors[..., own])
+            values[..., own], errors[..., own] = H, error
             if solutions is not None:
-                solutions[..., part] = np.where(np.isfinite(X), X, 0)
+                solutions[..., own] = np.where(np.isfinite(X), X, 0)
 
-    def _both(self, solver: _Eliminated | _Full) -> tuple[np.ndarray, np.ndarray]:
-        """A^-1 B, and Z with C A^-1 = (ratio Z)^T, shapes (r, m, F) and (r, p, F)."""
-        if self._together is None:
-            return solver.solved(self.inputs), solver.solved(self.outputs.T, transposed=True)
-        X, (right, left) = solver.solved(self._together), self._where
-        return X[:, right], X[:, left]
+    def _both(self, solver: _Eliminated | _Full) -> tuple[np.ndarray, slice | np.ndarray, slice | np.ndarray]:
+        """A^-1 B and Z with C A^-1 = (ratio Z)^T among columns, shape (r, any, F), and the places of both."""
+        if self._together is not None:
+            right, left = self._where
+            return solver.solved(self._together), right, left
+        m = self.inputs.shape[1]
+        both = solver.solved(self.inputs), solver.solved(self.outputs.T, transposed=True)
+        return np.concatenate(both, axis=1), slice(0, m), slice(m, None)
 
     # The functions of s that the coefficients multiply.
 
@@ -204,7 +218,7 @@ class StructuredSolver:
         for _ in range(STEPS):
             X = X - solver.solved(residual.astype(complex))
             residual, terms = self.terms(nu, X, sizes)
-            H, before, error = _contracted(self.outputs, X), error, _bilinear(Z, self._ratio * terms)
+            H, before, error = _contracted(self.outputs, X), error, _bilinear(np.abs(Z), self._ratio * terms)
             if (error > before / 2).all() or (error <= EPS * np.abs(H)).all():
                 break
         H = H.astype(complex)
@@ -247,6 +261,11 @@ class StructuredSolver:
         return sum(matrix * factor for matrix, factor in zip(self.coefficients, factors))
 
 
+def _consecutive(lines: np.ndarray) -> slice | np.ndarray:
+    """Ascending numbers of lines as a slice, which needs no copies, where none is left out."""
+    return slice(lines[0], lines[-1] + 1) if len(lines) and lines[-1] - lines[0] == len(lines) - 1 else lines
+
+
 def _sums(coefficients, powers) -> np.ndarray:
     """Sums of K functions, shape (K, F), with coefficients of shape (K, E): shape (E, F)."""
     if np.iscomplexobj(powers) and not np.iscomplexobj(coefficients):
@@ -263,13 +282,12 @@ def _contracted(outputs, X) -> np.ndarray:
     return result
 
 
-def _bilinear(Z, terms) -> np.ndarray:
-    """|Z|^T terms for each line, shape (p, m, F)."""
-    Z = np.abs(Z)
-    if Z.shape[1] * terms.shape[1] < BY_MATRICES:
-        return np.einsum("rpf,rmf->pmf", Z, terms)
-    by_line = (np.ascontiguousarray(np.moveaxis(one, 2, 0)) for one in (Z.swapaxes(0, 1), terms))
-    return np.moveaxis(np.matmul(*by_line), 0, 2)
+def _bilinear(sizes, terms) -> np.ndarray:
+    """sizes^T terms for each line, shape (p, m, F)."""
+    if sizes.shape[1] * terms.shape[1] < BY_MATRICES:
+        return np.einsum("rpf,rmf->pmf", sizes, terms)
+    by_line = (np.ascontiguousarray(np.moveaxis(one, 2, 0)) for one in (sizes.swapaxes(0, 1), terms))
+    return np.ascontiguousarray(np.moveaxis(np.matmul(*by_line), 0, 2))
 
 
 # The two solvers: along a pattern, and by LAPACK.
@@ -380,6 +398,24 @@ class _Eliminated:
         """|A X - B| + u |A| |X|, shape (r, m, F)."""
         return self.solver.terms(self.nu, X, LINE_ROUNDING * EPS * self.solver.sizes)[1]
 
+    def bound(self, X, sizes) -> np.ndarray:
+        """A bound of ``terms`` by the factors, from |X|."""
+        solver, W, steps = self.solver, np.abs(self.W), self.pattern.steps
+        rows, columns = self.pattern.row_order[self.pattern.rows], self.pattern.column_order[self.pattern.columns]
+        S, part = _sums(solver.sizes[:, rows, columns], solver.function_sizes(self.nu)), np.empty(W.shape[1])
+        for _, _, _, column, row, changed in steps:
+            for at, places in zip(column, changed):
+                for one, other in zip(places, row):
+                    S[one] += np.multiply(W[at], W[other], out=part)
+        for k, _, _, column, *_ in steps:
+            W[column] *= W[k]
+        S += W  # |A| + |L| |U|
+        total, product = np.zeros(X.shape), np.empty(X.shape[1:])
+        for own, i, j in zip(S, rows.tolist(), columns.tolist()):
+            total[i] += np.multiply(own, sizes[j], out=product)
+        total *= LINE_ROUNDING * EPS
+        return total
+
 
 class _Full:
     """Factors by LAPACK with partial pivoting, line by line."""
@@ -410,6 +446,10 @@ class _Full:
         sizes = LINE_ROUNDING * EPS * _matrices(self.solver.sizes, self.solver.function_sizes(self.nu))
         return np.moveaxis(np.abs(self.matrices @ X - self.solver.inputs) + sizes @ np.abs(X), 0, 2)
 
+    def bound(self, X, sizes) -> np.ndarray:
+        """``terms`` themselves, which are no more than a product of matrices."""
+        return self.terms(X)
+
 
 def _matrices(coefficients, powers) -> np.ndarray:
     """The matrix at F points, shape (F, r, r)."""
@@ -418,7 +458,7 @@ def _matrices(coefficients, powers) -> np.ndarray:
 
 
 def _lu(matrix):
-    lu, pivots, info = scipy.linalg.lapack.zgetrf(matrix)
+    lu, pivots, info = lapack.zgetrf(matrix)
     return (lu, pivots) if info == 0 else None
 
 

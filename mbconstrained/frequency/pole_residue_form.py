@@ -18,6 +18,7 @@ import numpy as np
 import scipy
 
 from ..ground.tolerances import CLUSTER_SAFETY, EPS, NOISE_SAFETY, rounding_radius
+from ..linalg.arrays import block_diag
 from ..linalg.blocks import block_slices
 from ..linalg.rank import Noisy
 from ..polynomial.jordan_pairs import JordanPairs
@@ -196,7 +197,7 @@ class PoleResidueForm:
         """The states of the blocks that contain an eigenvalue, with its right vectors, matrix and left vectors."""
         pair, chosen = self.pairs.finite, self._blocks_of(zero)
         at = np.concatenate([np.arange(*self._slices[i].indices(len(pair.B))) for i in chosen])
-        J = pair.blocks[chosen[0]] if len(chosen) == 1 else scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))
+        J = pair.blocks[chosen[0]] if len(chosen) == 1 else block_diag(*(pair.blocks[i] for i in chosen))
         return at, *invariant_vectors(J, value, zero.multiplicity)
 
     @cached_property

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from itertools import zip_longest
@@ -24,23 +24,15 @@ WIDTH = 80
 
 @dataclass(frozen=True)
 class TextTable:
-    """A titled table of texts for the terminal, the page and notebooks.
+    """A titled table of texts for the terminal, the page and notebooks."""
 
-    Attributes:
-        title: heading.
-        columns, rows: headings, and the texts below them.
-        note: a sentence below, or an empty string.
-        folded: on the page only the title is shown until it is clicked.
-
-    Raises:
-        InputError: a row whose length is not the number of columns.
-    """
-
-    title: str
+    title: str  # heading
+    # headings, and the texts below them
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
-    note: str = ""
-    folded: bool = False
+    note: str = ""  # a sentence below, or an empty string
+    folded: bool = False  # on the page only the title is shown until it is clicked
+    times: tuple[float, ...] = ()  # times of the rows, s, which rows on the page lead to; empty for none
 
     def __post_init__(self):
         object.__setattr__(self, "columns", tuple(map(str, self.columns)))
@@ -187,6 +179,11 @@ def wrapped(text: str, width: int = WIDTH) -> str:
     """
     lines = ((line, line[: len(line) - len(line.lstrip())] + "  ") for line in text.split("\n"))
     return "\n".join(part for line, indent in lines for part in _wrapped(line, width, further=indent))
+
+
+def blocks_text(blocks: Iterable[str | TextTable], width: int = WIDTH) -> str:
+    """Texts and tables, one below the other."""
+    return "\n\n".join(table_text(each, width) if isinstance(each, TextTable) else wrapped(each, width) for each in blocks)
 
 
 def is_number(cell: str) -> bool:

@@ -138,17 +138,11 @@ except Exception as problem:  # packages raise errors of any class for damaged f
 
 @dataclass(frozen=True)
 class Outcome:
-    """Result of a process.
+    """Result of a process."""
 
-    Attributes:
-        folder: working folder, with the files that it wrote.
-        problem: the text of its exception; an empty text where there was none.
-        code: exit code, negative for a signal; None where it took too long.
-    """
-
-    folder: Path
-    problem: str
-    code: int | None
+    folder: Path  # working folder, with the files that it wrote
+    problem: str  # the text of its exception; an empty text where there was none
+    code: int | None  # exit code, negative for a signal; None where it took too long
 
 
 @contextmanager

@@ -104,14 +104,8 @@ def doubts_of(what: str, estimate: float) -> tuple[Notice, ...]:
 
 @dataclass(frozen=True)
 class Evidence:
-    """A measured number with its meaning.
+    """A measured number with its meaning."""
 
-    Attributes:
-        name: a short name.
-        value: the number.
-        text: its meaning, in a sentence.
-    """
-
-    name: str
-    value: float
-    text: str
+    name: str  # a short name
+    value: float  # the number
+    text: str  # its meaning, in a sentence

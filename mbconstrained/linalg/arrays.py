@@ -108,6 +108,21 @@ def diagonal_parts(matrix: Matrix, groups: Sequence[np.ndarray]) -> list[Matrix]
     return parts
 
 
+def block_diag(*blocks: np.ndarray) -> np.ndarray:
+    """The blocks on the diagonal of a full matrix.
+
+    >>> block_diag(np.ones((1, 2)), np.eye(1)).tolist()
+    [[1.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    """
+    result = np.zeros(np.sum([(0, 0), *map(np.shape, blocks)], axis=0), dtype=np.result_type(*blocks or (0.0,)))
+    row = column = 0
+    for block in blocks:
+        end, last = row + len(block), column + len(block.T)
+        result[row:end, column:last] = block
+        row, column = end, last
+    return result
+
+
 def others(size: int, places: np.ndarray) -> np.ndarray:
     """All indices below a size other than the given ones."""
     free = np.ones(size, dtype=bool)
@@ -147,4 +162,6 @@ def product(matrix: Matrix, columns: np.ndarray) -> np.ndarray:
     >>> product(np.array([[2.0]]), np.array([[1.0 + 1.0j]])).tolist()
     [[(2+2j)]]
     """
+    if isinstance(matrix, np.ndarray) and is_diagonal(matrix):
+        return matrix.diagonal()[:, None] * columns
     return (matrix @ np.ascontiguousarray(columns).view(float)).view(columns.dtype)

@@ -11,7 +11,8 @@ import scipy
 
 from ..ground.threads import one_thread
 from ..ground.tolerances import DECOUPLING_LIMIT, EPS, MODE_AMPLIFICATION, SEPARATION_STEPS, WEAK_COUPLING
-from .arrays import Matrix, compressed, entries, full, kept, of_like_kind
+from . import lapack
+from .arrays import Matrix, block_diag, compressed, entries, full, kept, of_like_kind
 from .precise import of_kind
 from .scaling import balancing_units
 
@@ -173,7 +174,7 @@ def _decoupling(top, bottom, corner):
     """X with top X - X bottom = -corner, or infinite entries where top and bottom share a zero."""
     if not corner.any():
         return np.zeros_like(corner)
-    solution, scale, info = scipy.linalg.lapack.dtrsyl(top, bottom, -corner, isgn=-1)
+    solution, scale, info = lapack.dtrsyl(top, bottom, -corner, isgn=-1)
     if info != 0 or scale == 0:
         return np.full(corner.shape, np.inf)
     return solution / scale
@@ -241,7 +242,7 @@ def _swap(T, basis, inverse, start, source, target) -> bool:
     """
     if source == target:
         return True
-    part, turn, info = scipy.linalg.lapack.dtrexc(T[start:, start:], np.eye(len(T) - start), source - start + 1, target - start + 1)
+    part, turn, info = lapack.dtrexc(T[start:, start:], np.eye(len(T) - start), source - start + 1, target - start + 1)
     T[start:, start:] = part
     basis[:, start:] = basis[:, start:] @ turn
     inverse[start:] = turn.T @ inverse[start:]
@@ -286,15 +287,13 @@ def _by_clusters(matrix: Matrix) -> BlockDiagonal:
 def _by_eigenvectors(matrix: Matrix) -> BlockDiagonal | None:
     """Decoupled form with LAPACK's real and imaginary parts of the vectors side by side as basis, without a complex matrix."""
     n = matrix.shape[0]
-    room = int(scipy.linalg.lapack.dgeev_lwork(n, compute_vl=0)[0])
+    room = int(lapack.dgeev_lwork(n, compute_vl=0)[0])
     with one_thread(n):
-        _, imaginary, _, basis, failed = scipy.linalg.lapack.dgeev(
-            np.array(full(matrix), order="F"), compute_vl=0, lwork=room, overwrite_a=1
-        )
-    factors, pivots, singular = scipy.linalg.lapack.dgetrf(basis)
+        _, imaginary, _, basis, failed = lapack.dgeev(np.array(full(matrix), order="F"), compute_vl=0, lwork=room, overwrite_a=1)
+    factors, pivots, singular = lapack.dgetrf(basis)
     if failed or singular:
         return None
-    inverse = scipy.linalg.lapack.dgetri(factors, pivots, lwork=room, overwrite_lu=1)[0]
+    inverse = lapack.dgetri(factors, pivots, lwork=room, overwrite_lu=1)[0]
     single, upper = (imaginary == 0).nonzero()[0], (imaginary > 0).nonzero()[0]
     worst = _worst_condition(basis, inverse, single, upper)
     if not worst <= DECOUPLING_LIMIT:
@@ -407,7 +406,7 @@ def _complex_modes(blocks: tuple[np.ndarray, ...]) -> tuple[np.ndarray, np.ndarr
     """U, U^-1 and s with U^-1 diag(blocks) U = diag(s) for blocks [a] and [[a, b], [-b, a]]."""
     turns = [np.array([[1.0, 1.0], [1j, -1j]]) if len(block) == 2 else np.eye(1) for block in blocks]
     rates = [block[0, 0] + 1j * block[0, 1] * np.array([1.0, -1.0]) if len(block) == 2 else block[0] for block in blocks]
-    turn = scipy.linalg.block_diag(*turns)
+    turn = block_diag(*turns)
     return turn, (turn / np.abs(turn).sum(axis=0)).conj().T, np.concatenate(rates)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import scipy
 
 from ..ground.tolerances import CANCELLED, EPS, GOOD_CONDITION, noise_of
+from . import lapack
 from .arrays import Matrix, entries, entry_count, full, is_diagonal, of_like_kind
 from .scaling import equilibration
 
@@ -26,7 +27,7 @@ def solution(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """matrix^-1 @ right for a real matrix; for small ones four times faster than ``numpy.linalg.solve``."""
     if not right.size:
         return np.zeros(right.shape)
-    result, info = (scipy.linalg.lapack.zgesv if right.dtype.kind == "c" else scipy.linalg.lapack.dgesv)(matrix, right)[2:]
+    result, info = (lapack.zgesv if right.dtype.kind == "c" else lapack.dgesv)(matrix, right)[2:]
     if info:
         raise np.linalg.LinAlgError("singular matrix")
     return result
@@ -104,8 +105,8 @@ def definite_condition(matrix: np.ndarray) -> float:
         return 1.0
     root = np.sqrt(diagonal)
     scaled = matrix / root / root[:, None]
-    factor, failed = scipy.linalg.lapack.dpotrf(scaled, clean=0)
-    reciprocal = 0.0 if failed else scipy.linalg.lapack.dpocon(factor, scipy.linalg.lapack.dlange("1", scaled))[0]
+    factor, failed = lapack.dpotrf(scaled, clean=0)
+    reciprocal = 0.0 if failed else lapack.dpocon(factor, lapack.dlange("1", scaled))[0]
     return 1 / reciprocal if reciprocal > 0 else np.inf
 
 
@@ -120,8 +121,8 @@ def _condition(matrix: np.ndarray) -> float:
         except np.linalg.LinAlgError:
             return np.inf
         return result if result > 0 else np.inf  # not a number where the entries are none
-    factors, _, info = scipy.linalg.lapack.dgetrf(matrix)
-    reciprocal = scipy.linalg.lapack.dgecon(factors, scipy.linalg.lapack.dlange("1", matrix))[0] if info == 0 else 0.0
+    factors, _, info = lapack.dgetrf(matrix)
+    reciprocal = lapack.dgecon(factors, lapack.dlange("1", matrix))[0] if info == 0 else 0.0
     return 1 / reciprocal if reciprocal > 0 else np.inf
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import scipy
 
 from ..ground.tolerances import CLEAR_DROPPED, CLEAR_KEPT, EPS, NOISE_SAFETY, PIVOT_PREFERENCE, PRECISE_DECOUPLING
+from . import lapack
 from .blocks import coupled
 from .precise import floats, is_precise, magnitude, midpoints, of_kind, precise, product, squared, unit
 from .scaling import equilibration
@@ -399,8 +400,8 @@ def _regular_by_far(matrix: Noisy) -> float | None:
     rows, columns = equilibration(matrix.size)
     scaled, noise = rows[:, None] * floats(matrix.data) * columns, rows[:, None] * matrix.noise * columns
     norm = np.abs(scaled).sum(axis=0).max()
-    factors, _, info = scipy.linalg.lapack.dgetrf(scaled)
-    reciprocal = scipy.linalg.lapack.dgecon(factors, norm)[0] if info == 0 else 0.0
+    factors, _, info = lapack.dgetrf(scaled)
+    reciprocal = lapack.dgecon(factors, norm)[0] if info == 0 else 0.0
     margin = reciprocal * norm / (NOISE_SAFETY * max(noise.sum(axis=0).max(), EPS * norm))
     return float(margin) if margin >= CLEAR_KEPT else None
 

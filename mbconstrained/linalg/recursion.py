@@ -15,7 +15,7 @@ from ..ground.tolerances import EPS, EXPONENTIAL_PRODUCTS, NARROW_PRODUCT, NEGLI
 from .arrays import Matrix, entries, entry_count, filled_columns, full, of_like_kind
 from .blocks import CHUNK_ENTRIES, BlockDiagonal, block_matrix, block_slices
 from .exponential import BlockGroups, block_states
-from .scaling import balanced_norm, balancing_units
+from .scaling import balanced, balanced_norm, balancing_units
 
 if TYPE_CHECKING:
     from .tree_modes import ResidueModes
@@ -258,10 +258,10 @@ class Propagator:
     """
 
     def __init__(self, generator: Matrix, step: float):
-        balanced, (self._units, _) = scipy.linalg.matrix_balance(full(generator), permute=False, separate=True)
-        balanced *= step
-        self._has_tiny_entries = _smallest(balanced) < NEGLIGIBLE_EXPONENTIAL ** (2 / 3)
-        self._step_matrix = self._without_remote(scipy.linalg.expm(balanced))
+        matrix, self._units = balanced(full(generator))
+        matrix *= step
+        self._has_tiny_entries = _smallest(matrix) < NEGLIGIBLE_EXPONENTIAL ** (2 / 3)
+        self._step_matrix = self._without_remote(scipy.linalg.expm(matrix))
 
     @property
     def matrix(self) -> np.ndarray:

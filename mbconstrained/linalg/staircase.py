@@ -12,10 +12,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-import scipy
 
 from ..ground.errors import IllConditioned
 from ..ground.tolerances import EPS, NOISE_SAFETY
+from . import lapack
 from .precise import inverse, is_precise, magnitude, of_kind, unit
 from .rank import Noisy, RankDecision, RowCompression, compress_rows, null_columns, rotate_rows, stacked
 
@@ -172,9 +172,7 @@ def _finished(work: _Work, n: int, deficiencies, decisions) -> SplitPencil:
     finite, infinite = slice(n), slice(n, None)
     F22 = work.F.data[infinite, infinite]
     if len(F22):
-        work.rows(
-            infinite, _with_rounding(inverse(F22) if is_precise(F22) else scipy.linalg.lapack.dtrtrs(F22, np.eye(len(F22)))[0])
-        )
+        work.rows(infinite, _with_rounding(inverse(F22) if is_precise(F22) else lapack.dtrtrs(F22, np.eye(len(F22)))[0]))
     nilpotent, above = work.E[infinite, infinite], ~np.tri(len(F22), dtype=bool)
     return SplitPencil(
         left=work.left,

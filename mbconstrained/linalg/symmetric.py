@@ -8,7 +8,8 @@ import numpy as np
 import scipy
 
 from ..ground.tolerances import EPS, LARGEST_CORRECTION, LAST_CORRECTION, REFINED_SPREAD, noise_of
-from .arrays import Matrix, entries, entry_count, full, is_diagonal, of_like_kind
+from . import lapack
+from .arrays import Matrix, block_diag, entries, entry_count, full, is_diagonal, of_like_kind
 from .blocks import BlockDiagonal, decoupled
 from .division import condition, congruence, exact_row_sums
 
@@ -188,7 +189,7 @@ def modes_of_elements(
         return None
     root = np.sqrt(mass)
     factor = np.sqrt(constants)[:, None] * directions / root
-    rates, _, vectors, scale, _, failed = scipy.linalg.lapack.dgejsv(factor, joba=2, jobu=3, jobv=0, jobt=0, jobp=0)
+    rates, _, vectors, scale, _, failed = lapack.dgejsv(factor, joba=2, jobu=3, jobv=0, jobt=0, jobp=0)
     rates = rates * (scale[0] / scale[1])
     if failed or not rates.min() > 0:
         return None
@@ -203,8 +204,8 @@ def _damped(M: Matrix, shapes: np.ndarray, stiffness: np.ndarray, modal: np.ndar
         return _of_modes(M, shapes, stiffness, np.diag(modal).copy())
     rates = np.diag(np.sqrt(stiffness))
     parts = decoupled(np.block([[np.zeros_like(rates), rates], [-rates, -modal]]))
-    columns, rows = scipy.linalg.block_diag(shapes / np.diag(rates), shapes), shapes.T @ full(M)
-    inverse = scipy.linalg.block_diag(np.diag(rates)[:, None] * rows, rows)
+    columns, rows = block_diag(shapes / np.diag(rates), shapes), shapes.T @ full(M)
+    inverse = block_diag(np.diag(rates)[:, None] * rows, rows)
     return BlockDiagonal(columns @ parts.basis, parts.inverse @ inverse, parts.blocks, parts.coupling, len(parts.blocks))
 
 
@@ -224,7 +225,7 @@ def undamped_shapes(M: Matrix, K: Matrix) -> np.ndarray | None:
         vectors = _vectors(of_like_kind(K * (1 / root[:, None]) * (1 / root), K))
         vectors /= root[:, None]
         return vectors
-    _, vectors, failed = scipy.linalg.lapack.dsygvd(full(K), full(M))
+    _, vectors, failed = lapack.dsygvd(full(K), full(M))
     return None if failed else vectors
 
 
@@ -266,7 +267,7 @@ def _vectors(matrix: Matrix) -> np.ndarray:
 
 
 def _symmetric_vectors(matrix: np.ndarray) -> np.ndarray:
-    _, vectors, failed = scipy.linalg.lapack.dsyevd(matrix)
+    _, vectors, failed = lapack.dsyevd(matrix)
     if failed:
         raise np.linalg.LinAlgError("the eigenvalues did not converge")
     return vectors

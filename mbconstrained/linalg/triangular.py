@@ -11,6 +11,8 @@ import scipy
 from ..ground.errors import IllConditioned
 from ..ground.threads import one_thread
 from ..ground.tolerances import DECOUPLING_LIMIT, PRECISE_DECOUPLING, PRECISE_GUARD_DIGITS, PRECISE_LEVELS, QR_STEPS, STRETCH_LIMIT
+from . import lapack
+from .arrays import block_diag
 from .blocks import BlockDiagonal, assembled, coupled_rows
 from .precise import (
     floats,
@@ -26,7 +28,7 @@ from .precise import (
     solved,
 )
 from .rank import Noisy, RankDecision
-from .scaling import equilibration
+from .scaling import balanced, equilibration
 from .staircase import SingularPencil, split_pencil
 
 # A precise matrix turned into block diagonal form, one block for each eigenvalue, complex pair or cluster.
@@ -258,8 +260,7 @@ def _rotation(block: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
 
 def _balancing_exponents(size: np.ndarray) -> np.ndarray:
     """Whole exponents e for which 2^-e A 2^e has rows and columns of about the same size (LAPACK's balancing)."""
-    scale = scipy.linalg.lapack.dgebal(size, scale=1, permute=0)[3]
-    return np.round(np.log2(scale))
+    return np.round(np.log2(balanced(size)[1]))
 
 
 # A regular pencil s E - F with regular E as s I - T, T in real Schur form.
@@ -318,7 +319,7 @@ def _by_scales(E: np.ndarray, F: np.ndarray) -> TriangularForm:
     if not len(E):
         return TriangularForm(E, E, E, 0)
     result = block_diagonal(solved(E, F))
-    T = precise(scipy.linalg.block_diag(*result.blocks))
+    T = precise(block_diag(*result.blocks))
     return TriangularForm(product(result.inverse, inverse(E)), result.basis, T, len(E))
 
 
@@ -372,7 +373,7 @@ def _schur(E: np.ndarray, F: np.ndarray) -> TriangularForm:
             "the zeros of A(s) differ by more orders of magnitude than float64 can hold; look for a mass, stiffness or "
             "ratio far out of proportion, or a wrong unit"
         )
-    divided = scipy.linalg.lapack.dtrtrs(P, np.concatenate([S, Q.T * rows], axis=1))[0]
+    divided = lapack.dtrtrs(P, np.concatenate([S, Q.T * rows], axis=1))[0]
     T, left = divided[:, :n], divided[:, n:]
     right = columns[:, None] * Z
     _standardize(T, S, left, right)
@@ -381,9 +382,9 @@ def _schur(E: np.ndarray, F: np.ndarray) -> TriangularForm:
 
 def _qz(F: np.ndarray, E: np.ndarray):
     """S, P, Q, Z with Q^T F Z = S quasi-triangular and Q^T E Z = P triangular."""
-    room = int(scipy.linalg.lapack.dgges(_never, F, E, lwork=-1)[-2][0])
+    room = int(lapack.dgges(_never, F, E, lwork=-1)[-2][0])
     with one_thread(len(F)):
-        S, P, *_, Q, Z, _, failed = scipy.linalg.lapack.dgges(_never, F, E, lwork=room)
+        S, P, *_, Q, Z, _, failed = lapack.dgges(_never, F, E, lwork=room)
     if failed:
         raise IllConditioned("float64 finds no zeros of A(s): the QZ algorithm does not converge; choose other units")
     return S, P, Q, Z
@@ -399,7 +400,7 @@ def _standardize(T, S, left, right) -> None:
     while at < len(T):
         if at + 1 < len(T) and S[at + 1, at] != 0:
             pair = slice(at, at + 2)
-            block, *_, turn, _, _ = scipy.linalg.lapack.dgees(_never, T[pair, pair], sort_t=0)
+            block, *_, turn, _, _ = lapack.dgees(_never, T[pair, pair], sort_t=0)
             T[pair] = turn.T @ T[pair]
             T[:, pair] = T[:, pair] @ turn
             T[pair, pair] = block

@@ -10,14 +10,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from ..ground.checks import counted
 from ..ground.display import Displayed
 from ..ground.errors import IllConditioned, NotUnique
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import ASSEMBLED_SPREAD, DOUBTFUL_SUM, EPS, LARGEST_SPREAD
-from ..linalg.arrays import full, kept
+from ..linalg.arrays import block_diag, full, kept
 from ..linalg.precise import is_worthwhile
 from ..linalg.rank import Noisy, null_columns
 from ..linalg.scaling import equilibration
@@ -117,7 +116,7 @@ def _stacked(matrix: np.ndarray | ElementMatrix, V, A, selected) -> np.ndarray |
     rows = A * selected[:, None]
     if not isinstance(matrix, ElementMatrix):
         return np.vstack([_projected(V, matrix)[0], rows])
-    left = scipy.linalg.block_diag(_projected(V, matrix.directions.T)[0], np.eye(len(rows)))
+    left = block_diag(_projected(V, matrix.directions.T)[0], np.eye(len(rows)))
     return Factors(left, np.concatenate([matrix.constants, np.ones(len(rows))]), np.vstack([matrix.directions, rows]))
 
 

@@ -229,7 +229,7 @@ class _CoordinateProducts(NamedTuple):
             forces, terms = rows.T @ stretch, abs(rows).T @ np.abs(stretch)
         else:
             matrix = kept(np.ldexp(self.whole, -self.unit))
-            forces, terms = product(matrix, shapes), abs(matrix) @ size
+            forces, terms = product(matrix, shapes), product(abs(matrix), size)
         values = (shapes.conj() * forces).real
         return values, _clear_sums(values, size * terms)
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -105,7 +106,9 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     equations = [f"motion of {name}" for name in system.names] + [f"constraint {row.name}" for row in rows]
     equations += [f"force of {name}" for name in forces]
     input_names, output_names = (tuple(channel.name for channel in own) for own in (known_inputs, known_outputs))
-    table = np.array([[_unit(output, input, chosen, levels) for input in known_inputs] for output in known_outputs])
+    unit = cache(partial(_unit, quantity=chosen, levels=tuple(levels)))
+    kinds = [[(one.unit, one.row, one.element is not None) for one in own] for own in (known_outputs, known_inputs)]
+    table = np.array([[unit(output, input) for input in kinds[1]] for output in kinds[0]])
     if not chosen.inverse:
         distinct = names if len(set(names)) == len(names) else equations
         A = PolynomialMatrix(coefficients, distinct, equations)
@@ -210,11 +213,11 @@ def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Channel])
         )
 
 
-def _unit(output: Channel, input: Channel, quantity: Quantity, levels: Sequence[int]) -> str:
-    """The unit of an output, or its derivative, by an input."""
-    is_motion = output.row is None and output.element is None
-    above = rate_unit(output.unit, quantity.order) if is_motion else force_unit(output.unit)
-    below = force_unit(input.unit) if input.row is None else rate_unit(input.unit, levels[input.row])
+def _unit(output: tuple, input: tuple, quantity: Quantity, levels: Sequence[int]) -> str:
+    """The unit of an output, or its derivative, by an input; of each the unit, the constraint row and whether it is an element."""
+    (above, row, is_element), (below, motion, _) = output, input
+    above = rate_unit(above, quantity.order) if row is None and not is_element else force_unit(above)
+    below = force_unit(below) if motion is None else rate_unit(below, levels[motion])
     return ratio_unit(below, above) if quantity.inverse else ratio_unit(above, below)
 
 

@@ -23,6 +23,7 @@ from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError, Overflow, within_float64
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import CLEAR_KEPT, EPS, NOISE_SAFETY
+from ..linalg.arrays import block_diag
 from ..linalg.blocks import block_slices
 from ..linalg.exponential import block_states
 from ..polynomial.jordan_pairs import FinitePair
@@ -284,7 +285,7 @@ def gramian(blocks: Sequence[np.ndarray], driven: np.ndarray, T: float) -> np.nd
     n = len(driven)
     if not n:
         return np.zeros((0, 0))
-    J = scipy.linalg.block_diag(*blocks)
+    J = block_diag(*blocks)
     doublings = max(0, int(np.ceil(np.log2(max(2 * np.abs(J).sum(axis=1).max() * T, 1.0)))))
     h = T / 2.0**doublings
     power = scipy.linalg.expm(h * np.block([[-J, driven @ driven.T], [np.zeros((n, n)), J.T]]))

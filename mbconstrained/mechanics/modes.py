@@ -31,7 +31,8 @@ from ..ground.tolerances import (
     noise_of,
     rounding_radius,
 )
-from ..linalg.arrays import full, kept, product
+from ..linalg import lapack
+from ..linalg.arrays import block_diag, entries, full, kept, product
 from ..linalg.blocks import block_slices
 from ..linalg.division import definite_condition, is_symmetric, solved
 from ..linalg.exponential import BlockGroups
@@ -243,11 +244,13 @@ class Modes(Presented, Sequence):
         result, (places, s, u) = np.zeros(len(self.modes)), self._columns
         if self.polynomial_matrix is None or not len(places):
             return result
-        moduli, size = np.abs(s), np.abs(u)
-        powers = [(k, kept(matrix)) for k, matrix in enumerate(self.polynomial_matrix.coefficients) if matrix.any()]
-        left = sum(s**k * product(matrix, u) for k, matrix in powers)
-        terms = np.linalg.norm(sum(moduli**k * (abs(matrix) @ size) for k, matrix in powers), axis=0)
-        np.maximum.at(result, places, np.linalg.norm(left, axis=0) / np.where(terms > 0, terms, 1.0))
+        size, left, terms = np.abs(u), np.zeros(u.shape), np.zeros(u.shape)
+        for k, matrix in ((k, kept(matrix)) for k, matrix in enumerate(self.polynomial_matrix.coefficients) if matrix.any()):
+            power = s**k
+            left = left + (power if power.imag.any() else power.real) * product(matrix, u)  # of undamped modes all is real
+            terms += np.abs(power) * product(abs(matrix), size)
+        left, terms = np.linalg.norm(left, axis=0), np.linalg.norm(terms, axis=0)
+        np.maximum.at(result, places, left / np.where(terms > 0, terms, 1.0))
         return result
 
     @cached_property
@@ -357,7 +360,7 @@ def modes_of(system: EquationsOfMotion) -> Modes:
     for value, multiplicity, shapes, precise in moving:
         value = cleaned(value, multiplicity, conservation, precise)
         modes.append(Mode(kind_of(value), value, multiplicity, shapes, system))
-    return Modes(tuple(modes), system.names, polynomial_matrix=A)
+    return Modes(tuple(modes), system.names, polynomial_matrix=A, system=system)
 
 
 #: With at most so many entries in a row, forms of a matrix are sums over differences of coordinates.
@@ -372,7 +375,9 @@ def _is_definite(A: PolynomialMatrix) -> bool:
     if A.degree != 2 or any(factors is not None for factors in A.factors) or A.uncertainty.any():
         return False
     K, C, M = A.coefficients
-    if not (is_symmetric(M) and is_symmetric(C) and is_symmetric(K)):
+    if (A.coefficients != A.coefficients.transpose(0, 2, 1)).any() and not (
+        is_symmetric(M) and is_symmetric(C) and is_symmetric(K)
+    ):
         return False
     return definite_condition(M) <= DIVISOR_CONDITION and definite_condition(K) <= STIFFNESS_CONDITION
 
@@ -450,8 +455,8 @@ def _damped_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarr
     S[n:] = -solved(M, np.concatenate([K, C], axis=1))
     if not np.isfinite(S).all():
         return None, None
-    room = int(scipy.linalg.lapack.dgeev_lwork(2 * n, compute_vl=0)[0])
-    real, imaginary, _, vectors, failed = scipy.linalg.lapack.dgeev(S, compute_vl=0, lwork=room, overwrite_a=1)
+    room = int(lapack.dgeev_lwork(2 * n, compute_vl=0)[0])
+    real, imaginary, _, vectors, failed = lapack.dgeev(S, compute_vl=0, lwork=room, overwrite_a=1)
     if failed:
         return None, None
     upper = (imaginary >= 0).nonzero()[0]
@@ -464,11 +469,12 @@ def _forms(matrix: np.ndarray, X: np.ndarray) -> np.ndarray:
     """x^T A x for each column; of a sparse A by differences of coordinates, in which nothing of a slow motion cancels."""
     if np.count_nonzero(matrix) > (2 * FEW_DIFFERENCES + 1) * len(matrix):
         return np.einsum("ij,ij->j", X, matrix @ X)
-    row, column = np.triu(matrix != 0, 1).nonzero()
-    if not len(row):
+    row, column, values = entries(matrix)
+    upper, sums = row < column, np.zeros(len(matrix), dtype=np.longdouble)
+    if not upper.any():
         return matrix.diagonal() @ X**2
-    sums = np.add.reduce(matrix, axis=1, dtype=np.longdouble).astype(float)
-    return sums @ X**2 - matrix[row, column] @ (X[row] - X[column]) ** 2
+    np.add.at(sums, row, values)
+    return sums.astype(float) @ X**2 - values[upper] @ (X[row[upper]] - X[column[upper]]) ** 2
 
 
 def _grouped(values: np.ndarray, shapes: np.ndarray) -> Iterator[Moving]:
@@ -516,7 +522,7 @@ def _by_pairs(A: PolynomialMatrix) -> tuple[list[Moving], list[Mode]]:
     values = np.concatenate([np.linalg.eigvals(block) for block in pair.blocks] or [np.zeros(0)])
     for place in (one for one in pair.zeros if one.value):
         chosen = np.unique(owner[np.argsort(np.abs(values - place.value), kind="stable")[: place.multiplicity]])
-        J = scipy.linalg.block_diag(*(pair.blocks[i] for i in chosen))
+        J = block_diag(*(pair.blocks[i] for i in chosen))
         C = np.hstack([pair.C[:, columns[i]] for i in chosen])
         value = place.value if place.value.imag else place.value.real
         vectors = scipy.linalg.svd(J - value * np.eye(len(J)))[2].conj().T[:, len(J) - len(place.partial_multiplicities) :]
@@ -619,7 +625,7 @@ def _positive(matrix: np.ndarray) -> bool:
     sums = np.abs(matrix).sum(axis=0)
     noise, shifted = noise_of(float(sums.max()), len(matrix)), matrix.copy()
     shifted.reshape(-1)[:: len(matrix) + 1] -= noise
-    if not scipy.linalg.lapack.dpotrf(shifted, clean=0)[1]:
+    if not lapack.dpotrf(shifted, clean=0)[1]:
         return True
     lowest = np.linalg.eigvalsh(matrix)[0]
     if lowest < -noise or len(matrix) > EXTENDED_SIZE:

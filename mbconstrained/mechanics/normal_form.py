@@ -17,6 +17,7 @@ from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import IllConditioned, InputError
 from ..ground.notices import Evidence, Notice, NoticeKind
 from ..ground.tolerances import DEFECTIVE_CONDITION, EPS, NOISE_SAFETY, PAIRED_EIGENVALUES, SINGULAR_CONDITION
+from ..linalg.arrays import block_diag
 from ..linalg.blocks import decoupled, eigenvalues
 from ..signals.inputs import ImpulsiveSmooth, step
 from .energy import EnergyParts
@@ -362,11 +363,11 @@ class NormalForm(Displayed):
         if self.infinite:
             N, noise = self.infinite.nilpotent, self.infinite.noise
             M, C, K = (
-                scipy.linalg.block_diag(M, 0.0 * N),
-                scipy.linalg.block_diag(C, -N),
-                scipy.linalg.block_diag(K, np.eye(massless)),
+                block_diag(M, 0.0 * N),
+                block_diag(C, -N),
+                block_diag(K, np.eye(massless)),
             )
-            doubt = {key: scipy.linalg.block_diag(doubt[key], own) for key, own in (("stiffness", 0.0 * noise), ("damping", noise))}
+            doubt = {key: block_diag(doubt[key], own) for key, own in (("stiffness", 0.0 * noise), ("damping", noise))}
         return MechanicalSystem(M, C, K, names=names, units=units, uncertainty=doubt, energy_parts=EnergyParts({}, {}))
 
     def state_space(self) -> StateSpace:
@@ -394,11 +395,11 @@ class NormalForm(Displayed):
         own = part.states if part.output_matrix is None else part.output_matrix
         m = part.size
         return StateSpace(
-            scipy.linalg.block_diag(self.state_matrix, np.eye(m)),
+            block_diag(self.state_matrix, np.eye(m)),
             np.vstack([self.input_matrix, -part.input_matrix]),
             np.hstack([C, own]),
             part.feedthrough,
-            descriptor=scipy.linalg.block_diag(np.eye(2 * self.size), part.nilpotent),
+            descriptor=block_diag(np.eye(2 * self.size), part.nilpotent),
             states=[*states, *(f"z{place + 1}" for place in range(m))],
         )
 

@@ -21,6 +21,7 @@ from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.threads import short_work
 from ..ground.tolerances import EPS, NEWTON_STEP, noise_of
+from ..linalg.arrays import block_diag
 from ..polynomial.variation import FamilyPart, MatrixFamily, followed, located, refined_values, stability_limits
 from .equations import EquationsOfMotion
 from .parameter import Parameter, ascending
@@ -339,7 +340,7 @@ def _damped_points(coefficients, part: FamilyPart, order: float) -> list[tuple[c
     n, zero = len(K), np.zeros_like(K)
     rate = np.sqrt(np.abs(K).max() / (np.abs(B).max() or 1.0)) or 1.0
     left = np.block([[zero, np.eye(n)], [-K / rate**2, -D / rate]])
-    right = scipy.linalg.block_diag(np.eye(n), B)
+    right = block_diag(np.eye(n), B)
     alpha, beta = scipy.linalg.eigvals(left, right, homogeneous_eigvals=True)
     starts = np.array([rate * a / b for a, b in zip(alpha, beta) if abs(b) > EPS * abs(a)])
     located_points: list[tuple[float, complex, np.ndarray]] = []

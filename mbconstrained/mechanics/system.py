@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -187,8 +186,7 @@ class MechanicalSystem(EquationsOfMotion):
             from .modes import modes_with_delays
 
             return modes_with_delays(self, DEFAULT_ROOT_COUNT if count is None else count)
-        undamped = None if damped else MechanicalSystem(self.given[2], None, self.given[0], self.constraints, self.names)
-        modes = replace(modes_of(undamped or self), system=undamped or self)
+        modes = modes_of(self if damped else MechanicalSystem(self.given[2], None, self.given[0], self.constraints, self.names))
         return modes if count is None else modes.lowest(count)
 
     def characteristic_roots(self, count: int = 10) -> CharacteristicRoots:

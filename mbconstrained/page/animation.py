@@ -25,22 +25,15 @@ LARGEST = 1e290
 
 @dataclass(frozen=True)
 class Arrow:
-    """A force, a moment or an impulse of either on a body; a moment is an arrow around an axis.
+    """A force, a moment or an impulse of either on a body; a moment is an arrow around an axis."""
 
-    Attributes:
-        body: name of the body.
-        direction: of a positive force, or the axis about which a positive moment turns counter-clockwise; any length but zero.
-            None for a vector given by its components along the axes of the body's frame, with which it turns.
-        unit: such as "N" or "N m s".
-        turns: whether it is a moment.
-        point: start of the arrow in the frame of the body.
-    """
-
-    body: str
+    body: str  # name of the body
+    # of a positive force, or the axis about which a positive moment turns counter-clockwise; any length but zero. None for a vector
+    # given by its components along the axes of the body's frame, with which it turns
     direction: Vector | None
-    unit: str
-    turns: bool = False
-    point: Vector = (0.0, 0.0, 0.0)
+    unit: str  # such as "N" or "N m s"
+    turns: bool = False  # whether it is a moment
+    point: Vector = (0.0, 0.0, 0.0)  # start of the arrow in the frame of the body
 
     @property
     def unit_direction(self) -> np.ndarray | None:
@@ -80,37 +73,25 @@ class ImpulseArrow(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class DrawnEvent:
-    """Jumps and impulses at one time.
+    """Jumps and impulses at one time."""
 
-    Attributes:
-        time: in s.
-        lines: sentences without a full stop, shown with the picture.
-        before, after: the coordinates just before and just after, each (r,).
-        impulses: the impulsive loads.
-        paths: by body name, of bodies that have paths, the poses just before and just after.
-    """
-
-    time: float
-    lines: tuple[str, ...]
+    time: float  # in s
+    lines: tuple[str, ...]  # sentences without a full stop, shown with the picture
+    # the coordinates just before and just after, each (r,)
     before: np.ndarray
     after: np.ndarray
-    impulses: tuple[ImpulseArrow, ...] = ()
+    impulses: tuple[ImpulseArrow, ...] = ()  # the impulsive loads
+    # by body name, of bodies that have paths, the poses just before and just after
     paths: Mapping[str, Path] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Overlay:
-    """Overlay of an animation.
+    """Overlay of an animation."""
 
-    Attributes:
-        events: jumps and impulses, in the order of time.
-        forces: forces shown at all times.
-        description: description of the forces, for the line over the picture.
-    """
-
-    events: tuple[DrawnEvent, ...] = ()
-    forces: tuple[ForceArrows, ...] = ()
-    description: str = "reactions"
+    events: tuple[DrawnEvent, ...] = ()  # jumps and impulses, in the order of time
+    forces: tuple[ForceArrows, ...] = ()  # forces shown at all times
+    description: str = "reactions"  # description of the forces, for the line over the picture
 
     def __bool__(self) -> bool:
         return bool(self.events or self.forces)
@@ -118,27 +99,16 @@ class Overlay:
 
 @dataclass(frozen=True, eq=False)
 class Animation:
-    """A drawing and the motion of its coordinates.
+    """A drawing and the motion of its coordinates."""
 
-    Attributes:
-        drawing: bodies and links.
-        names: r coordinate names; the page also lists those that the drawing does not use.
-        times: shape (T,), ascending, in s.
-        values: shape (r, T), in the units of the coordinates.
-        rates: their time derivatives, shape (r, T); estimated from the values when None. With them the motion between
-            the times is exact to fourth order in their spacing.
-        overlay: forces, jumps and impulses that are drawn over the model.
-
-    Raises:
-        InputError: shapes that do not match, NaN, infinity or numbers beyond 1e290, times that do not ascend.
-    """
-
-    drawing: Drawing
-    names: tuple[str, ...]
-    times: np.ndarray
-    values: np.ndarray
+    drawing: Drawing  # bodies and links
+    names: tuple[str, ...]  # r coordinate names; the page also lists those that the drawing does not use
+    times: np.ndarray  # shape (T,), ascending, in s
+    values: np.ndarray  # shape (r, T), in the units of the coordinates
+    # their time derivatives, shape (r, T); estimated from the values when None. With them the motion between the times is exact to
+    # fourth order in their spacing
     rates: np.ndarray | None = None
-    overlay: Overlay = Overlay()
+    overlay: Overlay = Overlay()  # forces, jumps and impulses that are drawn over the model
 
     def __post_init__(self):
         times = ascending_times(self.times, "animation, times")
@@ -419,45 +389,27 @@ class ModePicture:
 
 @dataclass(frozen=True, eq=False)
 class Shapes:
-    """Mode shapes in a list, of which the selected one moves.
+    """Mode shapes in a list, of which the selected one moves."""
 
-    Attributes:
-        drawing: bodies and links; a body without a path in a mode moves on its own path or with the coordinates.
-        names: r coordinate names.
-        modes: in the order in which they are listed.
-        word: the kind of the entries, "mode"; others, such as "variant", have a slider too.
-    """
-
-    drawing: Drawing
-    names: tuple[str, ...]
-    modes: tuple[ModePicture, ...] = ()
-    word: str = MODE
+    drawing: Drawing  # bodies and links; a body without a path in a mode moves on its own path or with the coordinates
+    names: tuple[str, ...]  # r coordinate names
+    modes: tuple[ModePicture, ...] = ()  # in the order in which they are listed
+    word: str = MODE  # the kind of the entries, "mode"; others, such as "variant", have a slider too
 
 
 @dataclass(frozen=True, eq=False)
 class Deflections:
-    """Operating deflection shapes: the steady motion Re(u e^{i w t}) under a unit of one input at a time.
+    """Operating deflection shapes: the steady motion Re(u e^{i w t}) under a unit of one input at a time."""
 
-    Attributes:
-        drawing: bodies that move with the coordinates, at rest.
-        names: names of the n coordinates.
-        inputs: texts of m inputs with a unit of each, such as "1 N on cart".
-        axis: unit of the frequencies on the axis of the plots.
-        frequencies: frequencies of F lines, ascending, in this unit.
-        periods: periods of a cycle at each line, s.
-        shapes: complex, shape (m, F, n), as large as the drawing allows.
-        factors: by which each is magnified, besides the drawing, shape (m, F).
-        peaks: frequency in this unit and number of the input of each row of the first table of the page, from which a peak is selected.
-    """
-
-    drawing: Drawing
-    names: tuple[str, ...]
-    inputs: tuple[str, ...]
-    axis: str
-    frequencies: np.ndarray
-    periods: np.ndarray
-    shapes: np.ndarray
-    factors: np.ndarray
+    drawing: Drawing  # bodies that move with the coordinates, at rest
+    names: tuple[str, ...]  # names of the n coordinates
+    inputs: tuple[str, ...]  # texts of m inputs with a unit of each, such as "1 N on cart"
+    axis: str  # unit of the frequencies on the axis of the plots
+    frequencies: np.ndarray  # frequencies of F lines, ascending, in this unit
+    periods: np.ndarray  # periods of a cycle at each line, s
+    shapes: np.ndarray  # complex, shape (m, F, n), as large as the drawing allows
+    factors: np.ndarray  # by which each is magnified, besides the drawing, shape (m, F)
+    # frequency in this unit and number of the input of each row of the first table of the page, from which a peak is selected
     peaks: tuple[tuple[float, int], ...] = ()
 
     def nearest(self, frequency: float) -> int:

@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -86,22 +87,15 @@ MOST_DECADES = 18
 
 @dataclass(frozen=True)
 class Axis:
-    """A range and its ticks.
+    """A range and its ticks."""
 
-    Attributes:
-        low, high: the range; every tick lies in it.
-        ticks: values of the ticks.
-        labels: their texts, in units of 10^exponent.
-        exponent: a multiple of three, or 0 for labels without a common power of ten.
-        scale: "linear", "log" for even steps of the logarithm, or "rows" for whole numbers that stand for names.
-    """
-
+    # the range; every tick lies in it
     low: float
     high: float
-    ticks: tuple[float, ...]
-    labels: tuple[str, ...]
-    exponent: int
-    scale: Scale = "linear"
+    ticks: tuple[float, ...]  # values of the ticks
+    labels: tuple[str, ...]  # their texts, in units of 10^exponent
+    exponent: int  # a multiple of three, or 0 for labels without a common power of ten
+    scale: Scale = "linear"  # "linear", "log" for even steps of the logarithm, or "rows" for whole numbers that stand for names
 
     def shares(self, values: np.ndarray) -> np.ndarray:
         """Positions on the axis, from 0 at its low end to 1 at its high end; on a logarithmic axis smaller values are at that end.
@@ -205,56 +199,36 @@ MOST_SHOWN = 8
 
 @dataclass(frozen=True, eq=False)
 class RecordResponse:
-    """A linear motion under a force that restarts often.
+    """A linear motion under a force that restarts often."""
 
-    Attributes:
-        knots: times in s at which the force restarts, ascending, shape (K,).
-        force: its states after each, shape (m, K).
-        states: states of the motion, shape (p, T), at ascending times (T,).
-    """
-
-    knots: np.ndarray
-    force: np.ndarray
-    states: Callable[[np.ndarray], np.ndarray]
+    knots: np.ndarray  # times in s at which the force restarts, ascending, shape (K,)
+    force: np.ndarray  # its states after each, shape (m, K)
+    states: Callable[[np.ndarray], np.ndarray]  # states of the motion, shape (p, T), at ascending times (T,)
 
 
 @dataclass(frozen=True, eq=False)
 class TimeFunctions:
-    """Functions of time that curves show.
+    """Functions of time that curves show."""
 
-    Attributes:
-        at: their values, shape (r, T), at ascending times (T,).
-        breaks: times at which one of them or a derivative of it may jump, ascending.
-        noise: their error, relative to the largest value of any of them.
-        record: the motion that they belong to, where its force is a record.
-    """
-
-    at: Callable[[np.ndarray], np.ndarray]
-    breaks: np.ndarray
-    noise: float = 1e-13
-    record: RecordResponse | None = None
+    at: Callable[[np.ndarray], np.ndarray]  # their values, shape (r, T), at ascending times (T,)
+    breaks: np.ndarray  # times at which one of them or a derivative of it may jump, ascending
+    noise: float = 1e-13  # their error, relative to the largest value of any of them
+    record: RecordResponse | None = None  # the motion that they belong to, where its force is a record
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Curve of a plot.
+    """Curve of a plot."""
 
-    Attributes:
-        name: name for the legend.
-        values: shape (T,), at the plot's times.
-        color: number of its colour and dashes; for a coordinate its number in the animation, so that the curve has the
-            colour of the body that it moves. None for its number in the plot.
-        function: its values at all times, as functions and a row of them; None for straight lines between the values.
-        along: its values along the horizontal axis of a phase plane, shape (T,); None for those of the plot.
-        drawn: where it is drawn, shape (T,); None for everywhere.
-    """
-
-    name: str
-    values: np.ndarray
+    name: str  # name for the legend
+    values: np.ndarray  # shape (T,), at the plot's times
+    # number of its colour and dashes; for a coordinate its number in the animation, so that the curve has the colour of the body
+    # that it moves. None for its number in the plot
     color: int | None = None
+    # its values at all times, as functions and a row of them; None for straight lines between the values
     function: tuple[TimeFunctions, int] | None = None
-    along: np.ndarray | None = None
-    drawn: np.ndarray | None = None
+    along: np.ndarray | None = None  # its values along the horizontal axis of a phase plane, shape (T,); None for those of the plot
+    drawn: np.ndarray | None = None  # where it is drawn, shape (T,); None for everywhere
 
     @property
     def parts(self) -> list[tuple[int, int]]:
@@ -321,39 +295,25 @@ Shape = Literal["circle", "cross", "diamond", "dot", "text"]
 
 @dataclass(frozen=True, eq=False)
 class Marks:
-    """Marks at points of a plot.
+    """Marks at points of a plot."""
 
-    Attributes:
-        name: for the legend; an empty string for none.
-        points: shape (P, 2).
-        texts: of each point, shown where the pointer rests on it; none by default.
-        shape: of the marks.
-        curve: number of the curve to which they belong, whose colour they have; None for none.
-    """
-
-    name: str
-    points: np.ndarray
-    texts: tuple[str, ...] = ()
-    shape: Shape = "circle"
-    curve: int | None = None
+    name: str  # for the legend; an empty string for none
+    points: np.ndarray  # shape (P, 2)
+    texts: tuple[str, ...] = ()  # of each point, shown where the pointer rests on it; none by default
+    shape: Shape = "circle"  # of the marks
+    curve: int | None = None  # number of the curve to which they belong, whose colour they have; None for none
 
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """A map: cells whose colour shows a value.
+    """A map: cells whose colour shows a value."""
 
-    Attributes:
-        across, up: edges of the columns and of the rows, ascending, shapes (C + 1,) and (R + 1,).
-        values: shape (R, C); grey where NaN.
-        texts: of each cell, shown where the pointer rests on it, R rows of C.
-        unit: of the values, such as "Hz".
-    """
-
+    # edges of the columns and of the rows, ascending, shapes (C + 1,) and (R + 1,)
     across: np.ndarray
     up: np.ndarray
-    values: np.ndarray
-    texts: Sequence[Sequence[str]]
-    unit: str = ""
+    values: np.ndarray  # shape (R, C); grey where NaN
+    texts: Sequence[Sequence[str]]  # of each cell, shown where the pointer rests on it, R rows of C
+    unit: str = ""  # of the values, such as "Hz"
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -364,54 +324,31 @@ class Cells:
 
 @dataclass(frozen=True, eq=False)
 class Plot:
-    """Curves over time or another variable, or in a phase plane.
+    """Curves over time or another variable, or in a phase plane."""
 
-    Attributes:
-        title: heading, such as "displacement".
-        unit: unit of the curves, such as "m"; an empty string for a pure number.
-        times: shape (T,), ascending, in s; of a plot over another variable its values.
-        curves: their values have the shape of the times.
-        across: of a phase plane, a curve along the horizontal axis, whose name is its title; None for the time.
-        across_unit: of the horizontal axis.
-        quantity: title of the vertical axis; an empty string for that of the plot.
-        variable: quantity along the horizontal axis, such as "frequency"; of a phase plane the one along its curves.
-        scales: of the horizontal and of the vertical axis, see ``Axis``; values that are not positive are at the low end of a
-            logarithmic axis.
-        guides: further lines.
-        marks: marks at points.
-        note: a sentence below.
-        includes: values that the vertical axis reaches in any case.
-        shown: number of curves that are shown at first.
-        bands: ranges of the horizontal axis with a background of their own.
-        is_large: whether the picture is high and as wide as the page.
-        variable_unit: in a phase plane, unit of the variable, whose value is shown at the pointer; None for no such text.
-        cells: a map behind the curves, which fills the axes.
-        image: successive plots with the same text here are panels of one image.
-
-    Raises:
-        InputError: shapes that do not match, NaN, infinity or numbers beyond 1e290, times that do not ascend; no positive value for
-            a logarithmic axis.
-    """
-
-    title: str
-    unit: str
-    times: np.ndarray
-    curves: tuple[Curve, ...]
-    across: Curve | None = None
-    across_unit: str = "s"
-    quantity: str = ""
-    variable: str = "time"
+    title: str  # heading, such as "displacement"
+    unit: str  # unit of the curves, such as "m"; an empty string for a pure number
+    times: np.ndarray  # shape (T,), ascending, in s; of a plot over another variable its values
+    curves: tuple[Curve, ...]  # their values have the shape of the times
+    across: Curve | None = None  # of a phase plane, a curve along the horizontal axis, whose name is its title; None for the time
+    across_unit: str = "s"  # of the horizontal axis
+    quantity: str = ""  # title of the vertical axis; an empty string for that of the plot
+    variable: str = "time"  # quantity along the horizontal axis, such as "frequency"; of a phase plane the one along its curves
+    # of the horizontal and of the vertical axis; values that are not positive are at the low end of a logarithmic one
     scales: tuple[Scale, Scale] = ("linear", "linear")
-    guides: tuple[Guide, ...] = ()
-    marks: tuple[Marks, ...] = ()
-    note: str = ""
-    includes: tuple[float, ...] = ()
-    shown: int = MOST_SHOWN
-    bands: tuple[tuple[float, float], ...] = ()
-    is_large: bool = False
+    guides: tuple[Guide, ...] = ()  # further lines
+    marks: tuple[Marks, ...] = ()  # marks at points
+    note: str = ""  # a sentence below
+    includes: tuple[float, ...] = ()  # values that the vertical axis reaches in any case
+    shown: int = MOST_SHOWN  # number of curves that are shown at first
+    bands: tuple[tuple[float, float], ...] = ()  # ranges of the horizontal axis with a background of their own
+    is_large: bool = False  # whether the picture is high and as wide as the page
+    # in a phase plane, unit of the variable, whose value is shown at the pointer; None for no such text
     variable_unit: str | None = None
-    cells: Cells | None = None
-    image: str = ""
+    cells: Cells | None = None  # a map behind the curves, which fills the axes
+    image: str = ""  # successive plots with the same text here are panels of one image
+    # begins of phases along the horizontal axis, ascending, with their names; a coloured band below the axes shows them
+    phases: tuple[tuple[float, str], ...] = ()
 
     def __post_init__(self):
         times = ascending_times(self.times, f'plot "{self.title[:60]}", {"times" if self.variable == "time" else self.variable}')
@@ -434,6 +371,21 @@ class Plot:
     def along(self, curve: Curve) -> np.ndarray:
         """The values of a curve along the horizontal axis."""
         return curve.along if curve.along is not None else self.across.values if self.across else self.times
+
+    @property
+    def phase_ranges(self) -> dict[str, list[tuple[float, float]]]:
+        """The ranges of each phase within the drawn ones, by its name.
+
+        >>> row = np.array([0.0, 4.0])
+        >>> Plot("gap", "m", row, (Curve("a", row),), phases=((0.0, "open"), (1.0, "closed"), (3.0, "open"))).phase_ranges
+        {'open': [(0.0, 1.0), (3.0, 4.0)], 'closed': [(1.0, 3.0)]}
+        """
+        first, last = float(self.times[0]), float(self.times[-1])
+        ranges: dict[str, list[tuple[float, float]]] = {}
+        for (begin, name), (end, _) in pairwise((*self.phases, (math.inf, ""))):
+            if begin < last and end > first:
+                ranges.setdefault(name, []).append((max(begin, first), min(end, last)))
+        return ranges
 
     @property
     def across_name(self) -> str:
@@ -466,17 +418,11 @@ def _range(values: np.ndarray, scale: Scale) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Formulas:
-    """Formulas in MathML.
+    """Formulas in MathML."""
 
-    Attributes:
-        title: heading.
-        lines: elements <math>, which the page includes as they are.
-        note: a sentence below, or an empty string.
-    """
-
-    title: str
-    lines: tuple[str, ...]
-    note: str = ""
+    title: str  # heading
+    lines: tuple[str, ...]  # elements <math>, which the page includes as they are
+    note: str = ""  # a sentence below, or an empty string
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ import json
 import math
 import re
 from collections.abc import Sequence
+from itertools import zip_longest
 from pathlib import Path
 from typing import Literal
 
@@ -82,9 +83,12 @@ def table_section(table: TextTable, kind: str = "") -> str:
     columns = list(zip(*table.rows)) or [()] * len(table.columns)
     kinds = [_kind(column) for column in columns]
     head = "".join(f'<th scope="col"{kind}>{typeset(text)}</th>' for kind, text in zip(kinds, table.columns))
-    rows = "".join(
-        "<tr>" + "".join(f"<td{kind}>{typeset(cell)}</td>" for kind, cell in zip(kinds, row)) + "</tr>\n" for row in table.rows
-    )
+    rows = ""
+    for row, time in zip_longest(table.rows, table.times):
+        cells = [typeset(cell) for cell in row]
+        if time is not None:
+            cells[0] = f'<a href="#t={time!r}">{cells[0]}</a>'
+        rows += "<tr>" + "".join(f"<td{kind}>{cell}</td>" for kind, cell in zip(kinds, cells)) + "</tr>\n"
     body = f"<table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table>"
     content = f"{_scrollable(table.title)}{body}</div>{_note(table.note)}" if table.columns else _note(table.note)
     title = f"<h2>{html.escape(table.title)}</h2>"

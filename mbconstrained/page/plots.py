@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from ..ground.display import with_unit
+from .animation import packed
 from .content import (
     LEAST_SHARE,
     MOST_SHOWN,
@@ -77,6 +78,22 @@ MARKS["dot"] = "M-2 0a2 2 0 1 0 4 0a2 2 0 1 0-4 0z"
 #: Colours of the cells of a map, from low to high: even steps of brightness, for colour-blind readers too; grey means no value.
 CELL_COLORS = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725")
 
+#: Colours of phases, light and dark: Tol's muted scheme, which is distinct with any kind of colour vision, each next to one of another
+#: brightness. A further round through them has bars of two thirds of the height, then of one.
+PHASE_COLORS = (
+    ("#332288", "#8f85e6"),
+    ("#ddcc77", "#ddcc77"),
+    ("#44aa99", "#3a9585"),
+    ("#cc6677", "#e98a99"),
+    ("#88ccee", "#a9ddf7"),
+    ("#882255", "#b3447d"),
+    ("#999933", "#b5b54a"),
+    ("#aa4499", "#cf74c2"),
+)
+
+#: Height of the band of phases in thirds, and in px; letters of the name of a phase.
+THIRDS, BAND, PHASE_NAME = 3, 6, 80
+
 HELP = (
     "To zoom into a plot turn the wheel, pinch, or press + and −; drag or press the arrow keys to move the part that is shown; "
     "double-click or press 0 for the whole. A click on a name shows or hides its curve, a double click shows it alone."
@@ -87,6 +104,7 @@ class PlotFunctions:
     """The functions behind the curves of a page, numbered as the page's script finds them."""
 
     def __init__(self, plots: tuple[Plot, ...]):
+        self.phases = next((plot.phases for plot in plots if plot.phases), ())
         drawn = [plot for plot in plots if plot.curves and len(plot.times) > 1]
         self.needed = bool(drawn) or any(plot.cells for plot in plots)
         self.sets: list[tuple[Readings | RecordReadings, ...]] = []
@@ -137,11 +155,15 @@ class PlotFunctions:
             for values, function in _functions(plot, curve)
         ]
 
-    def as_data(self) -> dict[str, list]:
-        return {
+    def as_data(self) -> dict[str, Any]:
+        data: dict[str, Any] = {
             "records": [steps.as_data() for steps in self.records],
             "sets": [[part.as_data() for part in parts] for parts in self.sets],
         }
+        if self.phases:
+            begins, names = zip(*self.phases)
+            data["phases"] = {"begins": packed(np.array(begins), "<f8"), "names": list(names)}
+        return data
 
 
 def _functions(plot: Plot, curve: Curve) -> Iterator[tuple[np.ndarray, tuple[TimeFunctions, int] | None]]:
@@ -193,6 +215,7 @@ def _svg(plot: Plot) -> str:
     elements = [
         f'<g class="ticks">\n{_grid(across, up, height)}\n{_guide_names(plot, across, up, height)}</g>',
         *_guides(plot, across, up),
+        *_phase_band(plot, across, height),
         f'<text x="50%" y="{height + 38}" text-anchor="middle">{right}</text>',
         f'<text transform="translate(-58 {height // 2}) rotate(-90)" text-anchor="middle">{upwards}</text>',
     ]
@@ -269,6 +292,32 @@ def _guides(plot: Plot, across: Axis, up: Axis) -> list[str]:
     if not lines:
         return []
     return [f'<svg class="guides" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">{"".join(lines)}</svg>']
+
+
+def _phase_band(plot: Plot, across: Axis, height: int) -> Iterator[str]:
+    """The phases, in a separate picture with the horizontal view of the curves; the shortest are drawn last, at least a pixel wide."""
+    ranges = plot.phase_ranges
+    if ranges:
+        order = sorted(ranges, key=lambda name: -sum(end - begin for begin, end in ranges[name]))
+        paths = "".join(_phase_path(name, list(ranges).index(name), _cells(across, np.array(ranges[name]))) for name in order)
+        view = f'viewBox="0 0 {CELLS} {THIRDS}" preserveAspectRatio="none"'
+        yield f'<svg class="phases" y="{height + 1}" height="{BAND}" {view}>{paths}</svg>'
+
+
+def _phase_path(name: str, number: int, ranges: np.ndarray) -> str:
+    tall = _thirds(number)
+    data = "".join(f"M{begin:.6g} {THIRDS}V{THIRDS - tall}H{end:.6g}V{THIRDS}z" for begin, end in ranges.tolist())
+    return f'<path {_phase_color(number)} stroke="currentColor" vector-effect="non-scaling-stroke" d="{data}"><title>{html.escape(name)}</title></path>'
+
+
+def _phase_color(number: int) -> str:
+    light, dark = PHASE_COLORS[number % len(PHASE_COLORS)]
+    return f'fill="currentColor" style="color: light-dark({light}, {dark})"'
+
+
+def _thirds(number: int) -> int:
+    """Height of the bars of a phase, in thirds of the band."""
+    return THIRDS - number // len(PHASE_COLORS) % THIRDS
 
 
 def _cell_rectangles(cells: Cells, across: Axis, up: Axis) -> Iterator[str]:
@@ -382,6 +431,13 @@ def _legend(plot: Plot, functions: PlotFunctions) -> str:
         f"<span>{html.escape(marks.name)}</span></li>"
         for marks in {marks.name: marks for marks in plot.marks if marks.name}.values()
     ]
+    for number, name in enumerate(plot.phase_ranges):
+        tall = 3 * _thirds(number)
+        swatch = f'<rect {_phase_color(number)} y="{9 - tall}" width="26" height="{tall}"/>'
+        rows.append(
+            f'<li class="of-phase" data-phase="{html.escape(name)}"><svg width="26" height="9" aria-hidden="true">{swatch}</svg>'
+            f"<span>{html.escape(shortened(name, PHASE_NAME))}</span></li>"
+        )
     if plot.cells:
         low, high = (with_unit(end, plot.cells.unit) for end in plot.cells.ends)
         bar = "".join(f'<rect x="{10 * i}" width="10" height="10" fill="{color}"/>' for i, color in enumerate(CELL_COLORS))
@@ -431,6 +487,9 @@ _DASHES = (None, (4, 2.2), (1.2, 2.2), (5, 2.2, 1.2, 2.2))
 
 #: Marks of matplotlib by shape.
 _MARKERS = {"circle": "o", "cross": "x", "diamond": "D", "dot": "."}
+
+#: Height of the band of phases relative to the axes.
+PHASE_HEIGHT = 0.035
 
 #: Height of a row of the legend, width of the line before a name and of a letter, inches.
 _ROW, _SAMPLE, _LETTER = 0.19, 0.6, 0.075
@@ -539,7 +598,7 @@ def plot_image(plot: Plot | Sequence[Plot], kind: Literal["svg", "png"]) -> byte
     """
     panels = (plot,) if isinstance(plot, Plot) else tuple(plot)
     first, width = panels[0], IMAGE_WIDTH if len(panels) == 1 else PANEL_WIDTH * len(panels)
-    names = [shortened(curve.name) for curve in first.curves[: _most(first)]]
+    names = [*(shortened(curve.name) for curve in first.curves[: _most(first)]), *map(shortened, first.phase_ranges)]
     columns = max(1, min(len(names), int((width - 0.3) / (_SAMPLE + _LETTER * max(map(len, names), default=0)))))
     rows = -(-(len(names) + len({marks.name for marks in first.marks if marks.name})) // columns)
 
@@ -596,6 +655,14 @@ def _draw(axes: Axes, plot: Plot, letters: int) -> bool:
             x, y = ends[1]
             text = axes.text(x, y, guide.name, color=MUTED, fontsize=6.5, transform=axes.transAxes)
             text.set(ha="left" if x < LEAST_SHARE else "right", va="bottom" if y < LEAST_SHARE else "top")
+    ranges = plot.phase_ranges
+    for number, (name, own) in enumerate(ranges.items()):
+        tall = PHASE_HEIGHT * _thirds(number) / THIRDS
+        widths = [(begin, end - begin) for begin, end in own]
+        bar = axes.broken_barh(widths, (-PHASE_HEIGHT, tall), transform=axes.get_xaxis_transform(), clip_on=False)
+        bar.set(color=PHASE_COLORS[number % len(PHASE_COLORS)][0], linewidth=0.5, label=shortened(name))
+    if ranges:
+        axes.tick_params(axis="x", length=0, pad=9)
     for band in plot.bands:
         axes.axvspan(*band, color=RED, alpha=0.12, linewidth=0)
     named = set()

@@ -70,19 +70,12 @@ INSIDE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """Functions of time as stored in a page.
+    """Functions of time as stored in a page."""
 
-    Attributes:
-        edges: edges of the k panels, shape (k + 1,), ascending.
-        degrees: shape (k,).
-        exponents: exponents of the steps, by function and panel, shape (r, k).
-        codes: values in steps, panel after panel in the order of time, shape (r, N).
-    """
-
-    edges: np.ndarray
-    degrees: np.ndarray
-    exponents: np.ndarray
-    codes: np.ndarray
+    edges: np.ndarray  # edges of the k panels, shape (k + 1,), ascending
+    degrees: np.ndarray  # shape (k,)
+    exponents: np.ndarray  # exponents of the steps, by function and panel, shape (r, k)
+    codes: np.ndarray  # values in steps, panel after panel in the order of time, shape (r, N)
 
     def as_data(self) -> dict:
         """Plain data for the page, numbers as packed bytes; edges by their number of units where they are such multiples."""
@@ -337,22 +330,15 @@ VALUES_AT_ONCE = 4_000_000
 
 @dataclass(frozen=True, eq=False)
 class RecordSteps:
-    """A motion from sample to sample.
+    """A motion from sample to sample."""
 
-    Attributes:
-        start, gap: time of the first sample and time between samples, s.
-        samples: samples of the forces, shape (m, K + 1).
-        matrix: matrix of a step, from coordinates, three samples and 1 to the next coordinates, shape (p, p + 3 m + 1).
-        exact: the coordinates at the samples, shape (p, K).
-        computed: the values as the page computes them.
-    """
-
+    # time of the first sample and time between samples, s
     start: float
     gap: float
-    samples: np.ndarray
-    matrix: np.ndarray
-    exact: np.ndarray
-    computed: np.ndarray
+    samples: np.ndarray  # samples of the forces, shape (m, K + 1)
+    matrix: np.ndarray  # matrix of a step, from coordinates, three samples and 1 to the next coordinates, shape (p, p + 3 m + 1)
+    exact: np.ndarray  # the coordinates at the samples, shape (p, K)
+    computed: np.ndarray  # the values as the page computes them
 
     @property
     def count(self) -> int:
@@ -469,23 +455,14 @@ def _computed(matrix: np.ndarray, exact: np.ndarray, forces: np.ndarray) -> np.n
 
 @dataclass(frozen=True, eq=False)
 class RecordReadings:
-    """Functions by the steps of a record.
+    """Functions by the steps of a record."""
 
-    Attributes:
-        steps: of the motion.
-        place: the number of the steps among those of the page.
-        rows: the matrices to the values at the points of the polynomials, shape (degree + 1, r, features).
-        quadratic: whether the features are the products of two.
-        bounds: bounds of the errors, as exponents of two by function and block, shape (r, blocks).
-        largest: the largest value of any function.
-    """
-
-    steps: RecordSteps
-    place: int
-    rows: np.ndarray
-    quadratic: bool
-    bounds: np.ndarray
-    largest: float
+    steps: RecordSteps  # of the motion
+    place: int  # the number of the steps among those of the page
+    rows: np.ndarray  # the matrices to the values at the points of the polynomials, shape (degree + 1, r, features)
+    quadratic: bool  # whether the features are the products of two
+    bounds: np.ndarray  # bounds of the errors, as exponents of two by function and block, shape (r, blocks)
+    largest: float  # the largest value of any function
 
     def as_data(self) -> dict:
         return {

@@ -13,13 +13,13 @@ from dataclasses import dataclass, field
 from math import ceil
 
 import numpy as np
-import scipy
 
 from ..ground.checks import counted, whole_number
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS
+from ..linalg.scaling import balanced
 from .delayed_terms import DelayedTerm, check_retarded, delayed_terms, measured_states
 from .polynomial_matrix import PolynomialMatrix
 
@@ -167,7 +167,7 @@ class _Equation:
         J, B, C = (np.asarray(matrix, dtype=float) for matrix in (pairs.finite.J, pairs.finite.B, pairs.finite.C))
         E = [-B @ measured for measured in measured_states(pairs, terms)]
         pattern = np.abs(J) + sum(np.abs(one) for one in E)
-        units = scipy.linalg.matrix_balance(pattern, permute=False, separate=True)[1][0] if len(J) else np.ones(0)
+        units = balanced(pattern)[1]
         scaled = [one * units / units[:, None] for one in (J, *E)]
         return cls(scaled[0], tuple(scaled[1:]), np.array([term.delay for term in terms]), C * units)
 

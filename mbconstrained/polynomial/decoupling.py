@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy
 
 from ..ground.tolerances import EPS, NOISE_SAFETY, PRECISE_DECOUPLING
+from ..linalg.arrays import block_diag
 from ..linalg.blocks import coupled_rows
 from ..linalg.precise import floats, is_precise, magnitude, of_kind, precise, precise_arithmetic, product, zero_multiplicity
 from ..linalg.rank import Noisy, RankDecision, columnwise
@@ -329,7 +329,7 @@ def aligning_rotation(T: np.ndarray, B: np.ndarray) -> np.ndarray:
         pair = at + 1 < len(T) and T[at + 1, at] != 0 and T[at + 1, at] == -T[at, at + 1] and T[at, at] == T[at + 1, at + 1]
         blocks.append(_rotation(B[at : at + 2]) if pair else np.eye(1))
         at += len(blocks[-1])
-    return precise(np.array(scipy.linalg.block_diag(*blocks), dtype=object)) if blocks else precise(np.zeros((0, 0)))
+    return precise(block_diag(*blocks))
 
 
 def _rotation(B) -> np.ndarray:

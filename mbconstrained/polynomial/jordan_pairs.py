@@ -24,6 +24,8 @@ from ..ground.tolerances import (
     RANK_TRIALS,
     rounding_radius,
 )
+from ..linalg import lapack
+from ..linalg.arrays import block_diag
 from ..linalg.blocks import block_diagonalize, coupled_rows, eigenvalues
 from ..linalg.precise import floats, is_precise, is_worthwhile, precise_arithmetic, product, unit
 from ..linalg.rank import RankDecision
@@ -221,12 +223,12 @@ class ZeroParts:
         T, Q = self._schur
         chosen = np.zeros(len(T), dtype=np.int32)
         chosen[np.argsort(np.abs(np.diag(T) - value), kind="stable")[:multiplicity]] = 1
-        T, Q, *_ = scipy.linalg.lapack.ztrsen(chosen, T, Q, job="N")
+        T, Q, *_ = lapack.ztrsen(chosen, T, Q, job="N")
         first, rest = slice(multiplicity), slice(multiplicity, None)
         rows = Q.conj().T
         left = rows[first]
         if len(T) > multiplicity:
-            coupling, scale, _ = scipy.linalg.lapack.ztrsyl(T[first, first], T[rest, rest], -T[first, rest], isgn=-1)
+            coupling, scale, _ = lapack.ztrsyl(T[first, first], T[rest, rest], -T[first, rest], isgn=-1)
             left = left - coupling / scale @ rows[rest]
         return left @ self.form.finite_rows, self.form.finite_columns @ Q[:, first]
 
@@ -292,7 +294,7 @@ class FinitePair(Displayed):
     @cached_property
     def J(self) -> np.ndarray:
         """Shape (n, n)."""
-        return scipy.linalg.block_diag(*self.blocks) if self.blocks else np.zeros((0, 0))
+        return block_diag(*self.blocks)
 
     @cached_property
     def zeros(self) -> tuple[FiniteZero, ...]:

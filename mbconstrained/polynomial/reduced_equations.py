@@ -26,6 +26,7 @@ from ..ground.tolerances import (
 )
 from ..linalg.arrays import (
     Matrix,
+    block_diag,
     diagonal_parts,
     entries,
     entry_count,
@@ -241,7 +242,7 @@ def _with_conserved(parts: BlockDiagonal, basis, inverse, own, given: Conserved)
 def _by_clusters(A, D, J, basis, inverse) -> BlockDiagonal:
     """S decoupled where conserved and other motions are nearly coupled: by the Schur form of both, as far as possible."""
     triangle, rotation = scipy.linalg.schur(A, output="real")
-    turn = scipy.linalg.block_diag(rotation, np.eye(len(J)))
+    turn = block_diag(rotation, np.eye(len(J)))
     result = block_diagonalize(np.block([[triangle, rotation.T @ D], [np.zeros(D.T.shape), J]]))
     return BlockDiagonal(basis @ turn @ result.basis, result.inverse @ turn.T @ inverse, result.blocks, result.coupling)
 

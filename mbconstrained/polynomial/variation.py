@@ -21,6 +21,7 @@ from ..ground.tolerances import (
     STIFFNESS_CONDITION,
     noise_of,
 )
+from ..linalg import lapack
 from ..linalg.arrays import product
 from ..linalg.blocks import coupled_rows
 from ..linalg.division import condition, is_symmetric
@@ -151,7 +152,7 @@ def _decoupled(S: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float
     if (S == -S.T).all():
         values, states = np.linalg.eigh(1j * S)
         return -1j * values, states, states.conj().T, CLUSTER_SAFETY * EPS * float(np.abs(values).max(initial=0.0))
-    real, imaginary, _, packed, failed = scipy.linalg.lapack.dgeev(S, compute_vl=0)
+    real, imaginary, _, packed, failed = lapack.dgeev(S, compute_vl=0)
     if failed:
         raise np.linalg.LinAlgError("the eigenvalues did not converge")
     try:

@@ -18,7 +18,6 @@ from ..linalg.rank import Noisy
 from ..polynomial.decoupling import WeierstrassForm
 from ..polynomial.delayed_terms import DelayedTerm, delayed_terms
 from ..polynomial.polynomial_matrix import PolynomialMatrix
-from ..signals.approximated import approximated
 from ..signals.bohl import BohlFunction, Restarts
 from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
 from ..signals.inputs import step, zero
@@ -104,6 +103,8 @@ def checked_history(history, size: int, terms: Sequence[DelayedTerm]) -> BohlFun
     if not isinstance(history, ImpulsiveSmooth) and not callable(history):
         history = step(real_array(history, "history", shape=(size,)))
     if not isinstance(history, ImpulsiveSmooth):
+        from ..signals.approximated import approximated
+
         function, longest = history, terms[-1].delay
         with named("history"):
             history = approximated(lambda t: function(np.asarray(t) - longest), longest)

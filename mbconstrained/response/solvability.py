@@ -307,7 +307,7 @@ def _kernels(A: PolynomialMatrix, rank_tolerance: float | None) -> _Kernels:
 
     Numbers such as 0.1 are no binary fractions: where their rounding errors make equations independent, the decimals are taken.
     """
-    from ..exact.completion import exact_matrix
+    from ..exact.kernels import exact_matrix
 
     binary = _fractions(A.exact_coefficients)
     is_small = A.degree * max(A.shape) <= MOST_EXACT_STATES
@@ -328,7 +328,7 @@ def _kernels(A: PolynomialMatrix, rank_tolerance: float | None) -> _Kernels:
 
 def _exact_kernels(numbers: np.ndarray, matrix: RationalMatrix) -> _Kernels:
     """Rank and kernels of exact numbers, and of the matrix of FLINT that has them."""
-    from ..exact.completion import whole_basis
+    from ..exact.kernels import whole_basis
 
     return _Kernels(numbers, matrix.rank, whole_basis(matrix.transposed), whole_basis(matrix))
 
@@ -340,7 +340,7 @@ def _fractions(array: np.ndarray, exact=Fraction) -> np.ndarray:
 
 
 def _completed(A, initial, force, free: Mapping, rank_tolerance: float | None) -> tuple[Solvability, Problem]:
-    from ..exact.completion import best_rows, floats
+    from ..exact.kernels import best_rows, floats
 
     (m, n), q = checked_matrix(A).shape, A.degree
     initial = np.zeros((q, n)) if initial is None else real_array(initial, "initial", shape=(q, n))
@@ -366,7 +366,7 @@ def _completed(A, initial, force, free: Mapping, rank_tolerance: float | None) -
 
 def _checked_free(A: PolynomialMatrix, right: Sequence[np.ndarray], free: Mapping) -> tuple[list[int], dict[int, ImpulsiveSmooth]]:
     """Places of the coordinates that the user chooses, with their signals of one row."""
-    from ..exact.completion import independent_rows
+    from ..exact.kernels import independent_rows
 
     if not isinstance(free, Mapping):
         raise InputError(
@@ -406,7 +406,7 @@ def checked_signal(signal) -> ImpulsiveSmooth:
 
 def _regular(A: PolynomialMatrix, kernels: _Kernels, chosen, notices: list[Notice]) -> tuple[np.ndarray, PolynomialMatrix]:
     """The combinations T, and [T A(s); C]."""
-    from ..exact.completion import best_rows, combinations_without_zeros, floats
+    from ..exact.kernels import best_rows, combinations_without_zeros, floats
 
     (m, n), count, left = A.shape, A.shape[1] - len(chosen), kernels.left
     T = np.eye(m, dtype=int) + Fraction(0)
@@ -453,7 +453,7 @@ def _regular(A: PolynomialMatrix, kernels: _Kernels, chosen, notices: list[Notic
 
 def _orthonormal_combinations(left: list[np.ndarray]) -> np.ndarray | None:
     """``combinations_without_zeros`` of vectors with rounding errors: N(s) B is the unit matrix, T orthonormal."""
-    from ..exact.completion import floats, stacked
+    from ..exact.kernels import floats, stacked
 
     matrix = stacked([_fractions(floats(vector) / np.abs(floats(vector)).max()) for vector in left]).astype(float)
     higher = matrix[1:].transpose(0, 2, 1).reshape(-1, matrix.shape[1])
@@ -520,7 +520,7 @@ class _Residual:
 def _condition(
     A: PolynomialMatrix, row: np.ndarray, initial: np.ndarray, force: ImpulsiveSmooth, tolerance: float | None
 ) -> Condition:
-    from ..exact.completion import floats
+    from ..exact.kernels import floats
 
     n = floats(row)
     used = np.flatnonzero(n.any(axis=0))

@@ -48,19 +48,12 @@ MOST_COLUMNS = 5
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """Target of an inverse kinematics problem.
+    """Target of an inverse kinematics problem."""
 
-    Attributes:
-        body: a link.
-        point: point of the link, in its frame (m), shape (3,).
-        place: target position of the point (m), shape (3,).
-        orientation: roll, pitch, yaw (rad) of the body, shape (3,); None for any.
-    """
-
-    body: str
-    point: np.ndarray
-    place: np.ndarray
-    orientation: np.ndarray | None
+    body: str  # a link
+    point: np.ndarray  # point of the link, in its frame (m), shape (3,)
+    place: np.ndarray  # target position of the point (m), shape (3,)
+    orientation: np.ndarray | None  # roll, pitch, yaw (rad) of the body, shape (3,); None for any
 
     @property
     def loop(self) -> Loop:

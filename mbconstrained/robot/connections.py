@@ -15,11 +15,11 @@ from functools import cached_property
 from typing import Any, Literal, get_args
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from ..ground.checks import nearest, real_array, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
+from ..linalg.arrays import block_diag
 from .description.urdf import HIDDEN
 from .kinematics import Anchor, Kinematics, RelativePose, turned_product
 from .tangent import Tangent, joint_displacement
@@ -145,14 +145,7 @@ class Support(Connection):
         return wrench if self.body1 == GROUND else -wrench
 
     def parts(self, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The force along the normal, positive in compression, and the magnitude of the tangential force.
-
-        Args:
-            force: on the foot in the directions of the ground, shape (3, T).
-
-        Returns:
-            Two of shape (T,).
-        """
+        """The pressure along the normal and the magnitude of the tangential force, both (T,), of a force (3, T) on the foot."""
         along = self.unit_normal @ force
         return along, np.linalg.norm(force - np.outer(self.unit_normal, along), axis=0)
 
@@ -424,18 +417,13 @@ class PointMotion:
 
 @dataclass(frozen=True)
 class Attached:
-    """A connection with resolved frames.
+    """A connection with resolved frames."""
 
-    Attributes:
-        connection: a Loop, BodySpring or Bushing.
-        first, second: its frames.
-        rest_length: of a BodySpring or a rod (m), otherwise 0.
-    """
-
-    connection: Any
+    connection: Any  # a Loop, BodySpring or Bushing
+    # its frames
     first: Anchor
     second: Anchor
-    rest_length: float = 0.0
+    rest_length: float = 0.0  # of a BodySpring or a rod (m), otherwise 0
 
     def pose(self, kinematics: Kinematics) -> RelativePose:
         """phi in a configuration."""
@@ -603,22 +591,15 @@ class Segment:
 
 @dataclass(frozen=True)
 class Tendon:
-    """A spring with damper and inertia along L = sum(c q) + sum(factor |p2 - p1|), with the force a x + b x^2 + c x^3.
+    """A spring with damper and inertia along L = sum(c q) + sum(factor |p2 - p1|), with the force a x + b x^2 + c x^3."""
 
-    Attributes:
-        name: name of the tendon.
-        joints: the coefficient c by joint.
-        segments: its straight lines.
-        stiffness: a, b, c.
-        rest: the lengths between which there is no force, x being the distance from them; None for the length at the guess.
-        damping, inertia: along the tendon.
-    """
-
-    name: str
-    joints: Mapping[str, float] = field(default_factory=dict)
-    segments: tuple[Segment, ...] = ()
-    stiffness: tuple[float, ...] = ()
+    name: str  # name of the tendon
+    joints: Mapping[str, float] = field(default_factory=dict)  # the coefficient c by joint
+    segments: tuple[Segment, ...] = ()  # its straight lines
+    stiffness: tuple[float, ...] = ()  # a, b, c
+    # the lengths between which there is no force, x being the distance from them; None for the length at the guess
     rest: tuple[float, float] | None = (0.0, 0.0)
+    # along the tendon
     damping: float = 0.0
     inertia: float = 0.0
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +16,13 @@ from ..response.response import Response
 from ..response.solve import solve
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import step
+
+
+def _check_numbers(part: Motor | FlexibleJoint, what: str, positive: tuple[str, ...]) -> None:
+    """Check the fields of a part: some are positive, none is negative."""
+    for name, value in vars(part).items():
+        limits = {"positive": True} if name in positive else {"minimum": 0.0}
+        object.__setattr__(part, name, real_number(value, f"{what}: {name.replace('_', ' ')}", **limits))
 
 
 @dataclass(frozen=True)
@@ -46,10 +53,7 @@ class Motor:
     velocity_gain: float = 0.0
 
     def __post_init__(self):
-        for field in fields(self):
-            limits = {"positive": True} if field.name == "gear_ratio" else {"minimum": 0.0}
-            what = f"motor: {field.name.replace('_', ' ')}"
-            object.__setattr__(self, field.name, real_number(getattr(self, field.name), what, **limits))
+        _check_numbers(self, "motor", ("gear_ratio",))
 
     @property
     def reflected_inertia(self) -> float:
@@ -87,10 +91,7 @@ class FlexibleJoint:
     derivative_gain: float = 0.0
 
     def __post_init__(self):
-        for field in fields(self):
-            limits = {"positive": True} if field.name in ("stiffness", "gear_ratio") else {"minimum": 0.0}
-            what = f"flexible joint: {field.name.replace('_', ' ')}"
-            object.__setattr__(self, field.name, real_number(getattr(self, field.name), what, **limits))
+        _check_numbers(self, "flexible joint", ("stiffness", "gear_ratio"))
 
     @property
     def reflected_inertia(self) -> float:

@@ -335,17 +335,11 @@ def turned_product(first: Sequence[float], second: Sequence[float], turn: np.nda
 
 @dataclass(frozen=True, eq=False)
 class Anchor:
-    """A frame fixed in a joint of the model; joint 0 is the ground.
+    """A frame fixed in a joint of the model; joint 0 is the ground."""
 
-    Attributes:
-        joint: number of the joint that it moves with.
-        rotation: shape (3, 3), from the frame into that of the joint.
-        point: its origin in the frame of the joint (m).
-    """
-
-    joint: int
-    rotation: np.ndarray
-    point: np.ndarray
+    joint: int  # number of the joint that it moves with
+    rotation: np.ndarray  # shape (3, 3), from the frame into that of the joint
+    point: np.ndarray  # its origin in the frame of the joint (m)
 
 
 class Kinematics:

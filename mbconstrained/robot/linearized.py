@@ -119,24 +119,18 @@ class ConnectionForces:
 
     A force has the directions x, y, z of the ground, which do not turn; a torque, too, about the point of the connection on the
     second body. Loads at rest are included.
-
-    Attributes:
-        connections: the loops, then springs and bushings.
-        places: by name of a connection its rows: three forces, then three torques where it can have any.
-        names, units: names and units of the rows.
-        rest: at the posture, shape (k,).
-        displacement, velocity: by the coordinates of the system, shape (k, n).
-        multipliers: by those of its constraint rows, shape (k, m).
     """
 
-    connections: tuple[Connection, ...]
-    places: dict[str, slice]
+    connections: tuple[Connection, ...]  # the loops, then springs and bushings
+    places: dict[str, slice]  # by name of a connection its rows: three forces, then three torques where it can have any
+    # names and units of the rows
     names: tuple[str, ...]
     units: tuple[str, ...]
-    rest: np.ndarray
+    rest: np.ndarray  # at the posture, shape (k,)
+    # by the coordinates of the system, shape (k, n)
     displacement: np.ndarray
     velocity: np.ndarray
-    multipliers: np.ndarray
+    multipliers: np.ndarray  # by those of its constraint rows, shape (k, m)
 
     def values(self, d: np.ndarray, rates: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
         """F over time, shape (k, T), for deviations and their rates (n, T), and changes of the multipliers (m, T)."""
@@ -167,16 +161,7 @@ def connection_forces(posture: Posture, size: int, rows: Sequence[str]) -> Conne
     )
     names = [f"{one.name} {axis}" for one in connections for _ in range(1 + one.turning) for axis in "xyz"]
     units = [unit for one in connections for unit in ("N", "N m")[: 1 + one.turning] for _ in "xyz"]
-    return ConnectionForces(
-        connections,
-        places,
-        tuple(names),
-        tuple(units),
-        rest[:, 0],
-        displacement,
-        velocity,
-        multipliers,
-    )
+    return ConnectionForces(connections, places, tuple(names), tuple(units), rest[:, 0], displacement, velocity, multipliers)
 
 
 def foot_limits(posture: Posture, forces: ConnectionForces, values, sizes: Mapping[str, float], error: float) -> np.ndarray:

@@ -56,27 +56,21 @@ PLURALS = {LIFTS: "lift off", SLIPS: "slip", TIPS: "tip over"}
 
 @dataclass(frozen=True, eq=False)
 class PostureContact:
-    """A foot at rest.
+    """A foot at rest."""
 
-    Attributes:
-        support: a loop or bushing with friction.
-        places: of its multipliers among all; none of a bushing, whose force the posture determines.
-        wrench: force in the directions of the ground and torque along x, y, z of the frame on body1, on the foot, for units of its
-            multipliers, shape (6, k); of a bushing the force and torque at rest, shape (6, 1).
-        frame: directions of the frame on body1, shape (3, 3).
-    """
-
-    support: Support
-    places: slice | None
+    support: Support  # a loop or bushing with friction
+    places: slice | None  # of its multipliers among all; none of a bushing, whose force the posture determines
+    # force in the directions of the ground and torque along x, y, z of the frame on body1, on the foot, for units of its
+    # multipliers, shape (6, k); of a bushing the force and torque at rest, shape (6, 1)
     wrench: np.ndarray
-    frame: np.ndarray
+    frame: np.ndarray  # directions of the frame on body1, shape (3, 3)
 
     def at_rest(self, multipliers: np.ndarray) -> np.ndarray:
         """The force in the directions of the ground and the torque in those of the frame, shape (6, 1)."""
         return self.wrench if self.places is None else (self.wrench @ multipliers[self.places])[:, None]
 
     def of(self, wrench: np.ndarray) -> np.ndarray:
-        """PostureContact force from a wrench on body2 in the directions of the ground, both of shape (6, T)."""
+        """Contact force from a wrench on body2 in the directions of the ground, both of shape (6, T)."""
         on_foot = self.support.on_foot(wrench)
         return np.vstack([on_foot[:3], self.frame.T @ on_foot[3:]])
 
@@ -98,22 +92,16 @@ class PostureContact:
 
 @dataclass(frozen=True, eq=False)
 class Exceeded:
-    """Feet that exceed one of their limits.
+    """Feet that exceed one of their limits."""
 
-    Attributes:
-        contacts: one foot; several where it is open how they share the load, of which some are outside with every share.
-        limit: LIFTS, SLIPS or TIPS.
-        worst, first: places of the worst time and of the first one.
-        excess: excess over the limit, comparable between feet.
-        text: the worst value.
-    """
-
+    # one foot; several where it is open how they share the load, of which some are outside with every share
     contacts: tuple[PostureContact, ...]
-    limit: str
+    limit: str  # LIFTS, SLIPS or TIPS
+    # places of the worst time and of the first one
     worst: int
     first: int
-    excess: float
-    text: str
+    excess: float  # excess over the limit, comparable between feet
+    text: str  # the worst value
 
 
 def contact_notices(state: Equilibrium, free: np.ndarray) -> Iterator[Notice]:
@@ -134,12 +122,7 @@ def limit_values(balance: Balance, wrenches: Mapping[str, np.ndarray], sizes: Ma
 
 
 def moving_contact_notices(
-    balance: Balance,
-    free: np.ndarray,
-    multipliers: np.ndarray,
-    times: np.ndarray,
-    wrenches: Mapping[str, np.ndarray],
-    error: float,
+    balance: Balance, free: np.ndarray, multipliers: np.ndarray, times: np.ndarray, wrenches: Mapping[str, np.ndarray], error: float
 ) -> Iterator[Notice]:
     """Notices on feet during a small motion, with the times of the worst value and of the first, except feet that exceed their
     limits at rest.

@@ -42,29 +42,20 @@ from .tangent import MimicRow, joint_displacement
 
 @dataclass(frozen=True, eq=False)
 class Load:
-    """The loads and connections of a robot besides gravity.
+    """The loads and connections of a robot besides gravity."""
 
-    Attributes:
-        loops, springs: attached connections.
-        mimic_rows: of joints that follow others; these rows come after those of the loops.
-        joint_stiffness, joint_rest: by tangent coordinate, shape (nv,); only of joints with one degree of freedom.
-        joint_force: constant forces and torques of the joints, shape (nv,).
-        point_forces: motions of points, with the force or torque along each.
-        units: "m" or "rad" for each coordinate.
-        size: a characteristic length of the robot (m).
-        tendons: attached tendons.
-    """
-
+    # attached connections
     loops: tuple[Attached, ...]
     springs: tuple[Attached, ...]
-    mimic_rows: tuple[MimicRow, ...]
+    mimic_rows: tuple[MimicRow, ...]  # of joints that follow others; these rows come after those of the loops
+    # by tangent coordinate, shape (nv,); only of joints with one degree of freedom
     joint_stiffness: np.ndarray
     joint_rest: np.ndarray
-    joint_force: np.ndarray
-    point_forces: Mapping[PointMotion, tuple[Anchor, float]]
-    units: tuple[str, ...]
-    size: float
-    tendons: tuple[AttachedTendon, ...] = ()
+    joint_force: np.ndarray  # constant forces and torques of the joints, shape (nv,)
+    point_forces: Mapping[PointMotion, tuple[Anchor, float]]  # motions of points, with the force or torque along each
+    units: tuple[str, ...]  # "m" or "rad" for each coordinate
+    size: float  # a characteristic length of the robot (m)
+    tendons: tuple[AttachedTendon, ...] = ()  # attached tendons
 
     @cached_property
     def lengths(self) -> np.ndarray:
@@ -245,19 +236,12 @@ class Balance:
 
 @dataclass(frozen=True, eq=False)
 class Elastic:
-    """The contributions of an element with the energy U(phi) to the equations in one configuration.
+    """The contributions of an element with the energy U(phi) to the equations in one configuration."""
 
-    Attributes:
-        pose: phi with its derivatives by the coordinates.
-        slope: dU/dphi, shape (6,).
-        curvature: U'', shape (6, 6).
-        damper: D, shape (6, 6).
-    """
-
-    pose: RelativePose
-    slope: np.ndarray
-    curvature: np.ndarray
-    damper: np.ndarray
+    pose: RelativePose  # phi with its derivatives by the coordinates
+    slope: np.ndarray  # dU/dphi, shape (6,)
+    curvature: np.ndarray  # U'', shape (6, 6)
+    damper: np.ndarray  # D, shape (6, 6)
 
     @property
     def wrench(self) -> np.ndarray:
@@ -328,21 +312,13 @@ LEAST_STIFFNESS = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """The data of the search for an equilibrium.
+    """The data of the search for an equilibrium."""
 
-    Attributes:
-        tree: the robot's joints.
-        load: the loads and connections.
-        free: which coordinates may move, shape (nv,).
-        rounded: advice on rounded angles for loops that stay slightly open, or an empty string.
-        names: names of the coordinates, for messages.
-    """
-
-    tree: Tree
-    load: Load
-    free: np.ndarray
-    rounded: str = ""
-    names: tuple[str, ...] = ()
+    tree: Tree  # the robot's joints
+    load: Load  # the loads and connections
+    free: np.ndarray  # which coordinates may move, shape (nv,)
+    rounded: str = ""  # advice on rounded angles for loops that stay slightly open, or an empty string
+    names: tuple[str, ...] = ()  # names of the coordinates, for messages
 
     def at(self, q: np.ndarray) -> Balance:
         """The balance of forces in a configuration."""
@@ -356,21 +332,15 @@ class Search:
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """The independent rows of J for the free coordinates, in comparable units.
+    """The independent rows of J for the free coordinates, in comparable units."""
 
-    Attributes:
-        left, values, right: its singular vectors and values that count, shapes (m, r), (r,), (r, n).
-        combinations: orthonormal combinations of rows that vanish, one a column, shape (m, m - r).
-        motions: N, an orthonormal basis of its null space, shape (n, n - r).
-        relative: all singular values over the largest, descending.
-    """
-
+    # its singular vectors and values that count, shapes (m, r), (r,), (r, n)
     left: np.ndarray
     values: np.ndarray
     right: np.ndarray
-    combinations: np.ndarray
-    motions: np.ndarray
-    relative: np.ndarray
+    combinations: np.ndarray  # orthonormal combinations of rows that vanish, one a column, shape (m, m - r)
+    motions: np.ndarray  # N, an orthonormal basis of its null space, shape (n, n - r)
+    relative: np.ndarray  # all singular values over the largest, descending
 
     @property
     def rank(self) -> int:
@@ -405,23 +375,14 @@ def rows_of(J: np.ndarray) -> Rows:
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """An equilibrium, or a step on the way to one.
+    """An equilibrium, or a step on the way to one."""
 
-    Attributes:
-        balance: of forces, there.
-        rows: rows of the loops.
-        multipliers: lambda of all rows of all loops, those of least norm, shape (m,).
-        residual: largest unbalanced force relative to the largest force, both in comparable units.
-        gap: largest opening of a loop that motions could close, in rad or relative to the robot's size.
-        misfit: largest opening of a loop, in the same units, those included that the joints keep open.
-    """
-
-    balance: Balance
-    rows: Rows
-    multipliers: np.ndarray
-    residual: float
-    gap: float
-    misfit: float
+    balance: Balance  # of forces, there
+    rows: Rows  # rows of the loops
+    multipliers: np.ndarray  # lambda of all rows of all loops, those of least norm, shape (m,)
+    residual: float  # largest unbalanced force relative to the largest force, both in comparable units
+    gap: float  # largest opening of a loop that motions could close, in rad or relative to the robot's size
+    misfit: float  # largest opening of a loop, in the same units, those included that the joints keep open
 
     @property
     def badness(self) -> float:

@@ -29,30 +29,19 @@ from .tangent import MimicRow
 
 @dataclass(frozen=True, eq=False)
 class Visual:
-    """One shape of a link.
+    """One shape of a link."""
 
-    Attributes:
-        link: its name.
-        kind: "box", "cylinder" (axis z), "sphere" or "mesh".
-        size: x, y, z; radius, length; radius; nothing for a mesh (m).
-        placement: shape (4, 4), from the shape's frame into that of the link.
-        color: red, green, blue, opacity from 0 to 1, or None.
-        vertices, faces: of a mesh, or of those parts of it that look alike: corners (k, 3) in m, triangles (f, 3) of their numbers.
-        texture: of the faces, or None.
-        triangles: of the whole mesh.
-        note: on textures that are not drawn, or an empty string.
-    """
-
-    link: str
-    kind: str
-    size: tuple[float, ...]
-    placement: np.ndarray
-    color: tuple[float, float, float, float] | None
+    link: str  # its name
+    kind: str  # "box", "cylinder" (axis z), "sphere" or "mesh"
+    size: tuple[float, ...]  # x, y, z; radius, length; radius; nothing for a mesh (m)
+    placement: np.ndarray  # shape (4, 4), from the shape's frame into that of the link
+    color: tuple[float, float, float, float] | None  # red, green, blue, opacity from 0 to 1, or None
+    # of a mesh, or of those parts of it that look alike: corners (k, 3) in m, triangles (f, 3) of their numbers
     vertices: np.ndarray | None = None
     faces: np.ndarray | None = None
-    texture: Texture | None = None
-    triangles: int = 0
-    note: str = ""
+    texture: Texture | None = None  # of the faces, or None
+    triangles: int = 0  # of the whole mesh
+    note: str = ""  # on textures that are not drawn, or an empty string
 
     def has_shape_of(self, other: Visual) -> bool:
         """Whether the other one is the same shape, or of the same mesh, at the same place."""
@@ -253,19 +242,14 @@ class JointMotions:
     """The independent motions of a robot near its posture: q = columns s, with loops closed to first order.
 
     A link moves by the product exp(S_1 q_1) ... exp(S_n q_n) over its own coordinates; without loops this is exact.
-
-    Attributes:
-        names, units: names and units of the r independent coordinates s.
-        columns: columns of all coordinates for a unit of each, shape (n, r).
-        twists: S_i of each coordinate in ground axes, the velocity at the origin above the rate of rotation, shape (6, n).
-        moving: the places of the coordinates that move each link, ascending, by its name.
     """
 
+    # names and units of the r independent coordinates s
     names: tuple[str, ...]
     units: tuple[str, ...]
-    columns: np.ndarray
-    twists: np.ndarray
-    moving: dict[str, tuple[int, ...]]
+    columns: np.ndarray  # columns of all coordinates for a unit of each, shape (n, r)
+    twists: np.ndarray  # S_i of each coordinate in ground axes, the velocity at the origin above the rate of rotation, shape (6, n)
+    moving: dict[str, tuple[int, ...]]  # the places of the coordinates that move each link, ascending, by its name
 
 
 def joint_motions(posture: Posture) -> JointMotions:
@@ -316,16 +300,11 @@ def _onto_loops(posture: Posture) -> Callable[[np.ndarray], np.ndarray]:
 
 @dataclass(frozen=True, eq=False)
 class ConnectionPoints:
-    """The two ends of a loop or spring.
+    """The two ends of a loop or spring."""
 
-    Attributes:
-        name: name of the loop or spring.
-        kind: a spring with a parallel damper is listed as each of the two.
-        body1, point1, body2, point2: links, or "ground", with points in their frames (m), shape (3,).
-    """
-
-    name: str
-    kind: Literal["loop", "spring", "damper", "bushing"]
+    name: str  # name of the loop or spring
+    kind: Literal["loop", "spring", "damper", "bushing"]  # a spring with a parallel damper is listed as each of the two
+    # links, or "ground", with points in their frames (m), shape (3,)
     body1: str
     point1: np.ndarray
     body2: str
@@ -418,12 +397,7 @@ def coordinate_wrench(posture: Posture, place: int) -> Wrench:
     velocity, rate = turn @ kinematics.columns[:3, [place]], turn @ kinematics.columns[3:, [place]]
     none, turns = np.zeros((3, 1)), bool(robot.units[place] == "rad")
     return Wrench(
-        robot.coordinates[place],
-        body,
-        body,
-        _in_frame(link, np.zeros(3)),
-        none if turns else velocity,
-        rate if turns else none,
+        robot.coordinates[place], body, body, _in_frame(link, np.zeros(3)), none if turns else velocity, rate if turns else none
     )
 
 

@@ -67,16 +67,7 @@ class SceneName(str):
         return result
 
     def located(self, text: str, key: str | None = None, other: str | None = None) -> tuple[str, str]:
-        """The file that a message concerns, and the message with its location in that file.
-
-        Args:
-            text: begins with a place in the merged tables.
-            key: in the table at the place, if the message concerns this key.
-            other: another key of the table; its file is named where it differs from that of the key.
-
-        Returns:
-            The name of the file, and the text.
-        """
+        """The file of the place with which a message about a key begins, and the message with the place in that file."""
         parts, ends = _parts(text)
         if other is not None:
             file = self.file_of((*parts, other))[0]
@@ -203,8 +194,7 @@ class FileKind(NamedTuple):
 
 
 SCENE = FileKind(
-    "a scene has at least [model] and [time]",
-    "which is no scene; keep large matrices in files (.npz, .mat, .mtx, .csv) next to it",
+    "a scene has at least [model] and [time]", "which is no scene; keep large matrices in files (.npz, .mat, .mtx, .csv) next to it"
 )
 
 

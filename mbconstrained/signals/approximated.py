@@ -57,19 +57,12 @@ SENSITIVITY = np.abs(TO_POWERS).sum(axis=1)
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Polynomials of m intervals with r rows.
+    """Polynomials of m intervals with r rows."""
 
-    Attributes:
-        powers: coefficients of t^k from the left end on, t = 1 at the right end, shape (r, m, DEGREE + 1).
-        powers_at_end: coefficients about the right end.
-        error: estimated largest error, shape (m,).
-        follows: whether it is within the tolerance, shape (m,).
-    """
-
-    powers: np.ndarray
-    powers_at_end: np.ndarray
-    error: np.ndarray
-    follows: np.ndarray
+    powers: np.ndarray  # coefficients of t^k from the left end on, t = 1 at the right end, shape (r, m, DEGREE + 1)
+    powers_at_end: np.ndarray  # coefficients about the right end
+    error: np.ndarray  # estimated largest error, shape (m,)
+    follows: np.ndarray  # whether it is within the tolerance, shape (m,)
 
     @property
     def size(self) -> int:

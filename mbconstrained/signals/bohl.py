@@ -42,18 +42,12 @@ class Restarts:
     The jumps are stored next to the states, since a difference of states has rounding errors, and whether a force jumps
     decides whether there is an impulse. The remainders are the rounding errors of the knots: a short pulse at a late time keeps
     the digits of its duration.
-
-    Attributes:
-        knots: t_j in s as float64 numbers, shape (K,), ascending, the first is 0.
-        states: z_j = z(t_j+), shape (n, K).
-        jumps: z(t_j+) - z(t_j-), shape (n, K); exactly zero where nothing changes.
-        remainders: t_j less the knots, shape (K,); 0.0 where there are none.
     """
 
-    knots: np.ndarray
-    states: np.ndarray
-    jumps: np.ndarray
-    remainders: np.ndarray | float = 0.0
+    knots: np.ndarray  # t_j in s as float64 numbers, shape (K,), ascending, the first is 0
+    states: np.ndarray  # z_j = z(t_j+), shape (n, K)
+    jumps: np.ndarray  # z(t_j+) - z(t_j-), shape (n, K); exactly zero where nothing changes
+    remainders: np.ndarray | float = 0.0  # t_j less the knots, shape (K,); 0.0 where there are none
 
     def __repr__(self) -> str:
         return f"Restarts({counted(len(self.states), 'state')}, set at {counted(len(self.knots), 'time')})"
@@ -66,7 +60,7 @@ class Restarts:
     @property
     def gaps(self) -> np.ndarray:
         """t_(j+1) - t_j, shape (K - 1,)."""
-        return _differences(np.diff(self.moments))
+        return np.diff(self.knots) + np.diff(self.moments.imag)
 
     def located(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Index of the piece of each time (T,), and the time since its knot."""
@@ -100,8 +94,9 @@ class Restarts:
         if np.array_equal(moments, own):
             return self
         piece = np.searchsorted(own, moments, side="right") - 1
+        since = moments - own[piece]
         with np.errstate(over="ignore", invalid="ignore"):  # reported when the function is evaluated
-            states = block_states(blocks, self.states[:, piece], _differences(moments - own[piece]))
+            states = block_states(blocks, self.states[:, piece], since.real + since.imag)
         jumps, places = np.zeros_like(states), np.searchsorted(moments, own)
         states[:, places], jumps[:, places] = self.states, self.jumps
         return restarts_at(moments, states, jumps)
@@ -136,10 +131,6 @@ class FreeRestarts(Restarts):
         with np.errstate(over="ignore", invalid="ignore"):  # reported when the function is evaluated
             jumps[:, 1:] -= block_states(self.blocks, self.states[:, :-1], self.gaps)
         return jumps
-
-
-def _differences(moments: np.ndarray) -> np.ndarray:
-    return moments.real + moments.imag
 
 
 def later_times(times: np.ndarray, delay: float, gaps: np.ndarray | float = 0.0) -> np.ndarray:
@@ -486,28 +477,20 @@ def _even_parts(ends, count: int, width: int) -> Iterator[np.ndarray]:
 
 @dataclass(frozen=True, eq=False)
 class OscillatingPart:
-    """The oscillating and drifting states of e^{J t} v, and the remaining ones.
+    """The oscillating and drifting states of e^{J t} v, and the remaining ones."""
 
-    Attributes:
-        growth, frequency: a and w, shape (m,).
-        first: the first state of each pair, shape (m,).
-        even, odd: v and R v / w, in units of these, shape (m, 2).
-        units: the size of v in each pair; a large one may multiply small coefficients.
-        drifting: the states of double eigenvalues 0.
-        lines: v and R v of the drifting states, shape (k, 2).
-        others: the remaining states.
-        blocks, start: the diagonal blocks and the values at 0+ of the remaining states.
-    """
-
+    # a and w, shape (m,)
     growth: np.ndarray
     frequency: np.ndarray
-    first: np.ndarray
+    first: np.ndarray  # the first state of each pair, shape (m,)
+    # v and R v / w, in units of these, shape (m, 2)
     even: np.ndarray
     odd: np.ndarray
-    units: np.ndarray
-    drifting: np.ndarray
-    lines: np.ndarray
-    others: np.ndarray
+    units: np.ndarray  # the size of v in each pair; a large one may multiply small coefficients
+    drifting: np.ndarray  # the states of double eigenvalues 0
+    lines: np.ndarray  # v and R v of the drifting states, shape (k, 2)
+    others: np.ndarray  # the remaining states
+    # the diagonal blocks and the values at 0+ of the remaining states
     blocks: tuple[np.ndarray, ...]
     start: np.ndarray
 

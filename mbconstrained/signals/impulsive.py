@@ -71,19 +71,12 @@ class ExactStates:
 
 @dataclass(frozen=True, eq=False)
 class ExactInput:
-    """Summand of an input: its data, and the operations applied to it.
+    """Summand of an input: its data, and the operations applied to it."""
 
-    Attributes:
-        data: the summand before the operations.
-        maps: matrices (p, r) and factors that multiply it, in their order.
-        delays: delays in s, in their order.
-        derivatives: number of differentiations in the sense of distributions.
-    """
-
-    data: ExactTerm | ExactImpulse | ExactRecord | ExactStates
-    maps: tuple[np.ndarray | float, ...] = ()
-    delays: tuple[float, ...] = ()
-    derivatives: int = 0
+    data: ExactTerm | ExactImpulse | ExactRecord | ExactStates  # the summand before the operations
+    maps: tuple[np.ndarray | float, ...] = ()  # matrices (p, r) and factors that multiply it, in their order
+    delays: tuple[float, ...] = ()  # delays in s, in their order
+    derivatives: int = 0  # number of differentiations in the sense of distributions
 
     def multiplied(self, factor: np.ndarray | float) -> ExactInput:
         """The summand multiplied from the left."""

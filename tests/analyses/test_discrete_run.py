@@ -173,3 +173,12 @@ def test_impulses_on_a_robot_are_refused_by_name():
 def test_a_frequency_response_is_left_out_with_a_notice(tmp_path):
     answer = scene(tmp_path, CART + '[frequency]\nfrequencies = ["1 Hz"]\n').run()
     assert any("[frequency] is left out" in notice.text for notice in answer.notices)
+
+
+@pytest.mark.parametrize("domain", ['step_domain = "discrete"\nstep = "0.1 s"', "points = 11"])
+def test_an_output_that_follows_its_input_at_once_is_no_fault_of_the_start(tmp_path, domain):
+    model = '[model]\nkind = "state-space"\nA = [[-1]]\nB = [[1]]\nC = [[1]]\nD = [[2]]\n'
+    load = '[[force]]\ncoordinate = "u1"\nkind = "step"\nvalue = 1\n'
+    result = scene(tmp_path, f'{model}{load}[time]\nend = "1 s"\n{domain}\n').run()
+    assert not any("does not fit" in notice.text for notice in result.notices)
+    assert result.values[-1][0] == pytest.approx(2.0)  # y(0+) = D u

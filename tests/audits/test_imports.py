@@ -98,10 +98,17 @@ def test_check_and_plan_load_what_reading_the_scene_needs(tmp_path, command, sce
     assert loaded_by(f"{run}\n{silent}\n{left}") & set(HEAVY) == needed
 
 
-@pytest.mark.parametrize("scene", ["two_masses", "chatter", "sampled_quarter_car"])
-def test_checking_a_scene_without_modes_or_robots_loads_no_linear_algebra_of_scipy(scene):
+@pytest.mark.parametrize(
+    "options",
+    [["check", "two_masses"], ["check", "chatter"], ["check", "sampled_quarter_car"], ["run", "two_masses"]],
+    ids=" ".join,
+)
+def test_scenes_without_modes_robots_or_sparse_matrices_load_no_linear_algebra_of_scipy(tmp_path, options):
+    """Its import takes longer than such a run."""
+    command, scene = options
+    arguments = [command, str(EXAMPLES / f"{scene}.toml"), *(["--out", str(tmp_path)] if command == "run" else [])]
     script = (
-        f"import sys; from mbconstrained import cli; sys.argv = ['mbconstrained', 'check', {str(EXAMPLES / f'{scene}.toml')!r}]\n"
+        f"import sys; from mbconstrained import cli; sys.argv = ['mbconstrained', *{arguments}]\n"
         "try: cli.main()\nexcept SystemExit as left: assert not left.code\nprint('scipy.linalg' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)

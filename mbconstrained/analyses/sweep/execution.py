@@ -273,15 +273,11 @@ def by_dask(
 
 
 class _DaskWorkers:
-    """The workers of a cluster that respond.
-
-    Attributes:
-        silent: the addresses of the others.
-    """
+    """The workers of a cluster that respond."""
 
     def __init__(self, client, address: str, message: Callable[[str], None]):
         self._client, self._address, self._message = client, address, message
-        self.silent: set[str] = set()
+        self.silent: set[str] = set()  # the addresses of the others
         self._signs: dict[
             str, tuple[float, float]
         ] = {}  # the time of the last sign on the scheduler's clock, and when it was noticed

@@ -29,20 +29,15 @@ SAME_SAMPLE = Fraction(1, 2**44)
 
 @dataclass(frozen=True, eq=False)
 class DiscretizedSystem:
-    """x_(k+1) = A x_k + B u_k, y_k = C x_k + D u_k, rounded to float64; the first states are those given, less a multiple of u.
+    """x_(k+1) = A x_k + B u_k, y_k = C x_k + D u_k, rounded to float64; the first states are those given, less a multiple of u."""
 
-    Attributes:
-        A, B, C, D: the matrices.
-        start_input: what u_0 adds to the first states, shape (N, p).
-        delayed: of each added state the number of its input, and how many samples before.
-    """
-
+    # the matrices
     A: np.ndarray
     B: np.ndarray
     C: np.ndarray
     D: np.ndarray
-    start_input: np.ndarray
-    delayed: tuple[tuple[int, int], ...]
+    start_input: np.ndarray  # what u_0 adds to the first states, shape (N, p)
+    delayed: tuple[tuple[int, int], ...]  # of each added state the number of its input, and how many samples before
 
 
 @dataclass(frozen=True)

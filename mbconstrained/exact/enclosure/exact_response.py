@@ -159,19 +159,12 @@ def _quotient(above: Sequence, below: Sequence) -> list:
 
 @dataclass(frozen=True, eq=False)
 class RationalPole:
-    """A root z of D of multiplicity m.
+    """A root z of D of multiplicity m."""
 
-    Attributes:
-        name: which root of which irreducible polynomial it is.
-        value: a ball that contains z and no other root.
-        weight: 1 for a real root, 2 for one that stands for a complex pair.
-        columns: c_1 ... c_m, shape (r,) each.
-    """
-
-    name: tuple
-    value: flint.acb
-    weight: int
-    columns: list[list[flint.acb]]
+    name: tuple  # which root of which irreducible polynomial it is
+    value: flint.acb  # a ball that contains z and no other root
+    weight: int  # 1 for a real root, 2 for one that stands for a complex pair
+    columns: list[list[flint.acb]]  # c_1 ... c_m, shape (r,) each
 
 
 def _partial_fractions(factors, denominator: flint.fmpz_poly, numerators: Sequence[flint.fmpq_poly]) -> list[RationalPole]:

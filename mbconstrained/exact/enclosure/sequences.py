@@ -340,17 +340,11 @@ def without_cancelled(rows: Sequence[Sequence[flint.fmpq]], terms: Sequence[Sequ
 
 @dataclass(frozen=True, eq=False)
 class SequenceTerm:
-    """A term of x_k: the real part of v binom(k, j) p^(k - j); a p above the real axis stands for a pair.
+    """A term of x_k: the real part of v binom(k, j) p^(k - j); a p above the real axis stands for a pair."""
 
-    Attributes:
-        pole: p.
-        order: j.
-        vector: v, shape (r,), complex; twice the residue of a complex p.
-    """
-
-    pole: complex
-    order: int
-    vector: np.ndarray
+    pole: complex  # p
+    order: int  # j
+    vector: np.ndarray  # v, shape (r,), complex; twice the residue of a complex p
 
 
 def closed_terms(response: RationalResponse) -> tuple[SequenceTerm, ...]:

@@ -38,19 +38,12 @@ S = sympy.Symbol(VARIABLE)
 
 @dataclass(frozen=True, eq=False)
 class LocalSmithForm:
-    """U_L(s) A(s) U_R(s) = diag((s - zero)^k_1, ..., (s - zero)^k_r), U_L and U_R regular at the zero (Moysis et al., Eq. 9).
+    """U_L(s) A(s) U_R(s) = diag((s - zero)^k_1, ..., (s - zero)^k_r), U_L and U_R regular at the zero (Moysis et al., Eq. 9)."""
 
-    Attributes:
-        zero: the zero of the local form.
-        exponents: k_1 <= ... <= k_r.
-        matrix: the form.
-        terms: the root polynomials of every k_j > 0.
-    """
-
-    zero: sympy.Expr
-    exponents: tuple[int, ...]
-    matrix: sympy.ImmutableMatrix
-    terms: tuple[RootPolynomials, ...]
+    zero: sympy.Expr  # the zero of the local form
+    exponents: tuple[int, ...]  # k_1 <= ... <= k_r
+    matrix: sympy.ImmutableMatrix  # the form
+    terms: tuple[RootPolynomials, ...]  # the root polynomials of every k_j > 0
 
 
 class SymbolicPolynomialMatrix(ExactMatrix):

@@ -15,6 +15,7 @@ from ...ground.display import Displayed, TextTable, notice_table, number_text
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import CLUSTER_SAFETY, EPS, FLOAT64_DIGITS, NOISE_SAFETY, PROVED_ACCURACY, REPORTED_ERROR, TRUST_LIMIT
+from ...linalg import lapack
 from ...linalg.precise import relative_degrees
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..frequency_response import evaluated
@@ -109,7 +110,7 @@ def _root(matrix: np.ndarray) -> np.ndarray:
     """L with L L^T = matrix, positive semidefinite, with as many columns as its rank: exact for independent and for fully coherent inputs."""
     if (matrix == np.diag(matrix.diagonal())).all():
         return np.diag(np.sqrt(matrix.diagonal()))
-    factor, pivots, rank, _ = scipy.linalg.lapack.dpstrf(matrix, lower=1, tol=INDEFINITE * matrix.max())
+    factor, pivots, rank, _ = lapack.dpstrf(matrix, lower=1, tol=INDEFINITE * matrix.max())
     result = np.zeros_like(matrix)
     result[pivots - 1] = np.tril(factor)
     return result[:, :rank]

@@ -16,12 +16,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 
 from ...ground.errors import InputError, Overflow
 from ...ground.tolerances import EPS, EXTREMA_ACCURACY, ROUGH_PART, VISIBLE_PART
 from ...linalg.blocks import block_slices
 from ...linalg.exponential import block_states
+from ...linalg.scaling import balanced
 from ...signals.bohl import BohlFunction
 from ...signals.inputs import step
 
@@ -162,7 +162,7 @@ def _panels(function: BohlFunction, start: float, end: float) -> tuple[np.ndarra
     rate = 0.0
     for block in function.blocks:
         with np.errstate(invalid="ignore", over="ignore"):
-            rate = max(rate, float(np.linalg.norm(scipy.linalg.matrix_balance(block, permute=False)[0], 2)))
+            rate = max(rate, float(np.linalg.norm(balanced(block)[0], 2)))
     needed = np.maximum(np.diff(edges) * rate / RADIANS, 1.0)
     return edges, 2.0 ** np.ceil(np.log2(needed))
 
@@ -265,12 +265,11 @@ class _ExtremumSearch:
         self.first = np.array([at.start for at in slices], dtype=int)
         scales, growth, self.curvature = [np.ones(0)], [], np.zeros((len(J), 1))
         for number, block in enumerate(J):
-            with np.errstate(invalid="ignore"):  # SciPy casts the scales to whole numbers too, as if they were places
-                balanced, (scale, _) = scipy.linalg.matrix_balance(block, permute=False, separate=True)
+            matrix, scale = balanced(block)
             scales.append(scale)
-            growth.append(np.linalg.eigvalsh((balanced + balanced.T) / 2)[-1])
+            growth.append(np.linalg.eigvalsh((matrix + matrix.T) / 2)[-1])
             with np.errstate(over="ignore", invalid="ignore"):
-                self.curvature[number] = np.nan_to_num(np.linalg.norm(balanced @ balanced, 2), nan=np.inf)
+                self.curvature[number] = np.nan_to_num(np.linalg.norm(matrix @ matrix, 2), nan=np.inf)
         self.scale, self.growth = np.concatenate(scales), np.maximum(np.array(growth), 0.0)
         self.states = BohlFunction(np.eye(len(self.scale)) / self.scale[:, None], J, function.start)
         self.tables = [function.derivative(order).coefficients * self.scale for order in range(4)]

@@ -14,6 +14,7 @@ from ...ground.checks import counted
 from ...ground.errors import IllConditioned
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import DEPENDENT_DIRECTION, EPS, NEWTON_STEP, NOISE_SAFETY, RITZ_RESIDUAL, SAME_SHAPE, TRUST_LIMIT
+from ...linalg.arrays import block_diag
 from ..modes import Kind, Mode, Modes, kind_of
 from .pencil import ReducedPencil, Solver, bordered, combined, quadratic_form, times
 from .undamped_modes import SOFT, UndampedModes, balanced, undamped_modes
@@ -503,7 +504,7 @@ def _mixed_space(pencil: ReducedPencil, undamped: UndampedModes, moving: np.ndar
     damped = times(pencil.damping, Y)
     C = np.block([[X.T @ forces, X.T @ damped], [Y.T @ forces, Y.T @ damped]])
     M, K = (Y.T @ times(matrix, Y) for matrix in (pencil.mass, pencil.stiffness))
-    return _MixedSpace(X, Y, scipy.linalg.block_diag(np.eye(len(w2)), M), C, scipy.linalg.block_diag(np.diag(w2), K))
+    return _MixedSpace(X, Y, block_diag(np.eye(len(w2)), M), C, block_diag(np.diag(w2), K))
 
 
 def _caused(pencil: ReducedPencil, undamped: UndampedModes, forces: np.ndarray) -> np.ndarray:

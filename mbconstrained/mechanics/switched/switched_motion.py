@@ -181,6 +181,11 @@ class SwitchedMotion(Motion):
         return self.solution.events
 
     @property
+    def end(self) -> float:
+        """The time up to which the motion is computed, s."""
+        return self.solution.sequence.end
+
+    @property
     def phases(self) -> tuple[tuple[float, str], ...]:
         """The times at which phases begin, in s, and the phases."""
         found: list[tuple[float, str]] = []
@@ -223,7 +228,7 @@ class SwitchedMotion(Motion):
             lost = number_text(event.energy_lost) if abs(event.energy_lost) > STILL * abs(event.energy_before) else "0"
             rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, event.before, event.after, impulses, lost))
         columns = ("t (s)", "error (s)", "what", "before", "after", "impulses", "energy lost (J)")
-        return TextTable("Events", columns, tuple(rows))
+        return TextTable("Events", columns, tuple(rows), times=tuple(event.time for event in self.events))
 
     # Rows of all phases.
 

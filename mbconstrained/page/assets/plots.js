@@ -6,7 +6,7 @@ const cells = 10000; // of the square in which curves are written, as wide and a
 const near = 14; // px from a curve to the pointer that highlights it
 const pressed = 4; // px that the pointer moves at most in a press
 const scrolling = 400; // ms after the wheel has scrolled the page in which it goes on scrolling
-const plots = { all: [], sets: [], seek: null, pointed: null, variable: "time", time: null, hover: null, over: null, scrolled: -Infinity };
+const plots = { all: [], sets: [], phases: null, seek: null, pointed: null, variable: "time", time: null, hover: null, over: null, scrolled: -Infinity };
 const svgNamespace = "http://www.w3.org/2000/svg";
 
 class PlottedCurve {
@@ -119,6 +119,8 @@ class PlottedFigure {
     this.ticks = svg.querySelector(".ticks");
     this.paths = svg.querySelector(".curves");
     this.guides = svg.querySelector(".guides");
+    this.phases = svg.querySelector(".phases");
+    this.phaseNames = [...this.figure.querySelectorAll("[data-phase]")];
     this.marks = [...svg.querySelectorAll(".mark")];
     this.grid = this.ticks.innerHTML;
     this.pointers = new Map();
@@ -221,6 +223,8 @@ class PlottedFigure {
     const now = this.over === plots.variable ? this.within(plots.time) : null;
     const pointed = plots.over === this.over ? this.within(plots.hover) : null;
     this.curves.forEach((curve) => curve.show(pointed === null ? now : pointed));
+    const phase = phaseAt(pointed === null ? now : pointed);
+    this.phaseNames.forEach((entry) => entry.classList.toggle("lit", entry.dataset.phase === phase));
     if (this.phase) {
       const [at, { variable, variableUnit }] = [pointed === null ? now : pointed, this.svg.dataset];
       const named = at !== null && variableUnit !== undefined;
@@ -394,6 +398,7 @@ class PlottedFigure {
       this.reset.hidden = !this.zoomed;
       if (this.zoomed) this.drawTicks();
       else this.ticks.innerHTML = this.grid;
+      if (this.phases) this.phases.setAttribute("viewBox", [cells * this.across.view[0], 0, cells * (this.across.view[1] - this.across.view[0]), 3].join(" "));
       if (this.guides) this.guides.setAttribute("viewBox", this.part());
       this.placeMarks();
       this.curves.filter((curve) => curve.shown).forEach((curve) => curve.draw());
@@ -490,7 +495,16 @@ function showInPlots(time) {
   plots.all.forEach((plot) => plot.show());
 }
 
-plots.sets = functionsOf(JSON.parse(document.getElementById("plot-data").textContent));
+// The name of the phase at a time, or null.
+function phaseAt(time) {
+  if (time === null || !plots.phases) return null;
+  const { begins, names } = plots.phases;
+  return names[Math.max(0, begins.findLastIndex((begin) => begin <= time))];
+}
+
+const plotData = JSON.parse(document.getElementById("plot-data").textContent);
+plots.sets = functionsOf(plotData);
+plots.phases = plotData.phases && { begins: unpack(plotData.phases.begins, Float64Array), names: plotData.phases.names };
 for (const svg of document.querySelectorAll("svg.plot")) {
   if (svg.querySelector(".curves")) plots.all.push(new PlottedFigure(svg));
 }

@@ -35,5 +35,9 @@ control("loop").addEventListener("click", () => {
   announce(page.loops() ? "loops at the end" : "stops at the end");
   publish();
 });
+// The rows of a table of events lead to their times, also when the address is that of the row already.
+for (const link of document.querySelectorAll('a[href^="#t="]')) {
+  link.closest("tr").addEventListener("click", () => page.follow(link.hash));
+}
 if (page.plots) plots.seek = seek;
 open(new Motion(data.frames));

@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 
+from ...linalg import lapack
 from ...linalg.blocks import BlockDiagonal, block_slices
 from ...linalg.exponential import block_states
 from ...linalg.recursion import advance, shared_gaps
@@ -188,7 +188,7 @@ def _separated(free: BlockDiagonal, driven: Driven, forcing, limit) -> tuple[np.
         for of in outer:
             D, J = excitation[own, of], generator[of, of]
             if D.any():
-                solution, scale, info = scipy.linalg.lapack.dtrsyl(T, J, -D, isgn=-1)
+                solution, scale, info = lapack.dtrsyl(T, J, -D, isgn=-1)
                 separable = info == 0 and np.abs(solution).max() <= limit * scale * np.abs(D).max()
                 if separable:
                     X[own, of] = solution / scale

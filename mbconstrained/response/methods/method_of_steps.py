@@ -31,6 +31,7 @@ from ...ground.errors import InputError, within_float64
 from ...ground.notices import Evidence, Notice
 from ...ground.tolerances import EPS, noise_of
 from ...linalg.exponential import block_states
+from ...linalg.scaling import balanced
 from ...polynomial.delayed_terms import DelayedTerm, check_retarded, feedthrough, measured_states
 from ...polynomial.jordan_pairs import JordanPairs
 from ...polynomial.polynomial_matrix import PolynomialMatrix
@@ -84,7 +85,7 @@ class _DelayedEquations:
         longest = max(len(term.coefficients) for term in terms)
         by_states = measured_states(pairs, terms)
         pattern = np.abs(J) + sum(np.abs(B) @ np.abs(C_j) for C_j in by_states)
-        units = scipy.linalg.matrix_balance(pattern, permute=False, separate=True)[1][0] if len(J) else np.ones(0)
+        units = balanced(pattern)[1]
         J, B, C = J * units / units[:, None], B / units[:, None], C * units
         loads = [force.coefficients]
         for _ in range(highest + longest):

@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 
 from ...ground.tolerances import EPS, LEAST_NUMBER
-from ...linalg.arrays import full
+from ...linalg.arrays import block_diag, full
 from ...linalg.blocks import CHUNK_ENTRIES
 from ...linalg.division import accurate_product, sum_with_error
 from ...linalg.double_double import DOUBLED_EPS, EXPONENTIAL_EPS, DoubleDouble, exponential, outer, stacked, turns
@@ -305,8 +305,8 @@ class _Separated:
             poles.append(values)
             turns.append(vectors)
             begin += len(block)
-        turn = scipy.linalg.block_diag(*turns)
-        return cls(np.concatenate(poles), np.concatenate(pairs), turn, scipy.linalg.block_diag(*map(np.linalg.inv, turns)))
+        turn = block_diag(*turns)
+        return cls(np.concatenate(poles), np.concatenate(pairs), turn, block_diag(*map(np.linalg.inv, turns)))
 
 
 def _mixed(change: np.ndarray, distance: np.ndarray, poles: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:

@@ -61,24 +61,17 @@ UNLIMITED = 1e16
 
 @dataclass
 class JointAxis:
-    """One axis of a joint.
+    """One axis of a joint."""
 
-    Attributes:
-        direction: direction in the frame of the joint.
-        limits: lower and upper limit (rad, m).
-        damping, friction, stiffness, rest: constants of the joint (SI).
-        mimic: leader, multiplier and offset of a joint that follows.
-        leader_axis: axis of a leader that has two.
-    """
-
-    direction: np.ndarray
-    limits: tuple[float, float] = (-UNLIMITED, UNLIMITED)
+    direction: np.ndarray  # direction in the frame of the joint
+    limits: tuple[float, float] = (-UNLIMITED, UNLIMITED)  # lower and upper limit (rad, m)
+    # constants of the joint (SI)
     damping: float = 0.0
     friction: float = 0.0
     stiffness: float = 0.0
     rest: float = 0.0
-    mimic: tuple[str, float, float] | None = None
-    leader_axis: str = "axis"
+    mimic: tuple[str, float, float] | None = None  # leader, multiplier and offset of a joint that follows
+    leader_axis: str = "axis"  # axis of a leader that has two
 
 
 @dataclass
@@ -522,19 +515,13 @@ def read_urdf_file(source) -> ModelFile:
 
 
 class _UrdfFrames:
-    """The frames of a URDF by name: its links, and Drake's elements <frame>.
-
-    Attributes:
-        links: names.
-        joints: elements by name.
-        places: SE3 of the links where all joints are at 0.
-    """
+    """The frames of a URDF by name: its links, and Drake's elements <frame>."""
 
     def __init__(self, root: Element):
-        self.links = {str(link.get("name")) for link in root.findall("link")}
-        self.joints = {str(joint.get("name")): joint for joint in root.findall("joint")}
+        self.links = {str(link.get("name")) for link in root.findall("link")}  # names
+        self.joints = {str(joint.get("name")): joint for joint in root.findall("joint")}  # elements by name
         self._frames = {str(frame.get("name")): frame for frame in root.findall("frame")}
-        self.places: dict[str, Any] = {WORLD: placement((0, 0, 0))}
+        self.places: dict[str, Any] = {WORLD: placement((0, 0, 0))}  # SE3 of the links where all joints are at 0
         parents = {joint.find("child").get("link"): joint for joint in self.joints.values()}
         for link in self.links:
             path = [link]

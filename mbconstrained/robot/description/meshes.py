@@ -33,45 +33,28 @@ class UnreadableMesh(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Texture:
-    """An image over triangles.
+    """An image over triangles."""
 
-    Attributes:
-        image: a JPEG file, or, from a reader, the name of an image file.
-        places: of the corners of each triangle in the image, shape (f, 3, 2), from (0, 0) at its lower left to (1, 1).
-    """
-
-    image: bytes | str
-    places: np.ndarray
+    image: bytes | str  # a JPEG file, or, from a reader, the name of an image file
+    places: np.ndarray  # of the corners of each triangle in the image, shape (f, 3, 2), from (0, 0) at its lower left to (1, 1)
 
 
 @dataclass(frozen=True, eq=False)
 class MeshPart:
-    """Triangles of a mesh that look alike.
+    """Triangles of a mesh that look alike."""
 
-    Attributes:
-        faces: numbers of the corners, shape (f, 3).
-        color: None where the file gives none.
-        texture: takes the place of the colour, or None.
-    """
-
-    faces: np.ndarray
-    color: Color | None = None
-    texture: Texture | None = None
+    faces: np.ndarray  # numbers of the corners, shape (f, 3)
+    color: Color | None = None  # None where the file gives none
+    texture: Texture | None = None  # takes the place of the colour, or None
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """A mesh.
+    """A mesh."""
 
-    Attributes:
-        vertices: corners (k, 3) in m.
-        parts: with their triangles.
-        notes: on textures that are not drawn.
-    """
-
-    vertices: np.ndarray
-    parts: tuple[MeshPart, ...]
-    notes: tuple[str, ...] = ()
+    vertices: np.ndarray  # corners (k, 3) in m
+    parts: tuple[MeshPart, ...]  # with their triangles
+    notes: tuple[str, ...] = ()  # on textures that are not drawn
 
     @cached_property
     def whole(self) -> MeshPart:

@@ -35,52 +35,37 @@ DOWNWARDS = (0.0, 0.0, -9.81)
 
 @dataclass(eq=False)
 class ModelFile:
-    """The content of a file of a robot, which its reader fills in: the tree, and what joins its links besides joints.
+    """The content of a file of a robot, which its reader fills in: the tree, and what joins its links besides joints."""
 
-    Attributes:
-        word: the format, for messages; empty for a pinocchio model alone.
-        description, folder: the element <robot> of a URDF, for other formats made of their tree, and the folder of the file.
-        model: of pinocchio, of an MJCF file or a given one; of others it is built from the description.
-        gravity: shape (3,) (m/s^2).
-        loops, springs, tendons, gears: ``Loop``, ``Bushing``, ``Tendon`` and ``JointGear``.
-        joint_stiffness, joint_rest, motors: by joint.
-        states: configurations q by name.
-        lift: by body a point (m) at which a force compensates the weight of a mass (kg).
-        doubted, noted: parts that are not read and may act on the motion, and those that do not.
-        usual: links that give no mass or no inertia.
-        stopped: joints both limits of which are the same.
-        remarks: other notices.
-        path: of an MJCF file.
-        compiled: the ``MjModel`` of an MJCF file, to compare with; None where it has elastic parts that are not read.
-        drawn: the model with shapes.
-        links: links of its bodies, by number.
-        undrawn: geoms whose mesh is missing.
-    """
-
-    word: str = ""
+    word: str = ""  # the format, for messages; empty for a pinocchio model alone
+    # the element <robot> of a URDF, for other formats made of their tree, and the folder of the file
     description: Element = None
     folder: Path | None = None
-    model: Any = None
-    gravity: Sequence[float] = DOWNWARDS
+    model: Any = None  # of pinocchio, of an MJCF file or a given one; of others it is built from the description
+    gravity: Sequence[float] = DOWNWARDS  # shape (3,) (m/s^2)
+    # ``Loop``, ``Bushing``, ``Tendon`` and ``JointGear``
     loops: list[Any] = field(default_factory=list)
     springs: list[Any] = field(default_factory=list)
     tendons: list[Any] = field(default_factory=list)
     gears: list[Any] = field(default_factory=list)
+    # by joint
     joint_stiffness: dict[str, float] = field(default_factory=dict)
     joint_rest: dict[str, float] = field(default_factory=dict)
     motors: dict[str, Any] = field(default_factory=dict)
-    states: dict[str, np.ndarray] = field(default_factory=dict)
+    states: dict[str, np.ndarray] = field(default_factory=dict)  # configurations q by name
+    # by body a point (m) at which a force compensates the weight of a mass (kg)
     lift: dict[str, tuple[Sequence[float], float]] = field(default_factory=dict)
+    # parts that are not read and may act on the motion, and those that do not
     doubted: list[str] = field(default_factory=list)
     noted: list[str] = field(default_factory=list)
-    usual: list[str] = field(default_factory=list)
-    stopped: list[str] = field(default_factory=list)
-    remarks: list[Notice] = field(default_factory=list)
-    path: Path | None = None
-    compiled: Any = None
-    drawn: Any = None
-    links: Sequence[str] = ()
-    undrawn: frozenset[int] = frozenset()
+    usual: list[str] = field(default_factory=list)  # links that give no mass or no inertia
+    stopped: list[str] = field(default_factory=list)  # joints both limits of which are the same
+    remarks: list[Notice] = field(default_factory=list)  # other notices
+    path: Path | None = None  # of an MJCF file
+    compiled: Any = None  # the ``MjModel`` of an MJCF file, to compare with; None where it has elastic parts that are not read
+    drawn: Any = None  # the model with shapes
+    links: Sequence[str] = ()  # links of its bodies, by number
+    undrawn: frozenset[int] = frozenset()  # geoms whose mesh is missing
 
     def __post_init__(self):
         if self.model is not None:

@@ -45,20 +45,14 @@ MOST_STATES, MOST_PAIRS = 40, 16
 
 @dataclass(frozen=True, eq=False)
 class TransferFunction:
-    """A transfer function with its input.
+    """A transfer function with its input."""
 
-    Attributes:
-        numerator, denominator: b and a as given, the highest power first.
-        input: gamma of I_gamma, or u with one row.
-        start: y^(i)(0-) as row i, shape (n, 1); None from rest.
-        delay: dead time of the input in s.
-    """
-
+    # b and a as given, the highest power first
     numerator: list[float]
     denominator: list[float]
-    input: int | ImpulsiveSmooth
-    start: np.ndarray | None = None
-    delay: float = 0.0
+    input: int | ImpulsiveSmooth  # gamma of I_gamma, or u with one row
+    start: np.ndarray | None = None  # y^(i)(0-) as row i, shape (n, 1); None from rest
+    delay: float = 0.0  # dead time of the input in s
 
     @cached_property
     def fraction(self) -> RationalFunction:
@@ -96,26 +90,17 @@ class TransferFunction:
 
 @dataclass(frozen=True, eq=False)
 class ControlScene:
-    """The model of a scene of control engineering, with its input.
+    """The model of a scene of control engineering, with its input."""
 
-    Attributes:
-        inputs, outputs: names and units.
-        transfer_function: b(s)/a(s) with its input, or else None.
-        system: the state space, or else None.
-        input: u, p rows, where it is a state space, before its dead times.
-        start: x(0-), shape (n,), where it is a state space.
-        form: its mechanical normal form, where requested.
-        delays: dead times of inputs in s by name, those that are not 0.
-    """
-
+    # names and units
     inputs: Coordinates
     outputs: Coordinates
-    transfer_function: TransferFunction | None = None
-    system: StateSpace | None = None
-    input: ImpulsiveSmooth | None = None
-    start: np.ndarray | None = None
-    form: NormalForm | None = None
-    delays: Mapping[str, float] = field(default_factory=dict)
+    transfer_function: TransferFunction | None = None  # b(s)/a(s) with its input, or else None
+    system: StateSpace | None = None  # the state space, or else None
+    input: ImpulsiveSmooth | None = None  # u, p rows, where it is a state space, before its dead times
+    start: np.ndarray | None = None  # x(0-), shape (n,), where it is a state space
+    form: NormalForm | None = None  # its mechanical normal form, where requested
+    delays: Mapping[str, float] = field(default_factory=dict)  # dead times of inputs in s by name, those that are not 0
 
     @cached_property
     def late_input(self) -> ImpulsiveSmooth:

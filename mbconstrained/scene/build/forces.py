@@ -33,19 +33,12 @@ NONE_SHAPED: Shapers = MappingProxyType({})
 
 @dataclass(frozen=True, eq=False)
 class SceneForce:
-    """The force of one [[force]] table at one of its places.
+    """The force of one [[force]] table at one of its places."""
 
-    Attributes:
-        name: name of the coordinate or input.
-        unit: unit of the displacement along which the force works.
-        direction: the generalized forces of a unit force, shape (r,).
-        signal: the force over time, one row.
-    """
-
-    name: str
-    unit: str
-    direction: np.ndarray
-    signal: signals.ImpulsiveSmooth
+    name: str  # name of the coordinate or input
+    unit: str  # unit of the displacement along which the force works
+    direction: np.ndarray  # the generalized forces of a unit force, shape (r,)
+    signal: signals.ImpulsiveSmooth  # the force over time, one row
 
 
 def loads_of(

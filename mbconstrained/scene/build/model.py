@@ -46,23 +46,14 @@ class ModelTables(NamedTuple):
 
 
 class End:
-    """End of a motion as given in a scene: the interface of reports.
+    """End of a motion as given in a scene: the interface of reports."""
 
-    Attributes:
-        key: its name in scenes and in JSON.
-        title: heading of its table.
-        duration: T in s; 0 where there is none.
-        notices: what is undetermined, ill-conditioned or inaccurate.
-        unproved: the reason why no error is bounded; empty where one is.
-        uncertified: the reason why exact arithmetic proves no digits; empty where it does.
-    """
-
-    key: ClassVar[str]
-    title: ClassVar[str]
-    duration: float = 0.0
-    notices: tuple[Notice, ...] = ()
-    unproved: ClassVar[str] = ""
-    uncertified: str = ""
+    key: ClassVar[str]  # its name in scenes and in JSON
+    title: ClassVar[str]  # heading of its table
+    duration: float = 0.0  # T in s; 0 where there is none
+    notices: tuple[Notice, ...] = ()  # what is undetermined, ill-conditioned or inaccurate
+    unproved: ClassVar[str] = ""  # the reason why no error is bounded; empty where one is
+    uncertified: str = ""  # the reason why exact arithmetic proves no digits; empty where it does
 
     def table(self, coordinates: Coordinates) -> TextTable:
         """The given values, with evidence."""
@@ -86,36 +77,23 @@ class Equations:
     """The equations of a scene, their start and force, names and units, and what reports say about a model of its kind.
 
     This class serves lumped models, rotors, matrices and coefficients; robots and control systems override what differs.
-
-    Attributes:
-        coordinates: names and units.
-        polynomial_matrix: A(s), for a mechanical system that of its constrained form, without delayed terms.
-        initial: x^(i)(0-) as row i, shape (q, r).
-        force: on [0, inf), or None.
-        system: mass, damping, stiffness and constraint rows; None where A(s) was given itself.
-        model: the lumped model behind the system, or None.
-        robot_scene: the robot behind the system with its posture, inputs and outputs, or None.
-        control: the transfer function or state space behind the equations with its inputs and outputs, or None.
-        loads: the forces of the [[force]] tables and of unbalance, one by one, but for inputs of a transfer function or state space.
-        rotor: the rotor at rest whose speed the system has, or None.
-        response: the motion, where it is already known.
-        ends: what brings the motion to its end: boundary values, an input of least energy, input shapers.
-        solvability: conditions and free coordinates of equations that are no regular system by themselves; the polynomial matrix is that
-            of the completed system. None where they are one.
     """
 
-    coordinates: Coordinates
-    polynomial_matrix: PolynomialMatrix
-    initial: np.ndarray
-    force: ImpulsiveSmooth | None
-    system: MechanicalSystem | None = None
-    model: LumpedModel | None = None
-    robot_scene: Any = None
-    control: Any = None
+    coordinates: Coordinates  # names and units
+    polynomial_matrix: PolynomialMatrix  # A(s), for a mechanical system that of its constrained form, without delayed terms
+    initial: np.ndarray  # x^(i)(0-) as row i, shape (q, r)
+    force: ImpulsiveSmooth | None  # on [0, inf), or None
+    system: MechanicalSystem | None = None  # mass, damping, stiffness and constraint rows; None where A(s) was given itself
+    model: LumpedModel | None = None  # the lumped model behind the system, or None
+    robot_scene: Any = None  # the robot behind the system with its posture, inputs and outputs, or None
+    control: Any = None  # the transfer function or state space behind the equations with its inputs and outputs, or None
+    # the forces of the [[force]] tables and of unbalance, one by one, but for inputs of a transfer function or state space
     loads: tuple[SceneForce, ...] = ()
-    rotor: MechanicalSystem | None = None
-    response: Response | None = None
-    ends: tuple[End, ...] = ()
+    rotor: MechanicalSystem | None = None  # the rotor at rest whose speed the system has, or None
+    response: Response | None = None  # the motion, where it is already known
+    ends: tuple[End, ...] = ()  # what brings the motion to its end: boundary values, an input of least energy, input shapers
+    # conditions and free coordinates of equations that are no regular system by themselves; the polynomial matrix is that of the
+    # completed system. None where they are one
     solvability: Solvability | None = None
 
     # The problem, and its solution.
@@ -285,19 +263,14 @@ RELATIVE = ("displacement", "velocity", "acceleration")
 
 @dataclass(frozen=True, eq=False)
 class ElementQuantity:
-    """constant + sum over i of rows[i] @ x^(i)(t).
+    """constant + sum over i of rows[i] @ x^(i)(t)."""
 
-    Attributes:
-        name, title, unit: name, title and unit of the curve; the title is the quantity.
-        rows: rows of x, x' and x'', shape (3, n).
-        constant: in the unit.
-    """
-
+    # name, title and unit of the curve; the title is the quantity
     name: str
     title: str
     unit: str
-    rows: np.ndarray
-    constant: float = 0.0
+    rows: np.ndarray  # rows of x, x' and x'', shape (3, n)
+    constant: float = 0.0  # in the unit
 
     def values(self, motion, times: np.ndarray) -> np.ndarray:
         """Over times (T,), of a motion."""

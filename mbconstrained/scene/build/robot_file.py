@@ -38,48 +38,26 @@ JOINT_UNITS = {"revolute": "rad", "continuous": "rad", "prismatic": "m"}
 
 @dataclass(frozen=True)
 class UrdfNames:
-    """Names in a URDF.
+    """Names in a URDF."""
 
-    Attributes:
-        path: the file.
-        links: names of the links.
-        units: units of the joints with one degree of freedom and of the coordinates of others, "rad" or "m", by name.
-        several: the coordinates of joints with several degrees of freedom, by joint.
-        mimics: joints that follow others.
-        meshes: file names of the meshes that are drawn, as they stand in the URDF, each with its link.
-        states: values by joint, by name of a key frame of an MJCF file.
-        has_free_joint: whether the base of an MJCF or SDF file is free by itself.
-    """
-
-    path: Path
-    links: tuple[str, ...]
-    units: dict[str, str]
-    mimics: tuple[Mimic, ...]
-    meshes: tuple[tuple[str, str], ...]
+    path: Path  # the file
+    links: tuple[str, ...]  # names of the links
+    units: dict[str, str]  # units of the joints with one degree of freedom and of the coordinates of others, "rad" or "m", by name
+    mimics: tuple[Mimic, ...]  # joints that follow others
+    meshes: tuple[tuple[str, str], ...]  # file names of the meshes that are drawn, as they stand in the URDF, each with its link
+    # the coordinates of joints with several degrees of freedom, by joint
     several: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    states: Mapping[str, dict] = field(default_factory=dict)
-    has_free_joint: bool = False
+    states: Mapping[str, dict] = field(default_factory=dict)  # values by joint, by name of a key frame of an MJCF file
+    has_free_joint: bool = False  # whether the base of an MJCF or SDF file is free by itself
 
     def joint_unit(self, name: str) -> str:
-        """The unit of a joint.
-
-        Raises:
-            InputError: no such joint.
-        """
+        """The unit of a joint."""
         if name not in self.units:
             raise InputError(f"there is no joint {shown(name)}{nearest(name, self.units)}; the joints are {_some(self.units)}")
         return self.units[name]
 
     def check_body(self, name: str, *others: str) -> None:
-        """Check that the link exists.
-
-        Args:
-            name: name of the link.
-            others: names that may stand there as well.
-
-        Raises:
-            InputError: there is none.
-        """
+        """Refuse a name that is neither that of a link nor one of the others."""
         if name not in (*self.links, *others):
             known = (*others, *self.links)
             raise InputError(f"there is no body {shown(name)}{nearest(name, known)}; the bodies are {_some(known)}")
@@ -267,29 +245,17 @@ def _connections(kind: type, entries, key: str, names: UrdfNames, place: str) ->
 
 @dataclass(frozen=True)
 class RobotData:
-    """The validated content of a robot.toml.
+    """The validated content of a robot.toml."""
 
-    Attributes:
-        path: the robot.toml.
-        table: its content.
-        names: names of the links and joints in its URDF.
-        semantics: the states of its SRDF or MJCF.
-        package_dirs: folders in which package://NAME/... is looked up.
-        locks: joints that the files name as locked, with their values in SI.
-        locked: values of the locked joints and of those that follow them.
-        unit_texts: number of quantities written with a unit.
-        place: the file in messages.
-    """
-
-    path: Path
-    table: RobotFile
-    names: UrdfNames
-    semantics: SemanticDescription
-    package_dirs: tuple[Path, ...]
-    locks: dict[str, float] = field(default_factory=dict)
-    locked: dict[str, float] = field(default_factory=dict)
-    unit_texts: int = 0
-    place: str = ""
+    path: Path  # the robot.toml
+    table: RobotFile  # its content
+    names: UrdfNames  # names of the links and joints in its URDF
+    semantics: SemanticDescription  # the states of its SRDF or MJCF
+    package_dirs: tuple[Path, ...]  # folders in which package://NAME/... is looked up
+    locks: dict[str, float] = field(default_factory=dict)  # joints that the files name as locked, with their values in SI
+    locked: dict[str, float] = field(default_factory=dict)  # values of the locked joints and of those that follow them
+    unit_texts: int = 0  # number of quantities written with a unit
+    place: str = ""  # the file in messages
     _posture: dict = field(default_factory=dict, repr=False)
 
     @property
@@ -311,11 +277,7 @@ class RobotData:
         return self.table.licence
 
     def with_locked(self, locks: Mapping[str, float]) -> RobotData:
-        """The data with more joints locked.
-
-        Raises:
-            InputError: a joint follows another, which moves.
-        """
+        """The data with more joints locked."""
         from ...robot.tangent import locked_values
 
         locks = {**self.locks, **locks}

@@ -31,21 +31,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RobotScene:
-    """A robot in its posture, as a system in small deviations from it.
+    """A robot in its posture, as a system in small deviations from it."""
 
-    Attributes:
-        data: content of its file.
-        robot, posture, system: of the models' floor; the system knows inputs and outputs by name.
-        inputs: the joint or PointMotion of each input, by its name.
-        forces: constant forces, as in ``Robot.equilibrium``.
-    """
-
-    data: RobotData
+    data: RobotData  # content of its file
+    # of the models' floor; the system knows inputs and outputs by name
     robot: Robot
     posture: Posture
     system: LinearizedRobot
-    inputs: Mapping[str, str | PointMotion]
-    forces: Mapping[str | PointMotion, float] = field(default_factory=dict)
+    inputs: Mapping[str, str | PointMotion]  # the joint or PointMotion of each input, by its name
+    forces: Mapping[str | PointMotion, float] = field(default_factory=dict)  # constant forces, as in ``Robot.equilibrium``
 
     @property
     def coordinates(self) -> Coordinates:

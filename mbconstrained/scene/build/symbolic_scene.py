@@ -106,20 +106,13 @@ def _with_rayleigh(scene: SceneData, parameter: Parameter, numbers: ComplexNumbe
 
 @dataclass(frozen=True, eq=False)
 class ExactEquations:
-    """The arguments of ``solve_symbolically``.
+    """The arguments of ``solve_symbolically``."""
 
-    Attributes:
-        polynomial_matrix: A(s).
-        initial: x^(i)(0-) as row i.
-        force: r expressions in t.
-        shown: the coordinates whose formulas are wanted; others, as the input of a transfer function, only help.
-        implied: coordinates whose values at 0- follow from others, with the factors of these.
-    """
-
-    polynomial_matrix: SymbolicPolynomialMatrix
-    initial: np.ndarray
-    force: list[Any]
-    shown: tuple[str, ...]
+    polynomial_matrix: SymbolicPolynomialMatrix  # A(s)
+    initial: np.ndarray  # x^(i)(0-) as row i
+    force: list[Any]  # r expressions in t
+    shown: tuple[str, ...]  # the coordinates whose formulas are wanted; others, as the input of a transfer function, only help
+    # coordinates whose values at 0- follow from others, with the factors of these
     implied: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 

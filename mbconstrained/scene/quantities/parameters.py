@@ -238,25 +238,17 @@ class _Reported(InputError):
 
 
 class _Substitution:
-    """The parameters of a scene, and the expressions evaluated with them.
-
-    Attributes:
-        problems: messages about wrong parameters and expressions, which are reported together.
-        known: values by name.
-        trees: of the parameters that are expressions themselves, written out in those that are not.
-        depends: the names on which each parameter depends, its own included.
-        used: the names on which any value depends.
-        places: of the expressions in the scene, each with the names on which it depends.
-    """
+    """The parameters of a scene, and the expressions evaluated with them."""
 
     def __init__(self, data: dict):
         self.data = data
-        self.problems: list[str] = []
-        self.known: dict[str, Measured] = {}
+        self.problems: list[str] = []  # messages about wrong parameters and expressions, which are reported together
+        self.known: dict[str, Measured] = {}  # values by name
+        # of the parameters that are expressions themselves, written out in those that are not
         self.trees: dict[str, Expression] = {}
-        self.depends: dict[str, frozenset[str]] = {}
-        self.used: frozenset[str] = frozenset()
-        self.places: dict[Place, frozenset[str]] = {}
+        self.depends: dict[str, frozenset[str]] = {}  # the names on which each parameter depends, its own included
+        self.used: frozenset[str] = frozenset()  # the names on which any value depends
+        self.places: dict[Place, frozenset[str]] = {}  # of the expressions in the scene, each with the names on which it depends
         self.given = data.get("parameters", {})
         with self._problem_at("parameters"):
             self._read_parameters()

@@ -105,7 +105,7 @@ class _Picture:
         """Forces of the constraint rows, each on the bodies of all coordinates in its row; rows without a body are omitted."""
         values, rates = self.motion.reaction(times), self.motion.reaction_function.derivative(1)(times)
         forces = []
-        for i, row in enumerate(self.system.rows):
+        for i, row in enumerate(self.result.rows):
             arrows = tuple(self._row_arrows(drawing, row.coefficients, 0))
             if arrows:
                 forces.append(ForceArrows(row.name, values[i], rates[i], arrows))
@@ -146,7 +146,7 @@ class _Picture:
     def impulse_arrows(self, drawing: Drawing, time: float) -> tuple[ImpulseArrow, ...]:
         """Arrows of the impulses of constraint forces and forces at a time, without derivatives of impulses."""
         drawn_arrows: list[ImpulseArrow] = []
-        by_name = {f"force of {row.name}": row for row in (self.system.rows if self.system else ())}
+        by_name = {f"force of {row.name}": row for row in self.result.rows}
         for name, unit, values in self._force_impulses(time):
             if not values or not values[0]:
                 continue
@@ -163,7 +163,7 @@ class _Picture:
         if self.system is None:
             return
         of_rows, applied = self.impulses_at(time)
-        forces = forces_of_rows(self.system)
+        forces = forces_of_rows(self.result.rows)
         for i, (name, unit) in enumerate(zip(forces.names, forces.units)):
             values = [float(impulse[i]) for impulse in of_rows]
             if any(values):
@@ -180,7 +180,7 @@ class _Picture:
     def impulses_at(self, time: float):
         """Impulses of the constraint rows and of the forces at a time, by order."""
         if time == 0.0:
-            return self.motion.constraint_impulses if self.system.rows else (), self.motion.applied.impulses
+            return self.motion.constraint_impulses if self.result.rows else (), self.motion.applied.impulses
         return tuple(next((load.impulses for load in loads if load.time == time), ()) for loads in self._later_loads())
 
     def _later_loads(self):

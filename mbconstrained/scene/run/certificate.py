@@ -28,21 +28,15 @@ SECONDS = 60.0
 
 @dataclass(frozen=True)
 class Certified:
-    """Certified accuracy of one curve of the numeric answer.
+    """Certified accuracy of one curve of the numeric answer."""
 
-    Attributes:
-        name, kind, unit: name, kind and unit of the curve.
-        bound: its error is at most this at the certified times.
-        largest: its largest value there.
-        others: the largest value there of all curves of its kind and unit.
-    """
-
+    # name, kind and unit of the curve
     name: str
     kind: str
     unit: str
-    bound: float
-    largest: float
-    others: float
+    bound: float  # its error is at most this at the certified times
+    largest: float  # its largest value there
+    others: float  # the largest value there of all curves of its kind and unit
 
     @property
     def relative(self) -> float:
@@ -67,18 +61,13 @@ class Certified:
 
 @dataclass(frozen=True)
 class Certificate:
-    """Certified accuracy of an answer.
+    """Certified accuracy of an answer."""
 
-    Attributes:
-        curves: one entry for each curve of the selected coordinates.
-        count, of: number of certified times, and of all times.
-        notices: obstacles to a proof, or its results.
-    """
-
-    curves: tuple[Certified, ...]
+    curves: tuple[Certified, ...]  # one entry for each curve of the selected coordinates
+    # number of certified times, and of all times
     count: int
     of: int
-    notices: tuple[Notice, ...] = ()
+    notices: tuple[Notice, ...] = ()  # obstacles to a proof, or its results
 
     @property
     def table(self) -> TextTable:

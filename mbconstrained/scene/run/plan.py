@@ -32,17 +32,11 @@ NOT_MEASURED = "Memory is not measured on this system."
 
 @dataclass(frozen=True)
 class Cost:
-    """Cost of a stage.
+    """Cost of a stage."""
 
-    Attributes:
-        seconds: wall-clock time.
-        memory: highest resident memory above that at the start, in bytes; None where it cannot be measured.
-        peak: highest resident memory of the process, in bytes, or None.
-    """
-
-    seconds: float
-    memory: int | None = None
-    peak: int | None = None
+    seconds: float  # wall-clock time
+    memory: int | None = None  # highest resident memory above that at the start, in bytes; None where it cannot be measured
+    peak: int | None = None  # highest resident memory of the process, in bytes, or None
 
     def __add__(self, other: Cost) -> Cost:
         """Cost of two parts of one stage, with other work between them; the memory of the first may have stayed.
@@ -155,21 +149,14 @@ NOTHING = "–"
 
 @dataclass(frozen=True)
 class Stage:
-    """Stage of the computation.
+    """Stage of the computation."""
 
-    Attributes:
-        name: name of the stage.
-        needed: whether this scene needs it.
-        because: the reason for needing or omitting it, or a function that returns it: some take an analysis of their own.
-        cost: time and memory, once it has run.
-        part_of: the stage that contains it, including its cost, or an empty string.
-    """
-
-    name: str
-    needed: bool
+    name: str  # name of the stage
+    needed: bool  # whether this scene needs it
+    # the reason for needing or omitting it, or a function that returns it: some take an analysis of their own
     because: str | Callable[[], str]
-    cost: Cost | None = None
-    part_of: str = ""
+    cost: Cost | None = None  # time and memory, once it has run
+    part_of: str = ""  # the stage that contains it, including its cost, or an empty string
 
     @property
     def reason(self) -> str:
@@ -189,13 +176,9 @@ class Stage:
 
 @dataclass(frozen=True)
 class Plan:
-    """The stages of a scene in the order in which they run.
+    """The stages of a scene in the order in which they run."""
 
-    Attributes:
-        stages: all of them, needed or left out.
-    """
-
-    stages: tuple[Stage, ...]
+    stages: tuple[Stage, ...]  # all of them, needed or left out
 
     @property
     def needed(self) -> tuple[Stage, ...]:

@@ -40,6 +40,7 @@ from .scene_data import SceneData
 from .stages import connection_forces
 
 if TYPE_CHECKING:
+    from ...mechanics.constraints import ConstraintRow
     from ...mechanics.motion import Motion
     from ...mechanics.system import MechanicalSystem
     from ...page.content import RecordResponse, TimeFunctions
@@ -101,11 +102,9 @@ def impulses_of(impulses: Sequence, coordinates: Coordinates) -> list[ReportedIm
     ]
 
 
-def forces_of_rows(system: MechanicalSystem, name: str = "force of {}", shown: OutputUnits = OutputUnits()) -> Coordinates:
+def forces_of_rows(rows: Sequence[ConstraintRow], name: str = "force of {}", shown: OutputUnits = OutputUnits()) -> Coordinates:
     """Names and units of the constraint forces."""
-    return Coordinates(
-        tuple(name.format(row.name) for row in system.rows), tuple(force_unit(row.unit) for row in system.rows), shown
-    )
+    return Coordinates(tuple(name.format(row.name) for row in rows), tuple(force_unit(row.unit) for row in rows), shown)
 
 
 def with_units(response: Response, coordinates: Coordinates) -> tuple[Notice, ...]:
@@ -165,7 +164,7 @@ def start_notices(equations: Equations) -> tuple[Notice, ...]:
     coordinates = equations.coordinates
     notices = [*_causes(equations, motion), *_sentences(motion, coordinates)]
     if equations.system is not None:
-        forces = forces_of_rows(equations.system, 'constraint "{}"')
+        forces = forces_of_rows(equations.system.rows, 'constraint "{}"')
         notices += [
             Notice(NoticeKind.IMPULSE, f"{impulse.name}: its force contains {impulse.delta} of {impulse.size} at t = 0")
             for impulse in impulses_of(motion.constraint_impulses, forces)
@@ -185,6 +184,8 @@ def _causes(equations: Equations, motion: Response) -> Iterator[Notice]:
         admissibility = admissible(equations.polynomial_matrix, initial=equations.initial, force=equations.right_hand_side)
         for violation in admissibility.violations:
             _, _, text = violation.text.partition(": ")
+            if equations.has_outputs_among_coordinates and text.startswith('"output '):
+                continue  # an output follows its input at once
             yield Notice(NoticeKind.JUMP, f"the start does not fit: {text}")
 
 
@@ -362,21 +363,15 @@ ENERGIES = ("kinetic", "strain", "static", "total")
 
 @dataclass(frozen=True)
 class Largest:
-    """The largest modulus of a curve between the first and the last time, of the closed form.
+    """The largest modulus of a curve between the first and the last time, of the closed form."""
 
-    Attributes:
-        name, title, unit: name, title and unit of the curve, in SI.
-        value: with its sign.
-        time: in s.
-        margin: bound of the excess of the maximum over this value; 0 except for motions of very many periods.
-    """
-
+    # name, title and unit of the curve, in SI
     name: str
     title: str
     unit: str
-    value: float
-    time: float
-    margin: float
+    value: float  # with its sign
+    time: float  # in s
+    margin: float  # bound of the excess of the maximum over this value; 0 except for motions of very many periods
 
 
 class KindOfCurves(NamedTuple):
@@ -402,10 +397,19 @@ class Result:
     def __init__(self, scene: SceneData):
         self.scene = scene
         self.system: MechanicalSystem | None = scene.equations.system
-        self._rows = () if self.system is None else self.system.rows
         self._curves: dict[str, Curves] = {}
         self._extrema: dict[tuple[str, tuple[int, ...] | None], Extrema] = {}
         self._functions: dict[str, TimeFunctions] = {}
+
+    @cached_property
+    def rows(self) -> tuple[ConstraintRow, ...]:
+        """The constraint rows whose forces the motion has; of a switched system those of all phases."""
+        return () if self.system is None else getattr(self.motion, "_reaction_rows", self.system.rows)
+
+    @property
+    def is_switched(self) -> bool:
+        """Whether the motion has phases with equations of their own."""
+        return hasattr(self.motion, "phases")
 
     def jordan_pairs(self) -> JordanPairs:
         """The pairs (C, J, B) of the finite zeros and of those at infinity."""
@@ -446,7 +450,7 @@ class Result:
         reactions = ["reaction", "ground_reaction"] if output.reactions else []
         requested = ["displacement", *plots, *reactions, *(["quantity"] if output.quantity else [])]
         available = {
-            "reaction": bool(self._rows),
+            "reaction": bool(self.rows),
             "ground_reaction": equations.has_connections,
             "output": not equations.has_outputs_among_coordinates,
             "force": equations.has_forces,
@@ -477,7 +481,7 @@ class Result:
             values = motion.derivative(order) if order else motion
             return KindOfCurves(coordinates.names, units, values, lambda: values if order else motion.function, None, titles)
         if kind == "reaction":
-            names, units = zip(*((row.name, force_unit(row.unit)) for row in self._rows))
+            names, units = zip(*((row.name, force_unit(row.unit)) for row in self.rows))
             return KindOfCurves(names, units, motion.reaction, lambda: motion.reaction_function)
         if kind == "output":
             of_outputs = lambda times: equations.output_values(times, motion(times))  # noqa: E731
@@ -500,7 +504,7 @@ class Result:
 
     def _connection_forces(self) -> KindOfCurves:
         """Forces of loops, springs and bushings of a robot."""
-        forces, motion, rows = self.scene.equations.robot_scene.system.connection_forces, self.motion, self._rows
+        forces, motion, rows = self.scene.equations.robot_scene.system.connection_forces, self.motion, self.rows
         rate = motion.derivative(1)
         titles = tuple(f"{'force' if unit == 'N' else 'torque'} in ground axes" for unit in forces.units)
 
@@ -554,7 +558,7 @@ class Result:
     @property
     def _breaks(self) -> np.ndarray:
         """Times at which the motion or a derivative of it may jump."""
-        times = [*self.motion.force.knots, *(event.time for event in self.motion.events)]
+        times = [*self.motion.force.knots, *(event.time for event in self.motion._later_events)]
         if self.system is not None and self.system.delayed:
             times += self.motion.solution.steps.kinks(float(self.times[-1]))
         return np.unique(times)
@@ -622,8 +626,8 @@ class Result:
         """The impulses at t = 0 in the coordinates, then in the constraint forces."""
         coordinates = self.scene.equations.coordinates
         impulses = impulses_of(self.motion.impulses, coordinates)
-        if self._rows:
-            impulses += impulses_of(self.motion.constraint_impulses, forces_of_rows(self.system, shown=coordinates.shown))
+        if self.rows:
+            impulses += impulses_of(self.motion.constraint_impulses, forces_of_rows(self.rows, shown=coordinates.shown))
         return impulses
 
     @cached_property
@@ -664,9 +668,9 @@ class Result:
         """Error estimates of each requested kind of curve; energies depend on x and x', outputs of a robot on x."""
         watched = ["ground_reaction"] if self.scene.equations.has_connections and self.watches_connections else []
         parts = (part for kind in (*self.kinds, *watched) for part in PARTS.get(kind, (kind,)))
-        kinds = [kind for kind in dict.fromkeys(parts) if kind != "reaction" or self._rows]
-        if isinstance(self.motion, BoundaryResponse):  # which is no motion of its start alone
-            return {kind: self.motion.error_estimate(self.times, **_of_boundary(kind, self.system)) for kind in kinds}
+        kinds = [kind for kind in dict.fromkeys(parts) if kind != "reaction" or self.rows]
+        if self.is_switched or isinstance(self.motion, BoundaryResponse):  # which is no motion of its start alone
+            return {kind: self.motion.error_estimate(self.times, **_of_kind(kind, self.system)) for kind in kinds}
         views = {kind: methodcaller("derivative", order) for kind, order in ORDERS.items()}
         views["reaction"] = getattr(self.motion, "_reaction_of", None)
         estimates = {kind: error_estimate(self.motion, self.times, views[kind]) for kind in kinds}
@@ -684,8 +688,8 @@ class Result:
         return self.scene.equations.linear_range(self.motion, self.times)
 
 
-def _of_boundary(kind: str, system: MechanicalSystem | None) -> dict:
-    """The arguments of the error estimate of a kind of curves, of a motion with boundary values."""
+def _of_kind(kind: str, system: MechanicalSystem | None) -> dict:
+    """The arguments of a motion's own error estimate for a kind of curves."""
     return {"order": ORDERS.get(kind, 0)} if system is None else {"of": kind if kind in (*ORDERS, "reaction") else "displacement"}
 
 

@@ -116,11 +116,7 @@ class SceneData(Displayed):
         return self._with_output(plot_images=True)
 
     def with_still(self, time: float) -> Self:
-        """The scene with a still picture of its model at a time in s.
-
-        Raises:
-            InputError: a time that the scene does not reach.
-        """
+        """The scene with a still picture of its model at a time within the run, in s."""
         start, end = self.table.time.start, self.table.time.end
         if not start <= time <= end:
             raise InputError(f"still picture: found {time:g} s; expected a time from {start:g} to {end:g} s, where the scene ends")

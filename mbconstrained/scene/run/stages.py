@@ -6,9 +6,10 @@ while a scene is read.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from itertools import chain
 from operator import attrgetter, methodcaller
 from typing import Any
 
@@ -322,27 +323,17 @@ def too_large_for_formula(scene: SceneData) -> str:
 
 @dataclass(frozen=True)
 class PossibleStage:
-    """A stage that a scene may need.
+    """A stage that a scene may need."""
 
-    Attributes:
-        name: name of the stage.
-        decide: whether a scene needs it, and the reason; the same for all scenes where it is no function.
-        work: does it; None where reading the scene, or another stage, does it.
-        writes: whether only files need it.
-        part_of: the stage that does it, where it is not measured itself.
-    """
-
-    name: str
+    name: str  # name of the stage
+    # whether a scene needs it, and the reason; the same for all scenes where it is no function
     decide: Callable[[SceneData], Decision | LateDecision] | Decision
-    work: Callable[[Any], object] | None = None
-    writes: bool = False
-    part_of: str = ""
+    work: Callable[[Any], object] | None = None  # does it; None where reading the scene, or another stage, does it
+    writes: bool = False  # whether only files need it
+    part_of: str = ""  # the stage that does it, where it is not measured itself
 
 
-FILE_STEPS = (
-    PossibleStage("read the scene", (True, "checked against the schema")),
-    PossibleStage("units", units),
-)
+FILE_STEPS = (PossibleStage("read the scene", (True, "checked against the schema")), PossibleStage("units", units))
 ROBOT_STEPS = (
     PossibleStage("robot model (pinocchio)", robot_model),
     PossibleStage("equilibrium", equilibrium),
@@ -412,11 +403,8 @@ def steps_of(scene: SceneData) -> tuple[PossibleStage, ...]:
     if scene.table.time.step_domain == "discrete":
         return (*FILE_STEPS, *first, *DISCRETE_STEPS)
     following = {"robot": ROBOT_NEXT, "state-space": CONTROL_NEXT}.get(kind, {}), _of_ends(scene)
-    return (*FILE_STEPS, *first, *(each for step in STEPS for each in (step, *_next(step.name, *following))))
-
-
-def _next(name: str, *following: Mapping[str, Sequence[PossibleStage]]) -> Iterator[PossibleStage]:
-    return (stage for stages in following for stage in stages.get(name, ()))
+    extended = [(step, *(each for stages in following for each in stages.get(step.name, ()))) for step in STEPS]
+    return (*FILE_STEPS, *first, *chain.from_iterable(extended))
 
 
 def _of_ends(scene: SceneData) -> dict[str, tuple[PossibleStage, ...]]:

@@ -297,9 +297,7 @@ def _values(value):
 VALUES_SCHEMAS = [{"type": "object", "additionalProperties": NUMBER_SCHEMA}, {"type": "array", "items": NUMBER_SCHEMA}]
 
 Values = Annotated[
-    Any,
-    BeforeValidator(_values),
-    WithJsonSchema({"title": "values by coordinate, or an array of all", "anyOf": VALUES_SCHEMAS}),
+    Any, BeforeValidator(_values), WithJsonSchema({"title": "values by coordinate, or an array of all", "anyOf": VALUES_SCHEMAS})
 ]
 
 

@@ -1,4 +1,4 @@
-"""The tables of forces and of prescribed motions, one for each kind of signal."""
+"""The tables of forces and of prescribed motions, one for each kind of signal, and of motions whose end is given."""
 
 from __future__ import annotations
 
@@ -12,7 +12,21 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, create_model, model
 from ...ground.errors import InputError, shown
 from ...ground.quantities import quantity
 from ...mechanics.constraints import Level
-from .entry_types import MOST_POWER, Angle, AngularVelocity, Frequency, Name, Number, Quantity, Rate, Table, Text, Time, Unit
+from .entry_types import (
+    MOST_POWER,
+    Angle,
+    AngularVelocity,
+    Frequency,
+    Name,
+    Number,
+    Quantity,
+    Rate,
+    Table,
+    Text,
+    Time,
+    Unit,
+    Values,
+)
 
 
 def _shaped_modes(value):
@@ -261,3 +275,33 @@ def motion_table(kind: str) -> Any:
     return create_model(
         f"{kind.capitalize()}Motion", __base__=(MotionBase, FORCES[kind]), __doc__=f'A prescribed motion of the kind "{kind}".'
     )
+
+
+# [boundary] and [least_energy].
+
+
+class EndTable(Table):
+    """Values at one end."""
+
+    displacement: Values = Field({}, description="Positions or angles.")
+    velocity: Values = Field({}, description="Velocities.")
+    acceleration: Values = Field({}, description="Accelerations, for equations of degree 3 and above.")
+    state: Values = Field({}, description="States of a state space, instead of all these, e.g. { x1 = 0.1 }.")
+
+
+class BoundaryTable(Table):
+    """Two-point boundary values: some values just after t = 0, others just before T; what is left out is free."""
+
+    start: EndTable = Field(EndTable.model_construct(), description="Values just after t = 0, in the place of [initial].")
+    end: EndTable = Field(EndTable.model_construct(), description="Values just before the end T.")
+    duration: Time = Field(gt=0, description="T, the time between start and end.")
+
+
+class LeastEnergyTable(Table):
+    """The input u of least energy, the integral of u^2, that moves the model from [initial] to a state; it is zero after T."""
+
+    inputs: list[Name] | None = Field(
+        None, description="Coordinates, each with a force on it, or inputs of the model; left out: all coordinates, or all inputs."
+    )
+    end: EndTable = Field(EndTable.model_construct(), description="The state at T; what is left out is 0.")
+    duration: Time = Field(gt=0, description="T, the time between start and end.")

@@ -100,8 +100,7 @@ class BodyTable(Table):
     )
     turns: dict[Name, PlainVector] | None = Field(None, description="Rotation vector by rad; [0, -1, 0] is counter-clockwise.")
     along: PlainVector | None = Field(
-        None,
-        description="Direction of positive displacements in the automatic drawing, e.g. [1, 1, 0]; [0, 0, 1] is up.",
+        None, description="Direction of positive displacements in the automatic drawing, e.g. [1, 1, 0]; [0, 0, 1] is up."
     )
     about: PlainVector | None = Field(
         None, description="About what positive angles of this body turn counter-clockwise in the automatic drawing."
@@ -190,14 +189,7 @@ CONTROL = ("transfer-function", "state-space")
 
 
 Parameters = Annotated[  # their values are checked by ``with_parameters``, before the schema sees the scene
-    dict[str, Any],
-    WithJsonSchema(
-        {
-            "title": "quantities by name",
-            "type": "object",
-            "additionalProperties": NUMBER_SCHEMA,
-        }
-    ),
+    dict[str, Any], WithJsonSchema({"title": "quantities by name", "type": "object", "additionalProperties": NUMBER_SCHEMA})
 ]
 
 
@@ -423,8 +415,8 @@ Frequency = Annotated[Any, _late("FrequencyTable")]
 Random = Annotated[Any, _late("RandomTable")]
 Shock = Annotated[Any, _late("ShockTable")]
 Vary = Annotated[Any, _late("VaryTable")]
-Boundary = Annotated[Any, _late("BoundaryTable", ".end_tables")]
-LeastEnergy = Annotated[Any, _late("LeastEnergyTable", ".end_tables")]
+Boundary = Annotated[Any, _late("BoundaryTable", ".force_tables")]
+LeastEnergy = Annotated[Any, _late("LeastEnergyTable", ".force_tables")]
 Campbell = Annotated[Any, _late("CampbellTable")]
 RobotPath = Annotated[Any, _late("PathTable")]
 

@@ -214,22 +214,15 @@ def _rational_and_root(rate) -> tuple[sympy.Expr, sympy.Expr]:
 
 @dataclass(frozen=True)
 class SymbolicSource:
-    """amplitude numerator(s) / denominator(s)^power, from a time onwards.
+    """amplitude numerator(s) / denominator(s)^power, from a time onwards."""
 
-    Attributes:
-        start: the time.
-        amplitude: any expression without s and t.
-        numerator: r expressions, polynomials in s with coefficients rational in symbols.
-        denominator, power: as an expression in s with coefficients rational in symbols, and a whole number.
-        is_impulse: of a Dirac impulse in the force.
-    """
-
-    start: sympy.Expr
-    amplitude: sympy.Expr
-    numerator: tuple[sympy.Expr, ...]
+    start: sympy.Expr  # the time
+    amplitude: sympy.Expr  # any expression without s and t
+    numerator: tuple[sympy.Expr, ...]  # r expressions, polynomials in s with coefficients rational in symbols
+    # as an expression in s with coefficients rational in symbols, and a whole number
     denominator: sympy.Expr = sympy.S.One
     power: int = 0
-    is_impulse: bool = False
+    is_impulse: bool = False  # of a Dirac impulse in the force
 
 
 def initial_symbols(A: SymbolicPolynomialMatrix) -> sympy.ImmutableMatrix:
