@@ -7,26 +7,25 @@ Dynamics, 1995, section 6.1). The multipliers of every point tell its stability 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 
-from ...ground.checks import counted, nearest, real_array, whole_number
+from ...frequency.plots import draw_branch
+from ...ground.checks import counted, real_array, whole_number
 from ...ground.coordinate_units import rate_unit
 from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError, MbconstrainedError, NotUnique, within_float64
-from ...ground.tolerances import EPS
+from ...ground.tolerances import CLOSED_ORBIT, EPS, FREQUENCY_DIFFERENCE, LOCATED_CHANGE, SHORTEST_STEP, UNDETERMINED
 from ...signals.inputs import harmonic
-from .periodic import CONVERGED, RANK, Orbit, PeriodicMotion, PeriodMap, cleared, forced_orbit, newton, start_of
-
-if TYPE_CHECKING:
-    from .switched_system import SwitchedSystem
+from .periodic import Orbit, PeriodicMotion, PeriodMap, cleared, forced_orbit, newton, start_of
 
 #: Steps along the branch, in ranges of the motion and in this part of the logarithm of the range of frequencies.
-FIRST_STEP, LONGEST_STEP, SHORTEST_STEP, FREQUENCY_PART = 0.02, 0.1, 1e-6, 0.25
+FIRST_STEP, LONGEST_STEP, FREQUENCY_PART = 0.02, 0.1, 0.25
 
 #: Shorter steps end the branch where an event is as slow as this part of the range of its velocity, and a multiplier as large.
 SHORT_STEP, GENTLE, SENSITIVE = 5e-3, 0.1, 30.0
@@ -38,13 +37,10 @@ STEEP = 0.3
 CORRECTIONS, FEW, MANY = 10, 4, 6
 
 #: Least cosine between the tangents of neighbours.
-STRAIGHT = 0.8
+STRAIGHT = 0.9
 
-#: Relative change of the frequency in differences.
-DIFFERENCE = 1e-7
-
-#: A change is located to this part of a step; at a jump of its test function this part of that remains.
-LOCATED, JUMPED = 1e-9, 1e-3
+#: At a jump of a test function this part of it remains.
+JUMPED = 1e-3
 
 Kind = Literal["fold", "flip", "torus", "branch point", "grazing"]
 
@@ -130,7 +126,7 @@ class FrequencyCurve(Displayed):
         Returns:
             The periodic motions, in their order along the branch; empty where there is none.
         """
-        near = np.abs(self.frequencies_hz - frequency_hz) <= CONVERGED * abs(frequency_hz)
+        near = np.abs(self.frequencies_hz - frequency_hz) <= CLOSED_ORBIT * abs(frequency_hz)
         return tuple(self.points[i] for i in np.flatnonzero(near))
 
     def table(self) -> TextTable:
@@ -146,7 +142,9 @@ class FrequencyCurve(Displayed):
             largest = number_text(float(np.abs(point.multipliers).max(initial=0.0)))
             rows.append((f"{f:.9g}", *amplitudes, largest, "unstable" if unstable else "stable", str(len(point.events))))
         columns = (f"{name} ({rate_unit(units[name], 0)})" for name in self.names)
-        return TextTable("Frequency curve", ("f (Hz)", *columns, "largest multiplier", "stability", "events"), tuple(rows), self.end_text)
+        return TextTable(
+            "Frequency curve", ("f (Hz)", *columns, "largest multiplier", "stability", "events"), tuple(rows), self.end_text
+        )
 
     def plot(self, name: str | None = None, axes=None):
         """Draw the amplitude of a coordinate over the frequency with Matplotlib, unstable parts dashed, bifurcations as dots.
@@ -162,24 +160,12 @@ class FrequencyCurve(Displayed):
             InputError: an unknown name.
         """
         name = self.names[0] if name is None else name
-        amplitudes, f = self.amplitudes(name), self.frequencies_hz
-        if axes is None:
-            from matplotlib.figure import Figure
-
-            axes = Figure(layout="constrained").subplots()
-        ends = [0, *(np.flatnonzero(np.diff(self.unstable.astype(int))) + 1), len(f)]
-        for begin, end in zip(ends, ends[1:]):
-            part = slice(max(begin - 1, 0), end)  # with the last point before it: no gap
-            axes.plot(f[part], amplitudes[part], color="C0", linestyle="--" if self.unstable[begin] else "-")
-        for number, kind in enumerate(dict.fromkeys(one.kind for one in self.bifurcations), start=1):
-            own = [one.motion for one in self.bifurcations if one.kind == kind]
-            axes.plot([self.periods / one.period for one in own], [one.amplitude(name) for one in own], f"C{number}o", label=kind)
-        if self.bifurcations:
-            axes.legend()
-        unit = rate_unit(self.points[0].motion.system.units[name], 0)
-        axes.set_xlabel("frequency (Hz)")
-        axes.set_ylabel(f"amplitude of {name} ({unit})")
-        return axes
+        marks: dict[str, list[tuple[float, float]]] = {
+            kind: [(self.periods / one.motion.period, one.motion.amplitude(name)) for one in self.bifurcations if one.kind == kind]
+            for kind in dict.fromkeys(one.kind for one in self.bifurcations)
+        }
+        label = f"amplitude of {name} ({rate_unit(self.points[0].motion.system.units[name], 0)})"
+        return draw_branch(self.frequencies_hz, self.amplitudes(name), self.unstable, marks, label, axes)
 
     def to_dict(self) -> dict:
         """The points and bifurcations as plain data, in SI.
@@ -206,11 +192,13 @@ class FrequencyCurve(Displayed):
         return self.table(), changes
 
 
-def follow(system: SwitchedSystem, force_pattern, frequencies_hz, start, periods: int, most_points: int) -> FrequencyCurve:
+def follow(system, force_pattern, frequencies_hz, start, periods: int, most_points: int) -> FrequencyCurve:
     """The branch of periodic motions from the first of the frequencies to the last."""
     frequencies = real_array(frequencies_hz, "frequencies_hz", shape=(None,))
     if len(frequencies) < 2 or (frequencies <= 0).any() or frequencies[0] == frequencies[-1]:
-        raise InputError("frequencies_hz: expected at least two different positive numbers, the first and the last of the branch, in Hz")
+        raise InputError(
+            "frequencies_hz: expected at least two different positive numbers, the first and the last of the branch, in Hz"
+        )
     periods = whole_number(periods, "periods", minimum=1)
     most = whole_number(most_points, "most_points", minimum=2)
     z = None if start is None else start_of(system, start)
@@ -218,7 +206,7 @@ def follow(system: SwitchedSystem, force_pattern, frequencies_hz, start, periods
         return _Branch(system, _pattern(system, force_pattern), frequencies, periods).followed(z, most)
 
 
-def _pattern(system: SwitchedSystem, pattern) -> np.ndarray:
+def _pattern(system, pattern) -> np.ndarray:
     """The complex amplitudes of the force, shape (n,)."""
     own = system.system
     if isinstance(pattern, Mapping):
@@ -226,7 +214,9 @@ def _pattern(system: SwitchedSystem, pattern) -> np.ndarray:
         F = own._vector(parts[0], "force_pattern") + 1j * own._vector(parts[1], "force_pattern")
     else:
         values = np.asarray(pattern)
-        F = real_array(values.real, "force_pattern", shape=(own.size,)) + 1j * real_array(values.imag, "force_pattern", shape=(own.size,))
+        F = real_array(values.real, "force_pattern", shape=(own.size,)) + 1j * real_array(
+            values.imag, "force_pattern", shape=(own.size,)
+        )
     return F
 
 
@@ -248,7 +238,7 @@ class _Point:
 
     @cached_property
     def multipliers(self) -> np.ndarray:
-        """Those that are not 1 by shifts."""
+        """The multipliers without those that are 1 by shifts."""
         values, shifts = self.orbit.multipliers()
         return np.delete(values, np.argsort(np.abs(values - 1), kind="stable")[:shifts])
 
@@ -256,7 +246,7 @@ class _Point:
     def slowest_event(self) -> float:
         """The smallest rate at which a displacement reaches its guard, relative to the range of its velocity; 1 without events."""
         sequence, ranges, slowest = self.orbit.sequence, self.orbit.sizes[self.orbit.map.size :], 1.0
-        for before, segment in zip(sequence.segments, sequence.segments[1:]):
+        for before, segment in pairwise(sequence.segments):
             guard = None if segment.event is None else segment.event.guard
             if guard is not None and guard.displacement.any():
                 v = before.phase.V @ before.phase.flow.states(before.state, before.duration)
@@ -272,7 +262,7 @@ class _Point:
 class _Branch:
     """The continuation of one branch."""
 
-    def __init__(self, system: SwitchedSystem, F: np.ndarray, frequencies: np.ndarray, periods: int):
+    def __init__(self, system, F: np.ndarray, frequencies: np.ndarray, periods: int):
         self.system, self.F, self.periods, self.frequencies = system, F, periods, frequencies
         self.low, self.high = float(frequencies.min()), float(frequencies.max())
         self.scale = FREQUENCY_PART * min(1.0, np.log(self.high / self.low))
@@ -295,8 +285,8 @@ class _Branch:
 
     def _by_frequency(self, orbit: Orbit) -> np.ndarray:
         """The derivative of the difference after a period with respect to the logarithm of the frequency."""
-        u = np.append(orbit.z, np.log(2 * np.pi / orbit.period) + DIFFERENCE)
-        return (self.orbit(u, orbit).difference - orbit.difference) / DIFFERENCE
+        u = np.append(orbit.z, np.log(2 * np.pi / orbit.period) + FREQUENCY_DIFFERENCE)
+        return (self.orbit(u, orbit).difference - orbit.difference) / FREQUENCY_DIFFERENCE
 
     def scales(self, orbit: Orbit) -> np.ndarray:
         """Units of the unknowns."""
@@ -311,7 +301,7 @@ class _Branch:
         orbit, column, u = self.orbit(predicted, from_.orbit), None, predicted
         for number in range(CORRECTIONS):
             residual = orbit.residual(scales[:-1])
-            if residual <= CONVERGED / 100 and (number or residual <= 4 * EPS):
+            if residual <= CLOSED_ORBIT / 100 and (number or residual <= 4 * EPS):
                 if orbit.end_key != orbit.key:
                     break
                 return _Point(orbit, self._tangent(orbit, scales, t), number)
@@ -321,7 +311,7 @@ class _Branch:
             if not np.isfinite(J).all():
                 break
             right = np.append(-orbit.difference / scales[:-1], -plane @ ((u - predicted) / scales))
-            step = np.clip(np.linalg.lstsq(J, right, rcond=RANK)[0], -1.0, 1.0) * scales
+            step = np.clip(np.linalg.lstsq(J, right, rcond=UNDETERMINED)[0], -1.0, 1.0) * scales
             u = u + (np.append(step[:-1], 0.0) if by_frequency else step)
             orbit = self.orbit(u, orbit)
         raise NotUnique(f"no periodic motion found near {self.periods / orbit.period:.9g} Hz; the last residual is {residual:.3g}")
@@ -333,7 +323,7 @@ class _Branch:
     def _tangent(self, orbit: Orbit, scales: np.ndarray, along: np.ndarray) -> np.ndarray:
         """The tangent of the branch, in the direction of another."""
         J = self._scaled(orbit, self._by_frequency(orbit), scales, along)
-        tangent = np.linalg.lstsq(J, np.eye(len(J))[-1], rcond=RANK)[0]
+        tangent = np.linalg.lstsq(J, np.eye(len(J))[-1], rcond=UNDETERMINED)[0]
         return tangent / np.linalg.norm(tangent) * scales
 
     def at_frequency(self, between: np.ndarray, frequency_hz: float, like: Orbit) -> Orbit:
@@ -368,8 +358,8 @@ class _Branch:
                     is_last = step < SHORTEST_STEP
                     is_grazing = self._is_grazing(last, 2 * step if is_last else 0.0)
                     if is_grazing or is_last:
-                        end_text, found = self._end(last, is_grazing)
-                        changes += found
+                        end_text, last_changes = self._end(last, is_grazing)
+                        changes += last_changes
                 continue
             orbits += self._between(last, following)
             changes += self._changes(last, following)
@@ -429,38 +419,38 @@ class _Branch:
     def _between(self, last: _Point, following: _Point) -> list[Orbit]:
         """Closed orbits at the given frequencies between two points."""
         a, b = last.unknowns, following.unknowns
-        found = []
+        orbits = []
         for f in np.unique(self.frequencies):
             share = (np.log(2 * np.pi * f / self.periods) - a[-1]) / (b[-1] - a[-1]) if b[-1] != a[-1] else 0.0
             if 0 < share <= 1:
                 try:
-                    found.append((share, self.at_frequency(a + share * (b - a), f, following.orbit)))
+                    orbits.append((share, self.at_frequency(a + share * (b - a), f, following.orbit)))
                 except MbconstrainedError:
                     continue  # too near to a fold
-        return [orbit for _, orbit in sorted(found, key=lambda one: one[0])]
+        return [orbit for _, orbit in sorted(orbits, key=lambda one: one[0])]
 
     # Changes along the branch.
 
     def _changes(self, a: _Point, b: _Point) -> list[Bifurcation]:
         """Bifurcations between two points."""
-        found: list[tuple[float, Bifurcation]] = []
+        changes: list[tuple[float, Bifurcation]] = []
         if a.count != b.count:
             share, point = self._count_change(a, b)
             f = self.periods / point.orbit.period
             text = f"at {f:.9g} Hz the number of events in a period changes from {a.count} to {b.count}"
-            found.append((share, Bifurcation("grazing", point.orbit.periodic_motion(), text)))
+            changes.append((share, Bifurcation("grazing", point.orbit.periodic_motion(), text)))
         tests = {"fold": _fold, "flip": _flip, "branch point": _unit}
         for kind, test in tests.items():
-            if kind == "branch point" and any(one.kind == "fold" for _, one in found):
+            if kind == "branch point" and any(one.kind == "fold" for _, one in changes):
                 continue
             own = self._located(a, b, test)
             if own is not None:
-                found.append((own[0], self._bifurcation(kind, own[1])))
-        if not any(one.kind != "grazing" for _, one in found) and _outside(a) != _outside(b):
+                changes.append((own[0], self._bifurcation(kind, own[1])))
+        if not any(one.kind != "grazing" for _, one in changes) and _outside(a) != _outside(b):
             own = self._located(a, b, _circle)
             if own is not None:
-                found.append((own[0], self._bifurcation("torus", own[1])))
-        return [one for _, one in sorted(found, key=lambda pair: pair[0])]
+                changes.append((own[0], self._bifurcation("torus", own[1])))
+        return [one for _, one in sorted(changes, key=lambda pair: pair[0])]
 
     def _bifurcation(self, kind, point: _Point) -> Bifurcation:
         text = f"at {self.periods / point.orbit.period:.9g} Hz: {MEANINGS[kind]}"
@@ -485,7 +475,7 @@ class _Branch:
 
         known: dict[float, _Point] = {0.0: a, 1.0: b}
         try:
-            share = brentq(lambda share: test(self._at(known, share)), 0.0, 1.0, xtol=LOCATED, rtol=4 * EPS)
+            share = brentq(lambda share: test(self._at(known, share)), 0.0, 1.0, xtol=LOCATED_CHANGE, rtol=4 * EPS)
         except MbconstrainedError:
             return None
         point = self._at(known, share)

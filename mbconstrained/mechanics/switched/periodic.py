@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -20,7 +19,7 @@ from ...frequency.shock.extrema import extrema
 from ...ground.checks import counted, nearest, real_array, real_number
 from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError, MbconstrainedError, NotUnique, within_float64
-from ...ground.tolerances import EPS, SAME_FREQUENCY
+from ...ground.tolerances import CLOSED_ORBIT, EPS, SAME_FREQUENCY, STABILITY_MARGIN, UNDETERMINED
 from ...linalg.exponential import block_states
 from ...signals.bohl import FreeRestarts
 from ...signals.inputs import term
@@ -29,17 +28,8 @@ from .phase import Phase, Source
 from .sequence import MOST_EVENTS, Key, PhaseSequence, _replaced
 from .switched_motion import SwitchedMotion, SwitchEvent, transition_matrix
 
-if TYPE_CHECKING:
-    from .switched_system import SwitchedSystem
-
 #: Steps of Newton's method, and halvings of one that does not bring the state nearer.
 STEPS, HALVINGS = 40, 10
-
-#: A state has converged with a residual below this, relative to the range of each coordinate and velocity.
-CONVERGED = 1e-9
-
-#: Singular values of P' - I below this part of the largest belong to directions that stay as they are.
-RANK = 1e-10
 
 #: Periods that are passed through before the first step, unless the state repeats to this earlier.
 TRANSIENT, SETTLED = 200, 1e-3
@@ -56,9 +46,6 @@ RETURNED = 0.1
 #: Least part of the period between its start and an event, if there is a choice.
 CLEARANCE = 0.05
 
-#: A multiplier this near to 1 does not make a motion asymptotically stable.
-MARGIN = 1e-9
-
 
 @dataclass(frozen=True, repr=False, eq=False)
 class PeriodicMotion(Displayed):
@@ -74,7 +61,8 @@ class PeriodicMotion(Displayed):
         residual: largest difference of (x, x') before and after a period, relative to the range of each.
         drift: by how much the coordinates move on in a period, shape (n,); zero but for bodies without restoring force.
 
-    A block on a belt that moves at 1 m/s sticks and slips; the time of slip is pi / w + 2 atan(...) / w, that of stick is linear:
+    A block on a belt that moves at v = 1 m/s sticks for 2 D / v and slips for 2 (pi - atan(D w / v)) / w, D the difference of both friction
+    forces divided by the stiffness:
 
     >>> import mbconstrained as mb
     >>> model = mb.LumpedModel()
@@ -82,7 +70,8 @@ class PeriodicMotion(Displayed):
     >>> _ = model.prescribe("belt", mb.ramp([1.0]))
     >>> _ = model.dry_friction("belt", "block", normal_force=10.0, coefficient=0.2, static_coefficient=0.4)
     >>> x = model.assemble().periodic()
-    >>> x, x.multipliers.round(6).real.tolist()
+    >>> x, abs(x.multipliers).round(6).tolist()
+    (PeriodicMotion(period 3.35619 s, 2 events, stable), [1.0, 0.0, 0.0, 0.0])
     """
 
     motion: SwitchedMotion
@@ -110,7 +99,7 @@ class PeriodicMotion(Displayed):
     @property
     def is_stable(self) -> bool:
         """Whether small disturbances decay: all multipliers but those of shifts in time and of free bodies are within the unit circle."""
-        return bool((np.abs(self._other_multipliers) < 1 - MARGIN).all())
+        return bool((np.abs(self._other_multipliers) < 1 - STABILITY_MARGIN).all())
 
     @property
     def _other_multipliers(self) -> np.ndarray:
@@ -206,8 +195,8 @@ class PeriodicMotion(Displayed):
         function = self.motion.function
         if self.drift.any():
             function = function + term(-self.drift / self.period, power=1).smooth
-        found = extrema(function, 0.0, self.period)
-        return (found.maximum - found.minimum) / 2
+        extremes = extrema(function, 0.0, self.period)
+        return (extremes.maximum - extremes.minimum) / 2
 
     # Display.
 
@@ -244,12 +233,12 @@ class PeriodMap:
     """z after one period, from z at its start, which may be at any time of the period of the force.
 
     Args:
-        system: the switched system.
+        system: the ``SwitchedSystem``.
         force: in addition to its own.
         period: T in s; None where it is not prescribed.
     """
 
-    def __init__(self, system: SwitchedSystem, force, period: float | None):
+    def __init__(self, system, force, period: float | None):
         self.system, self.force, self.period = system, force, period
         self.source = system._source(force)
         self.size = system.system.size
@@ -304,14 +293,18 @@ class PeriodMap:
         late = [change.time for change, _ in self.changes if change.time > T * (1 + SAME_FREQUENCY)]
         knots = self.source.knots
         if knots[-1] > T * (1 + SAME_FREQUENCY) or late:
-            last = max(float(knots[-1]), *late, 0.0)
-            raise InputError(f"period: the force or a transition changes at {last:g} s; expected that within the period of {T:g} s")
+            latest = max(float(knots[-1]), *late, 0.0)
+            raise InputError(
+                f"period: the force or a transition changes at {latest:g} s; expected that within the period of {T:g} s"
+            )
         if len(knots) == 1 and not any(map(len, self.source.loads.values())):
-            (first, size), (last, _) = self.rates_of_force(0.0), self.rates_of_force(T)
-            if (np.abs(first - last) > np.sqrt(EPS) * size).any():
+            (before, size), (after, _) = self.rates_of_force(0.0), self.rates_of_force(T)
+            if (np.abs(before - after) > np.sqrt(EPS) * size).any():
                 raise InputError(f"period: the force does not repeat after {T:g} s; give a multiple of its period")
             if self.shifts.of(self.source.at(T) - self.source.at(0.0)) is None:
-                raise InputError("period: a prescribed displacement does not repeat, and what it is connected with cannot move on with it")
+                raise InputError(
+                    "period: a prescribed displacement does not repeat, and what it is connected with cannot move on with it"
+                )
 
     def run(self, key: Key, z: np.ndarray, period: float, offset: float = 0.0) -> PhaseSequence:
         """The phases over a time, begun at another time of the force."""
@@ -339,7 +332,7 @@ class _Shifts:
         free: basis of the shifts without those of prescribed motions, shape (n, f).
     """
 
-    def __init__(self, system: SwitchedSystem, source: Source):
+    def __init__(self, system, source: Source):
         n = system.system.size
         rows = [row for one in system._systems for row in one.rows if row.order == 0]
         states = [state for switch in system.switches for state in switch.states.values()]
@@ -386,7 +379,9 @@ class Orbit:
         self.rate = np.concatenate([self.last.V @ y, self.last.V @ (self.last.J @ y)])
         self.end_key = sequence.key
         for change, place in map.changes:
-            if abs(change.time - period) <= SAME_FREQUENCY * period and (not change.sources or self.end_key[place] in change.sources):
+            if abs(change.time - period) <= SAME_FREQUENCY * period and (
+                not change.sources or self.end_key[place] in change.sources
+            ):
                 self.end_key = _replaced(self.end_key, place, change.target)
         source = map.source
         shift = map.shifts.of(source.at(offset + period) - source.at(offset)) if map.is_smooth else None
@@ -437,7 +432,7 @@ class Orbit:
         size = self.sizes
         M = self.matrix * size / size[:, None]
         project = np.vstack([phase.C, phase.V]) @ phase.start[:, : 2 * n] * size / size[:, None]
-        kept = int(round(np.trace(project)))
+        kept = round(float(np.trace(project)))
         shifts = [np.vstack([free, np.zeros_like(free)])]
         if self.map.is_autonomous:
             shifts.append(self.rate[:, None])
@@ -445,7 +440,7 @@ class Orbit:
         S = S[:, np.linalg.norm(S, axis=0) > 0]
         S = S[:, np.linalg.norm(M @ S - S, axis=0) <= np.sqrt(EPS) * np.linalg.norm(S, axis=0)]
         Q, R = np.linalg.qr(S) if S.size else (S, S)
-        Q = Q[:, np.abs(np.diag(R)) > RANK] if S.size else S
+        Q = Q[:, np.abs(np.diag(R)) > UNDETERMINED] if S.size else S
         basis = np.linalg.svd(project)[0][:, :kept]
         rest = np.linalg.svd(basis - Q @ (Q.T @ basis))[0][:, : kept - Q.shape[1]]
         own = np.linalg.eigvals(rest.T @ M @ rest)
@@ -463,7 +458,7 @@ class Orbit:
             own = own if own.end_key == own.key else self.map.orbit(own.end_key, z, self.period)
         n = self.map.size
         motion = self.map.system._motion(own.sequence, z.reshape(2, n), self.map.force)
-        drift = np.where(np.abs(own.moved[:n]) <= CONVERGED * self.sizes[:n], 0.0, own.moved[:n])
+        drift = np.where(np.abs(own.moved[:n]) <= CLOSED_ORBIT * self.sizes[:n], 0.0, own.moved[:n])
         return PeriodicMotion(motion, self.period, multipliers, own.residual(self.sizes), drift, shifts)
 
 
@@ -491,7 +486,7 @@ def state_at(sequence: PhaseSequence, time: float) -> tuple[Key, np.ndarray]:
 # The search.
 
 
-def find_periodic(system: SwitchedSystem, period, guess, force) -> PeriodicMotion:
+def find_periodic(system, period, guess, force) -> PeriodicMotion:
     """The periodic motion near a guess, or near the motion after some periods."""
     T = None if period is None else real_number(period, "period", positive=True)
     start = None if guess is None else start_of(system, guess)
@@ -504,7 +499,7 @@ def find_periodic(system: SwitchedSystem, period, guess, force) -> PeriodicMotio
         return forced_orbit(map, start).periodic_motion()
 
 
-def start_of(system: SwitchedSystem, guess) -> np.ndarray:
+def start_of(system, guess) -> np.ndarray:
     """z from the forms of a guess."""
     own, n = system.system, system.system.size
     if isinstance(guess, PeriodicMotion):
@@ -513,7 +508,11 @@ def start_of(system: SwitchedSystem, guess) -> np.ndarray:
         if set(guess) <= {"displacement", "velocity"}:
             return own._start(guess.get("displacement"), guess.get("velocity")).ravel()
         return own._start(guess, None).ravel()
-    if isinstance(guess, (tuple, list)) and len(guess) == 2 and not all(np.ndim(one) == 0 and not isinstance(one, Mapping) for one in guess):
+    if (
+        isinstance(guess, (tuple, list))
+        and len(guess) == 2
+        and not all(np.ndim(one) == 0 and not isinstance(one, Mapping) for one in guess)
+    ):
         return own._start(*guess).ravel()
     values = real_array(guess, "guess")
     if values.size not in (n, 2 * n):
@@ -527,9 +526,9 @@ def forced_orbit(map: PeriodMap, start: np.ndarray | None) -> Orbit:
     key = map.system._first_key(z[: map.size], z[map.size :])
     if start is not None:
         try:
-            return newton(map.orbit(key, z, T, 0.0))
+            return newton(map.orbit(key, z, T))
         except NotUnique:
-            pass  # from the state after some periods below
+            start = None  # the state after some periods may be nearer
     orbit = map.orbit(key, z, T)
     passed = [orbit.z]
     for _ in range(TRANSIENT):
@@ -578,15 +577,15 @@ def newton(orbit: Orbit, free_period: bool = False) -> Orbit:
             J = np.column_stack([J, orbit.rate / sizes * orbit.period])
         if not np.isfinite(J).all():
             break
-        step = np.linalg.lstsq(J, -orbit.difference / sizes, rcond=RANK)[0]
+        step = np.linalg.lstsq(J, -orbit.difference / sizes, rcond=UNDETERMINED)[0]
         better = _shorter_step(orbit, step, sizes, residual)
         if better is None:
             break
-        settled = better.residual(sizes) > residual / 2 and residual <= CONVERGED
+        settled = better.residual(sizes) > residual / 2 and residual <= CLOSED_ORBIT
         orbit, residual = better, better.residual(sizes)
         if settled and orbit.end_key == orbit.key:
             break
-    if residual > CONVERGED:
+    if residual > CLOSED_ORBIT:
         raise NotUnique(
             f"no periodic motion found: the last residual is {residual:.3g} relative to the range of the motion, at a period of "
             f"{orbit.period:.9g} s with {counted(len(orbit.sequence.records), 'event')}; give a guess nearer to it, or another period"
@@ -612,7 +611,9 @@ def _shorter_step(orbit: Orbit, step: np.ndarray, sizes: np.ndarray, residual: f
             tried = orbit.map.orbit(orbit.end_key, orbit.z + part[:n2] * sizes, period, orbit.offset)
         except MbconstrainedError:
             continue
-        if tried.residual(sizes) < residual or (residual <= CONVERGED and halving == 0 and tried.residual(sizes) <= CONVERGED):
+        if tried.residual(sizes) < residual or (
+            residual <= CLOSED_ORBIT and halving == 0 and tried.residual(sizes) <= CLOSED_ORBIT
+        ):
             return tried
     return None
 
@@ -665,7 +666,9 @@ def _return_time(map: PeriodMap, sequence: PhaseSequence, z: np.ndarray) -> floa
     count = max(SAMPLES, RETURN_SAMPLES // max(len(sequence.segments), 1))
     times, states, _ = states_over(sequence, count)
     n = map.size
-    moved = np.array([shift if (shift := map.shifts.of(map.source.at(t) - map.source.at(0.0))) is not None else np.zeros(n) for t in times])
+    moved = np.array(
+        [shift if (shift := map.shifts.of(map.source.at(t) - map.source.at(0.0))) is not None else np.zeros(n) for t in times]
+    )
     away = states - z[:, None]
     away[:n] -= moved.T
     away[:n] -= map.shifts.free @ (map.shifts.free.T @ away[:n])
@@ -685,6 +688,9 @@ def _return_time(map: PeriodMap, sequence: PhaseSequence, z: np.ndarray) -> floa
 
 def _moving(orbit: Orbit) -> Orbit:
     """The orbit, or a NotUnique where it is a state of rest."""
-    if np.linalg.norm(orbit.rate) <= CONVERGED * np.linalg.norm(orbit.sizes[orbit.map.size :]) and np.abs(np.ptp(orbit.samples, axis=1)).max() <= CONVERGED:
+    if (
+        np.linalg.norm(orbit.rate) <= CLOSED_ORBIT * np.linalg.norm(orbit.sizes[orbit.map.size :])
+        and np.abs(np.ptp(orbit.samples, axis=1)).max() <= CLOSED_ORBIT
+    ):
         raise NotUnique("no periodic motion found: the search ended in a state of rest; give a guess of the motion")
     return orbit

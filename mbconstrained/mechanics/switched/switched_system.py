@@ -178,7 +178,7 @@ class SwitchedSystem(Displayed):
         start = self.system._start(displacement, velocity)
         with within_float64():
             sequence = PhaseSequence(self.machine, self._source(force), end, most)
-            sequence.run(self._first_key(*start), *start, penetration)
+            sequence.run(self._first_key(*start), start[0], start[1], penetration)
             return self._motion(sequence, start, force)
 
     def _source(self, force) -> Source:
@@ -224,13 +224,13 @@ class SwitchedSystem(Displayed):
             InputError: a force that does not repeat after the period, a guess of another form.
             NotUnique: no convergence, with the last residual; a motion that repeats after several periods only.
 
-        A mass strikes a stop once in each period of the force:
+        A mass meets a stop once in each period of the force:
 
         >>> import mbconstrained as mb
         >>> model = mb.LumpedModel()
         >>> _ = model.mass("cart", 1.0), model.spring("ground", "cart", stiffness=1.0), model.damper("ground", "cart", damping=0.1)
         >>> _ = model.contact("ground", "cart", gap=0.5, restitution=0.8, name="stop")
-        >>> x = model.assemble().periodic(force=mb.harmonic([1.0], angular_frequency=2.6))
+        >>> x = model.assemble().periodic(force=mb.harmonic([1.0], angular_frequency=1.5))
         >>> len(x.events), x.is_stable
         (1, True)
         """
@@ -238,7 +238,9 @@ class SwitchedSystem(Displayed):
 
         return find_periodic(self, period, guess, force)
 
-    def frequency_curve(self, force_pattern, frequencies_hz, start=None, *, periods: int = 1, most_points: int = 1000) -> FrequencyCurve:
+    def frequency_curve(
+        self, force_pattern, frequencies_hz, start=None, *, periods: int = 1, most_points: int = 1000
+    ) -> FrequencyCurve:
         """Follow a branch of periodic motions over the frequency of a harmonic force, around its folds, stable or not.
 
         Each point is a periodic motion as of ``periodic``; between them the branch is followed along its arc. Where a multiplier passes
@@ -264,8 +266,9 @@ class SwitchedSystem(Displayed):
         >>> model = mb.LumpedModel()
         >>> _ = model.mass("m", 1.0), model.spring("ground", "m", stiffness=1.0), model.damper("ground", "m", damping=0.1)
         >>> _ = model.contact("ground", "m", gap=1.0, stiffness=4.0)
-        >>> curve = model.assemble().frequency_curve({"m": 0.3}, [0.12, 0.25])
-        >>> [one.kind for one in curve.bifurcations]
+        >>> curve = model.assemble().frequency_curve({"m": 0.3}, [0.17, 0.2])
+        >>> curve.bifurcations[0]
+        Bifurcation(at 0.19654029 Hz: the branch turns: a multiplier is 1)
         """
         from .frequency_curve import follow
 
