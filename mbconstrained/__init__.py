@@ -114,6 +114,10 @@ if TYPE_CHECKING:
     from .robot.linearized import LinearizedRobot as LinearizedRobot
     from .robot.robot import Robot as Robot
     from .robot.statics import Posture as Posture
+    from .robot.switching import ClosingLoop as ClosingLoop
+    from .robot.switching import JointStop as JointStop
+    from .robot.switching import LiftingFoot as LiftingFoot
+    from .robot.switching import PointContact as PointContact
     from .robot.tangent import JointGear as JointGear
     from .scene.build.data_files import Record as Record
     from .scene.build.data_files import read_record as read_record
@@ -199,6 +203,7 @@ _NAMES = {
     "robot.linearized": "LinearizedRobot",
     "robot.robot": "Robot",
     "robot.statics": "Posture",
+    "robot.switching": "ClosingLoop JointStop LiftingFoot PointContact",
     "robot.tangent": "JointGear",
     "scene.build.data_files": "Record read_record",
     "scene.build.robot_file": "read_robot",

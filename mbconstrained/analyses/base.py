@@ -220,6 +220,7 @@ class Analysis:
     without_scene: ClassVar[tuple[str, ...]] = ()  # options of the answer without a scene, given by ``answer_without_scene``
     writes: ClassVar[bool] = True  # whether the command writes files without being asked
     handles_delays: ClassVar[bool] = False  # whether it has an answer for systems with delays
+    switches: ClassVar[Literal["all", "phase", "none"]] = "phase"  # whether it follows models that switch, or takes one phase
     # whether it has one for equations with free coordinates once these are chosen: of the motion, not of modes
     handles_choices: ClassVar[bool] = False
 
@@ -252,7 +253,17 @@ class Analysis:
                 system._refuse_delays(cls.name)
         own = getattr(scene.table, cls.name, None)
         reported = {"progress": progress} if progress else {}
-        return cls.solve(scene, cls.changed(own, given, scene.file_name) if given else own, **reported)
+        settings = cls.changed(own, given, scene.file_name) if given else own
+        if scene.equations.switching is None or cls.switches == "all":
+            return cls.solve(scene, settings, **reported)
+        if cls.switches == "none":
+            with at(scene.file_name, "model"):
+                raise InputError(
+                    f"{cls.name}: not available for models that switch, such as those with contacts or friction; a run has their motion, "
+                    "modes and frequency the linear answers for one phase"
+                )
+        answer = cls.solve(scene.in_phase(), settings, **reported)
+        return replace(answer, keys=tuple(dict.fromkeys((*answer.keys, "notices"))))
 
     @classmethod
     def answer_without_scene(cls, progress: Callable | None = None, **given) -> Answer:

@@ -28,6 +28,7 @@ class Comparison(Analysis):
 
     name = "compare"
     handles_choices = True
+    switches = "all"
     formats = ("page",)
 
     @classmethod

@@ -170,6 +170,7 @@ class FormulaOfMotion(Analysis):
 
     name = "formula"
     handles_choices = True
+    switches = "none"
     settings = FormulaOptions
     options: ClassVar = {"coordinates": "--coordinates"}
     formats = ("text",)

@@ -20,7 +20,7 @@ from ..scene.run.result import ReportedImpulse, Result, forces_of_rows, impulses
 from ..signals.impulsive import ImpulsiveLoad
 
 if TYPE_CHECKING:
-    from ..mechanics.system import MechanicalSystem
+    from ..mechanics.constraints import ConstraintRow
     from ..scene.build.control_model import ControlScene
     from ..scene.run.certificate import Certificate
     from .frequency import Frequency
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 #: Margins below this part of a largest value are not shown: it has as many digits.
 SHOWN_MARGIN = 1e-4
 
+MOST_EVENT_ROWS = 200  # events that are listed
 MOST_LATER_ROWS = 20  # of the jumps and impulses after t = 0 that are listed; JSON and npz have all
 
 
@@ -46,14 +47,15 @@ def tables_of(result: Result, certificate: Certificate | None, frequency: Freque
         *([_output_table(equations.original)] if equations.original else []),
         TextTable("Jumps at t = 0", ("coordinate", "of its", "before", "after", "jump"), jumps),
         TextTable("Impulses at t = 0", ("of", "multiplies", "size"), impulses),
-        *([result.motion.event_table()] if result.is_switched else [_later_table(result)] if result.later else []),
+        *([result.motion.event_table(shown.text, MOST_EVENT_ROWS)] if result.is_switched else []),
+        *([_later_table(result)] if result.later else []),
         largest_table(result),
         *of_model.forces,
         *([certificate.table] if certificate else []),
     ]
     details = [
         *of_model.details,
-        *([_constraint_table(system, shown)] if system else []),
+        *([_constraint_table(result.rows, shown)] if system else []),
         eigenvalue_table(result),
         _evidence_table(result, of_model.evidence),
     ]
@@ -73,14 +75,14 @@ def largest_table(result: Result) -> TextTable:
     return TextTable("Largest values", ("of", "quantity", "largest", "at"), tuple(rows), note)
 
 
-def _constraint_table(system: MechanicalSystem, shown: OutputUnits) -> TextTable:
+def _constraint_table(constraint_rows: Sequence[ConstraintRow], shown: OutputUnits) -> TextTable:
     """The rows in force with their levels."""
     cells = tuple(
         (row.name, row.level, shown.text(row.value, rate_unit(row.unit, row.order)) if row.signal is None else row.right_side_text)
-        for row in system.rows
+        for row in constraint_rows
     )
     note = "Errors at the start persist in rows at velocity or acceleration level: their eigenvalues at 0 are drift."
-    drifting = any(row.order for row in system.rows)
+    drifting = any(row.order for row in constraint_rows)
     return TextTable("Constraints", ("row", "level", "value"), cells, note if drifting else "")
 
 
@@ -110,7 +112,13 @@ def frequency_table(result: Result) -> TextTable:
     remarks = [_remark(row, count) for row, count in zip(rows, counts)]
     cells = [(number, *(row[column] for column in columns), remark) for number, row, remark in zip(_numbers(counts), rows, remarks)]
     width = len(columns) + 1 + any(row[-1] for row in cells)
-    return TextTable(title, ("no.", *columns.values(), "meaning")[:width], tuple(row[:width] for row in cells))
+    return TextTable(title, ("no.", *columns.values(), "meaning")[:width], tuple(row[:width] for row in cells), phase_note(result))
+
+
+def phase_note(result: Result) -> str:
+    """The phase whose modes are listed; empty where equations do not change."""
+    switching = result.scene.equations.switching
+    return "" if switching is None else f"Of the phase {switching.label}."
 
 
 def _remark(row: dict[str, str], count: int) -> str:
@@ -159,7 +167,7 @@ def eigenvalue_table(result: Result) -> TextTable:
     if result.system:
         columns += ["kinetic energy", "strain energy"]
         cells = [(*row, *_largest_shares(shares)) for row, shares in zip(cells, result.modes.shares)]
-    return TextTable(f"{word.capitalize()}s", tuple(columns), tuple(cells))
+    return TextTable(f"{word.capitalize()}s", tuple(columns), tuple(cells), phase_note(result))
 
 
 def _largest_shares(shares: Sequence[EnergyShares]) -> tuple[str, str]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..exchange.trajectories import Curves, dataset_of, write_arrays, write_csv, write_trajectories
 from ..ground.checks import counted
-from ..ground.display import WIDTH, TextTable, blocks_text, table_text, wrapped
+from ..ground.display import WIDTH, TextTable, table_text, wrapped
 from ..ground.errors import InputError, MbconstrainedError
 from ..ground.files import Replacements
 from ..ground.notices import Notice, NoticeKind, distinct, doubts_of
@@ -86,7 +86,8 @@ class RunAnswer(Result, Answer):
     def heading(self) -> str:
         """Heading of the summary: the model, its coordinates and times."""
         equations = self.scene.equations
-        return self._headed(equations.coordinates_called, equations.coordinates, f"t from {self.scene.table.time.text}")
+        events = f", {counted(len(self.motion.events), 'event')}" if self.is_switched else ""
+        return self._headed(equations.coordinates_called, equations.coordinates, f"t from {self.scene.table.time.text}{events}")
 
     def _headed(self, what: str, coordinates: Coordinates, times: str) -> str:
         """Title and source above the coordinates and their times."""
@@ -105,7 +106,16 @@ class RunAnswer(Result, Answer):
             ("degree of the equations", str(equations.polynomial_matrix.degree)),
             ("eigenvalues" if self.system else "zeros", str(count)),
             ("time", f"{time.text}, {len(self.times)} points, in closed form"),
+            *self._phase_facts(),
         )
+
+    def _phase_facts(self) -> list[tuple[str, str]]:
+        """The phase of the listed modes, and the number of phases and events."""
+        if not self.is_switched:
+            return []
+        phases, switching = counted(len({name for _, name in self.motion.phases}), "phase"), self.scene.equations.switching
+        of_modes = [("modes of the phase", switching.label)] if switching else []
+        return [("events", f"{len(self.motion.events)}, through {phases}"), *of_modes]
 
     @cached_property
     def tables(self) -> tuple[TextTable, ...]:
@@ -120,7 +130,8 @@ class RunAnswer(Result, Answer):
         accuracy = (one for kind, estimate in self.error_estimates.items() for one in doubts_of(f"the {kind}", estimate))
         proved = self.certificate.notices if self.certificate else ()
         moves = np.ptp(self.values, axis=1).any() or any(notice.kind in (NoticeKind.JUMP, NoticeKind.IMPULSE) for notice in notices)
-        first = (*self.scene.notices, *self._omissions(), *proved, *(self.frequency.response.notices if self.frequency else ()))
+        of_frequency = (*self.frequency.scene.phase_notices, *self.frequency.response.notices) if self.frequency else ()
+        first = (*self.scene.notices, *self._omissions(), *proved, *of_frequency)
         at_rest = () if moves else (Notice(NoticeKind.AT_REST, NOTHING_MOVES),)
         aliased = aliasing_notices(self.scene, self.motion, len(self.times))
         of_modes = self.modes.notices if self.system is not None and self.system.delayed else ()
@@ -188,7 +199,7 @@ class RunAnswer(Result, Answer):
             return None
         from .frequency import Frequency
 
-        return Frequency(self.scene)
+        return Frequency(self.scene.in_phase())
 
     # For the terminal, programs and the page.
 
@@ -198,7 +209,7 @@ class RunAnswer(Result, Answer):
 
     def summary(self) -> str:
         """The answer in words and tables, as it is printed."""
-        return blocks_text(self.blocks())
+        return _printed(self.blocks())
 
     def blocks(self, files: Sequence[Path] = ()) -> list[str | TextTable]:
         """The parts of the summary: texts, and tables that a terminal may lay out itself."""
@@ -222,7 +233,7 @@ class RunAnswer(Result, Answer):
             "coordinates": equations.coordinates.to_list(),
             "constraints": [
                 {"name": row.name, "level": row.level, "value": row.value if row.signal is None else "prescribed"}
-                for row in (self.system.rows if self.system else ())
+                for row in self.rows
             ],
             "eigenvalues": [
                 {"real": value.real, "imaginary": value.imag, "multiplicity": multiplicity, **meaning}
@@ -232,7 +243,7 @@ class RunAnswer(Result, Answer):
             "jump": motion.jump,
             "impulses": motion.impulses,
             "constraint_impulses": getattr(motion, "constraint_impulses", ()),
-            "events": [{"time": one.time, "jump": one.jump, "impulses": one.impulses} for one in motion._later_events],
+            "events": self._events(),
             "later_constraint_impulses": [
                 {"time": load.time, "impulses": load.impulses} for load in getattr(motion, "later_constraint_impulses", ())
             ],
@@ -247,6 +258,13 @@ class RunAnswer(Result, Answer):
             "evidence": [{"name": item.name, "value": item.value, "text": item.text} for item in motion.evidence],
             **({"certificate": self.certificate.to_dict()} if self.certificate else {}),
         }
+
+    def _events(self) -> list[dict[str, Any]]:
+        """Times, jumps and impulses after t = 0; with switches all events, with their phases, errors and energies."""
+        motion = self.motion
+        if self.is_switched:
+            return [event.to_dict() for event in motion.events]
+        return [{"time": one.time, "jump": one.jump, "impulses": one.impulses} for one in motion._later_events]
 
     def _eigenvalues(self) -> Iterator[tuple[complex, int, dict]]:
         """Value, multiplicity and meaning."""
@@ -451,6 +469,11 @@ class RunAnswer(Result, Answer):
 SCREEN = 22
 
 
+def _printed(parts: Sequence[str | TextTable], width: int = WIDTH) -> str:
+    """Texts and tables, one below the other."""
+    return "\n\n".join(table_text(part, width) if isinstance(part, TextTable) else wrapped(part, width) for part in parts)
+
+
 def overview(answer: RunAnswer, width: int = WIDTH, lines: int = SCREEN) -> list[str | TextTable]:
     """The parts of the summary that fit on a screen: natural frequencies, warnings, files, and the number of omitted lines.
 
@@ -464,7 +487,7 @@ def overview(answer: RunAnswer, width: int = WIDTH, lines: int = SCREEN) -> list
     left -= _height(notes, width)
     shown = [_some_rows(answer.tables[0], width, left - 1)]
     for table in answer.tables[1:]:
-        if table.title in {end.title for end in answer.scene.equations.ends}:
+        if table.title in {"Events", *(end.title for end in answer.scene.equations.ends)}:
             table = _some_rows(table, width, left - _height(shown, width) - 1)
         if not table.folded and table.rows and _height([*shown, table], width) <= left:
             shown.append(table)
@@ -482,7 +505,7 @@ def _rank(notice: Notice) -> int:
 
 def _height(parts: Sequence[str | TextTable], width: int) -> int:
     """Lines of texts and tables, with an empty one after each."""
-    return sum(blocks_text([part], width).count("\n") + 2 for part in parts)
+    return sum(_printed([part], width).count("\n") + 2 for part in parts)
 
 
 def _first_lines(text: str, width: int, most: int) -> str:

@@ -18,6 +18,7 @@ class Run(Analysis):
 
     name = "run"
     handles_choices = True
+    switches = "all"
 
     @classmethod
     def answer(cls, scene: Scene, progress: Callable | None = None, *, folder: str | Path | None = None) -> RunAnswer:  # type: ignore[override]  # it has no settings

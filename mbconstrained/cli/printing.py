@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from ..ground.display import WIDTH, TextTable, blocks_text
+from ..ground.display import WIDTH, TextTable, table_text, wrapped
 
 if TYPE_CHECKING:
     from ..scene.run.plan import Stage
@@ -28,7 +28,8 @@ def show(json: bool, data: Callable[[], dict], blocks: Callable[[], Sequence[str
     if json:
         _say(json_format.dumps(data(), indent=2, allow_nan=False))
     else:
-        _say(blocks_text(blocks(), line_width()))
+        width = line_width()
+        _say("\n\n".join(table_text(each, width) if isinstance(each, TextTable) else wrapped(each, width) for each in blocks()))
 
 
 def line_width() -> int:

@@ -55,7 +55,9 @@ def optional_package(name: str, what_for: str) -> ModuleType:
 
 def is_sparse(value) -> bool:
     """``scipy.sparse.issparse``, which need not be imported where no matrix can be sparse."""
-    return "scipy.sparse" in sys.modules and sys.modules["scipy.sparse"].issparse(value)
+    if isinstance(value, np.ndarray) or "scipy.sparse" not in sys.modules:
+        return False
+    return sys.modules["scipy.sparse"].issparse(value)
 
 
 def real_array(value, what: object, *, shape: tuple[int | None, ...] | None = None) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from itertools import zip_longest
@@ -179,11 +179,6 @@ def wrapped(text: str, width: int = WIDTH) -> str:
     """
     lines = ((line, line[: len(line) - len(line.lstrip())] + "  ") for line in text.split("\n"))
     return "\n".join(part for line, indent in lines for part in _wrapped(line, width, further=indent))
-
-
-def blocks_text(blocks: Iterable[str | TextTable], width: int = WIDTH) -> str:
-    """Texts and tables, one below the other."""
-    return "\n\n".join(table_text(each, width) if isinstance(each, TextTable) else wrapped(each, width) for each in blocks)
 
 
 def is_number(cell: str) -> bool:

@@ -41,6 +41,8 @@ class DoubleDouble:
         if isinstance(values, DoubleDouble):
             return values
         values = np.asarray(values)
+        if values.dtype in (float, complex):
+            return cls(values, np.zeros(values.shape, values.dtype))
         high = values.astype(complex if values.dtype.kind == "c" else float)
         return cls(high, (values - high).astype(high.dtype))
 
@@ -63,7 +65,11 @@ class DoubleDouble:
         return DoubleDouble(-self.high, -self.low)
 
     def __add__(self, other) -> DoubleDouble:
-        other = DoubleDouble.of(other)
+        if not isinstance(other, DoubleDouble):
+            other = DoubleDouble.of(other)
+            if not other.low.any():
+                total, error = sum_with_error(self.high, other.high)
+                return _renormalized(total, self.low + error)
         (total, error), (small, rest) = sum_with_error(self.high, other.high), sum_with_error(self.low, other.low)
         result = _renormalized(total, error + small)
         return _renormalized(result.high, result.low + rest)
@@ -86,13 +92,19 @@ class DoubleDouble:
             total, error = product_with_error(high, other.high)
             return _paired(*_renormalized_parts(total, error + (high * other.low + low * other.high)))
         (own, rest), one = other._parts(), (2, 1, *[1] * (axes - other.high.ndim), *other.shape)
-        own, rest = own.reshape(one), rest.reshape(one)
-        high, low = np.array([high, high[::-1]]), np.array([low, low[::-1]])
+        own, high = own.reshape(one), np.array([high, high[::-1]])
         total, error = product_with_error(high, own)  # (a c, b c) and (b d, a d)
-        error += high * rest + low * own
+        if other.low.any():
+            error += high * rest.reshape(one)
+        if self.low.any():
+            error += np.array([low, low[::-1]]) * own
         total[1, 0], error[1, 0] = -total[1, 0], -error[1, 0]
         total, more = sum_with_error(total[0], total[1])
         return _paired(*_renormalized_parts(total, error[0] + error[1] + more))
+
+    def times(self, factors: np.ndarray) -> DoubleDouble:
+        """The numbers times float64 numbers, which may be powers of two."""
+        return self.scaled(factors) if (np.abs(np.frexp(factors)[0]) == 0.5).all() else self * factors
 
     def scaled(self, units) -> DoubleDouble:
         """The numbers times powers of two."""
@@ -110,11 +122,7 @@ class DoubleDouble:
             return DoubleDouble(both.high.view(complex), both.low.view(complex))
         row, column = matrix.nonzero()
         counts, factors = np.bincount(row, minlength=len(matrix)), matrix[row, column][:, None]
-        own = self[column]
-        if (np.abs(np.frexp(factors)[0]) == 0.5).all():  # powers of two
-            own = own.scaled(factors)
-        else:
-            own = own * factors
+        own = self[column].times(factors)
         if (counts == 1).all():
             return own
         place = np.arange(len(row)) - (np.cumsum(counts) - counts)[row]

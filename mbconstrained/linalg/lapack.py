@@ -21,7 +21,8 @@ def __getattr__(name: str) -> Any:
         spec = PathFinder.find_spec(_FILE, [os.path.join(os.path.dirname(scipy.__file__), "linalg")])
         if spec is None or spec.loader is None:  # another build of SciPy
             return getattr(scipy.linalg.lapack, name)
-        sys.modules[_FILE] = module_from_spec(spec)
-        spec.loader.exec_module(sys.modules[_FILE])
+        module = module_from_spec(spec)
+        spec.loader.exec_module(module)
+        sys.modules[_FILE] = module
     globals()[name] = routine = getattr(sys.modules[_FILE], name)
     return routine

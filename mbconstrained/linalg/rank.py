@@ -9,6 +9,7 @@ import scipy
 
 from ..ground.tolerances import CLEAR_DROPPED, CLEAR_KEPT, EPS, NOISE_SAFETY, PIVOT_PREFERENCE, PRECISE_DECOUPLING
 from . import lapack
+from .arrays import LARGE, compressed
 from .blocks import coupled
 from .precise import floats, is_precise, magnitude, midpoints, of_kind, precise, product, squared, unit
 from .scaling import equilibration
@@ -48,13 +49,18 @@ class Noisy:
 
     def __matmul__(self, other: Noisy) -> Noisy:
         left, right = self.data, other.data
-        data = product(left, right)
         if not (left.size and right.size):
-            return Noisy.exact(data)
+            return Noisy.exact(product(left, right))
         own, others, noise, others_noise = squared(left), squared(right), self.noise**2, other.noise**2
+        signs = np.sign(own)
+        if _has_few_entries(left) and not is_precise(right):
+            data = compressed(left) @ right
+            own, noise, signs = compressed(own), compressed(noise), compressed(signs)
+        else:
+            data = product(left, right)
         total = own.dot(others_noise) + noise.dot(others + others_noise)
         if left.shape[-1] > 1:  # a sum of one term rounds at most once, and that is part of the noise of its factors
-            several = np.sign(own).dot(np.sign(others)) > 1
+            several = signs.dot(np.sign(others)) > 1
             total += several * (unit(data) ** 2 * own.dot(others))
         return Noisy(data, np.sqrt(total))
 
@@ -98,6 +104,13 @@ class Noisy:
     def T(self) -> Noisy:
         """The transpose."""
         return Noisy(self.data.T, self.noise.T)
+
+
+def _has_few_entries(matrix: np.ndarray) -> bool:
+    """Whether products with a large matrix of float64 are faster by its nonzero entries."""
+    if matrix.ndim != 2 or len(matrix) < LARGE or is_precise(matrix):
+        return False
+    return 8 * int(np.count_nonzero(matrix)) < matrix.size
 
 
 def stacked(*parts: Noisy) -> Noisy:
@@ -351,12 +364,12 @@ def _eliminated(matrix: Noisy, weights, favour, decided=None) -> tuple[np.ndarra
     order, rank, kept, dropped, weights = np.arange(rows), 0, np.inf, 0.0, weights * favour[:, None]
     most = min(rows, columns) if decided is None else decided.rank
     while rank < most:
-        row, column = _pivot(work[rank:, :columns], weights[order[rank:]], at_any_rate=decided is not None)
+        row, column = _pivot(work[rank:, :columns], weights[rank:], at_any_rate=decided is not None)
         if row is None:
             break
         if row:
             swap, swapped = [rank + row, rank], [rank, rank + row]
-            order[swap], work[swap] = order[swapped], work[swapped]
+            order[swap], work[swap], weights[swap] = order[swapped], work[swapped], weights[swapped]
         bound = NOISE_SAFETY * work.noise[rank, column]
         kept = min(kept, float(abs(work.data[rank, column])) / bound if bound else np.inf)
         dropped = max(dropped, eliminate(work, rank, column, rank + 1, columns, clean=decided is None))
@@ -390,15 +403,19 @@ def _with_evidence(decision: RankDecision, matrix: Noisy) -> RankDecision:
 
 
 def _regular_by_far(matrix: Noisy) -> float | None:
-    """Ratio of the smallest singular value to the noise, for a large square matrix that is regular beyond doubt.
+    """Ratio of the smallest singular value to the noise, for a large matrix whose rows are independent beyond doubt.
 
     A factorization by LAPACK gives the result of the much slower elimination with noise.
     """
-    size = len(matrix.data)
-    if size < SMALL or matrix.data.shape != (size, size):
+    size, width = matrix.data.shape
+    if size < SMALL or width < size:
         return None
     rows, columns = equilibration(matrix.size)
     scaled, noise = rows[:, None] * floats(matrix.data) * columns, rows[:, None] * matrix.noise * columns
+    if width > size:
+        values, limit = np.linalg.svd(scaled, compute_uv=False), NOISE_SAFETY * np.linalg.norm(noise)
+        margin = values[-1] / max(limit, NOISE_SAFETY * EPS * values[0])
+        return float(margin) if margin >= CLEAR_KEPT else None
     norm = np.abs(scaled).sum(axis=0).max()
     factors, _, info = lapack.dgetrf(scaled)
     reciprocal = lapack.dgecon(factors, norm)[0] if info == 0 else 0.0

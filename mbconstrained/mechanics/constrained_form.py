@@ -90,7 +90,7 @@ def constrained_form(
         coefficients = [_stacked(matrix, V, A, rows) for matrix, rows in zip(given, selected)]
     else:
         projected, doubts = _projected(V, np.hstack([_assembled(matrix) for matrix in motion]))
-        parts = np.hsplit(projected, len(motion))
+        parts = [projected[:, begin : begin + len(V)] for begin in range(0, projected.shape[1], len(V))]
         coefficients = [np.vstack([part, A * rows[:, None]]) for part, rows in zip(parts, selected)]
     doubt = None
     if independent.uncertainty.any() or any(extra.any() for extra in uncertainty):

@@ -122,7 +122,7 @@ class EquationsOfMotion(Displayed):
             self._named_parts = None if energy_parts is None else checked_parts(energy_parts, self.size)
             self.uncertainty = self._uncertainty(uncertainty or {})
             self._independent = self._independent_rows()
-        self._forms: dict[tuple[int, ...], ConstrainedForm] = {}
+        self._forms: dict[tuple[int, ...] | None, ConstrainedForm] = {}  # None: of all rows at their levels
         self.origin: Any = None
         varies = isinstance(force, ImpulsiveSmooth)
         self.excitation = self._signal(force) if varies else None
@@ -250,7 +250,9 @@ class EquationsOfMotion(Displayed):
 
     def undelayed_form(self) -> ConstrainedForm:
         """The constrained form without the delayed terms, on the whole form of a system without delays."""
-        return self._form(*(row.order for row in self.rows))
+        if None not in self._forms:
+            self._forms[None] = self._form(*(row.order for row in self.rows))
+        return self._forms[None]
 
     def delayed_equations(self) -> tuple[DelayedTerm, ...]:
         """The delayed terms in the equations of the constrained form, V^T (C_j s + K_j)."""

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..ground.tolerances import EPS
-from ..linalg.arrays import full
 from ..linalg.double_double import DOUBLED_EPS, DoubleDouble
 from ..polynomial.coefficients import Factors
 from ..polynomial.polynomial_matrix import PolynomialMatrix
@@ -77,7 +76,7 @@ class FormRounding(Rounding):
         """Bounds of the constraint forces in the equations, relative to each term, shape (n - k, n); zero for whole numbers."""
         form = self.system.undelayed_form()
         V, A = form.null_space, form.rows
-        if _is_whole(V) and _is_whole(A) and not (A @ V).any():
+        if _is_exact(V, A):
             return np.zeros(V.T.shape)
         extended = V.astype(Extended)
         forces = np.abs(extended.T @ A.T) + UNIT * (len(V) + 4) * (np.abs(V.T) @ np.abs(A.T))
@@ -125,12 +124,14 @@ class FormRounding(Rounding):
             return tuple(matrix.factors if isinstance(matrix, ElementMatrix) else None for matrix in given), ()
         basis, uncertain = _null_space(form.null_space, A, system)
         parts = [_projected(matrix, basis, whole[own:]) for matrix, whole in zip(given, form.polynomial_matrix.coefficients)]
-        return tuple(parts), tuple(np.concatenate([uncertain @ sizes, 0 * A]) for sizes in self._terms)
+        return tuple(parts), tuple(np.concatenate([uncertain @ sizes, 0 * A]) for sizes in self._terms if uncertain.any())
 
 
 def _null_space(V: np.ndarray, A: np.ndarray, system: EquationsOfMotion) -> tuple[DoubleDouble, np.ndarray]:
     """V with twice the digits, and bounds of the constraint forces in V^T (K x + ... - f), relative to each term."""
-    inverse, basis = system._independent.left_inverse, DoubleDouble.of(V)
+    if _is_exact(V, A):
+        return DoubleDouble.of(V), np.zeros(V.T.shape)
+    inverse, basis = system.multiplier_map, DoubleDouble.of(V)
     if (left := (A @ basis).high).any():
         basis = basis - inverse.T @ left
     forces = np.abs((A @ basis).high) + (len(V) + 4) * DOUBLED_EPS * (np.abs(A) @ np.abs(V))
@@ -139,9 +140,11 @@ def _null_space(V: np.ndarray, A: np.ndarray, system: EquationsOfMotion) -> tupl
 
 def _projected(matrix: np.ndarray | ElementMatrix, V: DoubleDouble, rows: np.ndarray) -> Factors:
     """[V^T matrix; rows] by its elements."""
-    factors = matrix.factors if isinstance(matrix, ElementMatrix) else None
-    elements = factors or Factors(np.eye(len(matrix)), np.ones(len(matrix)), full(matrix))
-    left = elements.left.T @ V
+    if isinstance(matrix, ElementMatrix):
+        elements = matrix.factors
+        left = elements.left.T @ V
+    else:
+        elements, left = Factors(np.eye(0), np.ones(len(matrix)), matrix), V
     numbers = [left.high, left.low] if left.low.any() else [left.high]
     parts, count, own = np.concatenate(numbers), len(numbers), V.shape[1]
     through = np.zeros((own + len(rows), len(parts) + len(rows)))
@@ -166,6 +169,7 @@ def _sizes(matrix: np.ndarray | ElementMatrix) -> np.ndarray:
     return (B.T * np.abs(matrix.constants)) @ B
 
 
-def _is_whole(matrix: np.ndarray) -> bool:
-    """Whether all entries are whole numbers, of so few bits that products of such matrices are exact."""
-    return bool((matrix == np.rint(matrix)).all()) and float(np.abs(matrix).max(initial=0.0)) <= 2.0**20
+def _is_exact(V: np.ndarray, A: np.ndarray) -> bool:
+    """Whether A V = 0 exactly, of whole numbers of so few bits that their products are exact."""
+    whole = all(bool((part == np.rint(part)).all()) and float(np.abs(part).max(initial=0.0)) <= 2.0**20 for part in (V, A))
+    return whole and not (A @ V).any()

@@ -290,8 +290,7 @@ class LumpedModel(Displayed):
         name = element.name
         if not name:
             name = next(free for free in element.default_names if free not in self._elements and free not in self._parts)
-            element = copy(element)
-            object.__setattr__(element, "name", name)  # a frozen dataclass, whose numbers are checked
+            object.__setattr__(element, "name", name)  # it was just created, and its numbers are checked
         elif not isinstance(name, str) or not name.strip():
             raise InputError(f"{element.kind}: found the name {name!r}; expected a text")
         parts, ends = element.parts, element.ends

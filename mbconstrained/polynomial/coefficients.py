@@ -29,7 +29,7 @@ class PolynomialCoefficients:
             matrix.factors if hasattr(matrix, "directions") else matrix for matrix in coefficients
         ]
         self.factors = tuple(matrix if isinstance(matrix, Factors) else None for matrix in given)
-        matrices = [_assembled(matrix, f"A_{power}") for power, matrix in enumerate(given)]
+        matrices = given if _are_checked(given) else [_assembled(matrix, f"A_{power}") for power, matrix in enumerate(given)]
         if not matrices:
             raise InputError("a polynomial matrix needs at least one coefficient, A_0; none was given")
         for power, matrix in enumerate(matrices):
@@ -109,6 +109,11 @@ def _not_square(equations: int, coordinates: int) -> str:
     else:
         remedy = "some equations are redundant or contradict others. Leave those out"
     return f"{text}: {remedy}; A.structure() shows which they are."
+
+
+def _are_checked(given: list) -> bool:
+    """Whether all are matrices of finite float64 numbers."""
+    return all(type(matrix) is np.ndarray and matrix.dtype == float and np.isfinite(matrix).all() for matrix in given)
 
 
 def _assembled(matrix, what: str) -> np.ndarray:

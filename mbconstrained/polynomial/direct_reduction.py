@@ -170,11 +170,12 @@ def matching_rows(M: Matrix) -> np.ndarray | None:
     if is_symmetric(M):
         return np.arange(M.shape[0])
     if M.shape[0] <= FEW_ROWS:
-        size = np.abs(full(M))
+        size, columns = np.abs(full(M)), np.arange(len(M))
+        orders = np.array(list(permutations(range(len(M)))))
         with np.errstate(divide="ignore"):
-            costs, columns = np.log(size.max() / size), range(len(size))
-        order = min(permutations(columns), key=lambda rows: costs[rows, columns].sum())
-        return np.array(order) if np.isfinite(costs[order, columns]).all() else None
+            costs = np.log(size.max() / size)[orders, columns].sum(axis=1)
+        best = costs.argmin()
+        return orders[best] if costs[best] < np.inf else None
     row, column, values = entries(abs(M))
     weights = scipy.sparse.csr_array((1 + np.log(values.max(initial=1.0) / values), (row, column)), shape=M.shape)
     try:

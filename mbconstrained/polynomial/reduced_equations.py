@@ -566,8 +566,10 @@ class Reduction:
         damped = entry_count(self.C) > 0
         if damped and not is_symmetric(self.C @ self.divided_by_mass(self.K)):
             return False
+        if not damped and is_semidefinite(self.K):
+            return True
         balanced = of_like_kind(self.generator * self.units / self.units[:, None], self.generator)
-        return not is_weakly_coupled(balanced) or (not damped and is_semidefinite(self.K))
+        return not is_weakly_coupled(balanced)
 
     @property
     def _is_softly_supported(self) -> bool:

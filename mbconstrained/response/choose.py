@@ -240,8 +240,10 @@ def makes_constrained_jump(reduction: Reduction, force: ImpulsiveSmooth) -> bool
     """Whether a jump of the right sides after t = 0 makes coordinates with mass or damping jump, or their velocities."""
     columns, jumps = force.smooth.coefficients[_constraining(reduction)], force.smooth.restarts.jumps[:, 1:]
     orders = len(reduction.given) - 1
-    return len(columns) > 0 and any(
-        (columns @ np.linalg.matrix_power(force.smooth.generator, k) @ jumps).any() for k in range(orders)
+    return (
+        columns.size > 0
+        and jumps.size > 0
+        and any((columns @ np.linalg.matrix_power(force.smooth.generator, k) @ jumps).any() for k in range(orders))
     )
 
 

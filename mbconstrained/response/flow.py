@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 
 from ..ground.tolerances import noise_of
-from ..linalg.arrays import Matrix, entry_count, full, hstack, of_like_kind, vstack, zeros_of_kind
+from ..linalg.arrays import Matrix, entry_count, full, hstack, kept, of_like_kind, vstack, zeros_of_kind
 from ..linalg.blocks import CHUNK_ENTRIES, block_slices
 from ..linalg.division import accurately_solved
 from ..linalg.recursion import ExponentialSeries, Propagator
@@ -169,8 +169,12 @@ class Flow:
     @cached_property
     def modal_rate(self) -> float:
         """An upper bound of the rates of the motion in 1/s, by its modes."""
-        blocks = (*self.reduction.decoupled.blocks, *self.force.smooth.blocks)
-        return max((sum(map(abs, column)) for block in blocks for column in block.T.tolist()), default=0.0) or 1.0
+        columns = (
+            map(abs, column)
+            for block in (*self.reduction.decoupled.blocks, *self.force.smooth.blocks)
+            for column in zip(*block.tolist())
+        )
+        return max(map(sum, columns), default=0.0) or 1.0
 
     @cached_property
     def states(self) -> BohlFunction:
@@ -193,6 +197,11 @@ class Flow:
             return self.reduction.decoupled.modal_output(output)
         used = np.flatnonzero(abs(output).sum(axis=0))
         return output[:, used] @ self.states.coefficients[used]
+
+    @property
+    def modal_states(self) -> np.ndarray:
+        """C of z = C e^{J t} v."""
+        return self.modal_output(np.eye(len(self.start))) if not self.force.smooth.state_count else self.states.coefficients
 
     @cached_property
     def _modal(self) -> tuple[BohlFunction, float, list[tuple[slice, slice]]]:
@@ -252,7 +261,7 @@ class Flow:
         """Whether one of a few states is small relative to its modes and to the coupling terms of all states, after EARLY."""
         rate = self.modal_rate
         reached = self._scaled_powers(rate, FEW_TERMS, np.abs) @ EARLY ** np.arange(float(FEW_TERMS))
-        sizes = np.abs(self.modal_output(np.eye(len(reached)))) @ np.abs(self.states.start_at_zero)
+        sizes = np.abs(self.modal_states) @ np.abs(self.states.start_at_zero)
         return bool((sizes > MOST_CANCELLED * reached).any())
 
     @cached_property
@@ -267,7 +276,7 @@ class Flow:
 
     def _scaled_powers(self, unit: float, count: int, part: Callable = np.asarray) -> np.ndarray:
         """(G / unit)^k z / k! as columns, or the same of the absolute values of G and z."""
-        columns, step = [part(self.start_with_force)], part(self.generator) / unit
+        columns, step = [part(self.start_with_force)], kept(part(full(self.generator))) / unit
         for _ in range(1, count):
             columns.append(step.dot(columns[-1]))  # less to do before it starts than @
         return np.array(columns).T / np.cumprod(np.maximum(np.arange(float(count)), 1.0))

@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,12 +25,15 @@ from ..ground.display import Displayed
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import DIFFERENCED, EPS, LOOPS_CLOSED_AS_ROUNDED, MUJOCO_RATE, MUJOCO_STEP, NOISE_SAFETY, SAME_AS_MUJOCO
+from ..mechanics.switched.switched_motion import SwitchedMotion
 from .description.mjcf import MOST_NAMED, quaternion_places, quiet, read_mjcf
 from .posture_search import attached_load
 from .robot_model import RobotModel
 from .statics import Balance, Posture, rows_of
+from .switching import Grip, grip_notices
 
 if TYPE_CHECKING:
+    from ..mechanics.equations import EquationsOfMotion
     from ..mechanics.motion import Motion
 
 #: The relative error of the forces from which a motion is said to leave the linear range.
@@ -73,6 +76,7 @@ class LinearRange(Displayed):
         coordinate, unit, amplitude: coordinate of the largest displacement, and this (m, rad).
         limit: the amplitude at which the same motion, made smaller or larger, has a deviation of 10 %; infinite where it has none up
             to 1.5 rad or 1.5 times the size of the robot.
+        phase: of a switched robot, the one in which that is.
     """
 
     deviation: float
@@ -81,6 +85,7 @@ class LinearRange(Displayed):
     unit: str
     amplitude: float
     limit: float
+    phase: str = ""
 
     @property
     def text(self) -> str:
@@ -88,6 +93,7 @@ class LinearRange(Displayed):
         goes = f"{self.coordinate} goes {self.amplitude:.3g} {self.unit} from the posture"
         deviation = f"{100 * self.deviation:.2g} %" if self.deviation < 1 else "100 % or more"
         reached = f"; {self.limit_text}" if self.limit_text else ""
+        goes = f"while {self.phase}, {goes}" if self.phase else goes
         return f"{goes}: the forces of the nonlinear robot differ from the linear ones by {deviation} (at t = {self.time:.3g} s){reached}"
 
     @property
@@ -106,8 +112,32 @@ class LinearRange(Displayed):
 
 def linear_range(motion: Motion, posture: Posture, times=None) -> LinearRange:
     """The deviation of the linear motion of a robot at these times; without times, over the periods of its slowest eigenvalue."""
-    times = _horizon(motion) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
-    return _Deviation(motion, posture, times).linear_range()
+    return max(_linear_ranges(motion, posture, times), key=lambda one: one.deviation)
+
+
+def range_notices(motion: Motion, posture: Posture, grips: Sequence[Grip]) -> tuple[Notice, ...]:
+    """Notices on a motion beyond the linear range; of a switched robot, also how far it is from that, and feet that slip."""
+    ranges = _linear_ranges(motion, posture, None)
+    notices = tuple(notice for one in ranges for notice in one.notices)
+    if not isinstance(motion, SwitchedMotion):
+        return notices
+    worst = max(ranges, key=lambda one: one.deviation)
+    about = Notice(NoticeKind.SWITCH, f"all contacts keep their directions, as motions are small about the posture; {worst.text}")
+    return (*(notices or (about,)), *grip_notices(grips, motion))
+
+
+def _linear_ranges(motion: Motion, posture: Posture, times) -> list[LinearRange]:
+    """The range in each phase, one of a motion without."""
+    if not isinstance(motion, SwitchedMotion):
+        times = _horizon(motion) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
+        return [_Deviation(motion, posture, times, motion.system, 0.0).linear_range()]
+    if times is None:
+        times = np.union1d(np.linspace(0.0, motion.solution.sequence.end, HORIZON_TIMES), [time for time, _ in motion.phases])
+    times = np.atleast_1d(np.asarray(times, dtype=float))
+    return [
+        replace(_Deviation(motion, posture, times[places], phase.system, phase.constant).linear_range(), phase=phase.name)
+        for phase, places in motion._by_phase(times)
+    ]
 
 
 def _horizon(motion: Motion) -> np.ndarray:
@@ -121,15 +151,17 @@ def _horizon(motion: Motion) -> np.ndarray:
 class _Deviation:
     """The residual of one motion at a few times, as a function of its amplitude."""
 
-    def __init__(self, motion: Motion, posture: Posture, times: np.ndarray):
-        self.system, self.posture = motion.system, posture
+    def __init__(
+        self, motion: Motion, posture: Posture, times: np.ndarray, system: EquationsOfMotion, constant: np.ndarray | float
+    ):
+        self.system, self.posture, self._switched = system, posture, getattr(motion.system, "switched_loops", ())
         self._links = len(self.posture.robot.coordinates)
         everywhere = np.array([view(times) for view in (motion, motion.derivative(1))])
         self.furthest = np.abs(everywhere[0, : self._links]).max(axis=1)
         self.relative = self.furthest / self.posture.balance.load.lengths
         self.times = times[_worth_looking_at(everywhere)]
         self.motion = np.array([view(self.times) for view in (motion, motion.derivative(1), motion.derivative(2))])
-        self.force = motion.applied.smooth(self.times)
+        self.force = (motion.applied.smooth(self.times).T + constant).T
         self._N = null_space(self.system.constraint_matrix) if self.system.rows else None
         self._norm, self.scale, fastest = self._measures()
         self._step = DIFFERENCE / fastest if fastest else 0.0
@@ -196,12 +228,26 @@ class _Deviation:
         force = force + _damping(balance) @ velocity + sum((tendon.inertia @ acceleration for tendon in balance.tendons), 0.0)
         force = here.turned.T @ force - np.array([posture.torques.get(name, 0.0) for name in posture.robot.coordinates])
         whole = np.append(force, np.zeros(motors)) + share * (self._beyond[:, place] - self.force[:, place])
+        whole = whole + self.system.static_force  # of loops that are open in some phases: no small part of the motion
         if self._N is None:
             return whole
-        others = [row.coefficients for row in self.system.rows if row.name not in load.row_names]
-        rows = np.vstack([np.pad(balance.jacobian @ here.turned / load.row_lengths[:, None], ((0, 0), (0, motors))), *others])
+        closed, others = self._rows
+        rows = (balance.jacobian @ here.turned / load.row_lengths[:, None])[closed]
+        rows = np.vstack([np.pad(rows, ((0, 0), (0, motors))), *others])
         independent = rows_of(rows).right
         return self._N.T @ (whole - independent.T @ (independent @ whole))
+
+    @cached_property
+    def _rows(self) -> tuple[np.ndarray, list[np.ndarray]]:
+        """The places of the rows of closed loops among those of the posture, and the other rows, which do not turn."""
+        rows, load = {row.name for row in self.system.rows}, self.posture.balance.load
+        loops = [item.connection for item in load.loops]
+        still = [not rows.isdisjoint((one.name, *one.row_names)) or one.name not in self._switched for one in loops]
+        closed = np.repeat(
+            [*still, *(True for _ in load.mimic_rows)], [*(len(one.row_names) for one in loops), *(1 for _ in load.mimic_rows)]
+        )
+        own = {*load.row_names, *(one.name for one in loops)}
+        return np.flatnonzero(closed), [row.coefficients for row in self.system.rows if row.name not in own]
 
     def _closed(self, step: np.ndarray) -> _Place:
         """The configuration near q0 (+) step that closes loops as the posture does, or follows the motion of a moving base."""

@@ -56,10 +56,12 @@ if TYPE_CHECKING:
     from ..frequency.frequency_response import FrequencyResponse
     from ..frequency.random.random_response import RandomResponse
     from ..mechanics.motion import Motion
+    from ..mechanics.switched.switched_system import SwitchedSystem
     from .connections import Connection
     from .flexible_joint import WithoutMotors
     from .linear_range import LinearRange
     from .statics import Load, Posture
+    from .switching import Grip, RobotSwitch
 
 #: Least semi-axis of an ellipsoid (m): a point mass is drawn, and the normals of a flat one exist.
 THINNEST = 0.001
@@ -322,7 +324,12 @@ class LinearizedRobot(MechanicalSystem):
             motor's), or a force or torque on a body.
         outputs: by name a row of C in y = C d, shape (n,): a joint's angle, or the motion of a point.
         input_units, output_units: "m" or "rad" for each, along which a force in N or a torque in N m works.
+        switched_loops: names of loops of the posture that are closed in some phases of a switched robot only.
+        grips: contacts of a switched robot that do not slide.
     """
+
+    switched_loops: tuple[str, ...] = ()
+    grips: tuple[Grip, ...] = ()
 
     def __init__(self, posture: Posture, level: Level, inputs: Mapping, outputs: Mapping):
         robot, balance = posture.robot, posture.balance
@@ -395,8 +402,10 @@ class LinearizedRobot(MechanicalSystem):
         return (*self.posture.notices, *self._notices, *super().notices)
 
     def range_notices(self, motion: Motion) -> tuple[Notice, ...]:
-        """Return a notice on a motion beyond the linear range."""
-        return self.linear_range(motion).notices
+        """Return notices on a motion beyond the linear range; of switched robots by phase, and on feet that slip."""
+        from .linear_range import range_notices
+
+        return range_notices(motion, self.posture, self.grips)
 
     def linear_range(self, motion: Motion, times=None) -> LinearRange:
         """Return the range of validity of a motion: its residual force in the nonlinear equations estimates the relative error.
@@ -498,6 +507,39 @@ class LinearizedRobot(MechanicalSystem):
             doubt = rows[label].uncertainty if label in rows else None
             rows[label] = Constraint(np.atleast_2d(channel.direction), level, value, label, channel.unit, doubt)
         return self._with_rows(rows.values())
+
+    def with_switches(self, *parts: RobotSwitch) -> SwitchedSystem:
+        """Return the robot with joint stops, contacts, feet that lift off and loops that close: its equations change from phase to phase.
+
+        The rows of contacts are those at the posture, as all motions are small about it; the notices of a motion report by phase how far
+        the nonlinear robot is from it.
+
+        Args:
+            parts: ``JointStop``, ``PointContact``, ``LiftingFoot`` and ``ClosingLoop``.
+
+        Returns:
+            A ``SwitchedSystem``.
+
+        Raises:
+            InputError: unknown joints, bodies or loops, a posture beyond a stop, names in use.
+
+        >>> from mbconstrained import JointStop, Robot
+        >>> urdf = '''<robot name="pendulum"><link name="base"/><link name="rod"><inertial><mass value="2"/>
+        ...   <origin xyz="0 0 -0.5"/><inertia ixx="0.1" iyy="0.1" izz="0" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        ...   <joint name="hinge" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/></joint></robot>'''
+        >>> robot = Robot(urdf)
+        >>> swing = robot.linearize(robot.equilibrium()).with_switches(JointStop("hinge", lower="-3 deg", restitution=0.8))
+        >>> [event.text for event in swing.solve({"hinge": 0.1}, end=1.0).events]
+        ['hinge stop strikes']
+        """
+        from ..mechanics.switched.switched_system import SwitchedSystem
+        from .switching import robot_switches
+
+        own = robot_switches(self.posture, self.size, parts)
+        loops = [item.connection for item in self.posture.loops if item.connection.name in own.loops]
+        common = copy(self.without_rows(name for loop in loops for name in loop.row_names))
+        common.static_force, common.switched_loops, common.grips = self.static_force - own.load, own.loops, own.grips
+        return SwitchedSystem.of_switches(common, own.switches)
 
     def without_rows(self, names: Iterable[str]) -> LinearizedRobot:
         """Return the robot without some of its constraint rows, such as those of a moving base that another motion replaces.

@@ -566,36 +566,30 @@ def merged(summands: Sequence[Summand]) -> list[Summand]:
     """Fewer summands with the same sum, in a time that grows with their number only; all have the same knots."""
     kept: list[Summand] = []
     candidates: dict[tuple[bytes, bytes], int] = {}
+    sizes = {len(one.block) for one in summands}
     for summand in sorted(summands, key=lambda summand: -len(summand.block)):
-        for key in (*_state_keys(summand, 1), *_direction_keys(summand, len(summand.block))):
+        own = [*_keys(summand, len(summand.block))]
+        for key in own:
             place = candidates.get(key)
             total = None if place is None else _sum(kept[place], summand)
             if total is not None:
                 kept[place] = total
                 break
         else:
-            for key in (*_state_keys(summand, len(summand.block)), *_direction_keys(summand, 1)):
+            smaller = (key for size in sizes if size < len(summand.block) for key in _keys(summand, size))
+            for key in (*own, *smaller):
                 candidates.setdefault(key, len(kept))
             kept.append(summand)
     return _by_rows(kept)
 
 
-def _state_keys(summand: Summand, count: int) -> Iterator[tuple[bytes, bytes]]:
-    """Keys of its last states, from all of them downwards."""
-    for skip in range(count):
-        yield summand.block[skip:, skip:].tobytes(), summand.values[:, skip:].tobytes()
-
-
-def _direction_keys(summand: Summand, least: int) -> Iterator[tuple[bytes, bytes]]:
-    """Keys of its first columns, from all of them down to the least number."""
-    for size in range(len(summand.block), least - 1, -1):
-        columns = summand.coefficients[:, :size]
-        if columns.any():
-            mantissa, exponent = np.frexp(columns / columns.flat[np.abs(columns).argmax()] + 0.0)
-            yield (
-                summand.block[:size, :size].tobytes(),
-                np.round(np.ldexp(mantissa, COMPARED_DIGITS)).tobytes() + exponent.tobytes(),
-            )
+def _keys(summand: Summand, size: int) -> Iterator[tuple[bytes, bytes]]:
+    """Keys of its last states, as many as a size, and of its first columns."""
+    block, skip, columns = summand.block, len(summand.block) - size, summand.coefficients[:, :size]
+    yield block[skip:, skip:].tobytes(), summand.values[:, skip:].tobytes()
+    if columns.any():
+        mantissa, exponent = np.frexp(columns / columns.flat[np.abs(columns).argmax()] + 0.0)
+        yield block[:size, :size].tobytes(), np.round(np.ldexp(mantissa, COMPARED_DIGITS)).tobytes() + exponent.tobytes()
 
 
 def _sum(larger: Summand, summand: Summand) -> Summand | None:
@@ -637,10 +631,12 @@ def _by_rows(summands: list[Summand]) -> list[Summand]:
         groups.setdefault(summand.block.tobytes(), []).append(summand)
     total = []
     for group in groups.values():
-        rows = np.flatnonzero(np.any([one.coefficients.any(axis=1) for one in group], axis=0))
+        rows = () if len(group) == 1 else np.flatnonzero(np.any([one.coefficients.any(axis=1) for one in group], axis=0))
+        if len(group) <= max(len(rows), 1) or group[0].values.shape[2] == 1:
+            total += group
+            continue
         turn = _quarter_turn(group[0].block)
-        readable = not any(one.coefficients[:, 1 if turn is None else 2 :].any() for one in group)
-        if len(group) <= len(rows) or not readable or group[0].values.shape[2] == 1:
+        if any(one.coefficients[:, 1 if turn is None else 2 :].any() for one in group):
             total += group
             continue
         values = np.zeros((len(rows), *group[0].values.shape))

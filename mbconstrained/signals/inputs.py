@@ -187,8 +187,10 @@ def _chain(coefficients, diagonal, power, origin) -> ImpulsiveSmooth:
     is near the rates, so that the couplings of the states are of their size whatever the unit of time is.
     """
     size, unit = len(diagonal), _rate_unit(diagonal, power)
-    steps = unit * np.diag(np.arange(power, 0, -1.0), k=1) if power else np.zeros((1, 1))
-    generator = np.kron(np.eye(power + 1), diagonal) + np.kron(steps, np.eye(size))
+    generator = diagonal
+    if power:
+        steps = unit * np.diag(np.arange(power, 0, -1.0), k=1)
+        generator = np.kron(np.eye(power + 1), diagonal) + np.kron(steps, np.eye(size))
     start = np.zeros(size * (power + 1))
     start[-size] = 1.0
     rows = np.zeros((len(coefficients), size * (power + 1)))

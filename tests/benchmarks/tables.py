@@ -5,7 +5,7 @@
 
 Both sides run in one process, by turns, with one thread, each as often as a time limit allows; the least processor time of each counts.
 One run is model, solution and values at all times; a further evaluation is at other times of the same motion. Other methods are given
-the reduced equations for nothing, and count where their error is at most ten times that of this package. "lsim" is SciPy's; "expm blocks"
+the reduced equations for nothing, and count where their error is at most 1e-12, or ten times that of this package. "lsim" is SciPy's; "expm blocks"
 is its best form, many columns at once with denormal numbers flushed to zero. Errors are against ball arithmetic or long doubles.
 """
 
@@ -43,8 +43,8 @@ BEGIN, END = "<!-- tables: begin -->", "<!-- tables: end -->"
 #: Time for the turns of a row, s, and the most and fewest of them.
 SECONDS, MOST, FEWEST = 4.0, 200, 2
 
-#: A method counts as right with at most so many times our error: rounding alone moves errors by a few.
-EQUAL = 10.0
+#: A method counts as right with at most so many times our error, rounding alone moves errors by a few, or with at most this error.
+EQUAL, RIGHT = 10.0, 1e-12
 
 NOTHING = "–"
 
@@ -117,7 +117,7 @@ def motion_rows(chosen: list[Motion]) -> Iterator[list[str]]:
     """A row for each motion: our times, those of the fastest method that is as right, and what is wanted."""
     for motion in chosen:
         ours, *others = measured(motion)
-        right = [other for other in others if other.error <= EQUAL * ours.error]
+        right = [other for other in others if other.error <= max(EQUAL * ours.error, RIGHT)]
         row = [motion.name, str(motion.states), f"{ours.error:.0e}"]
         for place, part in enumerate(("one_run", "further")):
             own = getattr(ours, part)

@@ -48,6 +48,7 @@ class Accuracy(Analysis):
 
     name = "accuracy"
     handles_choices = True
+    switches = "none"
     settings = AccuracySettings
     formats = ("page", "images", "json")
     progress = "steps"

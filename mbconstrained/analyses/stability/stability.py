@@ -58,6 +58,7 @@ class Stability(Analysis):
 
     name = "stability"
     handles_choices = True
+    switches = "none"
     settings = StabilitySettings
     formats = ("page", "images", "json")
     progress = "steps"

@@ -242,6 +242,7 @@ class Optimisation(Analysis):
 
     name = "optimise"
     handles_choices = True
+    switches = "all"
     settings = VaryTable
     options: ClassVar = {
         "parameters": "--vary", "method": None, "samples": None, "chunk": None

@@ -674,6 +674,7 @@ class ParameterSweep(Analysis):
 
     name = "sweep"
     handles_choices = True
+    switches = "all"
     settings = SweepSettings
     options: ClassVar = {
         "parameters": "--vary", "keep": "--keep", "limits": "--limit", "correlation": "--correlation", "minimise": None, "maximise": None,

@@ -24,8 +24,8 @@ from ...linalg.exponential import block_states
 #: Terms of Taylor polynomials, and the width of a panel times the fastest rate: REACH^TERMS / TERMS! is below EPS / 8.
 TERMS, REACH = 24, 2.0
 
-#: Panels that are searched at once.
-PANELS = 16
+#: Panels that are searched at once, at first and at most.
+PANELS, MOST_PANELS = 16, 512
 
 #: Rates on panels of the next width are less than the fastest by this factor or more.
 LEVEL_RATIO = 6.0
@@ -33,11 +33,20 @@ LEVEL_RATIO = 6.0
 #: Rounding errors of a value, relative to the sum of the moduli of its terms.
 NOISE = 64 * EPS
 
+#: Rounding errors of a time, relative to it.
+TIME_NOISE = 4 * EPS
+
 #: Derivatives that decide on the sign just after a zero.
-ORDERS = 6
+ORDERS = TERMS - 1
+
+#: Zeros at the begin up to this order are divided by; guards with others count as soon as they are more than rounding errors.
+DIVIDED = 6
 
 #: A zero is bisected until the panel is so narrow, relative to the first.
 NARROWEST = 2.0**-26
+
+#: A minimum belongs to a point that touches zero if it is so near.
+NEAR = 2.0**-18
 
 #: Steps of Newton's method, safeguarded by bisection.
 STEPS = 80
@@ -59,7 +68,7 @@ class Crossing:
     Attributes:
         time: in s, since the begin of the flow.
         state: y there.
-        guards: places of the guards that vanish there.
+        guards: places of the guards that vanish there; none where guards of unknown sign have become more than rounding errors.
         grazing: whether the guard only touches zero.
     """
 
@@ -106,7 +115,7 @@ class PhaseFlow:
         self.J = block_matrix(self.blocks)
         self.slices = block_slices(self.blocks)
         self.rates = np.array([_rate(block) for block in self.blocks])
-        self.growth = np.array([_growth(block) for block in self.blocks])
+        self.bounds = [_bound(block) for block in self.blocks]
 
     @cached_property
     def _rate_of_state(self) -> np.ndarray:
@@ -119,7 +128,7 @@ class PhaseFlow:
         while len(rates):
             widths.append(min(REACH / rates[0], self.longest))
             rates = rates[rates * LEVEL_RATIO < rates[0]]
-        return widths or [self.longest]
+        return widths if widths and widths[-1] * LEVEL_RATIO > self.longest else [*widths, self.longest]
 
     @cached_property
     def _levels(self) -> list[_Level | None]:
@@ -142,10 +151,9 @@ class PhaseFlow:
         units, times = np.tile(np.eye(n), PANELS + 1), np.repeat(h * np.arange(PANELS + 1), n)
         steps = block_states(self.blocks, units, times).reshape(n, PANELS + 1, n).transpose(1, 0, 2)
         fast = np.zeros((self.size, n))
-        for at, growth, rate in zip(self.slices, self.growth, self.rates):
+        for at, bound, rate in zip(self.slices, self.bounds, self.rates):
             if rate * h > REACH * (1 + EPS):
-                largest = np.linalg.norm(self.rows[:, at], axis=1) * exp(min(max(growth, 0.0) * h, 700.0))
-                fast[:, at] = largest[:, None]
+                fast[:, at] = np.linalg.norm(self.rows[:, at], axis=1)[:, None] * _largest(bound, h)
         return _Level(h, slow, taylor, bernstein, np.ascontiguousarray(steps), fast)
 
     @cached_property
@@ -165,95 +173,143 @@ class PhaseFlow:
             return (time / h) ** np.arange(TERMS) @ (self._powers @ y).reshape(TERMS, -1)
         return block_states(self.blocks, y[:, None], np.array([time]))[:, 0]
 
+    def sizes_of(self, rows: np.ndarray) -> np.ndarray:
+        """Bounds of the terms of rows by the moduli of the states: errors turn within a block, but for polynomials."""
+        sizes = np.abs(rows)
+        for at, rate in zip(self.slices, self.rates):
+            if rate:
+                sizes[:, at] = np.linalg.norm(rows[:, at], axis=1)[:, None]
+        return sizes
+
     # Signs at the begin.
 
     @cached_property
     def _derivatives(self) -> tuple[np.ndarray, np.ndarray]:
-        """c J^k h^k / k!, shape (p, ORDERS, n), and their moduli."""
-        h = self._widths[0]
-        rows, power = np.empty((self.size, ORDERS, len(self.J))), self.rows
-        for k in range(ORDERS):
-            rows[:, k] = power
-            power = power @ (self.J * h) / (k + 1)
-        return rows, np.abs(rows)
+        """c J^k h^k / k!, shape (p, ORDERS, n), and bounds of their errors by those of y: the blocks of J have errors by their norms."""
+        h, n = self._widths[0], len(self.J)
+        rate = np.zeros((n, n))
+        for at, own in zip(self.slices, self.rates):
+            rate[at, at] = np.abs(self.J[at, at]) if not own else own * np.eye(at.stop - at.start)
+        parts = np.empty((2, self.size, ORDERS, n))
+        for part, power, matrix in zip(parts, (self.rows, self.sizes_of(self.rows)), (self.J * h, rate * h)):
+            for k in range(ORDERS):
+                part[:, k] = power
+                power = power @ matrix / (k + 1)
+        return parts[0], parts[1]
 
-    def orders(self, y: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The order of the zero of each guard at the begin, its sign just after it, and the first coefficients.
+    def orders(self, y: np.ndarray, size: np.ndarray, known: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
+        """The order of the zero of each guard at the begin and its sign just after it.
 
         Args:
             y: the state.
-            known: which guards are known to vanish there, whatever their rounding error.
+            size: its rounding errors relative to NOISE.
+            time: of the begin, whose rounding error counts, too.
+            known: how many derivatives of each guard, its value among them, are known to vanish there, whatever their rounding error.
 
         Returns:
-            Orders (p,), 0 where a guard does not vanish and ORDERS where no derivative decides; signs (p,), 0 there; and Taylor
-            coefficients times powers of the width, shape (p, ORDERS).
+            Orders (p,), 0 where a guard does not vanish and ORDERS where no derivative decides; signs (p,), 0 there.
         """
         if not self.size:
-            return np.zeros(0, int), np.zeros(0), np.zeros((0, ORDERS))
+            return np.zeros(0, int), np.zeros(0)
         rows, moduli = self._derivatives
-        values, noise = rows @ y, NOISE * (moduli @ np.abs(y))
+        values, noise = rows @ y, NOISE * (moduli @ size)
         values[:, 0] -= self.values
         noise[:, 0] += NOISE * np.abs(self.values)
-        values[known, 0] = 0.0
-        counts = np.abs(values) > np.maximum(noise, NOISE * noise.max(axis=1, initial=0.0)[:, None] * EPS)
-        counts[known, 0] = False
+        noise[:, :-1] += TIME_NOISE * time / self._widths[0] * np.arange(1, ORDERS) * np.abs(values[:, 1:])
+        counts = (np.abs(values) > noise) & (np.arange(ORDERS) >= known[:, None])
         order = np.where(counts.any(axis=1), counts.argmax(axis=1), ORDERS)
         sign = np.where(order < ORDERS, np.sign(values[np.arange(self.size), np.minimum(order, ORDERS - 1)]), 0.0)
-        return order, sign, values
+        return order, sign
 
     # The first zero.
 
-    def first_crossing(self, y: np.ndarray, order: np.ndarray, horizon: float, active: np.ndarray) -> Crossing | None:
-        """The first time in (0, horizon] at which an active guard falls to zero; guards are positive just after the begin.
+    def first_crossing(
+        self, y: np.ndarray, size: np.ndarray, order: np.ndarray, sign: np.ndarray, horizon: float
+    ) -> Crossing | None:
+        """The first time in (0, horizon] at which a guard that is positive just after the begin falls to zero.
+
+        Guards without sign are followed, too, until they are more than rounding errors: there the search ends, without a guard.
 
         Args:
-            y: the state at the begin.
-            order: of the zero of each guard at the begin, as of ``orders``.
+            y, size: the state at the begin, and its rounding errors relative to NOISE.
+            order, sign: of each guard at the begin, as of ``orders``; negative ones are left out.
             horizon: in s.
-            active: which guards count.
         """
-        if not self.size or not active.any() or horizon <= 0:
+        if not self.size or not (sign >= 0).any() or horizon <= 0:
             return None
-        search = _ZeroSearch(self, order, active)
+        search = _ZeroSearch(self, order, sign, NOISE * (np.abs(self.rows) @ size))
         return search.scan(0, y, 0.0, horizon, climbing=True)
 
 
 def _rate(block: np.ndarray) -> float:
     """The largest rate of a block; zero where its Taylor series ends."""
-    if len(block) <= ORDERS and not np.tril(block).any():
+    if len(block) <= TERMS and not np.tril(block).any():
         return 0.0
     with np.errstate(invalid="ignore"):
         return float(np.linalg.norm(scipy.linalg.matrix_balance(block, permute=False)[0], 2))
 
 
-def _growth(block: np.ndarray) -> float:
-    """The logarithmic norm."""
-    return float(np.linalg.eigvalsh((block + block.T) / 2)[-1])
+def _bound(block: np.ndarray) -> tuple[float, float]:
+    """c and a with |e^{J t}| <= c e^{a t}: for two states by the norm in which a spiral is a circle, else by the logarithmic norm."""
+    if len(block) == 2 and block[0, 0] == block[1, 1] and block[0, 1] * block[1, 0] < 0:
+        ratio = abs(block[0, 1] / block[1, 0])
+        return max(ratio, 1 / ratio) ** 0.5, float(block[0, 0])
+    return 1.0, float(np.linalg.eigvalsh((block + block.T) / 2)[-1])
+
+
+def _largest(bound: tuple[float, float], time: float) -> float:
+    """The bound over a time."""
+    return bound[0] * exp(min(max(bound[1], 0.0) * time, 700.0))
 
 
 class _ZeroSearch:
     """One search for the first zero."""
 
-    def __init__(self, flow: PhaseFlow, order: np.ndarray, active: np.ndarray):
-        self.flow, self.order, self.active = flow, order, active
+    def __init__(self, flow: PhaseFlow, order: np.ndarray, sign: np.ndarray, least: np.ndarray):
+        self.flow, self.order, self.active = flow, order, (sign > 0) & (order <= DIVIDED)
+        self.undecided = (sign >= 0) & ~self.active
         self.moduli = np.abs(flow.rows)
+        #: Guards without sign have one once they are larger.
+        self.least = 2 * (least + NOISE * np.abs(flow.values))
+
+    def can_vanish(self, y: np.ndarray, time: float) -> bool:
+        """Whether bounds of the states allow that a guard vanishes within a time, or gets a sign."""
+        flow = self.flow
+        constant, varying = -flow.values, np.zeros(flow.size)
+        for at, block, bound, rate in zip(flow.slices, flow.blocks, flow.bounds, flow.rates):
+            rows = flow.rows[:, at]
+            if len(block) == 1 and not rate:
+                constant = constant + rows @ y[at]
+            elif rate:
+                varying += np.linalg.norm(rows, axis=1) * np.linalg.norm(y[at]) * _largest(bound, time)
+            else:  # polynomials
+                varying[rows.any(axis=1) & y[at].any()] = np.inf
+        noise = NOISE * (self.moduli @ np.abs(y) + np.abs(flow.values))
+        lasts = np.where(self.undecided, np.abs(constant) + varying <= self.least, constant - (1 + NOISE) * varying > noise)
+        return bool((~lasts & (self.active | self.undecided)).any())
 
     def scan(self, number: int, y: np.ndarray, begin: float, length: float, climbing: bool) -> Crossing | None:
         """Search [begin, begin + length] from the state at its begin, on wider panels where nothing is found and that is allowed."""
-        flow, done = self.flow, 0.0
+        flow, done, most = self.flow, 0.0, PANELS
         while done < length:
             level = flow._level(number)
             h = level.width
-            count = min(PANELS, int(np.ceil((length - done) / h * (1 - 4 * EPS))) or 1)
-            Y = level.steps[:count] @ y
+            count = min(most, int(np.ceil((length - done) / h * (1 - 4 * EPS))) or 1)
+            Y = level.steps[: min(count, PANELS)] @ y
+            while len(Y) < count:
+                Y = np.vstack([Y, Y[-PANELS:][: count - len(Y)] @ level.steps[PANELS].T])
             found = self._batch(number, level, Y, begin + done, begin + length)
             if found is not None:
                 return found
             done += count * h
             if done < length:
-                y = level.steps[count] @ y
+                y = level.steps[1] @ Y[-1] if count > PANELS else level.steps[count] @ y
+                if climbing and most == PANELS and not self.can_vanish(y, length - done):
+                    return None
                 if climbing and number + 1 < len(flow._widths):
                     number += 1
+                else:
+                    most = min(2 * most, MOST_PANELS)
         return None
 
     def _batch(self, number: int, level: _Level, Y: np.ndarray, begin: float, end: float) -> Crossing | None:
@@ -262,10 +318,13 @@ class _ZeroSearch:
         size = self.moduli @ np.abs(Y).T
         noise = NOISE * (size + np.abs(flow.values)[:, None]) / 8
         rest = level.fast @ np.abs(Y).T if number else np.zeros_like(noise)
-        lowest = coefficients.min(axis=1) - flow.values[:, None]
-        doubtful = (lowest <= noise + rest) & self.active[:, None]
+        values = flow.values[:, None]
+        doubtful = (coefficients.min(axis=1) - values <= noise + rest) & self.active[:, None]
         if begin == 0.0:
             doubtful[:, 0] |= (self.order > 0) & self.active
+        if self.undecided.any():
+            largest = np.maximum(coefficients.max(axis=1) - values, values - coefficients.min(axis=1))
+            doubtful |= (largest + rest > np.maximum(self.least[:, None], 16 * noise)) & self.undecided[:, None]
         for panel in np.flatnonzero(doubtful.any(axis=0)):
             own = np.flatnonzero(doubtful[:, panel])
             at = begin + panel * level.width
@@ -284,38 +343,41 @@ class _ZeroSearch:
     ) -> Crossing | None:
         """The first zero of some guards in one panel."""
         to, slow = _bernstein()[0], y[level.slow]
-        best, grazing, shares, touching = np.inf, False, {}, []
+        shares, touching, decided = {}, {}, {}
         for guard in guards:
             taylor = level.taylor[guard] @ slow
             taylor[0] -= self.flow.values[guard]
-            order = int(self.order[guard]) if begin == 0.0 else 0
-            if order >= ORDERS:
+            if self.undecided[guard]:
+                share = first_excess(taylor, max(self.least[guard], 16 * noise[guard]))
+                if share is not None:
+                    decided[guard] = share
                 continue
+            order = int(self.order[guard]) if begin == 0.0 else 0
             own = noise[guard]
             if order:  # divided by its zero at the begin
                 taylor = np.append(taylor[order:], np.zeros(order))
                 own = NOISE * float((np.abs(level.taylor[guard, order:]) @ np.abs(slow)).max(initial=0.0)) / 8
             share, touches = first_root(to @ taylor, taylor, own)
-            if touches and share is not None:
-                touching.append((share, guard))
-            elif share is not None:
-                shares[guard] = share
-                best = min(best, share)
-        for share, _ in touching:
-            if share < best:
-                best, grazing = share, True
+            if share is not None:
+                (touching if touches else shares)[guard] = share
+        best, found = min(((min(part.values(), default=np.inf), name) for name, part in enumerate((shares, touching, decided))))
         time = begin + best * level.width
         if not time <= end:
             return None
-        state = self._state(level, y, best)
-        if grazing:
-            return Crossing(time, state, np.array([guard for share, guard in touching if share == best]), True)
+        state = self.flow.states(y, best * level.width)
+        if found == 2:
+            return Crossing(time, state, np.zeros(0, int))
+        if found == 1:
+            return Crossing(time, state, np.array([guard for guard, share in touching.items() if share == best]), True)
         near = [guard for guard, share in shares.items() if (share - best) * level.width <= 4 * EPS * max(time, level.width * best)]
         return Crossing(time, state, np.array(near))
 
-    def _state(self, level: _Level, y: np.ndarray, share: float) -> np.ndarray:
-        time = share * level.width
-        return self.flow.states(y, time)
+
+def first_excess(taylor: np.ndarray, size: float) -> float | None:
+    """The first of some points in [0, 1] at which the modulus of a polynomial is above a size, None where there is none."""
+    shares = np.linspace(0.0, 1.0, 4 * TERMS + 1)
+    found = np.flatnonzero(np.abs(np.polynomial.polynomial.polyval(shares, taylor)) > size)
+    return float(shares[found[0]]) if len(found) else None
 
 
 def first_root(bernstein: np.ndarray, taylor: np.ndarray, noise: float) -> tuple[float | None, bool]:
@@ -343,7 +405,7 @@ def first_root(bernstein: np.ndarray, taylor: np.ndarray, noise: float) -> tuple
             signs = np.sign(b[b != 0])
             if np.count_nonzero(np.diff(signs)) == 1:
                 return _refined(taylor, low, low + width), False
-        if width <= NARROWEST:
+        if width <= NARROWEST or np.abs(b).max() <= noise:
             if b[-1] < -noise or b[0] - b[-1] > 4 * noise:  # it falls: a zero at the end of the panel
                 return _refined(taylor, low, min(low + 2 * width, 1.0)), False
             touched = low + width / 2 if touched is None else touched
@@ -351,7 +413,22 @@ def first_root(bernstein: np.ndarray, taylor: np.ndarray, noise: float) -> tuple
         half = width / 2
         waiting.append((right @ b, low + half, half))
         waiting.append((left @ b, low, half))
-    return touched, touched is not None
+    return (None, False) if touched is None else (_lowest(taylor, touched), True)
+
+
+def _lowest(taylor: np.ndarray, share: float) -> float:
+    """The place of the minimum near a point at which a polynomial touches zero, by Newton's method; the point where there is none near."""
+    slope, bend = (np.polynomial.polynomial.polyder(taylor, order) for order in (1, 2))
+    best = share
+    for _ in range(STEPS):
+        own = float(np.polynomial.polynomial.polyval(best, bend))
+        step = float(np.polynomial.polynomial.polyval(best, slope)) / own if own > 0 else 0.0
+        if not abs(best - step - share) <= NEAR:
+            return share
+        best -= step
+        if abs(step) <= EPS * best:
+            break
+    return min(max(best, 0.0), 1.0)
 
 
 def _refined(taylor: np.ndarray, low: float, high: float) -> float:

@@ -7,13 +7,82 @@ where there is one (Cottle, Pang and Stone, The Linear Complementarity Problem, 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...ground.errors import NotUnique
 from ...ground.tolerances import EPS
+from .flow import NOISE
+
+if TYPE_CHECKING:
+    from .phase import Phase
+    from .switches import UnilateralContact
+
+#: Contacts depend on each other where the least eigenvalue of their scaled mobility is below this part of the largest, by number.
+DEPENDENT = 16 * NOISE
 
 #: Most pivots by the number of contacts.
 PIVOTS = 50
+
+
+class ContactSet:
+    """Rigid contacts that touch, and what their impulses do to a phase without them.
+
+    Args:
+        phase: without the contacts, bounded forces slipping.
+        contacts: these.
+    """
+
+    def __init__(self, phase: Phase, contacts: Sequence[UnilateralContact]):
+        self.phase = phase
+        self.massless = [phase.has_massless(contact.row) for contact in contacts]
+        self.rows = np.array([contact.row for contact in contacts])
+        self.restitution = np.array([contact.restitution for contact in contacts])
+        #: Of the states and of the velocities along the contacts to unit impulses.
+        self.response = np.array([phase.impulse_response(contact.row) for contact in contacts]).T
+        self.mobility = self.rows @ phase.V @ self.response
+
+    @cached_property
+    def is_dependent(self) -> bool:
+        """Whether impulses of the contacts are not unique."""
+        scale = np.sqrt(np.maximum(np.diag(self.mobility), np.finfo(float).tiny))
+        values = np.linalg.eigvalsh(self.mobility / scale / scale[:, None])
+        return bool(values[0] <= DEPENDENT * len(values) * values[-1])
+
+    def solve(self, before: np.ndarray, restitution: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The impulses of contacts, and which of them are at rest afterwards.
+
+        Args:
+            before: their velocities, whose terms have the moduli ``size``.
+            restitution: of each.
+        """
+        p = impulses_of_contacts(self.mobility, before, restitution)
+        p[p <= 4 * EPS * p.max(initial=0.0)] = 0.0
+        after = before + self.mobility @ p
+        noise = NOISE * (size + np.abs(self.mobility) @ p)
+        return p, np.where(p > 0, restitution * before == 0, np.abs(after) <= noise)
+
+    def row_impulses(self, p: np.ndarray, moved: np.ndarray, gained: np.ndarray) -> dict[str, float]:
+        """The impulses of the constraint rows of the phase, by name, from the changes of x and x'."""
+        system = self.phase.system
+        if not system.rows:
+            return {}
+        terms = [system.mass @ gained, system.damping @ moved, -self.rows.T @ p]
+        total = system.multiplier_map @ sum(terms)
+        noise = 16 * NOISE * (np.abs(system.multiplier_map) @ sum(map(np.abs, terms)))
+        return {row.name: float(own) for row, own, least in zip(system.rows, total, noise) if abs(own) > least}
+
+    def derivative(self, restitution: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """The derivative of (x, x') after the impact with respect to those before it."""
+        n = self.phase.system.size
+        total, own = np.eye(2 * n), np.flatnonzero(p > 0)
+        if len(own):
+            by = np.linalg.solve(self.mobility[np.ix_(own, own)], (1 + restitution[own])[:, None] * self.rows[own])
+            total[:, n:] -= np.vstack([self.phase.C, self.phase.V]) @ self.response[:, own] @ by
+        return total
 
 
 def impulses_of_contacts(W: np.ndarray, before: np.ndarray, restitution: np.ndarray) -> np.ndarray:

@@ -16,6 +16,7 @@ import scipy
 
 from ...ground.errors import InputError, MbconstrainedError
 from ...ground.notices import Notice, distinct
+from ...ground.tolerances import EPS
 from ...linalg.blocks import block_diagonalize, block_matrix
 from ...linalg.exponential import block_states
 from ...polynomial.jordan_pairs import JordanPairs
@@ -26,13 +27,17 @@ from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import step, zero
 from ..energy import energy_of
 from .flow import NOISE, PhaseFlow
+from .switches import functional
 
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
-    from .switches import ForceBranch, Guard
+    from .switches import ForceBranch, Functional, Guard
 
 #: An entry of the state that differs from that before a switch by less than this part of its terms does not jump.
 STILL = 16 * NOISE
+
+#: Rounding errors of a state at the begin of a phase, relative to the sum of the moduli of its terms.
+START_NOISE = 4 * EPS
 
 
 class Source:
@@ -89,12 +94,14 @@ class PhaseEntry:
 
     Attributes:
         state: y.
+        size: its rounding errors relative to NOISE.
         jump: of x and x', shape (2, n); exactly zero where they are continuous.
         impulses: arrays (n,) of x, the k-th multiplies the k-th derivative of Dirac's delta.
         reactions: of the multipliers, arrays (k,) in the order of the rows.
     """
 
     state: np.ndarray
+    size: np.ndarray
     jump: np.ndarray
     impulses: tuple[np.ndarray, ...]
     reactions: tuple[np.ndarray, ...]
@@ -170,6 +177,7 @@ class Phase:
         stack = companion.scaled_stack(units)
         self.start = (parts.inverse @ (form.finite_start @ stack)) / scale[:, None]
         self.input = scaling.time * (parts.inverse @ form.B)[:, :n] * scaling.rows[:n] / scale[:, None]
+        self._start_size = np.abs(self.start) * (START_NOISE / NOISE)
         infinite = form.infinite_start.data @ stack
         self.inconsistency, self._inconsistency_size = infinite, np.abs(infinite)
 
@@ -182,6 +190,7 @@ class Phase:
                 rows[place] += factor * self.reaction_row(row)
             values[place] = guard.value
         self.flow = PhaseFlow(self.blocks, rows, values, longest)
+        self.C_size, self.V_size = self.flow.sizes_of(self.C), self.flow.sizes_of(self.V)
 
     # Outputs.
 
@@ -204,18 +213,24 @@ class Phase:
         """Places of the constraint rows by name."""
         return {row.name: place for place, row in enumerate(self.system.rows)}
 
+    @cached_property
+    def zeros(self) -> dict[Functional, int]:
+        """The outputs of constant constraint rows, each with the number of derivatives, the value among them, that are exactly zero."""
+        found = {}
+        for row in self.system.rows:
+            a, none = row.coefficients, np.zeros(self.system.size)
+            if row.signal is None and row.level == "position":
+                found[functional(a, none, row.value)] = 2
+            elif row.signal is None and row.level == "velocity":
+                found[functional(none, a, row.value)] = 1
+        return found
+
     def reaction_row(self, name: str) -> np.ndarray:
         """The row of one multiplier; zero for a row that others make redundant."""
         place = self.row_places.get(name)
         if place is None:
             return np.zeros(len(self.J))
         return self.reactions[place]
-
-    def displacement(self, y: np.ndarray) -> np.ndarray:
-        return self.C @ y
-
-    def velocity(self, y: np.ndarray) -> np.ndarray:
-        return self.V @ y
 
     def force_states(self, y: np.ndarray) -> np.ndarray:
         """w."""
@@ -227,24 +242,35 @@ class Phase:
 
     # PhaseEntry from values just before a switch.
 
-    def enter(self, x: np.ndarray, v: np.ndarray, w: np.ndarray, loads: Sequence[np.ndarray] = ()) -> PhaseEntry:
-        """The states just after a switch, from x, x' before it, the states of the force after it, and its impulses there."""
+    def enter(
+        self, x: np.ndarray, v: np.ndarray, w: np.ndarray, loads: Sequence[np.ndarray] = (), before: np.ndarray | None = None
+    ) -> PhaseEntry:
+        """The states just after a switch, from x, x' before it, the states of the force after it, and its impulses there.
+
+        Args:
+            x, v, w, loads: these.
+            before: moduli of values from which x and x' were computed, and whose rounding errors they have.
+        """
         n, stack = self.system.size, np.concatenate([x, v, w])
-        g = np.abs(self.inconsistency @ stack)
-        if not loads and (g <= STILL * (self._inconsistency_size @ np.abs(stack))).all():
-            return PhaseEntry(self.start @ stack, np.zeros((2, n)), (), ())
+        sizes = np.abs(stack)
+        if before is not None:
+            sizes[: 2 * n] = np.maximum(sizes[: 2 * n], before)
+        y = self.start @ stack
+        size = np.abs(y) + self._start_size @ sizes
+        if not loads and (np.abs(self.inconsistency @ stack) <= STILL * (self._inconsistency_size @ sizes)).all():
+            return PhaseEntry(y, size, np.zeros((2, n)), (), ())
         impulses = [np.concatenate([self.load_map @ load, np.zeros(len(w))]) for load in loads]
         initial = np.zeros((2, n + len(w)))
         initial[0], initial[1] = np.concatenate([x, w]), np.concatenate([v, self.generator @ w])
         force = ImpulsiveSmooth(zero(n + len(w)).smooth, tuple(impulses))
         begin = starts_of(self.pairs.form, initial[..., None], force)[0]
-        y = self.start @ stack
         for order, load in enumerate(impulses):
-            y = y + np.linalg.matrix_power(self.J, order) @ (self.input @ load[:n])
+            change = np.linalg.matrix_power(self.J, order) @ (self.input @ load[:n])
+            y, size = y + change, size + np.abs(change)
         jump = self._jump(x, v, y)
-        size = NOISE * float(np.abs(initial).max(initial=0.0)) / self.pairs.form.companion.scaling.time
-        own = _without_noise([impulse[:n] for impulse in begin.impulses], size)
-        return PhaseEntry(y, jump, own, self._reactions(jump, own, loads))
+        least = NOISE * float(np.abs(initial).max(initial=0.0)) / self.pairs.form.companion.scaling.time
+        own = _without_noise([impulse[:n] for impulse in begin.impulses], least)
+        return PhaseEntry(y, size, jump, own, self._reactions(jump, own, loads))
 
     def _jump(self, x: np.ndarray, v: np.ndarray, y: np.ndarray) -> np.ndarray:
         """x and x' from y less those before, zero within rounding errors."""
@@ -275,9 +301,11 @@ class Phase:
 
     def has_massless(self, row: np.ndarray) -> bool:
         """Whether an impulse of force along a row would move the coordinates at once, as those without mass."""
-        b = self.impulse_response(row)
-        moved = np.abs(self.C @ b)
-        return bool((moved > STILL * (np.abs(self.C) @ np.abs(b)) + STILL * moved.max(initial=0.0)).any())
+        b, n = self.impulse_response(row), self.system.size
+        form, time = self.system.undelayed_form(), self.pairs.form.companion.scaling.time
+        at_once = self.pairs.laurent(0)[:n, : form.null_space.shape[1]] @ (form.null_space.T @ row)
+        by_mass = np.abs(row) @ (np.abs(self.V) @ np.abs(b))
+        return bool(max(time * np.abs(self.C @ b).max(), time**2 * abs(row @ at_once)) > STILL * by_mass)
 
     @property
     def notices(self) -> tuple[Notice, ...]:

@@ -7,8 +7,9 @@ one that follows it, until no guard is. Rigid contacts that touch have their imp
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field
-from itertools import product
+from itertools import islice, product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,10 +18,10 @@ from ...ground.errors import InputError, NotUnique
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS
 from ..constraints import Constraint
-from .flow import NOISE
-from .impact import impulses_of_contacts
+from .flow import NOISE, Crossing
+from .impact import ContactSet
 from .phase import STILL, Phase, PhaseEntry, Source
-from .switches import ForceBranch, Guard, Switch, UnilateralContact
+from .switches import ForceBranch, Functional, Guard, Switch, UnilateralContact
 
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
@@ -30,8 +31,8 @@ Key = tuple[str, ...]
 #: Most switches within one motion by default.
 MOST_EVENTS = 10_000
 
-#: Trials of states at one time.
-TRIALS = 64
+#: Trials of states at one time, impacts at one time before they are taken without rebound, and combinations of states in a search.
+TRIALS, REPEATED, COMBINATIONS = 64, 24, 256
 
 #: Bounces are summed once the velocity after one is this part of the largest impact, if their sum is geometric to rounding errors.
 SMALL_BOUNCE = EPS**0.5
@@ -43,31 +44,55 @@ class PhaseSegment:
 
     Attributes:
         phase: with its equations.
-        time: the begin, s, and its rounding error.
+        time, remainder: the begin, s, and its rounding error.
         state: y there.
         duration: s.
-        entered: how z = (x, x') at the begin depends on that before it, shape (2 n, 2 n), and y on z, for sensitivities.
+        jump: the derivative of (x, x') at the begin with respect to that before it, shape (2 n, 2 n), for sensitivities.
+        event: the switch at the begin, where there is one.
     """
 
     phase: Phase
     time: float
     remainder: float
     state: np.ndarray
+    jump: Callable[[], np.ndarray]
     duration: float = 0.0
-    jump: Callable[[], np.ndarray] | None = None
     event: SwitchRecord | None = None
 
 
 @dataclass(eq=False)
 class SwitchRecord:
-    """A switch as it is computed, before it is reported."""
+    """A switch, while the phase that follows is searched and afterwards.
+
+    Attributes:
+        time, remainder: in s, and its rounding error.
+        before, after: the states of the switches.
+        x, v: displacement and velocity before and after.
+        terms: sums of the moduli of the terms of x and v before.
+        force: the states of the force after it.
+        loads: impulses of the force that are still to act.
+        zeros: how many derivatives of outputs, the value among them, are exactly zero, whatever their rounding errors.
+        impulses: by name, by order.
+        coordinate_impulses: of x, by order.
+        guard, guard_row: that which fell to zero, and its row on the states before.
+        phases: before and after.
+        grazing: whether the guard only touches zero.
+        resting: where infinitely many bounces are summed, the time of rest.
+        texts: what happens.
+        maps: derivatives of (x, x') after each step with respect to those before it.
+        impacts: their number.
+    """
 
     time: float
     remainder: float
     before: Key
     after: Key
-    x: tuple[np.ndarray, np.ndarray]
-    v: tuple[np.ndarray, np.ndarray]
+    x: list[np.ndarray]
+    v: list[np.ndarray]
+    terms: tuple[np.ndarray, np.ndarray]
+    force: np.ndarray
+    loads: Sequence[np.ndarray] = ()
+    zeros: dict[Functional, int] = field(default_factory=dict)
     impulses: dict[str, list[float]] = field(default_factory=dict)
     coordinate_impulses: tuple[np.ndarray, ...] = ()
     guard: Guard | None = None
@@ -75,7 +100,33 @@ class SwitchRecord:
     phases: tuple[Phase, ...] = ()
     grazing: bool = False
     resting: float | None = None
-    texts: tuple[str, ...] = ()
+    texts: list[str] = field(default_factory=list)
+    maps: list[Callable[[], np.ndarray]] = field(default_factory=list)
+    impacts: int = 0
+
+    def turn(self, place: int, state: str) -> None:
+        """Let one switch take a state."""
+        self.after = _replaced(self.after, place, state)
+
+    def enter(self, phase: Phase) -> PhaseEntry:
+        """The values in a phase that may follow."""
+        return phase.enter(self.x[1], self.v[1], self.force, self.loads, np.concatenate(self.size))
+
+    @property
+    def size(self) -> tuple[np.ndarray, np.ndarray]:
+        """The sums of moduli from which rounding errors of x and x' follow."""
+        return np.maximum(self.terms[0], np.abs(self.x[1])), np.maximum(self.terms[1], np.abs(self.v[1]))
+
+    def add_impulse(self, name: str, sizes: Sequence[float]) -> None:
+        """Add impulses of a row or a contact, by order."""
+        own = self.impulses.setdefault(name, [])
+        own += [0.0] * (len(sizes) - len(own))
+        for order, size in enumerate(sizes):
+            own[order] += size
+
+    def forget(self, displacement_jumps: bool) -> None:
+        """Zeros that a jump leaves: those of displacements where only velocities jump."""
+        self.zeros = {} if displacement_jumps else {key: 1 for key in self.zeros if key[0] == "displacement"}
 
 
 class Machine:
@@ -121,11 +172,13 @@ def with_parts(system: MechanicalSystem, branches: Sequence[ForceBranch], rows: 
     if springs or dampers:
         K, C, M = system.given
         K, C = _with_branches(K, springs, "stiffness"), _with_branches(C, dampers, "damping")
-        made = system.base_class(
-            M, C, K, system.constraints, system.names, static_force=system.static_force, force=system.excitation, units=system.units
+        system = copy(system)
+        system.stiffness, system.damping = (
+            system._matrix(one, name, system.size) for one, name in ((K, "stiffness"), (C, "damping"))
         )
-        made.elements, made.origin = system.elements, system.origin
-        system = made
+        system.given, system._forms = (K, C, M), {}
+        system.part_source = system._named_parts = None
+        system.__dict__.pop("energy_parts", None)
     return system.with_constraints(*rows) if rows else system
 
 
@@ -157,6 +210,7 @@ class PhaseSequence:
         self.segments: list[PhaseSegment] = []
         self.records: list[SwitchRecord] = []
         self.notices: list[Notice] = []
+        self.impacts: dict[tuple, ContactSet] = {}
         self.largest_impact = 0.0
 
     def phase(self, key: Key) -> Phase:
@@ -172,51 +226,47 @@ class PhaseSequence:
     def run(self, key: Key, x: np.ndarray, v: np.ndarray, accepted: bool) -> None:
         """All phases from values at 0- to the end."""
         self.deadlines: dict[tuple[int, str], float] = {}
-        time, remainder = 0.0, 0.0
+        source, switches = self.source, self.machine.switches
         self._check_start(key, x, v, accepted)
-        knots = iter([*self.source.knots[1:], np.inf])
-        knot = next(knots)
-        changes = sorted(
-            (change.time, place, change) for place, switch in enumerate(self.machine.switches) for change in switch.times
+        knots = [*source.knots[1:], np.inf][::-1]
+        changes = sorted((change.time, place, change) for place, switch in enumerate(switches) for change in switch.times)[::-1]
+        self._settle(
+            SwitchRecord(0.0, 0.0, key, key, [x, x], [v, v], (np.abs(x), np.abs(v)), source.at(0.0), source.loads.get(0.0, ()))
         )
-        loads = self.source.loads.get(0.0, ())
-        w = self.source.at(0.0)
-        self._entered(key, key, x, v, w, loads, [], 0.0, 0.0, None, None)
         while True:
-            segment = self.segments[-1]
-            key, phase, y = self.key, segment.phase, segment.state
-            pending = min((deadline for deadline in self.deadlines.values()), default=np.inf)
-            next_change = changes[0][0] if changes else np.inf
-            until = min(knot, next_change, pending, self.end)
-            crossing = phase.flow.first_crossing(y, self.orders, (until - time) - remainder, self.active)
+            segment, key = self.segments[-1], self.key
+            phase = segment.phase
+            until = min(knots[-1], changes[-1][0] if changes else np.inf, *self.deadlines.values(), self.end)
+            horizon = (until - segment.time) - segment.remainder
+            crossing = phase.flow.first_crossing(segment.state, self.size, self.orders, self.signs, horizon)
             if crossing is None:
-                segment.duration = (until - time) - remainder
-                state = phase.flow.states(y, segment.duration)
-                time, remainder = until, 0.0
+                segment.duration, time, remainder = horizon, until, 0.0
                 if time >= self.end:
                     return
-                x, v = phase.C @ state, phase.V @ state
-                w = phase.force_states(state)
-                loads, target, texts = (), key, []
-                if time == knot:
-                    w, loads = self.source.at(time), self.source.loads.get(time, ())
-                    knot = next(knots)
-                while changes and changes[0][0] == time:
-                    _, place, change = changes.pop(0)
-                    if not change.sources or target[place] in change.sources:
-                        target = _replaced(target, place, change.target)
-                        texts.append(f"{self.machine.switches[place].name} {change.text}" if change.text else "")
+                state = phase.flow.states(segment.state, horizon)
+            else:
+                segment.duration, state = crossing.time, crossing.state
+                time, remainder = _later(segment.time, segment.remainder, crossing.time)
+            x, v = phase.C @ state, phase.V @ state
+            moduli = np.maximum(np.abs(state), np.abs(segment.state))
+            size = phase.C_size @ moduli, phase.V_size @ moduli
+            record = SwitchRecord(time, remainder, key, key, [x, x], [v, v], size, phase.force_states(state))
+            record.zeros.update(phase.zeros)
+            if crossing is not None:
+                self._fire(record, phase, crossing)
+            else:
+                if time == knots[-1]:
+                    knots.pop()
+                    record.force, record.loads = source.at(time), source.loads.get(time, ())
+                while changes and changes[-1][0] == time:
+                    _, place, change = changes.pop()
+                    if not change.sources or record.after[place] in change.sources:
+                        record.turn(place, change.target)
+                        record.texts.append(f"{switches[place].name} {change.text}" if change.text else "")
                 for due in [due for due, deadline in self.deadlines.items() if deadline == time]:
-                    target = _replaced(target, *due)
+                    record.turn(*due)
                     del self.deadlines[due]
-                self._entered(key, target, x, v, w, loads, texts, time, remainder, None, None)
-                continue
-            segment.duration = crossing.time
-            time, remainder = _later(time, remainder, crossing.time)
-            state = crossing.state
-            x, v, w = phase.C @ state, phase.V @ state, phase.force_states(state)
-            hit = [(place, guard) for place, guard in (self.listed[number] for number in crossing.guards)]
-            self._entered(key, key, x, v, w, (), [], time, remainder, hit, crossing)
+            self._settle(record)
 
     def _check_start(self, key: Key, x, v, accepted: bool) -> None:
         """Raise an InputError where a rigid contact is penetrated at the start."""
@@ -234,84 +284,54 @@ class PhaseSequence:
                 )
                 raise InputError(
                     f"{switch.name}: at the start it is penetrated by {-gap:.6g} {switch.unit}; closing it there would need an "
-                    f"impulse of {sizes or '0'}. Start outside, or pass penetration=True to accept the jump"
+                    f"impulse of {sizes or '0'}. Start outside, or accept the jump with penetration=True (in a scene, "
+                    "penetration = true below [initial])"
                 )
 
-    def _entered(self, before: Key, key: Key, x, v, w, loads, texts, time, remainder, hit, crossing) -> None:
+    def _settle(self, record: SwitchRecord) -> None:
         """Find the phase that follows a switch, record the switch, and begin a segment."""
-        machine, old = self.machine, self.segments[-1].phase if self.segments else None
-        start = (x, v)
-        record = SwitchRecord(time, remainder, before, key, (x, x), (v, v))
-        maps: list[Callable[[], np.ndarray]] = []
-        fired = hit is not None and not crossing.grazing
-        if hit is not None:
-            record.guard, record.grazing = hit[0][1], crossing.grazing
-            record.guard_row = old.flow.rows[crossing.guards[0]] if old is not None else None
-        known_zero = {(place, guard.target, guard.text) for place, guard in hit} if hit else set()
-        visited: set[Key] = set()
-        tried = 0
-        if fired:
-            key, x, v = self._fire(before, hit, x, v, w, record, maps, texts)
+        visited: list[Key] = []
         while True:
-            phase, listed = self.phase(key), machine.guards(key)
-            entry = phase.enter(x, v, w, loads)
-            slipping = self._slipping(key, entry, phase)
-            if slipping is not None:
-                key = slipping
+            phase = self.phase(record.after)
+            entry = record.enter(phase)
+            if self._slips(record, phase, entry):
                 continue
-            known_rows = np.array(
-                [
-                    (place, guard.target, guard.text) in known_zero or self._is_touching(place, guard, key, record)
-                    for place, guard in listed
-                ],
-                dtype=bool,
-            )
-            order, sign, values = phase.flow.orders(entry.state, known_rows)
-            negative = [
-                number
-                for number in np.flatnonzero(sign < 0)
-                if listed[number][1].dwell == 0 and self._counts(phase, entry.state, listed[number][1])
-            ]
+            order, sign = self._signs(record, phase, entry)
+            negative = [int(number) for number in np.flatnonzero(sign < 0) if phase.guards[number].dwell == 0]
             if not negative:
                 break
-            tried += 1
-            if tried > TRIALS or (key in visited and not self._moves(entry)):
-                key, entry = self._by_search(key, x, v, w, loads, listed, negative)
-                phase, listed = self.phase(key), machine.guards(key)
-                order, sign, values = phase.flow.orders(entry.state, np.zeros(len(listed), bool))
+            if len(visited) > TRIALS or (record.after in visited and entry.is_smooth):
+                phase, entry = self._by_search(record, visited, negative)
+                order, sign = self._signs(record, phase, entry)
                 break
-            visited.add(key)
+            visited.append(record.after)
             if not entry.is_smooth:
-                x, v = self._moved(phase, entry, record, maps)
-                loads = ()
-            key, x, v = self._left(
-                key, phase, entry, [(number, listed[number]) for number in negative], order, values, x, v, w, record, maps, texts
-            )
-        x1, v1 = phase.C @ entry.state, phase.V @ entry.state
+                self._move(record, phase, entry)
+            if self._leave(record, order, negative):
+                visited.clear()
         if not entry.is_smooth:
-            self._moved(phase, entry, record, maps)
-        maps.append(_map_of(phase))
-        self._begin(
-            record, before, key, start, (x1, v1), phase, entry, listed, order, sign, maps, tuple(filter(None, texts)), old, time
-        )
+            self._move(record, phase, entry)
+        record.x[1], record.v[1] = phase.C @ entry.state, phase.V @ entry.state
+        record.maps.append(_map_of(phase))
+        self._begin(record, phase, entry, order, sign)
 
-    def _begin(self, record, before, key, start, after, phase, entry, listed, order, sign, maps, texts, old, time) -> None:
-        self.key, self.listed, self.orders = key, listed, order
-        self.active = sign > 0
-        record.after, record.x, record.v, record.texts = key, (start[0], after[0]), (start[1], after[1]), texts
-        jumps = np.abs(after[1] - start[1]).max(initial=0.0) > STILL * (np.abs(start[1]) + np.abs(after[1])).max(initial=0.0)
-        happened = bool(
-            record.impulses or record.coordinate_impulses or record.grazing or (self.segments and (key != before or texts))
-        )
-        record.phases = (old if old is not None else phase, phase)
-        segment = PhaseSegment(phase, record.time, record.remainder, entry.state, jump=_product(maps))
-        if happened or (jumps and self.segments):
+    def _begin(self, record: SwitchRecord, phase: Phase, entry: PhaseEntry, order: np.ndarray, sign: np.ndarray) -> None:
+        old = self.segments[-1].phase if self.segments else phase
+        record.phases, record.texts = (old, phase), list(filter(None, record.texts))
+        segment = PhaseSegment(phase, record.time, record.remainder, entry.state, _product(record.maps))
+        later = record.texts or record.after != record.before or entry.jump.any() or record.grazing
+        if record.impulses or record.coordinate_impulses or (self.segments and later):
             self.records.append(record)
             segment.event = record
             if len(self.records) > self.most:
                 self._stop(record)
         self.segments.append(segment)
-        self._set_deadlines(listed, sign, time)
+        self.key, self.size, self.orders, self.signs = record.after, entry.size, order, sign
+        self.deadlines = {
+            (place, guard.target): self.deadlines.get((place, guard.target), record.time + guard.dwell)
+            for (place, guard), own in zip(self.machine.guards(record.after), sign)
+            if guard.dwell and own < 0 and not guard.is_opposite
+        }
 
     def momentum_residual(self, record: SwitchRecord) -> float:
         """|M jump of x' + C jump of x - sum of impulses| relative to the largest term, where all impulses are Dirac impulses."""
@@ -338,149 +358,178 @@ class PhaseSequence:
 
     # Guards.
 
-    def _set_deadlines(self, listed, sign, time: float) -> None:
-        """The times at which guards have been negative for their dwell."""
-        waiting = [(place, guard) for (place, guard), own in zip(listed, sign) if guard.dwell and own < 0 and not guard.is_opposite]
-        self.deadlines = {
-            (place, guard.target): self.deadlines.get((place, guard.target), time + guard.dwell) for place, guard in waiting
-        }
+    @staticmethod
+    def _signs(record: SwitchRecord, phase: Phase, entry: PhaseEntry) -> tuple[np.ndarray, np.ndarray]:
+        """The orders of the zeros of the guards of a phase, and the signs after them."""
+        x, v = (record.x[1], record.v[1]) if entry.is_smooth else (phase.C @ entry.state, phase.V @ entry.state)
+        size = record.size
+        known = np.array(
+            [max(record.zeros.get(guard.functional, 0), guard.zeros(x, v, size, NOISE)) for guard in phase.guards], int
+        )
+        return phase.flow.orders(entry.state, entry.size, known, record.time)
 
-    def _counts(self, phase: Phase, y: np.ndarray, guard: Guard) -> bool:
-        """Whether the condition of a guard is met."""
-        if guard.condition is None:
+    def _fire(self, record: SwitchRecord, phase: Phase, crossing: Crossing) -> None:
+        """Let the switches turn whose guards fell to zero."""
+        listed = self.machine.guards(record.before)
+        hit = [listed[number] for number in crossing.guards]
+        for _, guard in hit:
+            record.zeros[guard.functional] = 2 if crossing.grazing else 1
+        if not hit:
+            return
+        record.guard, record.grazing = hit[0][1], crossing.grazing
+        record.guard_row = phase.flow.rows[crossing.guards[0]]
+        if record.grazing:
+            return
+        striking = {place: guard for place, guard in hit if guard.restitution is not None}
+        for place, guard in hit:
+            if guard.restitution is None and guard.dwell == 0:
+                record.texts.append(self._text(place, guard))
+                record.turn(place, guard.target)
+        if striking:
+            self._impact(record, striking)
+
+    def _leave(self, record: SwitchRecord, order: np.ndarray, negative: Sequence[int]) -> bool:
+        """Leave a phase with guards that are negative just after a switch; whether by an impact."""
+        listed = self.machine.guards(record.after)
+        approaching = [listed[number] for number in negative if order[number] == 1]
+        striking = {place: guard for place, guard in approaching if guard.restitution is not None}
+        if striking:
+            self._impact(record, striking)
             return True
-        own = guard.condition
-        row = own.displacement @ phase.C + own.velocity @ phase.V
-        return float(row @ y) - own.value > 0
-
-    def _is_touching(self, place: int, guard: Guard, key: Key, record: SwitchRecord) -> bool:
-        """Whether the gap of a contact is zero because it was closed, or struck, just before."""
-        contact = self.machine.switches[place].contact
-        if contact is None or guard.restitution is None:
-            return False
-        return record.before[place] == contact.closed or self.machine.switches[place].name in record.impulses
-
-    def _slipping(self, key: Key, entry: PhaseEntry, phase: Phase) -> Key | None:
-        """The phase with those bounded forces slipping that would have to pass on an impulse; None where there are none."""
-        if not entry.reactions:
-            return None
-        result, places = key, phase.row_places
-        for place, (switch, state) in enumerate(zip(self.machine.switches, key)):
-            own = switch.states[state]
-            if own.slips is not None and switch.name in places and any(load[places[switch.name]] for load in entry.reactions):
-                result = _replaced(result, place, own.slips)
-        return result if result != key else None
-
-    def _moves(self, entry: PhaseEntry) -> bool:
-        return not entry.is_smooth
-
-    # Changes of state.
-
-    def _fire(self, key: Key, hit, x, v, w, record, maps, texts):
-        """The states after guards that fell to zero."""
-        impacts = [(place, guard) for place, guard in hit if guard.restitution is not None]
-        others = [(place, guard) for place, guard in hit if guard.restitution is None and guard.dwell == 0]
-        for place, guard in others:
-            texts.append(self._text(place, guard))
-            key = _replaced(key, place, guard.target)
-        if impacts:
-            return self._impact(key, impacts, x, v, w, record, maps, texts)
-        return key, x, v
+        place, guard = listed[negative[0]]
+        passes = guard.beyond is not None and order[negative[0]] == 0
+        record.texts.append(f"{self.machine.switches[place].name} slips" if passes else self._text(place, guard))
+        record.turn(place, guard.beyond if passes else guard.target)
+        return False
 
     def _text(self, place: int, guard: Guard) -> str:
         return guard.text if self.machine.systems is not None else f"{self.machine.switches[place].name} {guard.text}"
 
-    def _left(self, key: Key, phase: Phase, entry: PhaseEntry, negative, order, values, x, v, w, record, maps, texts):
-        """The states after guards that are negative just after a switch."""
-        impacts = [(place, guard) for number, (place, guard) in negative if guard.restitution is not None and order[number] == 1]
-        if impacts:
-            return self._impact(key, impacts, x, v, w, record, maps, texts)
-        number, (place, guard) = negative[0]
-        passes = guard.beyond is not None and order[number] == 0
-        texts.append(f"{self.machine.switches[place].name} slips" if passes else self._text(place, guard))
-        return _replaced(key, place, guard.beyond if passes else guard.target), x, v
+    # Jumps.
 
-    def _contacts(self, key: Key, x, impacts) -> list[tuple[int, UnilateralContact]]:
-        """The rigid contacts that touch: closed, or open with no gap, or about to strike."""
-        found = []
-        striking = {place for place, _ in impacts}
-        for place, (switch, state) in enumerate(zip(self.machine.switches, key)):
+    def _slips(self, record: SwitchRecord, phase: Phase, entry: PhaseEntry) -> bool:
+        """Let bounded forces slip that would have to pass on an impulse; whether there are any."""
+        before, places = record.after, phase.row_places
+        for place, (switch, state) in enumerate(zip(self.machine.switches, before)):
+            slips = switch.states[state].slips
+            if slips is not None and switch.name in places and any(load[places[switch.name]] for load in entry.reactions):
+                record.turn(place, slips)
+        return record.after != before
+
+    def _move(self, record: SwitchRecord, phase: Phase, entry: PhaseEntry) -> None:
+        """Pass through the jump of an entry, with its impulses."""
+        for name, sizes in _named_impulses(phase, entry.reactions).items():
+            record.add_impulse(name, sizes)
+        if entry.impulses:
+            record.coordinate_impulses = entry.impulses
+        record.maps.append(_map_of(phase))
+        record.x[1], record.v[1] = phase.C @ entry.state, phase.V @ entry.state
+        record.loads = ()
+        record.forget(bool(entry.jump[0].any()))
+        record.zeros.update(phase.zeros)
+
+    # Impacts.
+
+    def _touching(self, record: SwitchRecord, striking: Mapping[int, Guard]) -> dict[int, UnilateralContact]:
+        """The rigid contacts that touch, by the places of their switches: closed, open without gap, or about to strike."""
+        found = {}
+        for place, (switch, state) in enumerate(zip(self.machine.switches, record.after)):
             contact = switch.contact
-            if contact is None:
-                own = next((guard for at, guard in impacts if at == place), None)
-                if own is not None:
-                    found.append(
-                        (place, UnilateralContact(own.displacement, -own.value, own.restitution or 0.0, state, own.target))
-                    )
-                continue
-            gap, size = float(contact.row @ x) + contact.gap, float(np.abs(contact.row) @ np.abs(x)) + abs(contact.gap)
-            if place in striking or state == contact.closed or (state == contact.open and abs(gap) <= STILL * size):
-                found.append((place, contact))
+            if contact is None and place in striking:  # of whole phases
+                own = striking[place]
+                found[place] = UnilateralContact(own.displacement, -own.value, own.restitution or 0.0, state, own.target)
+            elif contact is not None and (place in striking or state == contact.closed or contact.touches(record.x[1], STILL)):
+                found[place] = contact
         return found
 
-    def _impact(self, key: Key, impacts, x, v, w, record, maps, texts):
+    def _impact(self, record: SwitchRecord, striking: Mapping[int, Guard]) -> None:
         """The velocities after an impact of all rigid contacts that touch, and their states."""
-        machine = self.machine
-        contacts = self._contacts(key, x, impacts)
-        free = key
-        for place, contact in contacts:
-            free = _replaced(free, place, contact.open)
-        for place, (switch, state) in enumerate(zip(machine.switches, free)):
-            slips = switch.states[state].slips
-            free = free if slips is None else _replaced(free, place, slips)
-        phase = self.phase(free)
-        entry = phase.enter(x, v, w)
-        responses = [phase.impulse_response(contact.row) for _, contact in contacts]
-        massless = [place for place, contact in contacts if phase.has_massless(contact.row)]
-        if massless:
-            for place, contact in contacts:
-                if place in massless:
-                    key = _replaced(key, place, contact.closed)
-                    texts.append(f"{machine.switches[place].name} closes")
-                    if contact.restitution:
-                        self._note_massless(machine.switches[place].name)
-            return key, x, v
-        A = np.array([contact.row for _, contact in contacts])
-        u = A @ v
-        B = np.array(responses).T
-        W = A @ phase.V @ B
-        e = np.array([contact.restitution for _, contact in contacts])
-        size = np.abs(A) @ np.abs(v)
-        u = np.where(np.abs(u) <= NOISE * size, 0.0, u)
-        p = impulses_of_contacts(W, u, e)
-        self._check_dependent(W, p, contacts)
-        y = entry.state + B @ p
-        x1, v1 = phase.C @ y, phase.V @ y
-        after = A @ v1
-        self.largest_impact = max(self.largest_impact, float(np.abs(u).max(initial=0.0)))
-        strikers = {place for place, _ in impacts}
-        for number, (place, contact) in enumerate(contacts):
-            name = self._impulse_name(place, contact, phase)
-            rests = abs(after[number]) <= STILL * (np.abs(contact.row) @ np.abs(v1) + np.abs(contact.row) @ np.abs(v))
-            if p[number] and not rests and self._is_summed(phase, y, contact, float(after[number]), record):
-                rests, q = True, -after[number] / W[number, number]
-                p[number] += q
-                y = y + B[:, number] * q
-                x1, v1 = phase.C @ y, phase.V @ y
-            if p[number]:
-                record.impulses.setdefault(name, [0.0])[0] += float(p[number])
-            if place in strikers or p[number]:
-                texts.append(f"{name} {'closes' if rests else 'strikes'}")
-            key = _replaced(key, place, contact.closed if rests else contact.open)
-        self._of_other_rows(phase, record, A, p, x1 - x, v1 - v)
-        maps.append(_impact_map(phase, A, B, W, e, p))
-        return key, x1, v1
+        touching = self._touching(record, striking)
+        key, switches = self._without(record.after, touching), self.machine.switches
+        phase, contacts = self.phase(key), list(touching.values())
+        names = {place: self._impulse_name(place, contact, phase) for place, contact in touching.items()}
+        if (key, *touching) not in self.impacts:
+            self.impacts[key, *touching] = ContactSet(phase, contacts)
+        impact = self.impacts[key, *touching]
+        for place, contact, massless in zip(touching, contacts, impact.massless):
+            if massless:
+                record.turn(place, contact.closed)
+                record.texts.append(f"{names[place]} closes")
+                if contact.restitution:
+                    text = f"{names[place]}: the point that strikes has no mass; it stays in contact, without the restitution"
+                    self._note(NoticeKind.OMITTED, text)
+        if any(impact.massless):
+            return
+        quoted = ", ".join(f'"{name}"' for name in names.values())
+        if impact.is_dependent:
+            text = f"the contacts {quoted} depend on each other: the motion is unique, the shares of their impulses are not"
+            self._note(NoticeKind.REDUNDANT, text)
+        u, size = impact.rows @ record.v[1], np.abs(impact.rows) @ record.size[1]
+        u[np.abs(u) <= NOISE * size] = 0.0
+        record.impacts += 1
+        self.largest_impact = max(self.largest_impact, float(np.abs(u).max()))
+        y, e = record.enter(phase).state, impact.restitution * (record.impacts <= REPEATED)
+        try:
+            p, rests = impact.solve(u, e, size)
+        except NotUnique:
+            e = np.zeros(len(e))
+            p, rests = impact.solve(u, e, size)
+        if not e.any() and impact.restitution.any():
+            text = f"the contacts {quoted} strike against each other without end at one time; they are taken without rebound"
+            self._note(NoticeKind.OMITTED, text)
+        summed = self._summed(record, touching, impact, y + impact.response @ p, rests, e)
+        if summed.any():
+            e = np.where(summed, 0.0, e)
+            p, rests = impact.solve(u, e, size)
+        y = y + impact.response @ p
+        before = record.x[1], record.v[1]
+        record.x[1], record.v[1] = phase.C @ y, phase.V @ y
+        record.forget(False)
+        for (place, contact), impulse, own in zip(touching.items(), p, rests):
+            if impulse:
+                record.add_impulse(names[place], [float(impulse)])
+            if place in striking or impulse:
+                held = switches[place].contact is contact and record.before[place] == contact.closed
+                record.texts.append(f"{names[place]} {'strikes' if not own else 'holds' if held else 'closes'}")
+            record.turn(place, contact.closed if own else contact.open)
+            record.zeros[contact.functional] = 2 if own else 1
+        for name, own in impact.row_impulses(p, record.x[1] - before[0], record.v[1] - before[1]).items():
+            record.add_impulse(name, [own])
+        record.maps.append(lambda: impact.derivative(e, p))
 
-    def _of_other_rows(self, phase: Phase, record: SwitchRecord, A, p, moved, gained) -> None:
-        """Impulses of the constraint rows of the phase in an impact."""
-        system = phase.system
-        if system.rows:
-            terms = [system.mass @ gained, system.damping @ moved, -A.T @ p]
-            total = system.multiplier_map @ sum(terms)
-            size = STILL * (np.abs(system.multiplier_map) @ sum(map(np.abs, terms)))
-            for row, impulse in zip(system.rows, np.where(np.abs(total) > size, total, 0.0)):
-                if impulse:
-                    record.impulses.setdefault(row.name, [0.0])[0] += float(impulse)
+    def _without(self, key: Key, touching: Mapping[int, UnilateralContact]) -> Key:
+        """The phase without contacts and with bounded forces that slip."""
+        for place, contact in touching.items():
+            key = _replaced(key, place, contact.open)
+        for place, (switch, state) in enumerate(zip(self.machine.switches, key)):
+            slips = switch.states[state].slips
+            key = key if slips is None else _replaced(key, place, slips)
+        return key
+
+    def _summed(
+        self, record: SwitchRecord, touching, impact: ContactSet, y: np.ndarray, rests: np.ndarray, e: np.ndarray
+    ) -> np.ndarray:
+        """Which contacts bounce so little, and geometrically to rounding errors, that all further bounces are summed."""
+        x, v, key = impact.phase.C @ y, impact.phase.V @ y, record.after
+        summed = np.zeros(len(e), bool)
+        speeds = impact.rows @ v
+        small = ~rests & (speeds > 0) & (speeds <= SMALL_BOUNCE * self.largest_impact) & (e < 1)
+        if not small.any():
+            return summed
+        for (place, contact), own in zip(touching.items(), rests):
+            key = _replaced(key, place, contact.closed if own else contact.open)
+        following = self.phase(key)
+        state = following.enter(x, v, record.force).state
+        for number, contact in enumerate(touching.values()):
+            if small[number]:
+                row = contact.row @ following.V @ following.J
+                acceleration, rate = row @ state, row @ (following.J @ state)
+                rest = 2 * speeds[number] / max(-acceleration, np.finfo(float).tiny) / (1 - e[number])
+                limits = abs(acceleration) / 8, abs(acceleration) * EPS * (record.time + rest)
+                summed[number] = acceleration < 0 and abs(rate) * rest <= limits[0] and abs(rate) * rest**2 <= limits[1]
+                if summed[number]:
+                    record.resting = record.time + rest
+        return summed
 
     def _impulse_name(self, place: int, contact: UnilateralContact, phase: Phase) -> str:
         """The name of a contact: its own, or that of the row which the following phase adds."""
@@ -489,71 +538,29 @@ class PhaseSequence:
         added = [row.name for row in self.machine.systems[contact.closed].rows if row.name not in phase.row_places]
         return added[0] if len(added) == 1 else contact.closed
 
-    def _note_massless(self, name: str) -> None:
-        text = f"{name}: the point that strikes has no mass; it stays in contact, without the restitution"
+    def _note(self, kind: NoticeKind, text: str) -> None:
         if all(notice.text != text for notice in self.notices):
-            self.notices.append(Notice(NoticeKind.OMITTED, text))
+            self.notices.append(Notice(kind, text))
 
-    def _check_dependent(self, W, p, contacts) -> None:
-        """Notice where the impulses of contacts that touch are not unique."""
-        if len(W) < 2:
-            return
-        scale = np.sqrt(np.maximum(np.diag(W), 0.0))
-        scale[scale == 0] = 1.0
-        values = np.linalg.eigvalsh((W / scale / scale[:, None] + (W / scale / scale[:, None]).T) / 2)
-        if values[0] <= STILL * len(W) * values[-1]:
-            names = ", ".join(f'"{self.machine.switches[place].name}"' for place, _ in contacts)
-            text = f"the contacts {names} depend on each other: the motion is unique, the shares of their impulses are not"
-            if all(notice.text != text for notice in self.notices):
-                self.notices.append(Notice(NoticeKind.REDUNDANT, text))
+    # Search.
 
-    def _is_summed(self, phase: Phase, y, contact: UnilateralContact, velocity: float, record: SwitchRecord) -> bool:
-        """Whether all further bounces are summed: they are small, and geometric to rounding errors; the time of rest is recorded."""
-        if velocity <= 0 or velocity > SMALL_BOUNCE * self.largest_impact or contact.restitution >= 1:
-            return False
-        acceleration = contact.row @ phase.V @ (phase.J @ y)
-        rate = contact.row @ phase.V @ (phase.J @ (phase.J @ y))
-        if acceleration >= 0:
-            return False
-        rest = 2 * velocity / -acceleration / (1 - contact.restitution)
-        if abs(rate) * rest > abs(acceleration) / 8 or abs(rate / acceleration) * rest**2 > EPS * (record.time + rest):
-            return False
-        record.resting = record.time + rest
-        return True
-
-    def _moved(self, phase: Phase, entry: PhaseEntry, record: SwitchRecord, maps) -> tuple[np.ndarray, np.ndarray]:
-        """The values after the jump of an entry, whose impulses are recorded."""
-        for name, sizes in _named_impulses(phase, entry.reactions).items():
-            own = record.impulses.setdefault(name, [])
-            for order, size in enumerate(sizes):
-                if order == len(own):
-                    own.append(0.0)
-                own[order] += size
-        if entry.impulses:
-            record.coordinate_impulses = entry.impulses
-        maps.append(_map_of(phase))
-        return phase.C @ entry.state, phase.V @ entry.state
-
-    def _by_search(self, key: Key, x, v, w, loads, listed, negative) -> tuple[Key, PhaseEntry]:
-        """The first consistent phase among all combinations of the states of the switches that alternate."""
-        places = sorted(
-            {listed[number][0] for number in negative}
-            | {place for place, _ in enumerate(key) if self.machine.switches[place].contact}
-        )
-        for states in product(*(list(self.machine.switches[place].states) for place in places)):
-            tried = key
-            for place, state in zip(places, states):
-                tried = _replaced(tried, place, state)
-            phase = self.phase(tried)
-            entry = phase.enter(x, v, w, loads)
-            if not entry.is_smooth:
-                continue
-            _, sign, _ = phase.flow.orders(entry.state, np.zeros(len(phase.guards), bool))
-            if not (sign < 0).any():
-                return tried, entry
-        names = ", ".join(f'"{self.machine.switches[place].name}"' for place in places)
+    def _by_search(self, record: SwitchRecord, visited: Sequence[Key], negative: Sequence[int]) -> tuple[Phase, PhaseEntry]:
+        """The first consistent phase among the combinations of the states of the switches that alternate."""
+        listed, switches = self.machine.guards(record.after), self.machine.switches
+        alternating = {listed[number][0] for number in negative}
+        alternating |= {place for place, states in enumerate(zip(*visited)) if len(set(states)) > 1}
+        contacts = {place for place in range(len(switches)) if switches[place].contact}
+        for places in (sorted(alternating), sorted(alternating | contacts)):
+            for states in islice(product(*(list(switches[place].states) for place in places)), COMBINATIONS):
+                for place, state in zip(places, states):
+                    record.turn(place, state)
+                phase = self.phase(record.after)
+                entry = record.enter(phase)
+                if entry.is_smooth and not (self._signs(record, phase, entry)[1] < 0).any():
+                    return phase, entry
+        names = ", ".join(f'"{switches[place].name}"' for place in sorted(alternating))
         raise NotUnique(
-            f"at t = {self.segments[-1].time if self.segments else 0.0:.9g} s or later no phase is consistent: the states of {names} alternate "
+            f"at t = {record.time:.9g} s no phase is consistent: the states of {names} alternate "
             "without end; look for conditions that contradict each other, such as one that closes and opens at the same value"
         )
 
@@ -593,18 +600,6 @@ def _impulse_unit(unit: str, order: int) -> str:
 def _map_of(phase: Phase) -> Callable[[], np.ndarray]:
     """The derivative of (x, x') at the begin of a phase with respect to those just before it."""
     return lambda: np.vstack([phase.C, phase.V]) @ phase.start[:, : 2 * phase.system.size]
-
-
-def _impact_map(phase: Phase, A, B, W, e, p) -> Callable[[], np.ndarray]:
-    def derivative() -> np.ndarray:
-        n = phase.system.size
-        total, own = np.eye(2 * n), np.flatnonzero(p > 0)
-        if len(own):
-            by = np.linalg.solve(W[np.ix_(own, own)], (1 + e[own])[:, None] * A[own])
-            total[:, n:] -= np.vstack([phase.C, phase.V]) @ B[:, own] @ by
-        return total
-
-    return derivative
 
 
 def _product(maps: Sequence[Callable[[], np.ndarray]]) -> Callable[[], np.ndarray]:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...ground.checks import counted
 from ...ground.coordinate_units import force_unit, impulse_unit
-from ...ground.display import TextTable, notice_table, number_text
+from ...ground.display import TextTable, notice_table, with_unit
 from ...ground.notices import Evidence, Notice, NoticeKind, distinct
 from ...ground.tolerances import EPS, TRUST_LIMIT
 from ...linalg.exponential import block_states
@@ -21,7 +22,7 @@ from ...signals.bohl import BohlFunction, FreeRestarts, Restarts
 from ...signals.impulsive import ImpulsiveLoad
 from ..constraints import ConstraintRow
 from ..energy import Energy, energy_of
-from ..motion import Motion, Quantity, _order_of
+from ..motion import Motion, Quantity, _order_of, _sentences, _static_offsets
 from .phase import STILL, Phase
 from .sequence import PhaseSegment, PhaseSequence, SwitchRecord
 
@@ -80,6 +81,12 @@ class SwitchEvent:
         """The energy before less that after, J."""
         return self.energy_before - self.energy_after
 
+    def to_dict(self) -> dict[str, Any]:
+        """The event as plain data, numbers in SI."""
+        named = ("time", "time_error", "before", "after", "text", "jump", "impulses", "higher_impulses", "coordinate_impulses")
+        energies = ("energy_before", "energy_after", "energy_lost", "momentum_residual", "grazing", "rest_time")
+        return {name: getattr(self, name) for name in (*named, *energies)}
+
     @property
     def time_error(self) -> float:
         """Estimate of the error of the time, s; infinite where all digits are lost."""
@@ -100,7 +107,8 @@ class SwitchedSolution:
         begin = np.array([first.phase.C @ first.state, first.phase.V @ first.state])
         jump = begin - initial
         jump[np.abs(jump) <= STILL * (np.abs(begin) + np.abs(initial))] = 0.0
-        self.jump, self.impulses = jump, ()
+        self.jump = jump
+        self.impulses = next((record.coordinate_impulses for record in sequence.records if not record.time), ())
         self.events = tuple(
             Event(record.time, np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]]), record.coordinate_impulses)
             for record in sequence.records
@@ -219,16 +227,34 @@ class SwitchedMotion(Motion):
             _motion=self,
         )
 
-    def event_table(self) -> TextTable:
-        """The events with their times, phases, impulses and energies."""
+    def event_table(self, text: Callable[[float, str], str] = with_unit, most: int | None = None) -> TextTable:
+        """The events with their times, phases, impulses and energies.
+
+        Args:
+            text: makes a text of a value and its SI unit.
+            most: the number of events that are listed, the first ones; None for all.
+
+        Returns:
+            The table.
+        """
         rows = []
-        units = self._impulse_units
-        for event in self.events:
-            impulses = ", ".join(f"{name} {number_text(size)} {units.get(name, 'N s')}" for name, size in event.impulses.items())
-            lost = number_text(event.energy_lost) if abs(event.energy_lost) > STILL * abs(event.energy_before) else "0"
-            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, event.before, event.after, impulses, lost))
-        columns = ("t (s)", "error (s)", "what", "before", "after", "impulses", "energy lost (J)")
-        return TextTable("Events", columns, tuple(rows), times=tuple(event.time for event in self.events))
+        largest = max((abs(event.energy_before) for event in self.events), default=0.0)
+        for event in self.events[:most]:
+            impulses = ", ".join(self._impulse_texts(event, text))
+            lost = event.energy_lost if abs(event.energy_lost) > STILL * largest else 0.0
+            phase = event.after if event.after != event.before else ""
+            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, phase, impulses, text(lost, "J")))
+        columns = ("t (s)", "error (s)", "what", "next phase", "impulses", "energy lost")
+        note = f"The first {len(rows)} of {len(self.events)} are shown." if len(rows) < len(self.events) else ""
+        return TextTable("Events", columns, tuple(rows), note, times=tuple(event.time for event in self.events[:most]))
+
+    def _impulse_texts(self, event: SwitchEvent, text: Callable[[float, str], str]) -> list[str]:
+        """The impulses of an event by name, with the factors of derivatives of Dirac's delta."""
+        units, found = self._force_units, []
+        for name in dict.fromkeys((*event.impulses, *event.higher_impulses)):
+            sizes = (event.impulses.get(name, 0.0), *event.higher_impulses.get(name, ()))
+            found += [f"{name} {text(size, impulse_unit(units[name], k))}" for k, size in enumerate(sizes) if size]
+        return found
 
     # Rows of all phases.
 
@@ -242,11 +268,10 @@ class SwitchedMotion(Motion):
         return tuple(rows.values())
 
     @property
-    def _impulse_units(self) -> dict[str, str]:
-        units = {row.name: impulse_unit(force_unit(row.unit), 0) for row in self._reaction_rows}
-        for switch in self.solution.sequence.machine.switches:
-            units.setdefault(switch.name, impulse_unit(force_unit(switch.unit), 0))
-        return units
+    def _force_units(self) -> dict[str, str]:
+        switches = {switch.name: force_unit(switch.unit) for switch in self.solution.sequence.machine.switches}
+        rows = {row.name: force_unit(row.unit) for row in self._reaction_rows}
+        return defaultdict(lambda: "N", {**switches, **rows})
 
     @cached_property
     def reaction_function(self) -> BohlFunction:
@@ -268,6 +293,19 @@ class SwitchedMotion(Motion):
             if arrays:
                 loads.append(ImpulsiveLoad(float(record.time), arrays))
         return tuple(loads)
+
+    def _start_arrays(self) -> dict[str, np.ndarray]:
+        """The arrays of all motions, and of the events after t = 0 their errors, phases and lost energies."""
+        later = [event for event in self.events if event.time > 0]
+        names, times = np.array([name for _, name in self.phases]), np.array([time for time, _ in self.phases])
+        of_events = {
+            "event_times": np.array([event.time for event in later]),
+            "event_time_errors": np.array([event.time_error for event in later]),
+            "event_phases_before": np.array([event.before for event in later]),
+            "event_phases_after": np.array([event.after for event in later]),
+            "event_energies_lost": np.array([event.energy_lost for event in later]),
+        }
+        return {**super()._start_arrays(), **(of_events if later else {}), "phase_times": times, "phases": names}
 
     # Energy.
 
@@ -419,17 +457,35 @@ class SwitchedMotion(Motion):
     @cached_property
     def _equation_notices(self) -> tuple[Notice, ...]:
         return distinct(
-            self._event_notices, self._lost_digits, self.solution.sequence.notices, self.solution.notices, self.force.notices
+            self._start_notices,
+            self._event_notices,
+            self._lost_digits,
+            self.solution.sequence.notices,
+            self.solution.notices,
+            self.force.notices,
+        )
+
+    @property
+    def _start_notices(self) -> tuple[Notice, ...]:
+        """The jumps and impulses of coordinates at t = 0, and constant forces."""
+        return (
+            *_sentences(self, Event(0.0, self.jump, self.impulses)),
+            *_static_offsets(self.system),
+            *self.system.damping_notices(),
         )
 
     @property
     def _event_notices(self) -> tuple[Notice, ...]:
         notices = []
         for event in self.events[:REPORTED]:
-            kind = NoticeKind.IMPULSE if event.impulses else NoticeKind.JUMP if event.jump.any() else NoticeKind.SWITCH
-            sizes = ", ".join(
-                f"{name} {number_text(size)} {self._impulse_units.get(name, 'N s')}" for name, size in event.impulses.items()
+            kind = (
+                NoticeKind.IMPULSE
+                if event.impulses or event.higher_impulses
+                else NoticeKind.JUMP
+                if event.jump.any()
+                else NoticeKind.SWITCH
             )
+            sizes = ", ".join(self._impulse_texts(event, with_unit))
             impulses = f"; impulses: {sizes}" if sizes else ""
             rest = "" if event.rest_time is None else ", after infinitely many bounces"
             notices.append(Notice(kind, f"t = {event.time:.9g} s: {event.text}{rest}{impulses}"))
@@ -495,7 +551,7 @@ def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
     """The sums of moduli that x and x' are made of, shape (2 n,)."""
     phase = segment.phase
     size = np.maximum(np.abs(y), np.abs(segment.state))
-    return np.concatenate([np.abs(phase.C) @ size, np.abs(phase.V) @ size])
+    return np.concatenate([phase.C_size @ size, phase.V_size @ size])
 
 
 def _transition(segment: PhaseSegment) -> tuple[np.ndarray, np.ndarray]:
@@ -531,6 +587,9 @@ def _saltation(previous: PhaseSegment, segment: PhaseSegment, F: np.ndarray, y: 
     record = segment.event
     if record is None or record.guard_row is None:
         return total, None
+    if record.grazing:  # the time of a minimum, of the rate of the guard; nothing changes there
+        rate = float(record.guard_row @ (phase.J @ (phase.J @ y)))
+        return total, -(record.guard_row @ phase.J @ F) / rate if rate else np.full(F.shape[1], np.inf)
     rate = float(record.guard_row @ (phase.J @ y))
     if rate == 0:
         return total, np.full(F.shape[1], np.inf)

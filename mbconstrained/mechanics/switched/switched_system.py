@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ...ground.checks import counted, nearest, real_number, whole_number
 from ...ground.display import Displayed, TextTable
@@ -85,6 +88,7 @@ class SwitchedSystem(Displayed):
         Returns:
             The switched system.
         """
+        cls._check_phase(", ".join(switch.name for switch in switches), system, system)
         made = cls.__new__(cls)
         made._set(Machine(system, switches), {}, ())
         return made
@@ -131,7 +135,12 @@ class SwitchedSystem(Displayed):
                 raise InputError(
                     f'{switch.name}: there is no state "{state}"{nearest(state, switch.states)}; there are {", ".join(switch.states)}'
                 )
-        return self.machine.system_of(states)[0]
+        system, branches = self.machine.system_of(states)
+        loads = sum((branch.load for branch in branches), np.zeros(system.size))
+        if loads.any():
+            system = copy(system)
+            system.static_force = system.static_force + loads
+        return system
 
     def solve(
         self,

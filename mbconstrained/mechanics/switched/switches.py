@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -17,6 +18,21 @@ from ...ground.errors import InputError
 from ..constraints import Constraint, Level
 
 Output = Literal["displacement", "velocity", "reaction"]
+
+
+#: An output up to a factor: the kind of its leading part, and its entries by the first that is not zero.
+Functional = tuple[str, bytes]
+
+
+def functional(
+    displacement: np.ndarray, velocity: np.ndarray, value: float, reactions: Mapping[str, float] | None = None
+) -> Functional:
+    """d x + c x' + multipliers - value without regard to a factor."""
+    kind = "reaction" if reactions else "velocity" if velocity.any() else "displacement"
+    entries = np.concatenate([displacement, velocity, list((reactions or {}).values()), [value]])
+    first = entries[np.argmax(entries != 0)]
+    names = " ".join(reactions or {})
+    return kind, (entries / first + 0.0).tobytes() + names.encode()  # no negative zeros
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +46,6 @@ class Guard:
         reactions: factors of the multipliers of constraint rows by name.
         beyond: the state that follows where it is negative at once, not zero first; None for the same.
         restitution: of an impact along d; None for a guard that is none.
-        condition: a guard whose value must be positive for this one to count; None without.
         dwell: so long, in s, it must stay negative before the state ends.
         text: for reports.
     """
@@ -42,10 +57,23 @@ class Guard:
     reactions: Mapping[str, float] = field(default_factory=dict)
     beyond: str | None = None
     restitution: float | None = None
-    condition: Guard | None = None
     dwell: float = 0.0
     text: str = ""
     is_opposite: bool = False
+
+    @cached_property
+    def functional(self) -> Functional:
+        """The output that vanishes with the guard."""
+        return functional(self.displacement, self.velocity, self.value, self.reactions)
+
+    def zeros(self, x: np.ndarray, v: np.ndarray, size: tuple[np.ndarray, np.ndarray], noise: float) -> int:
+        """The number of derivatives, the value among them, that are zero by x and x' alone, within a part of their sizes."""
+        if self.reactions:
+            return 0
+        d, c, (x_size, v_size) = self.displacement, self.velocity, size
+        if abs(d @ x + c @ v - self.value) > noise * (np.abs(d) @ x_size + np.abs(c) @ v_size + abs(self.value)):
+            return 0
+        return 2 if not c.any() and abs(d @ v) <= noise * (np.abs(d) @ v_size) else 1
 
     @property
     def opposite(self) -> Guard:
@@ -117,6 +145,15 @@ class UnilateralContact:
     restitution: float
     open: str
     closed: str
+
+    @cached_property
+    def functional(self) -> Functional:
+        """The gap."""
+        return functional(self.row, np.zeros(len(self.row)), -self.gap)
+
+    def touches(self, x: np.ndarray, noise: float) -> bool:
+        """Whether the gap is zero up to a part of its terms."""
+        return abs(float(self.row @ x) + self.gap) <= noise * (float(np.abs(self.row) @ np.abs(x)) + abs(self.gap))
 
 
 class Switch:

@@ -10,7 +10,7 @@ from math import ceil, fsum, log2
 import numpy as np
 
 from ...ground.tolerances import DIVISOR_CONDITION, EPS
-from ...linalg.arrays import full
+from ...linalg.arrays import full, kept
 from ...linalg.blocks import block_matrix, block_slices
 from ...linalg.exponential import block_states
 from ...polynomial.coefficients import Factors
@@ -76,7 +76,7 @@ class BoundedModes:
         if len(at) > len(blocks):
             if any(np.tril(block, -2).any() for block in blocks if len(block) > 2):
                 return None
-            links = folded(np.triu(J, 1), at, at)
+            links = folded(J, at, at)  # below the diagonal there are entries of pairs only
             np.fill_diagonal(links, 0.0)
             counts = np.bincount(of_block)
             clustered, rates = counts[of_block] > 1, rates.copy()
@@ -112,7 +112,7 @@ class BoundedModes:
         most, joined, separate = Q[:n, :n] @ E @ Q, self.stretch[:, None] * self.links, direct / distance
         for _ in range(2 * len(joined)):
             more = (direct + joined[:n, :n] @ separate + separate @ joined) / distance
-            if np.array_equal(more, separate, equal_nan=True):
+            if more.tobytes() == separate.tobytes():
                 break
             separate = more
         rows, columns = Q[:n, :n] @ separate, separate @ Q
@@ -146,6 +146,9 @@ FORCE_ROUNDING = 4.0
 
 #: Sums in extended precision; where the machine has none their rounding errors are those of float64, and are counted so.
 Extended = np.longdouble
+
+#: Matrices of no more entries in a column, on average, are multiplied entry by entry.
+FEW_ENTRIES = 16
 UNIT = float(np.finfo(Extended).eps)
 
 
@@ -194,9 +197,9 @@ class Defect:
 
     def allows(self, place: np.ndarray, order: int, times: np.ndarray, allowed: np.ndarray) -> np.ndarray:
         """The times at which the errors of this derivative of place @ z, by its modes, are guaranteed as small as allowed."""
-        if self.is_one_piece and len(times):
+        if self.is_whole and len(times):
             with np.errstate(all="ignore"):
-                return self._late(place, order, times, allowed) if self._modes is not None else np.zeros(len(times), dtype=bool)
+                return self._late(place, order, times, allowed)
         sure, covered = np.zeros(len(times), dtype=bool), self.covers(times)
         pieces, since = self.flow.states.restarts.located(times)
         with np.errstate(all="ignore"):
@@ -207,7 +210,7 @@ class Defect:
 
     def covers(self, times: np.ndarray) -> np.ndarray:
         """The times at which the errors of the sums of modes are bounded: truth values, shape (T,)."""
-        if self._modes is None or self.is_one_piece:
+        if self._modes is None or self.is_whole:
             return np.full(len(times), self._modes is not None)
         return self.follows_force | (self.flow.states.restarts.located(times)[0] == 0)
 
@@ -215,6 +218,11 @@ class Defect:
     def is_one_piece(self) -> bool:
         """Whether the motion has no restarts."""
         return len(self.flow.knots) == 1
+
+    @cached_property
+    def is_whole(self) -> bool:
+        """Whether the motion has no restarts, and the errors are bounded at all times."""
+        return self.is_one_piece and self._modes is not None
 
     @cached_property
     def in_whole_pieces(self) -> Defect | None:
@@ -415,7 +423,7 @@ class Defect:
             return self.before._states
         if not self.flow.force.smooth.state_count:
             return self.flow.reduction.decoupled.basis
-        return self.flow.modal_output(np.eye(len(self.flow.start_with_force)))
+        return self.flow.modal_states
 
     @property
     def _residual(self) -> np.ndarray:
@@ -469,7 +477,7 @@ class Defect:
         total, size = A.astype(Extended) @ np.concatenate(columns), np.abs(A) @ np.concatenate(sizes)
         if len(states) > n:
             F = flow.force.smooth.coefficients
-            total, size = total - F.astype(Extended) @ states[n:].astype(Extended), size + np.abs(F) @ np.abs(states[n:])
+            total, size = total - _times(F.astype(Extended), states[n:]), size + np.abs(F) @ np.abs(states[n:])
         lost = np.zeros(size.shape)
         if self.rounding is not None:
             lost += np.concatenate(self.rounding.coefficients, axis=1) @ np.concatenate(sizes)
@@ -626,27 +634,32 @@ class Defect:
         """|G|^k |z| / k! and their changes by the residual of G, as columns, in the unit of time of the series."""
         flow, start = self.flow, self.flow.taylor_start(modal=True)
         G, n = full(flow.generator), len(flow.start)
-        step, change = np.abs(G) / start.unit, np.zeros_like(G)
-        change[:n] = self._driven(np.eye(n), self._with_rounding(*self._residual_of(np.eye(len(G)), G)), G) / start.unit
+        step = kept(np.abs(G) / start.unit)
+        change = self._driven(np.eye(n), self._with_rounding(*self._residual_of(np.eye(len(G)), G)), G) / start.unit
         columns, changed = [np.abs(flow.start_with_force)], [np.zeros(len(G))]
         if len(flow.reduction.algebraic):
             changed[0][:n] = 4 * EPS * np.abs(flow.initial).max(initial=0.0)
         changed[0][:n] += np.abs((self._initial - flow.start).astype(float)) + self._impulsive[1][:, 0]
         for k in range(1, start.powers.shape[1]):
-            changed.append((step @ changed[-1] + change @ columns[-1]) / k)
+            changed.append(step @ changed[-1] / k)
+            changed[-1][:n] += change @ columns[-1] / k
             columns.append(step @ columns[-1] / k)
         return np.array(columns).T, np.array(changed).T
 
 
 def _times(x: np.ndarray, J: np.ndarray) -> np.ndarray:
-    """x @ J in extended precision, which has no fast products; most J have entries next to the diagonal only."""
+    """x @ J in extended precision, which has no fast products; most J have few entries in a column."""
     if len(J) <= 12:
         return x @ J.astype(Extended)
-    product = x * J.diagonal()
-    product[:, 1:] += x[:, :-1] * J.diagonal(1)
-    product[:, :-1] += x[:, 1:] * J.diagonal(-1)
-    rest = np.triu(J, 2) + np.tril(J, -2)
-    return product + x @ rest.astype(Extended) if rest.any() else product
+    row, column = J.nonzero()
+    if len(column) > FEW_ENTRIES * J.shape[1]:
+        return x @ J.astype(Extended)
+    order = np.argsort(column, kind="stable")
+    row, column = row[order], column[order]
+    product, (filled, first) = np.zeros((len(x), J.shape[1]), dtype=Extended), np.unique(column, return_index=True)
+    if len(first):
+        product[:, filled] = np.add.reduceat(x[:, row] * J[row, column], first, axis=1)
+    return product
 
 
 def is_exact(force: ImpulsiveSmooth) -> bool:

@@ -94,6 +94,7 @@ class _Forced:
     @staticmethod
     def of(X, coupled, separated, early, inputs) -> _Forced:
         """The states of the given pairs, with the pieces that belong to first moments and the states that begin them."""
+        coupled, separated = ([_coupled(*pair) for pair in pairs] for pairs in (coupled, separated if early.any() else ()))
         if not early.any():
             return _Forced(X, tuple(coupled), ())
         if not inputs[:, ~early].any():
@@ -179,12 +180,20 @@ def _rate(free: BlockDiagonal, driven: Driven) -> float:
     return max((float(np.abs(block).max()) for block in (*free.blocks, driven.generator) if block.any()), default=1.0)
 
 
-def _separated(free: BlockDiagonal, driven: Driven, forcing, limit) -> tuple[np.ndarray, list[_Coupled], list[_Coupled]]:
-    """X, zero where a block and a part of the force cannot be separated, those pairs, and those that are separated."""
+def _separated(free: BlockDiagonal, driven: Driven, forcing, limit) -> tuple[np.ndarray, list[tuple], list[tuple]]:
+    """X, zero where a block and a part of the force cannot be separated, those pairs, and those that are separated, as arguments of ``_coupled``."""
     excitation, generator = free.inverse @ driven.excitation, driven.generator
     X, coupled, separated = np.zeros_like(excitation), [], []
     outer = block_slices(forcing)
+    starts = [of.start for of in outer]
     for own, T in zip(block_slices(free.blocks), free.blocks):
+        if len(outer) > 1:  # all at once, where that is possible
+            solution, scale, info = lapack.dtrsyl(T, generator, -excitation[own], isgn=-1)
+            found, given = (np.maximum.reduceat(np.abs(part).max(axis=0), starts) for part in (solution, excitation[own]))
+            if info == 0 and scale == 1 and (found <= limit * given).all():
+                X[own] = solution
+                separated += [(own, of, T, excitation[own, of], generator[of, of]) for of, size in zip(outer, given) if size]
+                continue
         for of in outer:
             D, J = excitation[own, of], generator[of, of]
             if D.any():
@@ -192,7 +201,7 @@ def _separated(free: BlockDiagonal, driven: Driven, forcing, limit) -> tuple[np.
                 separable = info == 0 and np.abs(solution).max() <= limit * scale * np.abs(D).max()
                 if separable:
                     X[own, of] = solution / scale
-                (separated if separable else coupled).append(_coupled(own, of, T, D, J))
+                (separated if separable else coupled).append((own, of, T, D, J))
     return X, coupled, separated
 
 

@@ -89,8 +89,9 @@ class ProvedFunction(BohlFunction):
         if self.defect is None or not self.size:
             return self.proved(times)[0] if len(times) <= MOST_TIMES and self.is_provable else self.rough(times)
         refining = self.defect.flow.refined is not None
-        covered = (self.refined if refining else self.defect).covers(times)
-        if not covered.all() and np.count_nonzero(~covered) <= MOST_TIMES and self.is_provable:
+        bounds = self.refined if refining else self.defect
+        covered = None if bounds.is_whole else bounds.covers(times)
+        if covered is not None and not covered.all() and np.count_nonzero(~covered) <= MOST_TIMES and self.is_provable:
             values = np.empty((self.size, len(times)))
             values[:, ~covered] = self.proved(times[~covered])[0]
             if covered.any():
@@ -183,7 +184,9 @@ class ProvedFunction(BohlFunction):
 
     @cached_property
     def _through(self) -> np.ndarray:
-        return np.eye(self.size) if self.matrix is None else self.matrix
+        if self.matrix is not None:
+            return self.matrix
+        return np.eye(self.size) if self.refined is None else self.refined.identity
 
     def derivative(self, order: int = 1) -> BohlFunction:
         """The classical derivative."""

@@ -8,7 +8,7 @@ by element, so that soft springs next to stiff ones keep their digits.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -20,7 +20,7 @@ from ...linalg.arrays import block_diag, full
 from ...linalg.blocks import CHUNK_ENTRIES
 from ...linalg.division import accurate_product, sum_with_error
 from ...linalg.double_double import DOUBLED_EPS, EXPONENTIAL_EPS, DoubleDouble, exponential, outer, stacked, turns
-from ...linalg.exponential import step_of_few_rows
+from ...linalg.exponential import even_step
 from ...polynomial.coefficients import Factors
 from ...polynomial.reduced_equations import Reduction
 from ...signals.bohl import BohlFunction, FreeRestarts, Restarts
@@ -50,6 +50,9 @@ MIXING_CHANGE = 2.0**-66
 
 #: Condition of eigenvectors of a block of several poles up to which these are separate.
 SEPARATE = 2.0**20
+
+#: Fewer even times than these are not worth a table.
+FEWEST_EVEN = 64
 
 #: Solutions by an approximate inverse end with a residual of this part of the right side, after so many steps at most.
 LAST_REST, STEPS = 2.0**-72, 4
@@ -155,11 +158,10 @@ class RefinedModes:
                 parts, sizes, _, noise = divided_by_masses(left, reduction)
         shapes, poles, uncertain = residual.shapes, residual.poles, residual.errors
         for order, matrix in enumerate(unresolved):
-            if matrix.any():
-                uncertain = uncertain + matrix @ np.abs(shapes.high) * np.abs(poles.high) ** order
+            uncertain = uncertain + matrix @ np.abs(shapes.high) * np.abs(poles.high) ** order
         bound = np.abs(residual.values) + uncertain
         known, effects = _eliminated(reduction, residual.values, poles.high, eliminated), np.abs(parts) + noise * sizes
-        uncertain, most = (_eliminated_sizes(reduction, part, poles.high) for part in (uncertain, bound))
+        uncertain, most = _eliminated_sizes(reduction, (uncertain, bound), poles.high)
         driven, of_rows = np.zeros((n, len(given))), np.zeros((len(bound), len(given)))
         driven[:, leading] = np.abs(parts @ known) + np.abs(parts) @ uncertain + noise * (sizes @ most)
         of_rows[:, leading] = bound
@@ -176,7 +178,9 @@ class RefinedModes:
     @cached_property
     def weights(self) -> np.ndarray:
         """2 for leading poles of pairs, of which the sum with the conjugate is taken, 1 for others."""
-        return np.where(np.isin(self.leading, self.above), 2.0, 1.0)
+        weights = np.ones(len(self.leading))
+        weights[self.leading.searchsorted(self.above)] = 2.0
+        return weights
 
     def whole(self, values: np.ndarray) -> np.ndarray:
         """Values of all poles from those of the leading ones, along the last axis."""
@@ -194,6 +198,11 @@ class RefinedModes:
     def turns(self) -> tuple[DoubleDouble, DoubleDouble]:
         """The poles as growth in powers of two and in full turns, each per second."""
         return turns(self.poles)
+
+    @cached_property
+    def exponentials(self) -> dict[bytes, _Exponentials]:
+        """Exponentials at the last even times, which displacement, velocity and acceleration have in common."""
+        return {}
 
     @cached_property
     def inexact(self) -> np.ndarray:
@@ -336,13 +345,11 @@ def _eliminated(reduction: Reduction, residual: np.ndarray, poles: np.ndarray, t
     return result
 
 
-def _eliminated_sizes(reduction: Reduction, bounds: np.ndarray, poles: np.ndarray) -> np.ndarray:
+def _eliminated_sizes(reduction: Reduction, bounds: Sequence[np.ndarray], poles: np.ndarray) -> list[np.ndarray]:
     """Bounds of residuals after the same elimination as the residuals."""
-    rest = np.concatenate([reduction.second, reduction.first])
-    if not len(reduction.algebraic):
-        return bounds[rest]
-    Y = np.abs(full(reduction.Y))
-    return _eliminated(reduction, bounds, np.abs(poles), [np.abs(full(A)[rest]) @ Y for A in reduction.given])
+    rest, Y = np.concatenate([reduction.second, reduction.first]), np.abs(full(reduction.Y))
+    through = [np.abs(full(A)[rest]) @ Y for A in reduction.given if Y.size]
+    return [_eliminated(reduction, one, np.abs(poles), through) for one in bounds]
 
 
 def _turns_evenly(block: np.ndarray) -> bool:
@@ -392,7 +399,7 @@ class _RefinedEquations:
         first = shapes * poles
         x = stacked(shapes, first, first * poles)
         strains = self.right @ x
-        total, terms_of_strains = self.left @ (strains * self.values), np.abs(self.right) @ (np.abs(x.high) + LEAST_NUMBER)
+        total, terms_of_strains = self.left @ strains.times(self.values), np.abs(self.right) @ (np.abs(x.high) + LEAST_NUMBER)
         strained = np.where(self.differences, np.abs(strains.high) + LEAST_NUMBER, terms_of_strains)
         sizes = np.abs(self.left) @ (np.abs(self.values) * strained)
         smooth, n = self.flow.force.smooth, len(self.flow.start)
@@ -449,6 +456,11 @@ class RefinedDefect(Defect):
         elements = ENTIRE if rounding is None else rounding.elements
         return None if elements is None else refined_modes(self.flow, elements, () if rounding is None else rounding.unresolved)
 
+    @cached_property
+    def identity(self) -> np.ndarray:
+        """The matrix of x itself, one for x and its derivatives, whose bounds are kept with it."""
+        return np.eye(len(full(self.flow.output))) if self.before is None else self.before.identity
+
     @property
     def states(self) -> BohlFunction:
         """z as a sum of the refined modes, rounded."""
@@ -483,11 +495,11 @@ class RefinedDefect(Defect):
 
     def rounded(self, matrix: np.ndarray, order: int, times: np.ndarray, accuracy: float) -> tuple[np.ndarray, np.ndarray]:
         """Sums in float64, and at which times they are guaranteed to this accuracy of the largest value."""
-        return self._summed(matrix, order, times, accuracy, SUMMED_IN_FLOAT64 * EPS, _sums_in_float64)
+        return self._summed(matrix, order, times, accuracy, SUMMED_IN_FLOAT64 * EPS, self._in_float64)
 
     def doubled(self, matrix: np.ndarray, order: int, times: np.ndarray, accuracy: float) -> tuple[np.ndarray, np.ndarray]:
         """Sums with twice the digits, and at which times they are guaranteed to this accuracy of the largest value."""
-        return self._summed(matrix, order, times, accuracy, 2 * EXPONENTIAL_EPS, _sums)
+        return self._summed(matrix, order, times, accuracy, 2 * EXPONENTIAL_EPS, self._with_twice_the_digits)
 
     def _summed(self, matrix, order, times, accuracy, rounding, sums) -> tuple[np.ndarray, np.ndarray]:
         restarts, values, sure = self._force, np.empty((len(matrix), len(times))), np.zeros(len(times), dtype=bool)
@@ -498,9 +510,22 @@ class RefinedDefect(Defect):
             exact = DoubleDouble.of(times[at])
             if piece:
                 exact = exact - restarts.knots[piece] - np.broadcast_to(restarts.remainders, restarts.knots.shape)[piece]
-            values[:, at] = _in_chunks(sums, own._weights(matrix, order), *self.refined.turns, exact)
+            values[:, at] = _in_chunks(sums, own._weights(matrix, order), exact)
             sure[at] = own._late(matrix, order, since[at], accuracy * np.abs(values[:, at]).max(axis=0, initial=0.0), rounding)
         return values, sure
+
+    def _in_float64(self, weights: DoubleDouble, times: DoubleDouble) -> np.ndarray:
+        known, key = self.refined.exponentials, times.high.tobytes()
+        if key in known and not times.low.any():
+            return known[key].summed(weights.high)
+        exponentials = _Exponentials.of(*self.refined.turns, times)
+        if exponentials.count:
+            known.clear()
+            known[key] = exponentials
+        return exponentials.summed(weights.high)
+
+    def _with_twice_the_digits(self, weights: DoubleDouble, times: DoubleDouble) -> np.ndarray:
+        return _sums(weights, *self.refined.turns, times)
 
     def _weights(self, matrix: np.ndarray, order: int) -> DoubleDouble:
         """Factors of the exponentials of the leading poles."""
@@ -515,8 +540,7 @@ class RefinedDefect(Defect):
         return {}
 
     def _output(self, matrix: np.ndarray, order: int) -> DoubleDouble:
-        shapes = self.refined.shapes
-        output = shapes if np.array_equal(matrix, np.eye(shapes.shape[0])) else matrix @ shapes
+        output = self.refined.shapes if matrix is self.identity else matrix @ self.refined.shapes
         for _ in range(order):
             output = output * self.refined.poles
         return output
@@ -638,7 +662,7 @@ class RefinedDefect(Defect):
         errors, n, driven = self._force_errors, len(self.flow.start), self.refined.driven
         if not errors.any():
             return driven
-        through = _eliminated_sizes(self.flow.reduction, errors, self._modes.zeros[n:])
+        (through,) = _eliminated_sizes(self.flow.reduction, [errors], self._modes.zeros[n:])
         return np.concatenate([driven[:, :n], driven[:, n:] + self.refined.parts @ through], axis=1)
 
     @property
@@ -682,51 +706,74 @@ def refined_modes(flow: Flow, elements: Elements, unresolved: tuple[np.ndarray, 
     return flow.computed[elements]
 
 
-def _in_chunks(sums, weights: DoubleDouble, growth: DoubleDouble, turned: DoubleDouble, times: DoubleDouble) -> np.ndarray:
+def _in_chunks(sums: Callable, weights: DoubleDouble, times: DoubleDouble) -> np.ndarray:
     """Sums at so many times at once that memory stays near that of the answer."""
     count, width = len(times.high), max(1, CHUNK_ENTRIES // max(*weights.shape, 1))
     if count <= width:
-        return sums(weights, growth, turned, times)
+        return sums(weights, times)
     parts = (times[begin : begin + width] for begin in range(0, count, width))
-    return np.concatenate([sums(weights, growth, turned, part) for part in parts], axis=1)
+    return np.concatenate([sums(weights, part) for part in parts], axis=1)
 
 
-def _sums_in_float64(weights: DoubleDouble, growth: DoubleDouble, turned: DoubleDouble, times: DoubleDouble) -> np.ndarray:
-    """The real part of weights @ 2^(growth t) e^(2 pi i turned t), of exact phases; at many even times t = T + tau as e^(s T) e^(s tau)."""
-    given, m = times.high, len(growth.high)
-    step = step_of_few_rows(len(weights.high), m, given) if not times.low.any() else None
-    if step is None:
-        parts = _exponentials(growth, turned, times)
-        return np.concatenate([weights.high.real, -weights.high.imag], axis=1) @ np.concatenate([parts.real, parts.imag])
-    fine = int(len(given) ** 0.5)
-    coarse, tau = given[::fine], step * np.arange(fine)
-    table = np.ascontiguousarray(_exponentials(growth, turned, DoubleDouble.of(np.concatenate([coarse, tau]))).T)
-    result = _by_table(weights.high, table, len(coarse), len(given))
-    between, error = sum_with_error(given, -np.repeat(coarse, fine)[: len(given)])
-    beyond = (between - np.tile(tau, len(coarse))[: len(given)]) + error  # by rounding errors of the times
-    rates = np.log(2.0) * growth.high + 2j * np.pi * turned.high
-    if np.abs(beyond).max() * np.abs(rates).max(initial=0.0) > EPS:
-        result += beyond * _by_table(weights.high * rates, table, len(coarse), len(given))
-    return result
+@dataclass(frozen=True, eq=False)
+class _Exponentials:
+    """e^(s t) in float64, of exact phases; at many even times t = T + tau as e^(s T) e^(s tau).
 
+    Attributes:
+        first: at all times, or at the times T, shape (T, m).
+        second: at the times tau, if there are such.
+        beyond: the times less T + tau, rounding errors; None where they turn nothing.
+        rates: s, rounded.
+        count: the number of even times.
+    """
 
-def _by_table(weights: np.ndarray, table: np.ndarray, coarse: int, count: int) -> np.ndarray:
-    """The real part of weights @ e^(s (T + tau)), e^(s T) the first rows of a table and e^(s tau) the others."""
-    left = np.multiply(weights[:, None], table[:coarse], order="C").view(float).reshape(-1, 2 * table.shape[1])
-    result = left @ np.conj(table[coarse:]).view(float).T
-    return np.ascontiguousarray(result.reshape(len(weights), -1)[:, :count])
+    first: np.ndarray
+    second: np.ndarray | None = None
+    beyond: np.ndarray | None = None
+    rates: np.ndarray | None = None
+    count: int = 0
+
+    @classmethod
+    def of(cls, growth: DoubleDouble, turned: DoubleDouble, times: DoubleDouble) -> _Exponentials:
+        """2^(growth t) e^(2 pi i turned t)."""
+        given = times.high
+        step = even_step(given) if len(given) >= FEWEST_EVEN and not times.low.any() else None
+        if step is None:
+            return cls(_exponentials(growth, turned, times))
+        fine = 2 * int(len(given) ** 0.5)  # every row has its own factors at the times T
+        coarse, tau = given[::fine], step * np.arange(fine)
+        table = _exponentials(growth, turned, DoubleDouble.of(np.concatenate([coarse, tau])))
+        between, error = sum_with_error(given, -np.repeat(coarse, fine)[: len(given)])
+        beyond = (between - np.tile(tau, len(coarse))[: len(given)]) + error
+        rates = np.log(2.0) * growth.high + 2j * np.pi * turned.high
+        turning = np.abs(beyond).max() * np.abs(rates).max(initial=0.0) > EPS
+        return cls(table[: len(coarse)], table[len(coarse) :], beyond if turning else None, rates, len(given))
+
+    def summed(self, weights: np.ndarray) -> np.ndarray:
+        """The real part of weights @ e^(s t), shape (r, T)."""
+        if self.second is None:
+            both = np.concatenate([weights.real, -weights.imag], axis=1)
+            return both @ np.concatenate([self.first.real, self.first.imag], axis=1).T
+        if self.beyond is None:
+            return np.ascontiguousarray(self._by_table(weights))
+        both = self._by_table(np.concatenate([weights, weights * self.rates]))
+        return both[: len(weights)] + self.beyond * both[len(weights) :]
+
+    def _by_table(self, weights: np.ndarray) -> np.ndarray:
+        left = np.multiply(weights[:, None], self.first, order="C").view(float).reshape(-1, 2 * self.first.shape[1])
+        return (left @ np.conj(self.second).view(float).T).reshape(len(weights), -1)[:, : self.count]
 
 
 def _exponentials(growth: DoubleDouble, turned: DoubleDouble, times: DoubleDouble) -> np.ndarray:
-    """2^(growth t) e^(2 pi i turned t) in float64 with exact phases, shape (m, T)."""
-    exponents, m = outer(stacked(growth, turned), times), len(growth.high)
-    turn = exponents.high[m:]
-    angles = 2 * np.pi * ((turn - np.rint(turn)) + exponents.low[m:])
+    """2^(growth t) e^(2 pi i turned t) in float64 with exact phases, shape (T, m)."""
+    exponents, m = outer(times, stacked(growth, turned)), len(growth.high)
+    turn = exponents.high[:, m:]
+    angles = 2 * np.pi * ((turn - np.rint(turn)) + exponents.low[:, m:])
     result = np.empty(angles.shape, dtype=complex)
     result.real, result.imag = np.cos(angles), np.sin(angles)
     if growth.high.any():
-        factors = np.exp2(exponents.high[:m])
-        result *= factors + factors * (np.log(2.0) * exponents.low[:m])
+        factors = np.exp2(exponents.high[:, :m])
+        result *= factors + factors * (np.log(2.0) * exponents.low[:, :m])
     return result
 
 

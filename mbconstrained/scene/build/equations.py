@@ -23,6 +23,7 @@ from .data_files import entries_of
 from .ends import shaped, shaped_inputs, with_end
 from .forces import NONE_SHAPED, Shapers, force_of, load_patterns, loads_of, prescribed_motions, shapers_of, unbalance_loads
 from .model import Equations, no_modes
+from .switched import phase_system, refuse_with_switches, switching_of
 
 if TYPE_CHECKING:
     from ...mechanics.system import MechanicalSystem
@@ -97,9 +98,16 @@ def _lumped(table, folder: Path, file_name: str) -> Equations:
 
     model = lumped_model(table.model, file_name)
     with at(file_name, "model"):
-        system = model.assemble()
+        system = model.common_system() if model.has_switches else model.assemble()
     coordinates = Coordinates(tuple(model.coordinates), tuple(model.units[name] for name in model.coordinates))
-    return _mechanical(table, system, coordinates, folder, file_name, model)
+    if not model.has_switches:
+        return _mechanical(table, system, coordinates, folder, file_name, model)
+    from ...mechanics.switched.switched_system import SwitchedSystem
+
+    switches = model.switches()
+    return _mechanical(
+        table, system, coordinates, folder, file_name, model, machine=lambda moved: SwitchedSystem.of_switches(moved, switches)
+    )
 
 
 def _matrices(table, folder: Path, file_name: str) -> Equations:
@@ -144,29 +152,36 @@ def _check_kinds(model, coordinates: Coordinates, file_name: str) -> None:
 
 
 def _mechanical(
-    table, system, coordinates, folder, file_name, model: LumpedModel | None = None, robot: RobotScene | None = None
+    table, system, coordinates, folder, file_name, model: LumpedModel | None = None, robot: RobotScene | None = None, machine=None
 ) -> Equations:
-    """The equations of a mechanical system with the motions, damping, speed, start and loads of the scene."""
+    """The equations of a mechanical system with the motions, damping, speed, start and loads of the scene; a machine makes it switched."""
     system, rotor, of_motions = _moving(table, system, coordinates, folder, file_name, robot)
     shapers = shapers_of(table.force, "force", system.modes, file_name)
     linearized = robot and system
-    with at(file_name, "model"):
-        polynomial_matrix = system.undelayed_form().polynomial_matrix
     initial = initial_values(table.initial, coordinates, 2, file_name).astype(float)
     if table.initial.follow:
         initial = consistent_values(initial, table.initial, system, coordinates, file_name)
     loads = loads_of(table.force, coordinates, folder, file_name, linearized, shapers)
+    if rotor is not None and rotor.unbalance is not None:
+        loads += unbalance_loads(rotor.unbalance, table.model.speed or 0.0, coordinates)
+    switching = None
+    if machine is not None:
+        refuse_with_switches(table, (*of_motions.values(), *shapers.values()), file_name)
+        with at(file_name, "model"):
+            switched = machine(system)
+        switching = switching_of(table, switched, initial, force_of(loads), file_name)
+        system, rotor = phase_system(switching), rotor and machine(rotor).phase(*switching.phase)
+    with at(file_name, "model"):
+        polynomial_matrix = system.undelayed_form().polynomial_matrix
     if any(load.factors for load in table.force):
         patterns = load_patterns(table.force, coordinates, channels(system, "inputs"), file_name, linearized)
         for one in (system, rotor):
             if one is not None:
                 one.load_patterns = patterns
-    if rotor is not None and rotor.unbalance is not None:
-        loads += unbalance_loads(rotor.unbalance, table.model.speed or 0.0, coordinates)
     problem = coordinates, polynomial_matrix, initial, force_of(loads), system
     ends = shaped(table.motion, of_motions, table.force, shapers)
     if robot is None:
-        return Equations(*problem, model, loads=loads, rotor=rotor, ends=ends)
+        return Equations(*problem, model, loads=loads, rotor=rotor, ends=ends, switching=switching)
     from .robot_model import RobotEquations
 
     return RobotEquations(*problem, robot_scene=replace(robot, system=system), loads=loads, rotor=rotor, ends=ends)

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from ...robot.linear_range import LinearRange
     from ...robot.robot import Robot
     from ...robot.statics import Posture
+    from .switched import Switching
 
 Decision = tuple[bool, str]  # whether a stage runs, and the reason
 
@@ -95,6 +96,9 @@ class Equations:
     # conditions and free coordinates of equations that are no regular system by themselves; the polynomial matrix is that of the
     # completed system. None where they are one
     solvability: Solvability | None = None
+    switching: Switching | None = (
+        None  # the switched system behind the motion, the system being that of one phase; None without switches
+    )
 
     # The problem, and its solution.
 
@@ -135,6 +139,8 @@ class Equations:
         """The answer: a Motion where there is a mechanical system, else a Response."""
         if self.response is not None:
             return self.response
+        if self.switching is not None:
+            return self.switching.solve(self.initial, self.force)
         if self.system is not None:
             return self.system.solve(*self.initial, force=self.force)
         from ...response.solve import solve
@@ -152,6 +158,13 @@ class Equations:
         return self.robot_scene and self.robot_scene.posture
 
     # Names, outputs and forces besides those of the coordinates.
+
+    @property
+    def has_reactions(self) -> bool:
+        """Whether there are constraint rows, in whatever phase."""
+        if self.switching is not None:
+            return self.switching.has_rows
+        return self.system is not None and bool(self.system.rows)
 
     @property
     def has_forces(self) -> bool:
@@ -234,6 +247,8 @@ class Equations:
 
     def unproved(self, reason: str, plots: Sequence[str]) -> str:
         """The reason why an output is not proved, in addition to that of the coordinates."""
+        if self.switching is not None:
+            return "phases that follow each other: errors are estimated"
         return reason or next((end.unproved for end in self.ends if end.unproved), "")
 
     def without_formula(self, modal_damping: bool) -> str:

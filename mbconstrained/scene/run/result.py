@@ -143,7 +143,9 @@ def folded(notices: Sequence[Notice], jumps: int, impulses: int, later: tuple[in
     """One sentence in place of the notices on each jump and impulse, which are in tables."""
     counts_of_events = [*_counted("At t = 0", jumps, impulses), *_counted("After t = 0", *later)]
     jump, impulse = NoticeKind.JUMP, NoticeKind.IMPULSE  # a jump of a constraint row is a cause, which no table has
-    in_tables = (one.kind == impulse or (one.kind == jump and not one.text.startswith("constraint ")) for one in notices)
+    in_tables = (
+        one.kind in (impulse, NoticeKind.SWITCH) or (one.kind == jump and not one.text.startswith("constraint ")) for one in notices
+    )
     return (*counts_of_events, *(notice for notice, is_listed in zip(notices, in_tables) if not is_listed))
 
 
@@ -158,6 +160,9 @@ MOST_NOTICES = 12
 
 def start_notices(equations: Equations) -> tuple[Notice, ...]:
     """Notices on the start: causes first, then the jumps and impulses; none where the start is consistent."""
+    if equations.switching is not None:
+        kinds = (NoticeKind.JUMP, NoticeKind.IMPULSE)
+        return tuple(notice for notice in equations.switching.begin.notices if notice.kind in kinds)
     if equations.start_fits:
         return ()
     motion: Any = equations.solve()  # a Motion where there is a system
@@ -264,6 +269,8 @@ def _fastest_visible(scene: SceneData, motion: Motion, slowest: float) -> tuple[
 
 def _angular_frequencies(scene: SceneData, motion: Motion) -> list[float]:
     """Angular frequencies of the eigenvalues and the forces, in descending order."""
+    if hasattr(motion, "phases"):
+        return sorted({abs(value.imag) for value in zeros_of(motion.function.blocks)}, reverse=True)
     A = scene.equations.polynomial_matrix
     zeros = {abs(value.imag) for value in (A.reduction if isinstance(A.reduction, Reduction) else A).eigenvalues}
     smooth = motion.force.smooth  # prescribed motions, too
@@ -286,7 +293,7 @@ def _visible_frequency(scene: SceneData, motion: Motion, descending: list[float]
     kept = list(_distinct(descending))
     coordinates = scene.equations.coordinates
     some = motion(scene.times)
-    for begin, length in _stretches(scene, 2 * math.pi / kept[0]):
+    for begin, length in _stretches(scene, motion, 2 * math.pi / kept[0]):
         local = np.linspace(0.0, length, LOOKS)
         both = [motion(begin + local), motion(begin + length + local)]
         scale = visible(np.hstack([some, *both]), coordinates.units)
@@ -307,13 +314,16 @@ def _amplitudes(parts: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.hypot(*factors.reshape(2, -1, len(values)))
 
 
-def _stretches(scene: SceneData, period: float) -> Iterator[tuple[float, float]]:
+def _stretches(scene: SceneData, motion: Motion, period: float) -> Iterator[tuple[float, float]]:
     """Stretches of time to search for oscillations of this period: beginnings and lengths, in s, each followed by an equal one."""
     time, force = scene.table.time, scene.equations.force
     whole = time.end - time.start
     length = min(PERIODS * period, whole / 2)
-    yield from ((time.start + min(place * whole, whole - 2 * length), length) for place in ALIASING_PLACES)
     changes = np.array([0.0]) if force is None else force.knots[force.knots < time.end]
+    if not hasattr(motion, "phases"):
+        yield from ((time.start + min(place * whole, whole - 2 * length), length) for place in ALIASING_PLACES)
+    else:  # nothing oscillates on through an event
+        changes = np.unique([*changes, *(event.time for event in motion.events if event.time < time.end)])
     begins = np.maximum(changes + LASTS * time.spacing, time.start)
     left = np.append(changes[1:], time.end) - begins
     for k in np.argsort(-left, kind="stable")[:MOST_CHANGES]:
@@ -546,7 +556,7 @@ class Result:
         """The motion from which the curves are computed, where a force restarts; at its knots all values up to the degree of A(s)."""
         from ...page.content import RecordResponse
 
-        if (
+        if self.is_switched or (
             self.system is not None and self.system.delayed
         ):  # the coordinates do not follow from their values at the knots of the force
             return None
@@ -626,13 +636,15 @@ class Result:
         """The impulses at t = 0 in the coordinates, then in the constraint forces."""
         coordinates = self.scene.equations.coordinates
         impulses = impulses_of(self.motion.impulses, coordinates)
-        if self.rows:
+        if self.rows and not self.is_switched:  # the table of events has those of contacts and rows
             impulses += impulses_of(self.motion.constraint_impulses, forces_of_rows(self.rows, shown=coordinates.shown))
         return impulses
 
     @cached_property
     def later(self) -> list[Event | ImpulsiveLoad]:
         """The events of the motion, except kinks, and the impulses of its constraint forces after t = 0, by time."""
+        if self.is_switched:  # the table of events has them
+            return []
         events = [*without_kinks(self.motion), *getattr(self.motion, "later_constraint_impulses", ())]
         return sorted(events, key=lambda event: event.time)
 

@@ -318,9 +318,8 @@ def check_output(output, equations: Equations, file_name: str, modal_damping: bo
     with at(file_name, "output.formula"):
         if output.formula and (model := equations.without_formula(modal_damping)):
             raise InputError(f"there is no formula with symbols for {model}; leave it out")
-    system = equations.system
     with at(file_name, "output.arrows"):
-        if output.arrows and not (system and system.rows):
+        if output.arrows and not equations.has_reactions:
             raise InputError("found reaction, but there are no constraint rows; leave it out")
     with at(file_name, "output.plots"):
         if "output" in output.plots and equations.outputs is None:
@@ -334,7 +333,7 @@ def check_output(output, equations: Equations, file_name: str, modal_damping: bo
             raise InputError("found force, but nothing acts that has a name: give a [[force]] or [least_energy], or leave it out")
         if "ground_reaction" in output.plots and not equations.has_connections:
             raise InputError("found ground_reaction, but there is no robot with loops, springs or bushings; leave it out")
-        if "reaction" in output.plots and not (system and system.rows):
+        if "reaction" in output.plots and not equations.has_reactions:
             raise InputError("found reaction, but there are no constraint rows; leave it out")
 
 

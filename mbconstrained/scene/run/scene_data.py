@@ -19,6 +19,7 @@ from ...mechanics.element_matrix import ElementMatrix
 from ...response.choose import Method, Request, choose
 from ...response.problem import Problem
 from ..build.model import End, Equations
+from ..build.switched import refuse_with_switches
 from ..file import SceneName
 from ..quantities.parameters import Parameters
 from ..quantities.settings import Setting
@@ -35,6 +36,7 @@ class SceneData(Displayed):
 
     Attributes:
         plan, named_parameters: as of ``Scene``.
+        phase_notices: the phase that the equations are those of, where the model switches.
     """
 
     plan: ClassVar[Callable[..., Any]]
@@ -48,6 +50,7 @@ class SceneData(Displayed):
     parameters: Parameters = Parameters()
     settings: tuple[Setting, ...] = ()
     file_name: SceneName = SceneName("")
+    phase_notices: tuple[Notice, ...] = ()
 
     def _summary(self) -> str:
         return f"{self.name}: {self.title}" if self.title else self.name
@@ -76,7 +79,8 @@ class SceneData(Displayed):
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
         """Notices before a run: overrides, unused parameters, unconstrained bodies."""
-        has_elements = self.equations.system is not None and self.table.model.kind in ("lumped", "matrices")
+        fixed = self.equations.system is not None and self.equations.switching is None
+        has_elements = fixed and self.table.model.kind in ("lumped", "matrices")
         free = free_motion_notices(self.equations.system) if has_elements else ()
         given = (
             *self.parameters.notices,
@@ -87,11 +91,13 @@ class SceneData(Displayed):
             *_matrix_notices(self.table, self.equations.system),
         )
         missing = self.equations.mesh_notices() if self.table.output.page and self.table.output.animation else ()
-        return (*(setting.notice for setting in self.settings), *given, *free, *missing)
+        return (*self.phase_notices, *(setting.notice for setting in self.settings), *given, *free, *missing)
 
     @cached_property
     def method(self) -> Method:
         """The method that gives the response at the times of the scene."""
+        if self.equations.switching is not None:
+            return self.equations.switching.begin.method
         return choose(self.problem, Request(times=self.times))
 
     @cached_property
@@ -105,7 +111,16 @@ class SceneData(Displayed):
     def certified(self) -> Self:
         """The scene with certify = true, unless it states what to certify."""
         output = self.table.output
-        return self._with_output(certify=output.certify or output.coordinates or True)
+        certified = self._with_output(certify=output.certify or output.coordinates or True)
+        if self.equations.switching is not None:
+            refuse_with_switches(certified.table, (), self.file_name)
+        return certified
+
+    def in_phase(self) -> Self:
+        """The scene with the equations of one phase alone, as linear analyses take it."""
+        if (switching := self.equations.switching) is None:
+            return self
+        return replace(self, equations=replace(self.equations, switching=None), phase_notices=(switching.notice,))
 
     def with_viewer(self, viewer: str) -> Self:
         """The scene with the script of the viewer "inside" its page, in a "separate" file, or "compressed"."""

@@ -87,8 +87,20 @@ def _serves_reduced(scene: SceneData) -> bool:
     return not (equations.system is None or table.output.npz or table.frequency or scene.method.name == PAIRS)
 
 
+#: Why the equations of one phase alone are not split.
+BY_PHASE = "each phase has its own, made when the motion enters it"
+
+
+def switches(scene: SceneData) -> Decision:
+    """Contacts, friction and other parts with several states."""
+    switching = scene.equations.switching
+    return (False, "no contacts, friction or other switches") if switching is None else (True, switching.reason)
+
+
 def staircase(scene: SceneData) -> Decision:
     """The Weierstrass form, only where the equations do not reduce directly, or a file holds their Jordan pairs."""
+    if scene.equations.switching is not None:
+        return False, BY_PHASE
     if _serves_reduced(scene):
         return False, "the equations reduce directly without rank decisions"
     return True, "splits the finite from the infinite part by rank decisions"
@@ -96,6 +108,8 @@ def staircase(scene: SceneData) -> Decision:
 
 def finite_pair(scene: SceneData) -> Decision | LateDecision:
     """Eigenvalues are always listed; the motion comes from the pair only where the chosen method uses pairs."""
+    if scene.equations.switching is not None:
+        return False, BY_PHASE
     if _serves_reduced(scene):
         return False, "the modes have the eigenvalues"
     if scene.problem.delayed:
@@ -107,6 +121,8 @@ def finite_pair(scene: SceneData) -> Decision | LateDecision:
 def infinite_pair(scene: SceneData) -> Decision:
     """Jumps and impulses come from the infinite pair; free admissible motion needs none (Moysis et al., section 4.1)."""
     equations = scene.equations
+    if equations.switching is not None:
+        return False, BY_PHASE
     A = equations.polynomial_matrix
     if _serves_reduced(scene):
         return False, "the reduced equations, which have no infinite part, serve"
@@ -163,8 +179,8 @@ def velocities(scene: SceneData) -> Decision:
 
 def reactions(scene: SceneData) -> Decision:
     """The forces of the constraint rows over time."""
-    output, system = scene.table.output, scene.equations.system
-    if system is None or not system.rows:
+    output = scene.table.output
+    if not scene.equations.has_reactions:
         return False, "no constraint rows"
     requested = output.reactions or "reaction" in output.plots
     if not requested and output.arrows and animation(scene)[0]:
@@ -358,6 +374,7 @@ STEPS = (
     PossibleStage("assemble the model", lambda scene: scene.equations.size_decision()),
     PossibleStage("dependent constraint rows", lambda scene: scene.equations.rows_decision(), part_of="assemble the model"),
     PossibleStage("constrained form", constrained_form, part_of="assemble the model"),
+    PossibleStage("switches", switches, part_of="response"),
     PossibleStage("scaling and staircase", staircase, methodcaller("jordan_pairs")),
     PossibleStage("finite pair", finite_pair, attrgetter("finite_pair")),
     PossibleStage("infinite pair", infinite_pair, attrgetter("infinite_pair")),

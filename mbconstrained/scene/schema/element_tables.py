@@ -12,7 +12,20 @@ from pydantic import BeforeValidator, Field, PrivateAttr, create_model, model_va
 
 from ...ground.errors import InputError, shown
 from ...models.elements import Element, Entry, Joins, Numeric, Relation, entries_of
-from .entry_types import SPEED, Acceleration, AngularVelocity, DampedTable, Name, Quantity, Table, Teeth, in_planes, quantity_field
+from .entry_types import (
+    LINEAR_PHASE,
+    SPEED,
+    Acceleration,
+    AngularVelocity,
+    DampedTable,
+    LinearPhase,
+    Name,
+    Quantity,
+    Table,
+    Teeth,
+    in_planes,
+    quantity_field,
+)
 
 #: What a table by names is expected to be, by its key.
 EXAMPLES = {
@@ -118,6 +131,7 @@ class _Lumped(DampedTable):
     kind: Literal["lumped"] = Field(description='"lumped": bodies along one axis, springs, dampers, gears ….')
     gravity: Acceleration | None = Field(None, description="Acceleration of free fall along the axis, negative for downwards.")
     speed: AngularVelocity | None = SPEED
+    linear_phase: LinearPhase = LINEAR_PHASE
     _order: tuple[str, ...] = PrivateAttr(default=())
 
     @model_validator(mode="wrap")

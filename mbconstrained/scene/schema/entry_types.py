@@ -35,12 +35,9 @@ ABOVE = ("title", "source", "include")  # keys that stand above all tables
 MEANT = {  # what people write: what a scene calls it
     "position": "displacement", "speed": "velocity", "start": "initial", "duration": "end", "stop": "end", "steps": "points",
     "step": "points", "type": "kind", "body": "coordinate", "amplitude": "value", "ends": "between", "bodies": "between",
+    "friction": "dry_friction", "unilateral": "contact", "gap": "contact", "bumper": "contact", "rope": "cable", "play": "backlash",
     "k": "stiffness", "c": "damping", "m": "mass", "weight": "mass", "length": "rest_length", "options": "output",
 }  # fmt: skip
-
-
-#: Elements that no linear model has.
-UNILATERAL = ("contact", "gap", "backlash", "friction", "unilateral", "restitution")
 
 
 class UnknownKey(EntryError):
@@ -49,8 +46,6 @@ class UnknownKey(EntryError):
     def __init__(self, key: str, known: Iterable[str], hint: str = ""):
         known = list(known)
         hint = hint or nearest(key, known) or (f'; did you mean "{MEANT[key]}"?' if MEANT.get(key) in known else "")
-        if key in UNILATERAL:
-            hint = "; contact, gaps and friction are not linear and are not solved: end the run where they begin, and start another there"
         if key in ABOVE:
             hint = f"; {key} = … stands at the top of the file, above the first [table]"
         super().__init__(f"unknown key {shown(key)}{hint}; known here are {', '.join(known)}", key)
@@ -230,6 +225,13 @@ class DampedTable(Table):
     ] = Field(None, description="The damping ratio of all undamped modes, e.g. 0.02, or of the lowest ones, e.g. [0.02, 0.05].")
 
 
+#: The key of models that may switch.
+LINEAR_PHASE: Any = Field(
+    None,
+    description="Of a model that switches, the phase for which modes, frequency responses and other linear analyses answer: its name, or "
+    'states by the name of what switches, e.g. { stop = "closed" }; left out: that at the start.',
+)
+
 #: The key of models that may be rotors.
 SPEED: Any = Field(None, description='The constant speed of a rotor, e.g. "3000 rpm"; left out: at rest.')
 
@@ -284,6 +286,7 @@ Level = Literal["position", "velocity", "acceleration"]
 Name = Annotated[str, BeforeValidator(_name)]
 Unit = Annotated[str, BeforeValidator(unit_name)]
 Text = Annotated[str, BeforeValidator(_text)]
+LinearPhase = dict[str, str] | str | None
 Pair = Annotated[list[Name], Field(min_length=2, max_length=2)]
 Vector = Annotated[list[Length], Field(min_length=3, max_length=3)]  # type: ignore[valid-type]
 

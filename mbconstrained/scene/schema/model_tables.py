@@ -178,6 +178,14 @@ class MatricesTable(DampedTable):
         None, description="Names of the rows of coefficients, to which forces belong; those of the coordinates when left out."
     )
 
+    @classmethod
+    def _hint(cls, key: str) -> str:
+        from .scene_schema import _lumped_table
+
+        if key not in _lumped_table().model_fields:
+            return ""
+        return f'; {key} is of kind = "lumped"; equations that change have phases and transitions, [[model.phase]] and [[model.transition]]'
+
     @model_validator(mode="after")
     def _one_form(self):
         if (self.mass is None) == (self.coefficients is None):

@@ -205,6 +205,10 @@ class InitialTable(Table):
     )
     state: Values = Field({}, description="States of a state space at 0-, instead of all these, e.g. { x1 = 0.1 }.")
     follow: bool = Field(False, description="true: omitted values follow from the constraint rows instead of being 0.")
+    penetration: bool = Field(
+        False,
+        description="true: contacts that are penetrated at the start close at once, with a jump and impulses, instead of an error.",
+    )
 
     @model_validator(mode="after")
     def _one_form(self):

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import mbconstrained as mb
-from mbconstrained.ground.errors import InputError, SceneError
+from mbconstrained.ground.errors import InputError
 from mbconstrained.ground.notices import NoticeKind
 from tests.scene.scenes import scene_of
 
@@ -100,11 +100,6 @@ def test_kinks_are_one_sentence_and_steps_of_the_record_stay(tmp_path):
     jumps = [notice.text for notice in stepped.notices if notice.kind == NoticeKind.JUMP]
     assert any("left: its displacement jumps at t = 0.5 s" in one for one in jumps)
     assert len([notice for notice in stepped.notices if notice.kind == NoticeKind.KINK]) == 1
-
-
-def test_contact_is_refused_with_what_to_do(tmp_path):
-    with pytest.raises(SceneError, match="not linear and are not solved"):
-        scene_of(tmp_path, '[model]\nkind = "lumped"\nmass = [{ name = "a", mass = "1 kg" }]\ncontact = []\n[time]\nend = "1 s"\n')
 
 
 @pytest.mark.parametrize("tilts", [False, True])

@@ -1,0 +1,166 @@
+"""Scenes with contacts, friction and other switches: the motion through all phases with its events, in every form of the answer."""
+
+import json
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from mbconstrained.ground.errors import InputError, SceneError
+from mbconstrained.ground.notices import NoticeKind
+from tests.scene.scenes import scene_of
+
+DROP = """
+[model]
+kind = "lumped"
+gravity = -9.81
+[[model.mass]]
+name = "ball"
+mass = "2 kg"
+[[model.contact]]
+name = "floor"
+start = "ground"
+end = "ball"
+gap = "10 mm"
+restitution = 0.5
+[initial]
+displacement = { ball = 1.0 }
+[time]
+end = "5 s"
+points = 51
+[output]
+plots = ["displacement", "velocity", "energy", "reaction"]
+units = "mm"
+"""
+
+#: Of the fall to -10 mm.
+SPEED = np.sqrt(2 * 9.81 * 1.01)
+
+
+@pytest.fixture
+def drop(tmp_path):
+    return scene_of(tmp_path, DROP).run(tmp_path)
+
+
+def test_the_run_of_a_scene_is_the_motion_of_its_switched_system(tmp_path, drop):
+    model = mb.LumpedModel()
+    model.mass("ball", 2.0)
+    model.gravity(-9.81)
+    model.contact("ground", "ball", gap=0.01, restitution=0.5, name="floor")
+    x = model.assemble().solve({"ball": 1.0}, end=5.0)
+    assert np.array_equal(drop.values, x(drop.times))
+    assert [event.time for event in drop.motion.events] == [event.time for event in x.events]
+
+
+def test_an_impact_takes_the_impulse_and_the_energy_of_its_law(drop):
+    first = drop.to_dict()["events"][0]
+    assert first["time"] == pytest.approx(SPEED / 9.81, rel=1e-14)
+    assert first["impulses"]["floor"] == pytest.approx(2 * 1.5 * SPEED, rel=1e-14)
+    assert first["energy_lost"] == pytest.approx(0.75 * SPEED**2, rel=1e-13)
+    assert first["jump"][1] == pytest.approx([1.5 * SPEED], rel=1e-14)
+    assert (first["before"], first["after"], first["text"]) == ("open", "open", "floor strikes")
+    assert 0 < first["time_error"] < 1e-14
+
+
+def test_at_rest_the_contact_carries_the_weight(drop):
+    """Bounces add up to 3 flights of e = 1/2: it rests at t = 3 v / g."""
+    last = drop.motion.events[-1]
+    assert last.rest_time == pytest.approx(3 * SPEED / 9.81, rel=1e-13) and last.after == "closed"
+    rows = drop.curves("reaction")
+    assert rows.names == ("floor",)
+    assert rows.values[0, drop.times > last.time] == pytest.approx(2 * 9.81, rel=1e-13)
+    assert not rows.values[0, drop.times < last.time].any()
+
+
+def test_events_are_printed_in_the_units_of_the_output_and_stored_whole(drop, tmp_path):
+    table = next(table for table in drop.tables if table.title == "Events")
+    assert len(table.rows) == len(drop.motion.events)
+    assert drop.largest[0].value == 1.0 and "1000 mm" in drop.summary()
+    with np.load(tmp_path / "scene.npz") as arrays:
+        assert arrays["event_times"].tolist() == [event.time for event in drop.motion.events]
+        assert arrays["phases"].tolist() == ["open", "closed"]
+    assert json.loads(json.dumps(drop.to_dict()))["trusted"]
+
+
+def test_nothing_is_reported_twice(drop):
+    """The table has the events, so that no jump, impulse or event is a sentence below it."""
+    kinds = {NoticeKind.JUMP, NoticeKind.IMPULSE, NoticeKind.SWITCH, NoticeKind.RIGID_BODY, NoticeKind.ALIASING}
+    assert not kinds & {notice.kind for notice in drop.table_notices}
+    assert not [table for table in drop.tables if table.title.startswith(("Jumps", "Impulses"))]
+
+
+def test_the_plan_has_a_stage_for_switches_where_there_are_some(tmp_path):
+    stages = {stage.name: stage for stage in scene_of(tmp_path, DROP).plan().stages}
+    assert stages["switches"].needed and "1 switch (floor)" in stages["switches"].reason
+    assert not stages["scaling and staircase"].needed and not stages["proof (python-flint)"].needed
+    without = DROP.split("[[model.contact]]")[0] + DROP[DROP.index("[initial]") :].replace(', "reaction"', "")
+    stages = {stage.name: stage for stage in scene_of(tmp_path, without).plan().stages}
+    assert not stages["switches"].needed and "no contacts" in stages["switches"].reason
+
+
+PENETRATED = DROP.replace("ball = 1.0", "ball = -0.11")
+
+
+def test_a_start_in_penetration_is_refused_with_the_impulse_that_it_would_cause(tmp_path):
+    with pytest.raises(SceneError, match=r"scene.toml: initial: floor: .* penetrated by 0.1 m.* impulse of 0.2 N s\^2"):
+        scene_of(tmp_path, PENETRATED)
+
+
+def test_an_accepted_penetration_is_a_jump_with_an_impulse_of_the_contact(tmp_path):
+    x = scene_of(tmp_path, PENETRATED.replace("[initial]", "[initial]\npenetration = true")).run()
+    assert x.motion.jump[0] == pytest.approx([0.1], rel=1e-14)
+    assert [jump.size for jump in x.jumps] == ["100 mm"]
+    first = x.motion.events[0]
+    assert first.time == 0 and first.higher_impulses["floor"] == pytest.approx((0.2,), rel=1e-14)
+    assert "floor 0.2 N s^2" in "".join(next(table for table in x.tables if table.title == "Events").rows[0])
+
+
+def test_a_start_at_rest_on_a_contact_is_no_event(tmp_path):
+    x = scene_of(tmp_path, DROP.replace("ball = 1.0", "ball = -0.01")).run()
+    assert not x.motion.events and not x.jumps and x.motion.phases == ((0.0, "closed"),)
+    assert {notice.kind for notice in x.notices} == {NoticeKind.STATIC_LOAD, NoticeKind.AT_REST}
+
+
+@pytest.mark.parametrize(
+    ("change", "place"),
+    [
+        ("[output]\nformula = true", "output.formula"),
+        ("[output]\ncertify = true", "output.certify"),
+        ("[least_energy]\nduration = 1\n[output]", "least_energy"),
+        ('[[force]]\ncoordinate = "ball"\nkind = "step"\nvalue = 1\nshaper = { kind = "ZV" }\n[output]', "force"),
+    ],
+)
+def test_what_belongs_to_one_phase_is_refused_by_name(tmp_path, change, place):
+    text = DROP.replace('"2 kg"\n', '"2 kg"\n[[model.spring]]\nbetween = ["ground", "ball"]\nstiffness = 100\n')
+    with pytest.raises(SceneError, match=rf"scene.toml: {place}"):
+        scene_of(tmp_path, text.replace("[output]", change))
+
+
+def test_boundary_values_and_certificates_on_request_are_refused(tmp_path):
+    boundary = DROP.replace(
+        "[initial]\ndisplacement = { ball = 1.0 }", "[boundary]\nduration = 1\nend = { displacement = { ball = 0 } }"
+    )
+    with pytest.raises(SceneError, match=r"scene.toml: boundary: "):
+        scene_of(tmp_path, boundary)
+    with pytest.raises(SceneError, match=r"output.certify: exact arithmetic"):
+        scene_of(tmp_path, DROP).certified()
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ('contact = [{ start = "ground", end = "ball", gap = "-1 mm" }]', "negative|positive"),
+        ('contact = [{ start = "ground", end = "ball", restitution = 1.5 }]', r"0 \(no rebound\) to 1"),
+        ('contact = [{ start = "ground", end = "bal" }]', 'did you mean "ball"'),
+        ('contact = [{ start = "ground", end = "ball", gap = "1 N" }]', "gap"),
+        ('contacts = [{ start = "ground", end = "ball" }]', 'did you mean "contact"'),
+        (
+            'dry_friction = [{ start = "ground", end = "ball", normal_force = "1 kN", coefficent = 0.1 }]',
+            'did you mean "coefficient"',
+        ),
+        ('release = [{ target = "flor", at = 1 }]', "flor"),
+    ],
+)
+def test_wrong_entries_are_refused_in_the_words_of_the_scene(tmp_path, entry, message):
+    with pytest.raises((SceneError, InputError), match=message):
+        scene_of(tmp_path, DROP[: DROP.index("[[model.contact]]")].replace("gravity", f"{entry}\ngravity") + "[time]\nend = 1\n")
