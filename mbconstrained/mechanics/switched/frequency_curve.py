@@ -247,7 +247,7 @@ class _Point:
         """The smallest rate at which a displacement reaches its guard, relative to the range of its velocity; 1 without events."""
         sequence, ranges, slowest = self.orbit.sequence, self.orbit.sizes[self.orbit.map.size :], 1.0
         for before, segment in pairwise(sequence.segments):
-            guard = None if segment.event is None else segment.event.guard
+            guard = None if segment.event is None or segment.event.grazing else segment.event.guard
             if guard is not None and guard.displacement.any():
                 v = before.phase.V @ before.phase.flow.states(before.state, before.duration)
                 slowest = min(slowest, abs(float(guard.displacement @ v)) / float(np.abs(guard.displacement) @ ranges))
@@ -256,7 +256,7 @@ class _Point:
     @property
     def count(self) -> int:
         """The number of events."""
-        return sum(record.time > 0 for record in self.orbit.sequence.records)
+        return sum(record.time > 0 and not record.grazing for record in self.orbit.sequence.records)
 
 
 class _Branch:

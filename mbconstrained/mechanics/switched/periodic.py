@@ -61,17 +61,17 @@ class PeriodicMotion(Displayed):
         residual: largest difference of (x, x') before and after a period, relative to the range of each.
         drift: by how much the coordinates move on in a period, shape (n,); zero but for bodies without restoring force.
 
-    A block on a belt that moves at v = 1 m/s sticks for 2 D / v and slips for 2 (pi - atan(D w / v)) / w, D the difference of both friction
+    A block on a belt that moves at v = 0.5 m/s sticks for 2 D / v and slips for 2 (pi - atan(D w / v)) / w, D the difference of both friction
     forces divided by the stiffness:
 
     >>> import mbconstrained as mb
     >>> model = mb.LumpedModel()
     >>> _ = model.mass("block", 1.0), model.spring("ground", "block", stiffness=4.0), model.mass("belt", 1.0)
-    >>> _ = model.prescribe("belt", mb.ramp([1.0]))
+    >>> _ = model.prescribe("belt", mb.ramp([0.5]))
     >>> _ = model.dry_friction("belt", "block", normal_force=10.0, coefficient=0.2, static_coefficient=0.4)
     >>> x = model.assemble().periodic()
     >>> x, abs(x.multipliers).round(6).tolist()
-    (PeriodicMotion(period 3.35619 s, 2 events, stable), [1.0, 0.0, 0.0, 0.0])
+    (PeriodicMotion(period 4.03444 s, 2 events, stable), [1.0, 0.0, 0.0, 0.0])
     """
 
     motion: SwitchedMotion

@@ -295,6 +295,34 @@ def test_free_bodies_move_on():
     assert not x.is_stable
 
 
+@pytest.mark.parametrize("friction, ratio", [(0.4, 1.5), (0.3, 1.2), (0.5, 0.8)])
+def test_forced_vibration_with_dry_friction(friction, ratio):
+    """Den Hartog, Trans. ASME 53 (1931): the amplitude where the mass stops twice in a period, each time for a moment only."""
+    model = mb.LumpedModel()
+    model.mass("m", 1.0)
+    model.spring("ground", "m", stiffness=1.0)
+    model.dry_friction("ground", "m", normal_force=1.0, coefficient=friction)
+    x = model.assemble().periodic(force=cosine(ratio))
+    U = np.sin(np.pi / ratio) / (ratio * (1 + np.cos(np.pi / ratio)))
+    assert x.amplitude("m") == pytest.approx(np.sqrt((1 - ratio**2) ** -2 - (friction * U) ** 2), rel=1e-12)
+    assert len(x.events) == 2 and x.is_stable
+
+
+def test_gears_that_rattle_turn():
+    """A torque turns two inertias with play between them; all but the angle itself decays, the whole with c / (J1 + J2)."""
+    model = mb.LumpedModel()
+    model.inertia("motor", 1.0)
+    model.inertia("load", 2.0)
+    model.torsion_damper("ground", "load", damping=0.5)
+    model.backlash("motor", "load", gap=0.02, stiffness=100.0, damping=0.2)
+    force = {"motor": mb.step([1.0]) + cosine(6.0, 5.0)}
+    system = model.assemble()
+    x = system.periodic(force=force)
+    assert x.drift == pytest.approx(np.full(2, 2.0 * x.period), rel=1e-10)  # 1 N m / 0.5 N m s
+    assert x.multipliers[0] == pytest.approx(1.0) and x.is_stable and len(x.events) == 6
+    assert_closed(system, x, force, 1e-9)
+
+
 # Guesses and failures.
 
 
