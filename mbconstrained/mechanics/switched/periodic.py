@@ -34,6 +34,9 @@ STEPS, HALVINGS = 40, 10
 #: Periods that are passed through before the first step, unless the state repeats to this earlier.
 TRANSIENT, SETTLED = 200, 1e-3
 
+#: Motions that grow by this factor in these periods are unstable: the search begins at their start.
+GROWN = 1e6
+
 #: Periods of a motion that repeats after several periods of the force, for the message.
 MOST_PERIODS = 8
 
@@ -453,9 +456,14 @@ class Orbit:
         own, key, z = self, self.key, self.z
         if self.offset:
             since = self.period - self.offset
-            key, z = state_at(self.sequence, since)
+            key, z = along(self.map, self.sequence, since, self.offset, 0.0)
             own = self.map.orbit(key, z, self.period)
             own = own if own.end_key == own.key else self.map.orbit(own.end_key, z, self.period)
+        if own.sequence.deadlines:
+            raise InputError(
+                "periodic: the dwell of a transition runs at the start of the period, from where the motion cannot be continued; give "
+                "the force another phase"
+            )
         n = self.map.size
         motion = self.map.system._motion(own.sequence, z.reshape(2, n), self.map.force)
         drift = np.where(np.abs(own.moved[:n]) <= CLOSED_ORBIT * self.sizes[:n], 0.0, own.moved[:n])
@@ -475,12 +483,16 @@ def states_over(sequence: PhaseSequence, count: int) -> tuple[np.ndarray, np.nda
     return np.concatenate(times), np.hstack(states), segments
 
 
-def state_at(sequence: PhaseSequence, time: float) -> tuple[Key, np.ndarray]:
-    """The phase and z at a time, just after it."""
+def along(map: PeriodMap, sequence: PhaseSequence, time: float, offset: float = 0.0, turned: float = 0.0) -> tuple[Key, np.ndarray]:
+    """The phase and z just after a time of a sequence that began at an offset, for a start at another, with prescribed displacements there."""
     segment = [one for one in sequence.segments if one.duration > 0 and one.time <= time][-1]
     y = segment.phase.flow.states(segment.state, time - segment.time)
     key = next(key for key, phase in sequence.phases.items() if phase is segment.phase)
-    return key, np.concatenate([segment.phase.C @ y, segment.phase.V @ y])
+    z = np.concatenate([segment.phase.C @ y, segment.phase.V @ y])
+    shift = map.shifts.of(map.source.at(offset + time) - map.source.at(turned))
+    if shift is not None:
+        z[: map.size] -= shift
+    return key, z
 
 
 # The search.
@@ -529,14 +541,15 @@ def forced_orbit(map: PeriodMap, start: np.ndarray | None) -> Orbit:
             return newton(map.orbit(key, z, T))
         except NotUnique:
             start = None  # the state after some periods may be nearer
-    orbit = map.orbit(key, z, T)
+    first = orbit = map.orbit(key, z, T)
     passed = [orbit.z]
     for _ in range(TRANSIENT):
-        following = map.orbit(orbit.end_key, orbit.end - orbit.moved, T)
-        passed.append(following.z)
-        near = following.residual(following.sizes) <= SETTLED and following.end_key == following.key
-        orbit = following
-        if near:
+        orbit = map.orbit(orbit.end_key, orbit.end - orbit.moved, T)
+        passed.append(orbit.z)
+        if orbit.residual(orbit.sizes) <= SETTLED and orbit.end_key == orbit.key:
+            break
+        if (orbit.sizes > GROWN * first.sizes.max()).any():
+            orbit = first
             break
     try:
         return newton(cleared(orbit) if map.is_smooth else orbit)
@@ -556,21 +569,18 @@ def cleared(orbit: Orbit) -> Orbit:
     gaps = np.diff([*times, times[0] + T])
     place = int(gaps.argmax())
     since = (times[place] + gaps[place] / 2) % T
-    key, z = state_at(orbit.sequence, since)
-    map, offset = orbit.map, orbit.offset + since
-    turned = offset % T
-    shift = map.shifts.of(map.source.at(offset) - map.source.at(turned))
-    if shift is not None:
-        z[: map.size] -= shift
-    return map.orbit(key, z, T, turned)
+    turned = (orbit.offset + since) % T
+    key, z = along(orbit.map, orbit.sequence, since, orbit.offset, turned)
+    return orbit.map.orbit(key, z, T, turned)
 
 
 def newton(orbit: Orbit, free_period: bool = False) -> Orbit:
     """The closed orbit near an orbit, by Newton's method in the least-squares sense, or a NotUnique with the residual."""
-    map, sizes = orbit.map, orbit.sizes
-    residual = orbit.residual(sizes)
+    map, settled = orbit.map, False
     for _ in range(STEPS):
-        if residual <= 4 * EPS and orbit.end_key == orbit.key:
+        sizes = orbit.sizes
+        residual = orbit.residual(sizes)
+        if (settled or residual <= 4 * EPS) and orbit.end_key == orbit.key:
             break
         J = orbit.jacobian() * sizes / sizes[:, None]
         if free_period:
@@ -582,9 +592,8 @@ def newton(orbit: Orbit, free_period: bool = False) -> Orbit:
         if better is None:
             break
         settled = better.residual(sizes) > residual / 2 and residual <= CLOSED_ORBIT
-        orbit, residual = better, better.residual(sizes)
-        if settled and orbit.end_key == orbit.key:
-            break
+        orbit = better
+    residual = orbit.residual(orbit.sizes)
     if residual > CLOSED_ORBIT:
         raise NotUnique(
             f"no periodic motion found: the last residual is {residual:.3g} relative to the range of the motion, at a period of "
@@ -629,19 +638,10 @@ def _free(map: PeriodMap, period: float | None, start: np.ndarray | None) -> Orb
     if start is None:
         sequence = map.run(key, z, TRANSIENT / 2 * longest)
         time = sequence.end - 4 * longest
-        key, z = _along(map, sequence, _middle(sequence, time))
+        key, z = along(map, sequence, _middle(sequence, time))
     sequence = map.run(key, z, 8 * longest)
     orbit = map.orbit(key, z, period or _return_time(map, sequence, z))
     return _moving(newton(orbit, free_period=True))
-
-
-def _along(map: PeriodMap, sequence: PhaseSequence, time: float) -> tuple[Key, np.ndarray]:
-    """The state at a time, with prescribed displacements as at the start."""
-    key, z = state_at(sequence, time)
-    shift = map.shifts.of(map.source.at(time) - map.source.at(0.0))
-    if shift is not None:
-        z[: map.size] -= shift
-    return key, z
 
 
 def _middle(sequence: PhaseSequence, time: float) -> float:

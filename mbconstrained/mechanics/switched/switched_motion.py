@@ -6,6 +6,7 @@ from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,11 +24,13 @@ from ...signals.impulsive import ImpulsiveLoad
 from ..constraints import ConstraintRow
 from ..energy import Energy, energy_of
 from ..motion import Motion, Quantity, _order_of, _sentences, _static_offsets
+from .flow import NOISE
 from .phase import STILL, Phase
 from .sequence import PhaseSegment, PhaseSequence, SwitchRecord
 
 if TYPE_CHECKING:
     from ...response.methods.defect import Rounding
+    from .switches import Guard
 
 #: The method that reports and plans name.
 SWITCHED = Method("switched", "phase by phase by the Jordan pairs of each, switched at the zeros of its guards")
@@ -539,12 +542,28 @@ class SwitchedMotion(Motion):
 def transition_matrix(sequence: PhaseSequence) -> np.ndarray:
     """The derivative of (x, x') at the end of a sequence with respect to those at 0-."""
     with np.errstate(over="ignore", invalid="ignore"):
-        first, *others = sequence.segments
-        total = _after(first)
-        for previous, segment in zip([first, *others], others):
-            total = _saltation(previous, segment, *_transition(previous))[0] @ total
+        total = _after(sequence.segments[0])
+        waiting: list[tuple[float, Guard, np.ndarray]] = []
+        for previous, segment in pairwise(sequence.segments):
+            F, y = _transition(previous)
+            F, total = F @ total, _saltation(previous, segment, F, y)[0] @ total
+            waiting += _begun_dwells(previous, segment, F, y)
+            if segment.event is not None and segment.event.guard is None and segment.event.before != segment.event.after:
+                for time, guard, along in waiting:
+                    if abs(time + guard.dwell - segment.time) <= NOISE * segment.time and guard.target in segment.event.after:
+                        total = total + np.outer(_change_of_rate(previous, segment, y), along)
+                        break
         last = sequence.segments[-1]
         return np.vstack([last.phase.C, last.phase.V]) @ (_transition(last)[0] @ total)
+
+
+def _begun_dwells(previous: PhaseSegment, segment: PhaseSegment, F: np.ndarray, y: np.ndarray):
+    """The time, the guard and the derivative of the time of each guard with a dwell that may fall to zero at the end of a segment."""
+    flow = previous.phase.flow
+    for guard, row in zip(previous.phase.guards, flow.rows):
+        rate = float(row @ (previous.phase.J @ y))
+        if guard.dwell and not guard.is_opposite and rate < 0:
+            yield segment.time, guard, -(row @ F) / rate
 
 
 def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
@@ -594,6 +613,11 @@ def _saltation(previous: PhaseSegment, segment: PhaseSegment, F: np.ndarray, y: 
     if rate == 0:
         return total, np.full(F.shape[1], np.inf)
     along = -(record.guard_row @ F) / rate
-    before = outputs @ (phase.J @ y)
-    after = np.vstack([segment.phase.C, segment.phase.V]) @ (segment.phase.J @ segment.state)
-    return total + np.outer(D @ before - after, along), along
+    return total + np.outer(_change_of_rate(previous, segment, y), along), along
+
+
+def _change_of_rate(previous: PhaseSegment, segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
+    """D z-' - z+', by which a later switch changes z."""
+    before, after = previous.phase, segment.phase
+    rate = np.vstack([before.C, before.V]) @ (before.J @ y)
+    return _after(segment) @ rate - np.vstack([after.C, after.V]) @ (after.J @ segment.state)

@@ -323,6 +323,22 @@ def test_gears_that_rattle_turn():
     assert_closed(system, x, force, 1e-9)
 
 
+def test_transition_after_a_dwell():
+    """The stiffness rises some time after a limit has been passed: the time of the switch depends on the motion before it."""
+    soft = mb.MechanicalSystem([[1.0]], [[0.1]], [[4.0]])
+    stiff = mb.MechanicalSystem([[1.0]], [[0.3]], [[16.0]])
+    rise = mb.Transition("soft", "stiff", when={"x1": 1.0}, above=0.2, dwell=0.3)
+    fall = mb.Transition("stiff", "soft", when={"x1": 1.0}, below=-0.05)
+    system = mb.SwitchedSystem({"soft": soft, "stiff": stiff}, [rise, fall])
+    force = mb.harmonic([1.0], angular_frequency=1.7, phase=1.7 * 1.3)
+    x = system.periodic(force=force)
+    assert [event.after for event in x.events] == ["stiff", "soft"] and x.residual < 1e-13
+    assert x(x.events[0].time - 0.3)[0] == pytest.approx(0.2, rel=1e-12)
+    assert_multipliers(x, system, force)
+    with pytest.raises(mb.InputError, match="dwell"):
+        system.periodic(force=mb.harmonic([1.0], angular_frequency=1.7, phase=1.7 * (1.3 + x.events[0].time - 0.1)))
+
+
 # Guesses and failures.
 
 
