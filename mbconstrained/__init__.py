@@ -77,6 +77,9 @@ if TYPE_CHECKING:
     from .mechanics.rotating import Campbell as Campbell
     from .mechanics.rotating import CriticalSpeed as CriticalSpeed
     from .mechanics.sensitivities import Sensitivities as Sensitivities
+    from .mechanics.switched.frequency_curve import Bifurcation as Bifurcation
+    from .mechanics.switched.frequency_curve import FrequencyCurve as FrequencyCurve
+    from .mechanics.switched.periodic import PeriodicMotion as PeriodicMotion
     from .mechanics.switched.switched_motion import SwitchedMotion as SwitchedMotion
     from .mechanics.switched.switched_motion import SwitchEvent as SwitchEvent
     from .mechanics.switched.switched_system import SwitchedSystem as SwitchedSystem
@@ -177,6 +180,8 @@ _NAMES = {
     "mechanics.parameter": "Parameter",
     "mechanics.rotating": "Campbell CriticalSpeed",
     "mechanics.sensitivities": "Sensitivities",
+    "mechanics.switched.frequency_curve": "Bifurcation FrequencyCurve",
+    "mechanics.switched.periodic": "PeriodicMotion",
     "mechanics.switched.switched_motion": "SwitchEvent SwitchedMotion",
     "mechanics.switched.switched_system": "SwitchedSystem",
     "mechanics.switched.switches": "Transition",

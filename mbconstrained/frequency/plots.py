@@ -1,8 +1,13 @@
-"""Frequency responses drawn by matplotlib: Bode, Nyquist, real and imaginary parts; one column for each input, rows for each output."""
+"""Frequency responses drawn by matplotlib: Bode, Nyquist, real and imaginary parts; one column for each input, rows for each output.
+
+Branches of periodic motions over the frequency, too.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -66,6 +71,25 @@ def draw(response, kind: str, figure=None, style: PlotStyle = PlotStyle()):
                 if style.peaks and len(f):
                     _mark_peaks(own[0], response, (output, input), (f[0], f[-1]), style)
     return figure
+
+
+def draw_branch(frequencies_hz, amplitudes, unstable, marks: Mapping[str, Sequence[tuple[float, float]]], label: str, axes=None):
+    """A branch of periodic motions as matplotlib axes: unstable parts dashed, marked points by their kind."""
+    if axes is None:
+        from matplotlib.figure import Figure
+
+        axes = Figure(layout="constrained").subplots()
+    ends = [0, *(np.flatnonzero(np.diff(unstable.astype(int))) + 1), len(unstable)]
+    for begin, end in pairwise(ends):
+        part = slice(max(begin - 1, 0), end)  # from the last point before it on, without a gap
+        axes.plot(frequencies_hz[part], amplitudes[part], color="C0", linestyle="--" if unstable[begin] else "-")
+    for number, (kind, points) in enumerate(marks.items(), start=1):
+        axes.plot(*np.transpose(points), f"C{number}o", label=kind)
+    if marks:
+        axes.legend()
+    axes.set_xlabel("frequency (Hz)")
+    axes.set_ylabel(label)
+    return axes
 
 
 def _mark_peaks(axes, response, entry: tuple[str, str], ends: tuple[float, float], style: PlotStyle) -> None:

@@ -492,3 +492,21 @@ ROUGH_PART = 1e-9
 
 #: Parts of a function below this share of its largest amplitude do not decide how finely it is sampled.
 VISIBLE_PART = 1e-6
+
+# Periodic motions of switched systems.
+
+#: A state has converged with a residual below this, relative to the range of each coordinate and velocity: unstable motions multiply
+#: rounding errors by up to a million in a period.
+CLOSED_ORBIT = 1e-9
+
+#: Singular values of P' - I below this part of the largest belong to directions that nothing determines.
+UNDETERMINED = 1e-10
+
+#: A multiplier this near to 1 does not make a motion asymptotically stable.
+STABILITY_MARGIN = 1e-9
+
+#: Relative change of the frequency in differences: half of the digits.
+FREQUENCY_DIFFERENCE = 1e-7
+
+#: The shortest step along a branch, and the part of a step to which a change along it is located.
+SHORTEST_STEP, LOCATED_CHANGE = 1e-6, 1e-9

@@ -6,6 +6,7 @@ from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,12 +25,14 @@ from ...signals.impulsive import ImpulsiveLoad
 from ..constraints import ConstraintRow, constraint_rows
 from ..energy import Energy, energy_of
 from ..motion import Motion, Quantity, _order_of, _sentences, _static_offsets
+from .flow import NOISE
 from .phase import STILL, Phase
 from .sequence import PhaseSegment, PhaseSequence, SwitchRecord
 from .switches import SwitchState
 
 if TYPE_CHECKING:
     from ...response.methods.defect import Rounding
+    from .switches import Guard
 
 #: The method that reports and plans name.
 SWITCHED = Method("switched", "phase by phase by the Jordan pairs of each, switched at the zeros of its guards")
@@ -430,6 +433,29 @@ class SwitchedMotion(Motion):
             if len(chosen := np.flatnonzero([segments[i].phase is phase for i in place]))
         ]
 
+    # Sensitivities.
+
+    def transition_matrix(self) -> np.ndarray:
+        """The derivative of (x, x') at the end with respect to those at 0-, the force unchanged.
+
+        The product of the transition matrices of all phases and the saltation matrices of all events (Leine and Nijmeijer, Dynamics and
+        Bifurcations of Non-Smooth Mechanical Systems, 2004, section 7.4). Over one period of a periodic motion its eigenvalues are the
+        Floquet multipliers.
+
+        Returns:
+            Shape (2 n, 2 n); it does not exist where an event only touches its guard.
+
+        A ball that falls for 0.2 s and bounces elastically; after the same time it is back:
+
+        >>> import mbconstrained as mb
+        >>> model = mb.LumpedModel()
+        >>> _ = model.mass("ball", 1.0), model.gravity(-10.0), model.contact("ground", "ball", gap=0.2, restitution=1.0)
+        >>> x = model.assemble().solve(end=0.4)
+        >>> x.transition_matrix().round(9).tolist()
+        [[1.0, 0.0], [10.0, 1.0]]
+        """
+        return transition_matrix(self.solution.sequence)
+
     # Errors.
 
     @cached_property
@@ -618,6 +644,33 @@ def _text_of(record: SwitchRecord) -> str:
     return "a guard touches zero" if record.grazing else "the load jumps" if record.time else "the start jumps"
 
 
+def transition_matrix(sequence: PhaseSequence) -> np.ndarray:
+    """The derivative of (x, x') at the end of a sequence with respect to those at 0-."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        total = _after(sequence.segments[0])
+        waiting: list[tuple[float, Guard, np.ndarray]] = []
+        for previous, segment in pairwise(sequence.segments):
+            F, y = _transition(previous)
+            F, total = F @ total, _saltation(previous, segment, F, y)[0] @ total
+            waiting += _begun_dwells(previous, segment, F, y)
+            if segment.event is not None and segment.event.guard is None and segment.event.before != segment.event.after:
+                for time, guard, along in waiting:
+                    if abs(time + guard.dwell - segment.time) <= NOISE * segment.time and guard.target in segment.event.after:
+                        total = total + np.outer(_change_of_rate(previous, segment, y), along)
+                        break
+        last = sequence.segments[-1]
+        return np.vstack([last.phase.C, last.phase.V]) @ (_transition(last)[0] @ total)
+
+
+def _begun_dwells(previous: PhaseSegment, segment: PhaseSegment, F: np.ndarray, y: np.ndarray):
+    """The time, the guard and the derivative of the time of each guard with a dwell that may fall to zero at the end of a segment."""
+    flow = previous.phase.flow
+    for guard, row in zip(previous.phase.guards, flow.rows):
+        rate = float(row @ (previous.phase.J @ y))
+        if guard.dwell and not guard.is_opposite and rate < 0:
+            yield segment.time, guard, -(row @ F) / rate
+
+
 def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
     """The sums of moduli that x and x' are made of, shape (2 n,)."""
     phase = segment.phase
@@ -658,6 +711,12 @@ def _saltation(
     along, own_along = -(row @ F) / rate, -(row @ own) / rate
     if record.grazing:  # nothing changes there
         return moved, along, D, own_along
-    after = np.vstack([segment.phase.C, segment.phase.V]) @ (segment.phase.J @ segment.state)
-    change = D @ (outputs @ (phase.J @ y)) - after
+    change = _change_of_rate(previous, segment, y)
     return moved + np.outer(change, along), along, D + np.outer(change, own_along), own_along
+
+
+def _change_of_rate(previous: PhaseSegment, segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
+    """D z-' - z+', by which a later switch changes z."""
+    before, after = previous.phase, segment.phase
+    rate = np.vstack([before.C, before.V]) @ (before.J @ y)
+    return _after(segment) @ rate - np.vstack([after.C, after.V]) @ (after.J @ segment.state)

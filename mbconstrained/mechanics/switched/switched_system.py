@@ -12,13 +12,17 @@ from ...ground.checks import counted, nearest, real_number, whole_number
 from ...ground.display import Displayed, TextTable
 from ...ground.errors import InputError, within_float64
 from ...response.problem import Problem
-from .phase import checked_source
-from .sequence import MOST_EVENTS, Machine, PhaseSequence
+from .phase import Source, checked_source
+from .sequence import MOST_EVENTS, Key, Machine, PhaseSequence
 from .switched_motion import SwitchedMotion, SwitchedSolution
 from .switches import Switch, SwitchState, TimedChange, Transition
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from ..system import MechanicalSystem
+    from .frequency_curve import FrequencyCurve
+    from .periodic import PeriodicMotion
 
 
 class SwitchedSystem(Displayed):
@@ -178,20 +182,106 @@ class SwitchedSystem(Displayed):
         >>> round(x.events[-1].time, 12), x.events[-1].after
         (4.063712768872, 'closed')
         """
-        system = self.system
-        system._refuse_loss_factors()
         end = real_number(end, "end", positive=True)
         most = whole_number(most_events, "most_events", minimum=1)
-        start = system._start(displacement, velocity)
-        rows = [row for one in (self.phases.values() if self.phases else (system,)) for row in one.rows]
+        start = self.system._start(displacement, velocity)
         with within_float64():
-            sequence = PhaseSequence(self.machine, checked_source(system, force, rows), end, most)
-            key = tuple(switch.start(*start) for switch in self.switches)
-            sequence.run(key, start[0], start[1], penetration)
-            form = sequence.segments[0].phase.system.undelayed_form()
-            applied = system._applied(force)
-            problem = Problem(form.polynomial_matrix, start, form.force(applied))
-            return SwitchedMotion(problem, SwitchedSolution(sequence, start), system, applied)
+            sequence = PhaseSequence(self.machine, self._source(force), end, most)
+            sequence.run(self._first_key(*start), start[0], start[1], penetration)
+            return self._motion(sequence, start, force)
+
+    def _source(self, force) -> Source:
+        """All that acts from outside in any phase."""
+        self.system._refuse_loss_factors()
+        return checked_source(self.system, force, [row for one in self._systems for row in one.rows])
+
+    @property
+    def _systems(self) -> tuple[MechanicalSystem, ...]:
+        """The given systems: all phases, or the equations common to them."""
+        return tuple(self.phases.values()) or (self.system,)
+
+    def _first_key(self, x: np.ndarray, v: np.ndarray) -> Key:
+        """The states of the switches at the start."""
+        return tuple(switch.start(x, v) for switch in self.switches)
+
+    def _motion(self, sequence: PhaseSequence, start: np.ndarray, force) -> SwitchedMotion:
+        """The motion of a computed sequence of phases, from x and x' at 0-."""
+        form = sequence.segments[0].phase.system.undelayed_form()
+        applied = self.system._applied(force)
+        problem = Problem(form.polynomial_matrix, start, form.force(applied))
+        return SwitchedMotion(problem, SwitchedSolution(sequence, start), self.system, applied)
+
+    def periodic(self, period: float | None = None, guess=None, force=None) -> PeriodicMotion:
+        """Find a motion that repeats after a period, stable or not.
+
+        Newton's method on the state z = (x, x') at the start of a period, P(z) = z (shooting). The Jacobian P' - I is the product of the
+        transitions of all phases and the saltation matrices of all events; directions in which it is singular (free bodies, the time
+        shift of a free motion) are left as they are. Under a force, which may be a record of one period, and with transitions at times,
+        these are repeated in every period. Without them the period is unknown, too, and found with the state.
+
+        Args:
+            period: in s; by default that of a harmonic force. Without a force a first approximation, by default from the motion after
+                some time.
+            guess: displacement and velocity near the periodic motion: a pair of arrays or of mappings by name, an array of shape
+                (2, n), or a ``PeriodicMotion``. By default the state after some periods.
+            force: in addition to the system's own, as of ``solve``.
+
+        Returns:
+            A ``PeriodicMotion``.
+
+        Raises:
+            InputError: a force that does not repeat after the period, a guess of another form.
+            NotUnique: no convergence, with the last residual; a motion that repeats after several periods only.
+
+        A mass meets a stop once in each period of the force:
+
+        >>> import mbconstrained as mb
+        >>> model = mb.LumpedModel()
+        >>> _ = model.mass("cart", 1.0), model.spring("ground", "cart", stiffness=1.0), model.damper("ground", "cart", damping=0.1)
+        >>> _ = model.contact("ground", "cart", gap=0.5, restitution=0.8, name="stop")
+        >>> x = model.assemble().periodic(force=mb.harmonic([1.0], angular_frequency=1.5))
+        >>> len(x.events), x.is_stable
+        (1, True)
+        """
+        from .periodic import find_periodic
+
+        return find_periodic(self, period, guess, force)
+
+    def frequency_curve(
+        self, force_pattern, frequencies_hz, start=None, *, periods: int = 1, most_points: int = 1000
+    ) -> FrequencyCurve:
+        """Follow a branch of periodic motions over the frequency of a harmonic force, around its folds, stable or not.
+
+        Each point is a periodic motion as of ``periodic``; between them the branch is followed along its arc. Where a multiplier passes
+        through +1 or -1, a pair leaves the unit circle, or the number of events changes, the frequency is located and reported.
+
+        Args:
+            force_pattern: amplitudes F of the force Re(F e^{i w t}), real or complex, shape (n,), or by name.
+            frequencies_hz: of the force, in Hz: the first and the last, and any between at which points are wanted, too.
+            start: a guess for the first, as of ``periodic``.
+            periods: periods of the force in one of the motion, 2 for motions after a period doubling.
+            most_points: the branch ends after so many.
+
+        Returns:
+            A ``FrequencyCurve``.
+
+        Raises:
+            InputError: frequencies that are not positive, a pattern with unknown names.
+            NotUnique: no periodic motion at the first frequency.
+
+        A vibration isolator with an elastic stop:
+
+        >>> import mbconstrained as mb
+        >>> model = mb.LumpedModel()
+        >>> _ = model.mass("m", 1.0), model.spring("ground", "m", stiffness=1.0), model.damper("ground", "m", damping=0.1)
+        >>> _ = model.contact("ground", "m", gap=1.0, stiffness=4.0)
+        >>> curve = model.assemble().frequency_curve({"m": 0.3}, [0.17, 0.2])
+        >>> curve.bifurcations[0]
+        Bifurcation(at 0.19654029 Hz: the branch turns: a multiplier is 1)
+        """
+        from .frequency_curve import follow
+
+        return follow(self, force_pattern, frequencies_hz, start, periods, most_points)
 
     def __getattr__(self, name: str):
         from ..system import MechanicalSystem
