@@ -31,7 +31,7 @@ LINES = {
     "exchange": 1367,
     "frequency": 5716,
     "ground": 2117,
-    "linalg": 5173,
+    "linalg": 5172,
     "mechanics": 15343,
     "models": 1904,
     "page": 4859,
