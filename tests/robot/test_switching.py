@@ -259,16 +259,27 @@ def test_a_rocking_block_has_the_times_and_the_ratio_of_speeds_of_housner():
     assert x.events[0].energy_after / x.events[0].energy_before == pytest.approx(speeds[1] ** 2 / speeds[0] ** 2, rel=1e-9)
 
 
-def test_a_foot_that_can_neither_stick_nor_lift_off_slides():
+@pytest.mark.parametrize(
+    "start",
+    [
+        {"velocity": {"base rx": 0.5}},
+        {"velocity": {"base z": 0.5}},
+        pytest.param({"velocity": {"base z": -0.5}}, marks=pytest.mark.long),
+        pytest.param({"displacement": {"base z": 0.05}}, marks=pytest.mark.long),
+    ],
+)
+def test_four_feet_never_pass_the_ground_nor_pull(start):
+    """Feet land at once and one after another; where one can neither stick nor lift off it slides, which is reported."""
     robot, data = mb.read_robot("robots/quadruped")
     machine = robot.linearize(robot.equilibrium(**data.posture)).with_switches(*(mb.LiftingFoot(loop.name) for loop in robot.loops))
-    x = machine.solve(velocity={"base rx": 0.5}, end=0.5)
-    times = np.linspace(0.0, 0.5, 501)
+    x, times = machine.solve(**start, end=0.4), np.linspace(0.0, 0.4, 801)
     names = [row.name for row in x._reaction_rows]
     for switch in machine.switches:
         assert (switch.contact.row @ x(times)).min() > -1e-12
         assert x.reaction(times)[names.index(switch.name)].min() > -1e-9
-    assert any("slid" in notice.text for notice in x.notices) == any("sliding" in name for _, name in x.phases)
+        assert all(event.impulses.get(switch.name, 0.0) > -1e-6 for event in x.events)
+    assert all(event.energy_lost > -1e-10 for event in x.events)
+    assert any(" slides " in notice.text for notice in x.notices) == any("sliding" in name for _, name in x.phases)
 
 
 def test_only_feet_lift_off():

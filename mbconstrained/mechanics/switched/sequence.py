@@ -372,8 +372,13 @@ class PhaseSequence:
         """Let the switches turn whose guards fell to zero."""
         listed = self.machine.guards(record.before)
         hit = [listed[number] for number in crossing.guards]
-        for _, guard in hit:
+        for place, guard in hit:
+            contact = self.machine.switches[place].contact
+            if contact is not None and contact.sliding and record.before[place] == contact.closed:
+                continue  # the forces that it takes across end with that along it, and change all others
             record.zeros[guard.functional] = 2 if crossing.grazing else 1
+            if contact is not None and guard.reactions:
+                record.zeros[contact.functional] = 3  # without its force nothing accelerates it
         if not hit:
             return
         record.guard, record.grazing = hit[0][1], crossing.grazing
