@@ -31,14 +31,14 @@ LINES = {
     "exchange": 1367,
     "frequency": 5716,
     "ground": 2117,
-    "linalg": 5172,
-    "mechanics": 15343,
+    "linalg": 5177,
+    "mechanics": 15358,
     "models": 1904,
     "page": 4859,
     "polynomial": 3764,
-    "response": 8250,
+    "response": 8251,
     "robot": 9245,
-    "scene": 10132,
+    "scene": 10378,
     "signals": 1900,
 }
 

@@ -110,9 +110,7 @@ class SwitchedSolution:
         self.jump = jump
         self.impulses = next((record.coordinate_impulses for record in sequence.records if not record.time), ())
         self.events = tuple(
-            Event(record.time, np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]]), record.coordinate_impulses)
-            for record in sequence.records
-            if record.time > 0
+            Event(record.time, _jump_of(record), record.coordinate_impulses) for record in sequence.records if record.time > 0
         )
 
     finite_count = property(lambda self: max(len(phase.J) for phase in self.phases))
@@ -204,16 +202,13 @@ class SwitchedMotion(Motion):
 
     def _event(self, place: int, record: SwitchRecord) -> SwitchEvent:
         machine = self.solution.sequence.machine
-        jump = np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]])
-        for row, pair in zip(jump, (record.x, record.v)):
-            row[np.abs(row) <= STILL * (np.abs(pair[0]) + np.abs(pair[1])).max(initial=0.0)] = 0.0
         impulses = {name: sizes[0] for name, sizes in record.impulses.items() if sizes and sizes[0]}
         higher = {name: tuple(sizes[1:]) for name, sizes in record.impulses.items() if any(sizes[1:])}
         return SwitchEvent(
             time=float(record.time if record.resting is None else record.resting),
             before=machine.label(record.before),
             after=machine.label(record.after),
-            jump=jump,
+            jump=_jump_of(record),
             impulses=impulses,
             higher_impulses=higher,
             coordinate_impulses=record.coordinate_impulses,
@@ -237,16 +232,22 @@ class SwitchedMotion(Motion):
         Returns:
             The table.
         """
-        rows = []
         largest = max((abs(event.energy_before) for event in self.events), default=0.0)
+        systems = [phase.system for phase in self.solution.phases]
+        has_energy = not any(list(system.unsymmetric(name)) for system in systems for name in ("mass", "stiffness"))
+        rows = []
         for event in self.events[:most]:
             impulses = ", ".join(self._impulse_texts(event, text))
-            lost = event.energy_lost if abs(event.energy_lost) > STILL * largest else 0.0
+            lost = text(event.energy_lost if abs(event.energy_lost) > STILL * largest else 0.0, "J") if has_energy else ""
             phase = event.after if event.after != event.before else ""
-            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, phase, impulses, text(lost, "J")))
+            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, phase, impulses, lost))
         columns = ("t (s)", "error (s)", "what", "next phase", "impulses", "energy lost")
+        shown = [place for place in range(len(columns)) if place < 4 or any(row[place] for row in rows)]
         note = f"The first {len(rows)} of {len(self.events)} are shown." if len(rows) < len(self.events) else ""
-        return TextTable("Events", columns, tuple(rows), note, times=tuple(event.time for event in self.events[:most]))
+        cells = tuple(tuple(row[place] for place in shown) for row in rows)
+        return TextTable(
+            "Events", tuple(columns[i] for i in shown), cells, note, times=tuple(one.time for one in self.events[:most])
+        )
 
     def _impulse_texts(self, event: SwitchEvent, text: Callable[[float, str], str]) -> list[str]:
         """The impulses of an event by name, with the factors of derivatives of Dirac's delta."""
@@ -512,6 +513,14 @@ class SwitchedMotion(Motion):
         raise InputError(
             "enclose: not available for switched systems, whose errors are estimated (error_estimate, time_error of events)"
         )
+
+
+def _jump_of(record: SwitchRecord) -> np.ndarray:
+    """The jumps of x and x' at an event, zero within rounding errors, shape (2, n)."""
+    jump = np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]])
+    for row, pair in zip(jump, (record.x, record.v)):
+        row[np.abs(row) <= STILL * (np.abs(pair[0]) + np.abs(pair[1])).max(initial=0.0)] = 0.0
+    return jump
 
 
 def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
