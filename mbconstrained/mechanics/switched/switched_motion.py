@@ -12,7 +12,8 @@ import numpy as np
 
 from ...ground.checks import counted
 from ...ground.coordinate_units import force_unit, impulse_unit
-from ...ground.display import TextTable, notice_table, phase_labels, with_unit
+from ...ground.display import TextTable, notice_table, with_unit
+from ...ground.errors import InputError
 from ...ground.notices import Evidence, Notice, NoticeKind, distinct
 from ...ground.tolerances import EPS, TRUST_LIMIT
 from ...linalg.exponential import block_states
@@ -55,7 +56,7 @@ class SwitchEvent:
         higher_impulses: factors of derivatives of Dirac's delta by name, (N s^2, ...).
         coordinate_impulses: arrays (n,), the k-th multiplies the k-th derivative of Dirac's delta in x.
         energy_before, energy_after: kinetic, strain and static energy, J.
-        momentum_residual: |M jump of x' + C jump of x - sum of the impulses| relative to the largest term.
+        momentum_residual: |M jump of x' + C jump of x - sum of the impulses| relative to the largest momentum.
         grazing: whether a guard only touches zero.
         rest_time: where infinitely many bounces end, the time at which they do, s; None elsewhere.
         text: what happens.
@@ -94,6 +95,22 @@ class SwitchEvent:
         return float(self._motion._time_errors[self._place])
 
 
+class PhaseRestarts(FreeRestarts):
+    """The states at the begin of each phase, up to the end of the motion."""
+
+    end: float
+
+    def __init__(self, knots: np.ndarray, states: np.ndarray, remainders: np.ndarray | float, blocks, end: float):
+        super().__init__(knots, states, remainders, blocks)
+        self.__dict__["end"] = end
+
+    def located(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Index of the phase of each time (T,), and the time since its begin."""
+        if len(times) and times.max() > self.end:
+            raise InputError(f"times: found {times.max():g} s; the motion is known up to {self.end:g} s: give solve() a later end")
+        return super().located(times)
+
+
 class SwitchedSolution:
     """The solution of a switched system, as the methods of a ``Response`` read it."""
 
@@ -105,10 +122,7 @@ class SwitchedSolution:
         self._ends = np.cumsum([0, *(len(phase.J) for phase in self.phases)])
         self._place = {id(phase): place for place, phase in enumerate(self.phases)}
         first = sequence.segments[0]
-        begin = np.array([first.phase.C @ first.state, first.phase.V @ first.state])
-        jump = begin - initial
-        jump[np.abs(jump) <= STILL * (np.abs(begin) + np.abs(initial))] = 0.0
-        self.jump = jump
+        self.jump = first.phase.start_jump(initial, first.state)
         self.impulses = next((record.coordinate_impulses for record in sequence.records if not record.time), ())
         self.events = tuple(
             Event(record.time, _jump_of(record), record.coordinate_impulses) for record in sequence.records if record.time > 0
@@ -133,7 +147,7 @@ class SwitchedSolution:
             place = self._place[id(segment.phase)]
             states[self._ends[place] : self._ends[place + 1], column] = segment.state
         knots, remainders = np.array([one.time for one in segments], float), np.array([one.remainder for one in segments])
-        return FreeRestarts(knots, states, remainders if remainders.any() else 0.0, self.blocks)
+        return PhaseRestarts(knots, states, remainders if remainders.any() else 0.0, self.blocks, self.sequence.end)
 
     def function_of(self, rows: Sequence[np.ndarray]) -> BohlFunction:
         """The function with these rows on the states of each phase."""
@@ -233,36 +247,27 @@ class SwitchedMotion(Motion):
         Returns:
             The table.
         """
-        rows, labels = [], phase_labels(name for event in self.events for name in (event.before, event.after))
-        for event in self.events[:most]:
-            impulses = ", ".join(self.impulse_texts(event, text))
-            phases, lost = (
-                (labels[event.before], labels[event.after]),
-                text(self.lost_energy(event), "J") if self.has_energy else "",
-            )
-            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, *phases, impulses, lost))
-        columns = ("t (s)", "error (s)", "what", "before", "after", "impulses", "energy lost")
-        shown = [place for place in range(len(columns)) if place < 5 or any(row[place] for row in rows)]
+        rows = []
+        for event, record in zip(self.events[:most], self.solution.sequence.records):
+            named = f"{event.text.removesuffix(' strikes')} "
+            impulses = ", ".join(own.removeprefix(named) for own in self._impulse_texts(event, text))
+            lost = text(self._lost_energy(event), "J") if self._lost_energy(event) else ""
+            states = ", ".join(state for old, state in zip(record.before, record.after) if state != old)
+            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, states, impulses, lost))
+        columns = ("t (s)", "error (s)", "what", "next state", "impulses", "energy lost")
+        shown = [place for place in range(len(columns)) if place < 4 or any(row[place] for row in rows)]
         note = f"The first {len(rows)} of {len(self.events)} are shown." if len(rows) < len(self.events) else ""
         cells = tuple(tuple(row[place] for place in shown) for row in rows)
         return TextTable(
             "Events", tuple(columns[i] for i in shown), cells, note, times=tuple(one.time for one in self.events[:most])
         )
 
-    def lost_energy(self, event: SwitchEvent) -> float:
-        """The energy lost at an event, zero within rounding errors of the largest energy at an event.
-
-        Args:
-            event: one of the events.
-
-        Returns:
-            The energy before less that after, J.
-        """
-        return event.energy_lost if self.has_energy and abs(event.energy_lost) > STILL * self._largest_energy else 0.0
+    def _lost_energy(self, event: SwitchEvent) -> float:
+        """The energy lost at an event in J, zero within rounding errors of the largest one, or where matrices without symmetry have none."""
+        return event.energy_lost if self._has_energy and abs(event.energy_lost) > STILL * self._largest_energy else 0.0
 
     @cached_property
-    def has_energy(self) -> bool:
-        """Whether the matrices of all phases are symmetric, so that the system has an energy."""
+    def _has_energy(self) -> bool:
         systems = [phase.system for phase in self.solution.phases]
         return not any(list(system.unsymmetric(name)) for system in systems for name in ("mass", "stiffness"))
 
@@ -270,16 +275,8 @@ class SwitchedMotion(Motion):
     def _largest_energy(self) -> float:
         return max(max(abs(event.energy_before), abs(event.energy_after)) for event in self.events)
 
-    def impulse_texts(self, event: SwitchEvent, text: Callable[[float, str], str]) -> list[str]:
-        """The impulses of an event by name, with the factors of derivatives of Dirac's delta.
-
-        Args:
-            event: one of the events.
-            text: makes a text of a value and its SI unit.
-
-        Returns:
-            A text for each.
-        """
+    def _impulse_texts(self, event: SwitchEvent, text: Callable[[float, str], str]) -> list[str]:
+        """The impulses of an event by name, with the factors of derivatives of Dirac's delta."""
         units, found = self._force_units, []
         for name in dict.fromkeys((*event.impulses, *event.higher_impulses)):
             sizes = (event.impulses.get(name, 0.0), *event.higher_impulses.get(name, ()))
@@ -477,7 +474,7 @@ class SwitchedMotion(Motion):
             Evidence(
                 "momentum",
                 max((event.momentum_residual for event in self.events), default=0.0),
-                "largest residual of the balance of momentum at an event, relative to its largest term",
+                "largest residual of the balance of momentum at an event, relative to the largest momentum",
             ),
         )
         return (*self.solution.evidence, *own)
@@ -518,7 +515,7 @@ class SwitchedMotion(Motion):
                 if event.jump.any()
                 else NoticeKind.SWITCH
             )
-            sizes = ", ".join(self.impulse_texts(event, with_unit))
+            sizes = ", ".join(self._impulse_texts(event, with_unit))
             impulses = f"; impulses: {sizes}" if sizes else ""
             rest = "" if event.rest_time is None else ", after infinitely many bounces"
             notices.append(Notice(kind, f"t = {event.time:.9g} s: {event.text}{rest}{impulses}"))
@@ -562,8 +559,6 @@ class SwitchedMotion(Motion):
         Raises:
             InputError: always.
         """
-        from ...ground.errors import InputError
-
         raise InputError(
             "enclose: not available for switched systems, whose errors are estimated (error_estimate, time_error of events)"
         )

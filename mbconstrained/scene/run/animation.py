@@ -176,8 +176,8 @@ class _Picture:
         times = np.array([event.time for event in shown])
         for event, *after in zip(shown, motion(times).T, motion.derivative(1)(times).T):
             jumps = Event(event.time, np.where(np.abs(event.jump) > least, event.jump, 0.0), ())
-            text, lost = self.coordinates.shown.text, motion.lost_energy(event)
-            sizes = [f"impulse of {one}" for one in motion.impulse_texts(event, text)]
+            text, lost = self.coordinates.shown.text, motion._lost_energy(event)
+            sizes = [f"impulse of {one}" for one in motion._impulse_texts(event, text)]
             sizes += [f"energy lost: {text(lost, 'J')}"] if lost else []
             lines = _lines(event.time, jumps_of(motion, self.coordinates, jumps, np.array(after)), sizes, f": {event.text}")
             arrows = [
