@@ -124,8 +124,11 @@ class SwitchedSolution:
         first = sequence.segments[0]
         self.jump = first.phase.start_jump(initial, first.state)
         self.impulses = next((record.coordinate_impulses for record in sequence.records if not record.time), ())
+        self.largest = max(float(np.abs(x).max()) for x in (initial[0], *(record.x for record in sequence.records)))
         self.events = tuple(
-            Event(record.time, _jump_of(record), record.coordinate_impulses) for record in sequence.records if record.time > 0
+            Event(record.time, _jump_of(record, self.largest), record.coordinate_impulses)
+            for record in sequence.records
+            if record.time > 0
         )
 
     finite_count = property(lambda self: max(len(phase.J) for phase in self.phases))
@@ -218,12 +221,14 @@ class SwitchedMotion(Motion):
     def _event(self, place: int, record: SwitchRecord) -> SwitchEvent:
         machine = self.solution.sequence.machine
         impulses = {name: sizes[0] for name, sizes in record.impulses.items() if sizes and sizes[0]}
-        higher = {name: tuple(sizes[1:]) for name, sizes in record.impulses.items() if any(sizes[1:])}
+        jump = _jump_of(record, self.solution.largest)
+        moves = jump[0].any() or record.coordinate_impulses  # without, what a contact adds to its gap is a rounding error
+        higher = {name: tuple(sizes[1:]) for name, sizes in record.impulses.items() if moves and any(sizes[1:])}
         return SwitchEvent(
             time=float(record.time if record.resting is None else record.resting),
             before=machine.label(record.before),
             after=machine.label(record.after),
-            jump=_jump_of(record),
+            jump=jump,
             impulses=impulses,
             higher_impulses=higher,
             coordinate_impulses=record.coordinate_impulses,
@@ -571,11 +576,12 @@ def _engagement(state: SwitchState) -> int:
     return 1 if any(branch.stored is None for branch in state.branches) else 2 * bool(state.branches)
 
 
-def _jump_of(record: SwitchRecord) -> np.ndarray:
-    """The jumps of x and x' at an event, zero within rounding errors, shape (2, n)."""
+def _jump_of(record: SwitchRecord, largest: float) -> np.ndarray:
+    """The jumps of x and x' at an event, zero within rounding errors, also of the largest x at the start and at events, shape (2, n)."""
     jump = np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]])
     for row, pair in zip(jump, (record.x, record.v)):
         row[np.abs(row) <= STILL * (np.abs(pair[0]) + np.abs(pair[1])).max(initial=0.0)] = 0.0
+    jump[0, np.abs(jump[0]) <= STILL * largest] = 0.0
     return jump
 
 
