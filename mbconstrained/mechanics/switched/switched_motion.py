@@ -233,12 +233,14 @@ class SwitchedMotion(Motion):
     def _event(self, place: int, record: SwitchRecord) -> SwitchEvent:
         machine = self.solution.sequence.machine
         impulses = {name: sizes[0] for name, sizes in record.impulses.items() if sizes and sizes[0]}
-        higher = {name: tuple(sizes[1:]) for name, sizes in record.impulses.items() if any(sizes[1:])}
+        jump = self.solution.jump_of(record)
+        moves = jump[0].any() or record.coordinate_impulses  # without, what a contact adds to its gap is a rounding error
+        higher = {name: tuple(sizes[1:]) for name, sizes in record.impulses.items() if moves and any(sizes[1:])}
         return SwitchEvent(
             time=float(record.time if record.resting is None else record.resting),
             before=machine.label(record.before),
             after=machine.label(record.after),
-            jump=self.solution.jump_of(record),
+            jump=jump,
             impulses=impulses,
             higher_impulses=higher,
             coordinate_impulses=record.coordinate_impulses,
@@ -290,7 +292,6 @@ class SwitchedMotion(Motion):
 
     @cached_property
     def has_energy(self) -> bool:
-        """Whether the matrices of all phases are symmetric, so that the system has an energy."""
         systems = [phase.system for phase in self.solution.phases]
         return not any(list(system.unsymmetric(name)) for system in systems for name in ("mass", "stiffness"))
 
@@ -461,20 +462,25 @@ class SwitchedMotion(Motion):
     @cached_property
     def _propagated(self) -> tuple[list[np.ndarray], np.ndarray]:
         """Covariances of the errors of (x, x') at the begin of segments, and errors of the times of events."""
-        sequence = self.solution.sequence
+        sequence, n = self.solution.sequence, self.system.size
         first = sequence.segments[0]
         P = np.diag((OWN_NOISE * EPS * _sizes(first, first.state)) ** 2)
         covariances, times = [P], {}
         with np.errstate(over="ignore", invalid="ignore"):
             for previous, segment in zip(sequence.segments, sequence.segments[1:]):
                 F, y = _transition(previous)
-                S, along, own_S, own_along = _saltation(previous, segment, F, y)
+                S, along, own_along = _saltation(previous, segment, F, y)
                 radians = float(previous.phase.flow.rates.max(initial=0.0)) * previous.duration
                 noise = EPS * (OWN_NOISE + NOISE_BY_RADIAN * radians) * _sizes(previous, y)
+                own = _after(segment) * noise
                 if along is not None and own_along is not None:
-                    variance = along @ P @ along + np.sum((own_along * noise) ** 2)
-                    times[id(segment.event)] = float(np.sqrt(max(variance, 0.0)))
-                P = np.nan_to_num(S @ P @ S.T + (own_S * noise) @ (own_S * noise).T, nan=np.inf, posinf=np.inf)
+                    # a guard is searched by what its value gains in the phase: a short flight has errors of its own size
+                    gained = np.concatenate([noise[n:] * previous.duration, noise[n:]])
+                    gained = own_along * np.minimum(noise, gained)
+                    times[id(segment.event)] = float(np.sqrt(max(along @ P @ along + gained @ gained, 0.0)))
+                    change = _change_of_rate(previous, segment, y) * (not segment.event.grazing)
+                    own = np.hstack([own, np.outer(change, gained)])
+                P = np.nan_to_num(S @ P @ S.T + own @ own.T, nan=np.inf, posinf=np.inf)
                 covariances.append(P)
         errors = [DEVIATIONS * times.get(id(record), 0.0) + EPS * record.time for record in sequence.records]
         return covariances, np.nan_to_num(np.array(errors), nan=np.inf)
@@ -692,27 +698,27 @@ def _after(segment: PhaseSegment) -> np.ndarray:
 
 def _saltation(
     previous: PhaseSegment, segment: PhaseSegment, F: np.ndarray, y: np.ndarray
-) -> tuple[np.ndarray, np.ndarray | None, np.ndarray, np.ndarray | None]:
+) -> tuple[np.ndarray, np.ndarray | None, np.ndarray | None]:
     """The derivative of (x, x') at the begin of a segment with respect to those at the begin of the previous, and of the time of the event.
 
     With the guard g and its rate: S = D F - (z+' - D z-') dt, dt = -dg / g' (saltation matrix; Leine and Nijmeijer, Dynamics and Bifurcations
-    of Non-Smooth Mechanical Systems, 2004, section 7.4). Then both with respect to (x, x') at the end of the previous.
+    of Non-Smooth Mechanical Systems, 2004, section 7.4). Then that of the time with respect to (x, x') at the end of the previous.
     """
     phase, D = previous.phase, _after(segment)
     outputs, own = np.vstack([phase.C, phase.V]), phase.start[:, : 2 * phase.system.size]
     moved, record = D @ (outputs @ F), segment.event
     if record is None or record.guard_row is None:
-        return moved, None, D, None
+        return moved, None, None
     row = record.guard_row @ phase.J if record.grazing else record.guard_row  # grazing is the minimum of a guard
     rate = float(row @ (phase.J @ y))
     if rate == 0:
         unknown = np.full(F.shape[1], np.inf)
-        return moved, unknown, D, unknown
+        return moved, unknown, unknown
     along, own_along = -(row @ F) / rate, -(row @ own) / rate
     if record.grazing:  # nothing changes there
-        return moved, along, D, own_along
+        return moved, along, own_along
     change = _change_of_rate(previous, segment, y)
-    return moved + np.outer(change, along), along, D + np.outer(change, own_along), own_along
+    return moved + np.outer(change, along), along, own_along
 
 
 def _change_of_rate(previous: PhaseSegment, segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
