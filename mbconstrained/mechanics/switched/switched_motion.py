@@ -472,7 +472,7 @@ class SwitchedMotion(Motion):
                 S, along, own_along = _saltation(previous, segment, F, y)
                 radians = float(previous.phase.flow.rates.max(initial=0.0)) * previous.duration
                 noise = EPS * (OWN_NOISE + NOISE_BY_RADIAN * radians) * _sizes(previous, y)
-                own = _after(segment) * noise
+                own = _after(segment) @ (_beside_guard(segment, n) * noise)
                 if along is not None and own_along is not None:
                     # a guard is searched by what its value gains in the phase: a short flight has errors of its own size
                     gained = np.concatenate([noise[n:] * previous.duration, noise[n:]])
@@ -689,6 +689,15 @@ def _transition(segment: PhaseSegment) -> tuple[np.ndarray, np.ndarray]:
     phase, n = segment.phase, segment.phase.system.size
     moved = block_states(phase.blocks, phase.start[:, : 2 * n], np.full(2 * n, segment.duration))
     return moved, phase.flow.states(segment.state, segment.duration)
+
+
+def _beside_guard(segment: PhaseSegment, n: int) -> np.ndarray:
+    """I without the direction of a displacement that was zero at a switch: its rounding error is not carried on."""
+    unit, guard = np.eye(2 * n), None if segment.event is None else segment.event.guard
+    if guard is not None and guard.functional[0] == "displacement":
+        d = guard.displacement
+        unit[:n, :n] -= np.outer(d, d) / (d @ d)
+    return unit
 
 
 def _after(segment: PhaseSegment) -> np.ndarray:
