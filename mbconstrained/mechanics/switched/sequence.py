@@ -413,10 +413,11 @@ class PhaseSequence:
             return True
         place, guard = listed[negative[0]]
         passes = guard.beyond is not None and order[negative[0]] == 0
-        record.texts.append(f"{self.machine.switches[place].name} slips" if passes else self._text(place, guard))
         contact, target = self.machine.switches[place].contact, guard.beyond if passes else guard.target
+        text = f"{self.machine.switches[place].name} slips" if passes else self._text(place, guard)
         if contact is not None and contact.sliding and target == contact.closed and order[negative[0]] > 1:
-            target = contact.sliding  # without an impact nothing stops it
+            target, text = contact.sliding, f"{self.machine.switches[place].name} slides"  # without an impact nothing stops it
+        record.texts.append(text)
         record.turn(place, target)
         return False
 
