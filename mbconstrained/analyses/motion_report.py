@@ -41,13 +41,13 @@ def tables_of(result: Result, certificate: Certificate | None, frequency: Freque
     jumps = tuple((jump.name, jump.what, jump.before, jump.after, jump.size) for jump in result.jumps)
     impulses = tuple((impulse.name, f"δ{_primes(impulse.order)}", impulse.size) for impulse in result.impulses)
     answers = [
+        *([result.motion.event_table(shown.text, MOST_EVENT_ROWS)] if result.is_switched else []),
         *of_model.first,
         *(end.table(equations.coordinates) for end in equations.ends),
         *([frequency.peak_table()] if frequency else []),
         *([_output_table(equations.original)] if equations.original else []),
         TextTable("Jumps at t = 0", ("coordinate", "of its", "before", "after", "jump"), jumps),
         TextTable("Impulses at t = 0", ("of", "multiplies", "size"), impulses),
-        *([result.motion.event_table(shown.text, MOST_EVENT_ROWS)] if result.is_switched else []),
         *([_later_table(result)] if result.later else []),
         largest_table(result),
         *of_model.forces,
@@ -98,7 +98,7 @@ REMARKS: dict[str, str] = {
 
 def frequency_table(result: Result) -> TextTable:
     """Frequency and damping ratio by eigenvalue; a remark for multiple ones."""
-    rows = result.eigenvalue_rows
+    rows, switching = result.eigenvalue_rows, result.scene.equations.switching
     if not rows:
         return TextTable("Natural frequencies", (), (), "none: the model is static, without dynamic modes")
     if any(row["frequency (Hz)"] for row in rows):
@@ -112,13 +112,12 @@ def frequency_table(result: Result) -> TextTable:
     remarks = [_remark(row, count) for row, count in zip(rows, counts)]
     cells = [(number, *(row[column] for column in columns), remark) for number, row, remark in zip(_numbers(counts), rows, remarks)]
     width = len(columns) + 1 + any(row[-1] for row in cells)
-    return TextTable(title, ("no.", *columns.values(), "meaning")[:width], tuple(row[:width] for row in cells), phase_note(result))
-
-
-def phase_note(result: Result) -> str:
-    """The phase whose modes are listed; empty where equations do not change."""
-    switching = result.scene.equations.switching
-    return "" if switching is None else f"Of the phase {switching.label}."
+    return TextTable(
+        title,
+        ("no.", *columns.values(), "meaning")[:width],
+        tuple(row[:width] for row in cells),
+        switching.note if switching else "",
+    )
 
 
 def _remark(row: dict[str, str], count: int) -> str:
@@ -152,7 +151,7 @@ LEAST_SHARE = 0.0005
 
 def eigenvalue_table(result: Result) -> TextTable:
     """The finite eigenvalues of A(s): with meaning and energies where the system is mechanical, else called zeros or poles."""
-    word = result.scene.equations.root_name
+    word, switching = result.scene.equations.root_name, result.scene.equations.switching
     columns = ["no.", f"{word} (1/s)", "rad/s", "multiplicity", "kind"]
     cells: list[tuple[str, ...]] = [
         (
@@ -167,7 +166,7 @@ def eigenvalue_table(result: Result) -> TextTable:
     if result.system:
         columns += ["kinetic energy", "strain energy"]
         cells = [(*row, *_largest_shares(shares)) for row, shares in zip(cells, result.modes.shares)]
-    return TextTable(f"{word.capitalize()}s", tuple(columns), tuple(cells), phase_note(result))
+    return TextTable(f"{word.capitalize()}s", tuple(columns), tuple(cells), switching.note if switching else "")
 
 
 def _largest_shares(shares: Sequence[EnergyShares]) -> tuple[str, str]:

@@ -106,13 +106,11 @@ class RunAnswer(Result, Answer):
             ("degree of the equations", str(equations.polynomial_matrix.degree)),
             ("eigenvalues" if self.system else "zeros", str(count)),
             ("time", f"{time.text}, {len(self.times)} points, in closed form"),
-            *self._phase_facts(),
+            *(self._phase_facts() if self.is_switched else ()),
         )
 
     def _phase_facts(self) -> list[tuple[str, str]]:
         """The phase of the listed modes, and the number of phases and events."""
-        if not self.is_switched:
-            return []
         phases, switching = counted(len({name for _, name in self.motion.phases}), "phase"), self.scene.equations.switching
         of_modes = [("modes of the phase", switching.label)] if switching else []
         return [("events", f"{len(self.motion.events)}, through {phases}"), *of_modes]
@@ -243,7 +241,9 @@ class RunAnswer(Result, Answer):
             "jump": motion.jump,
             "impulses": motion.impulses,
             "constraint_impulses": getattr(motion, "constraint_impulses", ()),
-            "events": self._events(),
+            "events": [event.to_dict() for event in motion.events]
+            if self.is_switched
+            else [{"time": one.time, "jump": one.jump, "impulses": one.impulses} for one in motion._later_events],
             "later_constraint_impulses": [
                 {"time": load.time, "impulses": load.impulses} for load in getattr(motion, "later_constraint_impulses", ())
             ],
@@ -258,13 +258,6 @@ class RunAnswer(Result, Answer):
             "evidence": [{"name": item.name, "value": item.value, "text": item.text} for item in motion.evidence],
             **({"certificate": self.certificate.to_dict()} if self.certificate else {}),
         }
-
-    def _events(self) -> list[dict[str, Any]]:
-        """Times, jumps and impulses after t = 0; with switches all events, with their phases, errors and energies."""
-        motion = self.motion
-        if self.is_switched:
-            return [event.to_dict() for event in motion.events]
-        return [{"time": one.time, "jump": one.jump, "impulses": one.impulses} for one in motion._later_events]
 
     def _eigenvalues(self) -> Iterator[tuple[complex, int, dict]]:
         """Value, multiplicity and meaning."""
@@ -485,11 +478,13 @@ def overview(answer: RunAnswer, width: int = WIDTH, lines: int = SCREEN) -> list
     notices = sorted(answer.table_notices, key=_rank)
     notes = _some_notices(notices, width, max(left // 2, left - len(answer.tables[0].rows) - 3))
     left -= _height(notes, width)
-    shown = [_some_rows(answer.tables[0], width, left - 1)]
+    events = [table for table in answer.tables if table.title == "Events"]
+    shown = [_some_rows(table, width, max(2 * left // 3, left - len(answer.tables[0].rows) - 3)) for table in events]
+    shown.append(_some_rows(answer.tables[0], width, left - _height(shown, width) - 1))
     for table in answer.tables[1:]:
-        if table.title in {"Events", *(end.title for end in answer.scene.equations.ends)}:
+        if table.title in {end.title for end in answer.scene.equations.ends}:
             table = _some_rows(table, width, left - _height(shown, width) - 1)
-        if not table.folded and table.rows and _height([*shown, table], width) <= left:
+        if table not in events and not table.folded and table.rows and _height([*shown, table], width) <= left:
             shown.append(table)
     return [title, *shown, *notes, end]
 

@@ -31,6 +31,9 @@ BALANCING_ROUNDS = 12
 #: Newton's method for sparse matrices: most steps, and the longest and the last change of the exponent of an entry.
 NEWTON_STEPS, LONGEST_STEP, SHORTEST_STEP = 40, 3.0, 0.25
 
+#: Up to so many states equations are solved as full ones, which takes less time than to build sparse ones.
+DENSE = 100
+
 #: Beyond so many states what couples them is found by their graph, not by powers of their matrix.
 FEW_STATES = 48
 
@@ -165,17 +168,17 @@ def balanced(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return result, units
 
 
-def balanced_norm(generator: Matrix) -> float:
+def balanced_norm(generator: Matrix, units: np.ndarray | None = None) -> float:
     """The smaller of the 1-norm and the maximum norm in balancing units, decreasing for states that only excite others."""
     if isinstance(generator, np.ndarray) and len(generator) > FEW_STATES:
         generator = compressed(generator)
     if isinstance(generator, np.ndarray):
         size, first = _mutual_sizes(generator)
-        units = _balancing(size, first)
+        units = _balancing(size, first) if units is None else units
         size = size * units / units[:, None]
         return float(min(size.sum(axis=axis).max(initial=0.0) for axis in (0, 1)))
     row, column, size, _ = _mutual(generator)
-    units = balancing_units(generator)
+    units = balancing_units(generator) if units is None else units
     size = size * (units[column] / units[row])
     return float(min(np.bincount(places, size).max(initial=0.0) for places in (row, column)))
 
@@ -255,9 +258,10 @@ def _laplace_solution(row, column, weights, right: np.ndarray, n: int) -> np.nda
     """The potentials of a graph with these weights of its edges for right sides of shape (n, k)."""
     degree = np.bincount(row, weights, n) + np.bincount(column, weights, n)
     rows, columns = np.concatenate([np.arange(n), row, column]), np.concatenate([np.arange(n), column, row])
-    laplacian = scipy.sparse.csc_array((np.concatenate([degree + SLIGHT, -weights, -weights]), (rows, columns)), shape=(n, n))
-    if len(row) * FILLED > n * n:
-        return np.linalg.solve(laplacian.toarray(), right)
+    values = np.concatenate([degree + SLIGHT, -weights, -weights])
+    if n <= DENSE or len(row) * FILLED > n * n:
+        return np.linalg.solve(np.bincount(rows * n + columns, values, n * n).reshape(n, n), right)
+    laplacian = scipy.sparse.csc_array((values, (rows, columns)), shape=(n, n))
     return scipy.sparse.linalg.spsolve(laplacian, right).reshape(n, right.shape[1])
 
 

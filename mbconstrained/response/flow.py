@@ -164,7 +164,8 @@ class Flow:
     @cached_property
     def norm(self) -> float:
         """Norm of the balanced generator in 1/s; 1 where the motion has powers of t only."""
-        return balanced_norm(self.generator) or 1.0
+        units = None if self.force.smooth.state_count else self.reduction.units
+        return balanced_norm(self.generator, units) or 1.0
 
     @cached_property
     def modal_rate(self) -> float:

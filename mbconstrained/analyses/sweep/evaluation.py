@@ -28,7 +28,7 @@ from ...scene.run.result import ORDERS, Result
 from ...scene.run.scene import Scene, assembled
 from ..frequency import Frequency
 from ..random import random_arguments, random_response
-from .kept_quantities import Variable, eigenvalues_of, response_lines
+from .kept_quantities import Variable, eigenvalues_of, event_figure, response_lines
 from .stacked_samples import stacked_peaks, stacked_samples
 
 #: Errors that are the answer of a sample: its equations have none, or its data are wrong.
@@ -122,6 +122,7 @@ class _Chunk:
         self.reasons = [""] * len(rows)
         self.values = {one.name: np.full((len(rows), *one.shape), np.nan) for one in job.variables}
         self.scenes: dict[int, Scene] = {}
+        self.results: dict[int, Result] = {}
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Values, status and reasons."""
@@ -289,8 +290,19 @@ class _Chunk:
         for place in group if len(own) < len(variables) else ():
             self._single_motion([one for one in variables if one not in own], place)
 
+    def _result(self, place: int) -> Result:
+        """The motion of a sample, which several kept quantities share."""
+        self.results[place] = self.results.get(place) or Result(self.scenes[place])
+        return self.results[place]
+
+    def _events(self, variables: list[Variable], group: list[int]) -> None:
+        for place in group:
+            events = self._result(place).motion.events
+            for one in variables:
+                self.values[one.name][place] = event_figure(one, events)
+
     def _single_motion(self, variables: list[Variable], place: int) -> None:
-        result = Result(self.scenes[place])
+        result = self._result(place)
         for kind, chosen in _by_kind(one for one in variables if one.statistic in ("at", "curve")):
             times = _times_of(chosen)
             self._store(chosen, [place], result.functions(kind)(times)[None], times)
@@ -366,7 +378,9 @@ def _alike(one: Scene, other: Scene) -> bool:
     """Whether two scenes have systems of arrays that differ only in matrices, values at 0- and static forces."""
     if type(one.equations.system) is not MechanicalSystem or not _have_similar_systems(one, other):
         return False
-    if one.equations.ends or other.equations.ends:  # inputs that depend on the matrices
+    if any(
+        scene.equations.ends or scene.equations.switching for scene in (one, other)
+    ):  # inputs, or events, depend on the matrices
         return False
     tables = (one.table.force, one.table.motion, one.table.random, one.table.time)
     return tables == (other.table.force, other.table.motion, other.table.random, other.table.time)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...ground.checks import nearest
+from ...ground.coordinate_units import impulse_unit
 from ...ground.errors import InputError
 from ...ground.quantities import quantity
 from ...scene.run.result import ORDERS, Result
@@ -21,6 +22,7 @@ from ..frequency import Frequency
 from ..random import random_response
 
 if TYPE_CHECKING:
+    from ...mechanics.switched.switched_motion import SwitchEvent
     from ...scene.run.scene import Scene
 
 #: Natural frequencies that are kept, lowest first.
@@ -36,7 +38,16 @@ STATISTICS = ("largest", "maximum", "minimum", "RMS", "curve", "peak")
 FORMS = (
     '"frequencies", "response peaks", "response curves", "random RMS", or of a motion "largest x", "maximum x", "minimum x", "RMS x", '
     '"curve x", "x at 2 s", with x a coordinate, "velocity of x", "reaction of x", "quantity of x" …; largest, maximum and minimum '
-    "are those of the closed form, none between the times is missed, and RMS its integral"
+    'are those of the closed form, none between the times is missed, and RMS its integral; of a model that switches "number of events", '
+    '"time of event 3", "time of event last", "largest impulse of x"'
+)
+
+
+#: Figures of the events of models that switch.
+NUMBER_OF_EVENTS, EVENT_TIME, LARGEST_IMPULSE = (
+    "number of events",
+    re.compile(r"time of event (\d+|last)"),
+    re.compile(r"largest impulse of (.+)"),
 )
 
 
@@ -48,7 +59,9 @@ class Variable:
     unit: str  # in SI; "1" for a plain number
     axis: str = ""  # the name of its second axis; an empty string for one number per sample
     labels: tuple = ()  # along that axis, texts or numbers
-    source: str = "motion"  # analysis that computes it: "modes", "response peaks", "response curves", "random RMS" or "motion"
+    source: str = (
+        "motion"  # analysis that computes it: "modes", "response peaks", "response curves", "random RMS", "events" or "motion"
+    )
     statistic: str = ""  # of a motion, or "at"
     curve: tuple[str, int] = ("", 0)  # kind of the curve and its row, of a motion
     time: float = 0.0  # of a value, in s
@@ -150,6 +163,8 @@ def _of_text(text: str, scene: Scene, curves: _Curves) -> Iterator[Variable]:
     elif text == "random RMS":
         response = random_response(scene)
         yield Variable("random RMS", _common(response.units), "output", response.outputs, "random RMS")
+    elif text == NUMBER_OF_EVENTS or EVENT_TIME.fullmatch(text) or LARGEST_IMPULSE.fullmatch(text):
+        yield _of_events(text, scene, curves)
     else:
         yield _of_motion(text, scene, curves)
 
@@ -175,6 +190,31 @@ def response_lines(frequency: Frequency) -> np.ndarray:
     if table.lowest is None or table.highest is None:
         raise InputError("keep: response curves of different samples need common frequencies; give from and to in [frequency]")
     return np.geomspace(table.lowest, table.highest, 401) if table.lowest else np.linspace(0.0, table.highest, 401)
+
+
+def _of_events(text: str, scene: Scene, curves: _Curves) -> Variable:
+    """A figure of the events of a model that switches."""
+    if scene.equations.switching is None:
+        raise InputError(f"keep: found {text}, but the model has no contacts, friction or other switches; leave it out")
+    if not (impulse := LARGEST_IMPULSE.fullmatch(text)):
+        return Variable(text, "1" if text == NUMBER_OF_EVENTS else "s", source="events")
+    units = dict(curves.result.motion._force_units)
+    if impulse[1] not in units:
+        raise InputError(f'keep: "{text}": there is no contact or constraint row "{impulse[1]}"{nearest(impulse[1], units)}')
+    return Variable(text, impulse_unit(units[impulse[1]]), source="events")
+
+
+def event_figure(variable: Variable, events: Sequence[SwitchEvent]) -> float:
+    """A figure of the events of one sample; NaN where it has fewer events."""
+    if variable.name == NUMBER_OF_EVENTS:
+        return float(len(events))
+    if impulse := LARGEST_IMPULSE.fullmatch(variable.name):
+        return max((abs(event.impulses.get(impulse[1], 0.0)) for event in events), default=0.0)
+    number = EVENT_TIME.fullmatch(variable.name)[1]
+    times = [event.time for event in events]
+    if number == "last":
+        return times[-1] if times else np.nan
+    return times[int(number) - 1] if 0 < int(number) <= len(times) else np.nan
 
 
 def _of_motion(text: str, scene: Scene, curves: _Curves) -> Variable:
@@ -203,8 +243,8 @@ class _Curves:
         self.result = Result(scene)
         equations = scene.equations
         self.names = dict.fromkeys(ORDERS, equations.coordinates.names)
-        if equations.system is not None and not equations.system.is_sparse and equations.system.rows:
-            self.names["reaction"] = tuple(row.name for row in equations.system.rows)
+        if equations.has_reactions:
+            self.names["reaction"] = tuple(row.name for row in self.result.rows)
         if scene.table.output.quantity:
             self.names["quantity"] = self.result.curves("quantity").names
         if equations.outputs is not None and not equations.has_outputs_among_coordinates:

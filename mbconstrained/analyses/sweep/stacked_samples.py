@@ -74,7 +74,13 @@ def stacked_samples(scene: Scene, rows: Sequence[Mapping[str, Any]]) -> tuple[np
     model, system, parameters = scene.equations.model, scene.equations.system, scene.parameters
     places = [place for place, names in parameters.places.items() if names & rows[0].keys()]
     in_elements = all(place[0] == "model" and len(place) > 3 and "teeth" not in place for place in places)
-    if model is None or system is None or system.is_sparse or not (in_elements and rows[0].keys() <= parameters.values.keys()):
+    if (
+        model is None
+        or system is None
+        or system.is_sparse
+        or scene.equations.switching
+        or not (in_elements and rows[0].keys() <= parameters.values.keys())
+    ):
         return None
     if any(isinstance(value, str) for row in rows for value in row.values()):
         return None

@@ -21,7 +21,7 @@ from ..constraints import Constraint
 from .flow import NOISE, Crossing
 from .impact import ContactSet
 from .phase import STILL, Phase, PhaseEntry, Source
-from .switches import ForceBranch, Functional, Guard, Switch, UnilateralContact
+from .switches import ForceBranch, Functional, Guard, Switch, TimedChange, UnilateralContact
 
 if TYPE_CHECKING:
     from ..system import MechanicalSystem
@@ -262,7 +262,7 @@ class PhaseSequence:
                     _, place, change = changes.pop()
                     if not change.sources or record.after[place] in change.sources:
                         record.turn(place, change.target)
-                        record.texts.append(f"{switches[place].name} {change.text}" if change.text else "")
+                        record.texts.append(self._text(place, change) if change.text else "")
                 for place, guard in self.machine.guards(key):
                     if guard.dwell and self.deadlines.get((place, guard.target)) == time:
                         record.turn(place, guard.target)
@@ -336,23 +336,21 @@ class PhaseSequence:
         }
 
     def momentum_residual(self, record: SwitchRecord) -> float:
-        """|M jump of x' + C jump of x - sum of impulses| relative to the largest term, where all impulses are Dirac impulses."""
+        """|M jump of x' + C jump of x - sum of impulses| relative to the largest momentum, where all impulses are Dirac impulses."""
         if not record.impulses or any(any(sizes[1:]) for sizes in record.impulses.values()) or record.coordinate_impulses:
             return 0.0
-        rows = {row.name: row.coefficients for phase in record.phases for row in phase.system.rows}
+        systems = [*(phase.system for phase in record.phases), *(self.machine.systems or {}).values()]
+        rows = {row.name: row.coefficients for system in systems for row in system.rows}
         for switch in self.machine.switches:
             if switch.contact is not None:
                 rows.setdefault(switch.name, switch.contact.row)
         if not set(record.impulses) <= set(rows):
             return 0.0
         system = record.phases[1].system
-        terms = [
-            sign * matrix @ pair[side]
-            for matrix, pair in ((system.mass, record.v), (system.damping, record.x))
-            for side, sign in ((1, 1), (0, -1))
-        ]
+        terms = [system.mass @ (record.v[1] - record.v[0]), system.damping @ (record.x[1] - record.x[0])]
         terms += [-rows[name] * sizes[0] for name, sizes in record.impulses.items()]
-        largest = max(float(np.abs(term).max(initial=0.0)) for term in terms)
+        sizes = [system.mass @ v for v in record.v] + terms  # momenta whose difference has their rounding errors
+        largest = max(float(np.abs(size).max(initial=0.0)) for size in sizes)
         return float(np.abs(sum(terms)).max(initial=0.0)) / largest if largest else 0.0
 
     def _stop(self, record: SwitchRecord) -> None:
@@ -411,7 +409,7 @@ class PhaseSequence:
         record.turn(place, guard.beyond if passes else guard.target)
         return False
 
-    def _text(self, place: int, guard: Guard) -> str:
+    def _text(self, place: int, guard: Guard | TimedChange) -> str:
         return guard.text if self.machine.systems is not None else f"{self.machine.switches[place].name} {guard.text}"
 
     # Jumps.
@@ -456,7 +454,8 @@ class PhaseSequence:
         touching = self._touching(record, striking)
         key, switches = self._without(record.after, touching), self.machine.switches
         phase, contacts = self.phase(key), list(touching.values())
-        names = {place: self._impulse_name(place, contact, phase) for place, contact in touching.items()}
+        named = {place: self._named(place, contact, phase) for place, contact in touching.items()}
+        names = {place: name for place, (name, _) in named.items()}
         if (key, *touching) not in self.impacts:
             self.impacts[key, *touching] = ContactSet(phase, contacts)
         impact = self.impacts[key, *touching]
@@ -496,7 +495,7 @@ class PhaseSequence:
         record.forget(False)
         for (place, contact), impulse, own in zip(touching.items(), p, rests):
             if impulse:
-                record.add_impulse(names[place], [float(impulse)])
+                record.add_impulse(names[place], [named[place][1] * float(impulse)])
             if place in striking or impulse:
                 held = switches[place].contact is contact and record.before[place] == contact.closed
                 record.texts.append(f"{names[place]} {'strikes' if not own else 'holds' if held else 'closes'}")
@@ -540,12 +539,16 @@ class PhaseSequence:
                     record.resting = record.time + rest
         return summed
 
-    def _impulse_name(self, place: int, contact: UnilateralContact, phase: Phase) -> str:
-        """The name of a contact: its own, or that of the row which the following phase adds."""
+    def _named(self, place: int, contact: UnilateralContact, phase: Phase) -> tuple[str, float]:
+        """The name of a contact, or of the row along it that the following phase adds, and the factor of impulses of this name."""
         if self.machine.systems is None:
-            return self.machine.switches[place].name
-        added = [row.name for row in self.machine.systems[contact.closed].rows if row.name not in phase.row_places]
-        return added[0] if len(added) == 1 else contact.closed
+            return self.machine.switches[place].name, 1.0
+        for row in self.machine.systems[contact.closed].rows:
+            a = row.coefficients
+            factor = float(contact.row @ a) / float(a @ a)
+            if row.name not in phase.row_places and np.abs(contact.row - factor * a).max() <= NOISE * np.abs(contact.row).max():
+                return row.name, factor
+        return contact.closed, 1.0
 
     def _note(self, kind: NoticeKind, text: str) -> None:
         if all(notice.text != text for notice in self.notices):

@@ -61,7 +61,7 @@ class SwitchedSystem(Displayed):
         changes = []
         for one in transitions:
             if one.at is not None:
-                changes.append(TimedChange(one.at, one.target, (one.source,)))
+                changes.append(TimedChange(one.at, one.target, (one.source,), f"to {one.target}"))
             else:
                 guards[one.source].append(one.guard(phases[one.source]))
         ordered = [start, *(name for name in phases if name != start)]

@@ -1,9 +1,9 @@
 """Values of small models that are accurate to ``PROVED_ACCURACY`` of their own size at each time, however the model is graded.
 
-The float64 values are kept at the times at which a bound of their error (``response.methods.defect``) allows it; all others come from the
-sums of refined modes (``response.methods.refined``), and those that these do not prove from the exact engine, poles and residues of
-A(s)^-1 in balls, as many digits as the value at that time needs. The choice depends on the
-problem and on the time alone.
+The float64 values are kept at the times at which a bound of their error (``response.methods.defect``) allows it; all others, and all
+values of motions of many radians, come from the sums of refined modes (``response.methods.refined``), and those that these do not prove
+from the exact engine, poles and residues of A(s)^-1 in balls, as many digits as the value at that time needs. The choice depends on the
+problem and on the times alone.
 """
 
 from __future__ import annotations

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,9 +23,10 @@ from .data_files import entries_of
 from .ends import shaped, shaped_inputs, with_end
 from .forces import NONE_SHAPED, Shapers, force_of, load_patterns, loads_of, prescribed_motions, shapers_of, unbalance_loads
 from .model import Equations, no_modes
-from .switched import phase_system, refuse_with_switches, switching_of
+from .switched import known, phase_system, refuse_with_switches, switching_of, transition_of
 
 if TYPE_CHECKING:
+    from ...mechanics.switched.switched_system import SwitchedSystem
     from ...mechanics.system import MechanicalSystem
     from ...models.lumped import LumpedModel
     from .robot_model import RobotScene
@@ -106,56 +107,110 @@ def _lumped(table, folder: Path, file_name: str) -> Equations:
 
     switches = model.switches()
     return _mechanical(
-        table, system, coordinates, folder, file_name, model, machine=lambda moved: SwitchedSystem.of_switches(moved, switches)
+        table,
+        system,
+        coordinates,
+        folder,
+        file_name,
+        model,
+        machine=lambda systems: SwitchedSystem.of_switches(systems[0], switches),
     )
 
 
 def _matrices(table, folder: Path, file_name: str) -> Equations:
+    model = table.model
+    matrices = _matrices_of(model, ENTRY_UNITS, folder, file_name, "model")
+    coordinates = _coordinates(model, len(matrices["mass"]), file_name)
+    _check_kinds(model, coordinates, file_name, "model")
+    if not model.phase:
+        system = _system_of(model, matrices, {"model": model}, coordinates, file_name)
+        return _mechanical(table, system, coordinates, folder, file_name)
+    systems = {}
+    for number, phase in enumerate(model.phase, 1):
+        place = f'model.phase[{number}] (of "{phase.name}")'
+        own = _matrices_of(phase, PHASE_MATRICES, folder, file_name, place)
+        _check_kinds(phase, coordinates, file_name, place)
+        own = {**matrices, **{key: matrix for key, matrix in own.items() if matrix is not None}}
+        systems[phase.name] = _system_of(model, own, {"model": model, place: phase}, coordinates, file_name)
+    with at(file_name, "model.start"):
+        start = known(model.start or model.phase[0].name, systems, "phase")
+    transitions = [transition_of(one, systems, coordinates, number, file_name) for number, one in enumerate(model.transition, 1)]
+    names = [start, *(name for name in systems if name != start)]
+    first, *others = (systems[name] for name in names)
+
+    def machine(moved: Sequence[MechanicalSystem]) -> SwitchedSystem:
+        from ...mechanics.switched.switched_system import SwitchedSystem
+
+        return SwitchedSystem(dict(zip(names, moved)), transitions)
+
+    return _mechanical(table, first, coordinates, folder, file_name, machine=machine, others=others)
+
+
+#: The matrices that a phase may have of its own.
+PHASE_MATRICES = ("mass", "damping", "stiffness")
+
+
+def _matrices_of(owner, keys: Iterable[str], folder: Path, file_name: str, where: str) -> dict[str, np.ndarray | None]:
+    """The matrices of a table, None where it has none."""
+    matrices = {}
+    for key in keys:
+        source = getattr(owner, key)
+        with at(file_name, f"{where}.{key}"):
+            matrices[key] = None if source is None else _square(entries_of(source, folder))
+    return matrices
+
+
+def _system_of(model, matrices, owners: Mapping[str, Any], coordinates: Coordinates, file_name: str) -> MechanicalSystem:
+    """The system of matrices with the constraint rows of tables by their place, and the unbalance of the model."""
     from ...mechanics.constraints import Constraint
     from ...mechanics.element_matrix import unbalance_of
     from ...mechanics.system import MechanicalSystem
 
-    matrices = {}
-    for key in ENTRY_UNITS:
-        source = getattr(table.model, key)
-        with at(file_name, f"model.{key}"):
-            matrices[key] = None if source is None else _square(entries_of(source, folder))
-    coordinates = _coordinates(table.model, len(matrices["mass"]), file_name)
-    _check_kinds(table.model, coordinates, file_name)
     constraints = []
-    for number, row in enumerate(table.model.constraint, 1):
-        with at(file_name, f"model.constraint[{number}]"):
-            factors, value, unit = constraint_row(row, coordinates)
-            coefficients = np.array([factors.get(name, 0.0) for name in coordinates.names], float)
-            constraints.append(Constraint(coefficients, level=row.level, value=value, names=row.name, unit=unit))
+    for where, owner in owners.items():
+        for number, row in enumerate(owner.constraint, 1):
+            with at(file_name, f"{where}.constraint[{number}]"):
+                factors, value, unit = constraint_row(row, coordinates)
+                coefficients = np.array([factors.get(name, 0.0) for name in coordinates.names], float)
+                constraints.append(Constraint(coefficients, level=row.level, value=value, names=row.name, unit=unit))
     units = dict(zip(coordinates.names, coordinates.units))
-    with at(file_name, "model"):
+    with at(file_name, list(owners)[-1]):
         system = MechanicalSystem(**matrices, constraints=constraints, names=coordinates.names, units=units)
-    for number, entry in enumerate(table.model.unbalance, 1):
+    for number, entry in enumerate(model.unbalance, 1):
         with at(file_name, f"model.unbalance[{number}]"):
             system.unbalance = np.zeros(system.size, dtype=complex) if system.unbalance is None else system.unbalance
             system.unbalance += unbalance_of(*map(coordinates.number, entry.coordinates), entry.moment, entry.angle, system.size)
-    return _mechanical(table, system, coordinates, folder, file_name)
+    return system
 
 
-def _check_kinds(model, coordinates: Coordinates, file_name: str) -> None:
+def _check_kinds(owner, coordinates: Coordinates, file_name: str, where: str) -> None:
     """Check that entries with units are masses in a mass matrix and so on, between coordinates in m and rad."""
     known = [i for i, unit in enumerate(coordinates.units) if unit in FORCE_UNITS]
     for key, units in ENTRY_UNITS.items():
-        entries = getattr(model, key)
+        entries = getattr(owner, key, None)
         if not isinstance(entries, np.ndarray) or len(entries) != len(coordinates.names):
             continue
         for i, j in product(known, known):
             if isinstance(entries[i, j], Expressed):
-                with at(file_name, f"model.{key}[{i + 1}][{j + 1}]"):
+                with at(file_name, f"{where}.{key}[{i + 1}][{j + 1}]"):
                     quantity(entries[i, j], units[(coordinates.units[i] == "rad") + (coordinates.units[j] == "rad")])
 
 
 def _mechanical(
-    table, system, coordinates, folder, file_name, model: LumpedModel | None = None, robot: RobotScene | None = None, machine=None
+    table,
+    system,
+    coordinates,
+    folder,
+    file_name,
+    model: LumpedModel | None = None,
+    robot: RobotScene | None = None,
+    machine: Callable[[Sequence[MechanicalSystem]], SwitchedSystem] | None = None,
+    others: Sequence[MechanicalSystem] = (),
 ) -> Equations:
-    """The equations of a mechanical system with the motions, damping, speed, start and loads of the scene; a machine makes it switched."""
-    system, rotor, of_motions = _moving(table, system, coordinates, folder, file_name, robot)
+    """The equations of a mechanical system with the motions, damping, speed, start and loads of the scene; those that switch are made by
+    a machine of this system and others."""
+    moved, of_motions = _moving(table, (system, *others), coordinates, folder, file_name, robot)
+    system, rotor = moved[0]
     shapers = shapers_of(table.force, "force", system.modes, file_name)
     linearized = robot and system
     initial = initial_values(table.initial, coordinates, 2, file_name).astype(float)
@@ -168,9 +223,10 @@ def _mechanical(
     if machine is not None:
         refuse_with_switches(table, (*of_motions.values(), *shapers.values()), file_name)
         with at(file_name, "model"):
-            switched = machine(system)
+            switched = machine([one for one, _ in moved])
         switching = switching_of(table, switched, initial, force_of(loads), file_name)
-        system, rotor = phase_system(switching), rotor and machine(rotor).phase(*switching.phase)
+        system = phase_system(switching)
+        rotor = None if rotor is None else machine([one for _, one in moved]).phase(*switching.phase)
     with at(file_name, "model"):
         polynomial_matrix = system.undelayed_form().polynomial_matrix
     if any(load.factors for load in table.force):
@@ -188,27 +244,28 @@ def _mechanical(
 
 
 def _moving(
-    table, system: MechanicalSystem, coordinates: Coordinates, folder: Path, file_name: str, robot: RobotScene | None
-) -> tuple[MechanicalSystem, MechanicalSystem | None, Shapers]:
-    """The system with prescribed motions, damping and speed, the rotor at rest, and the shapers of the motions."""
+    table, systems: Sequence[MechanicalSystem], coordinates: Coordinates, folder: Path, file_name: str, robot: RobotScene | None
+) -> tuple[list[tuple[MechanicalSystem, MechanicalSystem | None]], Shapers]:
+    """The systems with prescribed motions, damping and speed, each with its rotor at rest, and the shapers of the motions."""
 
-    def moving(shapers: Shapers) -> tuple[MechanicalSystem, MechanicalSystem | None]:
-        own = system
-        if table.motion:
-            linearized = robot and robot.system  # which knows inputs by name
-            prescribed = prescribed_motions(table.motion, coordinates, folder, file_name, linearized, shapers)
+    def moving(shapers: Shapers) -> list[tuple[MechanicalSystem, MechanicalSystem | None]]:
+        linearized = robot and robot.system  # which knows inputs by name
+        prescribed = prescribed_motions(table.motion, coordinates, folder, file_name, linearized, shapers) if table.motion else ()
+        moved = []
+        for own in systems:
             with at(file_name, "motion"):
-                if linearized:  # a moving base is at rest where nothing else is prescribed
+                if linearized and table.motion:  # a moving base is at rest where nothing else is prescribed
                     own = linearized.without_rows(
                         f"motion of {name}" for motion in table.motion for name, _ in motion.rows.values()
                     )
-                own = own.with_constraints(*prescribed)
-        own = _damped(table, own, file_name)  # of the modes with the supports at rest
-        return _turning(getattr(table.model, "speed", None), own, file_name)
+                own = own.with_constraints(*prescribed) if prescribed else own
+            own = _damped(table, own, file_name)  # of the modes with the supports at rest
+            moved.append(_turning(getattr(table.model, "speed", None), own, file_name))
+        return moved
 
-    moved, rotor = moving(NONE_SHAPED)
-    shapers = shapers_of(table.motion, "motion", moved.modes, file_name)
-    return (*(moving(shapers) if shapers else (moved, rotor)), shapers)
+    moved = moving(NONE_SHAPED)
+    shapers = shapers_of(table.motion, "motion", moved[0][0].modes, file_name)
+    return (moving(shapers) if shapers else moved), shapers
 
 
 def _turning(speed: float | None, system: MechanicalSystem, file_name: str) -> tuple[MechanicalSystem, MechanicalSystem | None]:

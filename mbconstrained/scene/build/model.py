@@ -164,7 +164,7 @@ class Equations:
         """Whether there are constraint rows, in whatever phase."""
         if self.switching is not None:
             return self.switching.has_rows
-        return self.system is not None and bool(self.system.rows)
+        return self.system is not None and not self.system.is_sparse and bool(self.system.rows)
 
     @property
     def has_forces(self) -> bool:

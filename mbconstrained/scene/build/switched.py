@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...ground.checks import counted, nearest
+from ...ground.coordinate_units import force_unit, rate_unit
 from ...ground.errors import InputError, shown
 from ...ground.notices import Notice, NoticeKind
-from ...ground.tolerances import EPS
+from ...ground.quantities import quantity
+from ...ground.tolerances import EPS, noise_of
 from ...signals.impulsive import ImpulsiveSmooth
 from ..file import at
 
 if TYPE_CHECKING:
+    from ...mechanics.constraints import ConstraintRow
     from ...mechanics.switched.switched_motion import SwitchedMotion
     from ...mechanics.switched.switched_system import SwitchedSystem
+    from ...mechanics.switched.switches import Guard, Transition
     from ...mechanics.system import MechanicalSystem
+    from ..quantities.coordinates import Coordinates
 
 
 #: What scenes with switches have no answer for, by place, with the reason.
@@ -78,6 +83,11 @@ class Switching:
         return f"{self.machine.machine.label(self.phase)}{' (at the start)' if self.phase == self.start else ''}"
 
     @property
+    def note(self) -> str:
+        """The phase whose modes a table lists."""
+        return f"Of the phase {self.label}."
+
+    @property
     def has_rows(self) -> bool:
         """Whether a phase has constraint rows, and so reactions."""
         systems = self.machine.phases.values() or (self.machine.system,)
@@ -121,13 +131,147 @@ def _named_phase(machine: SwitchedSystem, start: tuple[str, ...], given: str | M
             raise InputError(f'found {shown(given)}; expected states by name, such as {{ "{names[0]}" = "{start[0]}" }}')
         given = {names[0]: given}
     for name in given:
-        if name not in names:
-            raise InputError(f"there is no switch {shown(name)}{nearest(name, names)}; there are {', '.join(names)}")
+        known(name, names, "switch")
     phase = tuple(given.get(name, state) for name, state in zip(names, start))
     machine.phase(*phase)
     return phase
 
 
+def known(name: str, names: Iterable[str], what: str) -> str:
+    """A name among others, or an InputError."""
+    names = list(names)
+    if name not in names:
+        raise InputError(f"there is no {what} {shown(name)}{nearest(name, names)}; there are {', '.join(names)}")
+    return name
+
+
+def transition_of(
+    table, systems: Mapping[str, MechanicalSystem], coordinates: Coordinates, number: int, file_name: str
+) -> Transition:
+    """A transition of a scene in SI."""
+    from ...mechanics.switched.switches import Transition
+
+    place = f"model.transition[{number}]"
+    with at(file_name, f"{place}.from"):
+        source = systems[known(table.source, systems, "phase")]
+    with at(file_name, f"{place}.to"):
+        known(table.target, systems, "phase")
+    limits = {}
+    for side in Transition.SIDES:
+        if (value := getattr(table, side)) is not None:
+            with at(file_name, f"{place}.{side}"):
+                limits[side] = quantity(value, _unit_of(table, source, coordinates)) if isinstance(value, str) else value
+    with at(file_name, place):
+        transition = Transition(
+            table.source,
+            table.target,
+            table.when,
+            at=table.at,
+            quantity=table.quantity,
+            restitution=table.restitution,
+            dwell=table.dwell,
+            **limits,
+        )
+        if transition.when is not None:
+            transition.guard(source)
+    return transition
+
+
+def _unit_of(table, source: MechanicalSystem, coordinates: Coordinates) -> str:
+    """The unit of the output of a transition."""
+    rows = {row.name: force_unit(row.unit) for row in source.rows}
+    order = int(table.quantity == "velocity")
+    own = {name: rate_unit(unit, order) for name, unit in zip(coordinates.names, coordinates.units)}
+    of_rows = table.quantity == "reaction" or (table.quantity is None and not set(table.when or ()) <= set(own))
+    units = {(rows if of_rows else own).get(name, "1") for name in table.when or ()}
+    return units.pop().replace(" ", "*") if len(units) == 1 else "1"
+
+
 def phase_system(switching: Switching) -> MechanicalSystem:
     """The equations of the phase for linear analyses."""
     return switching.machine.phase(*switching.phase)
+
+
+# Guards that are never reached, as far as the rows of a phase, the times and the graph of phases decide it.
+
+
+def never_notices(switching: Switching) -> tuple[Notice, ...]:
+    """Notices on transitions that cannot take place, and on phases that none leads to."""
+    return (*_late(switching), *(_unreachable(switching) if switching.machine.phases else _constant_switches(switching)))
+
+
+def final_notices(switching: Switching) -> tuple[Notice, ...]:
+    """Notices on the phases that can be entered and that no transition leaves."""
+    machine = switching.machine
+    sources = {one.source for one in machine.transitions}
+    final = [name for name in _reached(switching) if name not in sources] if machine.phases else []
+    return tuple(Notice(NoticeKind.SWITCH, f'nothing leaves the phase "{name}"') for name in final)
+
+
+def _late(switching: Switching) -> Iterator[Notice]:
+    """Changes at times after the end."""
+    for switch in switching.machine.switches:
+        for change in switch.times:
+            if change.time > switching.end:
+                what = f'transition to "{change.target}"' if switching.machine.phases else f"{switch.name} {change.text}"
+                text = f"{what}: at {change.time:g} s, after the last time, {switching.end:g} s"
+                yield Notice(NoticeKind.OMITTED, text)
+
+
+def _possible(switching: Switching) -> list[Transition]:
+    """The transitions that the times and the rows of their phases do not exclude."""
+    machine = switching.machine
+    possible = []
+    for one in machine.transitions:
+        late = one.at is not None and one.at > switching.end
+        constant = None if one.at is not None else _constant(one.guard(machine.phases[one.source]), machine.phases[one.source].rows)
+        if not late and (constant is None or constant <= 0):
+            possible.append(one)
+    return possible
+
+
+def _reached(switching: Switching) -> list[str]:
+    """The phases that transitions lead to from the start."""
+    edges, reached = _possible(switching), list(switching.machine.switches[0].states)[:1]
+    for name in reached:
+        reached += dict.fromkeys(one.target for one in edges if one.source == name and one.target not in reached)
+    return reached
+
+
+def _unreachable(switching: Switching) -> Iterator[Notice]:
+    machine, possible, reached = switching.machine, _possible(switching), _reached(switching)
+    for one in machine.transitions:
+        if one not in possible and one.at is None:
+            text = f'the transition from "{one.source}" to "{one.target}" never takes place: the rows of "{one.source}" keep its output constant'
+            yield Notice(NoticeKind.SWITCH, text)
+    for name in machine.phases:
+        if name not in reached:
+            yield Notice(NoticeKind.SWITCH, f'the phase "{name}" is never entered: no transition that can take place leads to it')
+
+
+def _constant_switches(switching: Switching) -> Iterator[Notice]:
+    machine = switching.machine
+    for switch, state in zip(machine.switches, switching.start):
+        guards = switch.states[state].guards
+        constant = [_constant(guard, machine.system.rows) for guard in guards]
+        if guards and not switch.times and all(value is not None and value > 0 for value in constant):
+            yield Notice(
+                NoticeKind.SWITCH,
+                f'{switch.name} remains in the state "{state}": the constraint rows keep its bodies at one distance',
+            )
+
+
+def _constant(guard: Guard, rows: Sequence[ConstraintRow]) -> float | None:
+    """The value of a guard that constraint rows with constant right-hand sides determine; None where they do not, 0 within rounding errors."""
+    if guard.reactions:
+        return None
+    total, size = -guard.value, abs(guard.value)
+    for order, output in enumerate((guard.displacement, guard.velocity)):
+        own = [row for row in rows if row.signal is None and row.order <= order]
+        A = np.array([row.coefficients for row in own]).reshape(-1, len(output))
+        factors = np.linalg.lstsq(A.T, output, rcond=None)[0]
+        if np.abs(factors @ A - output).max() > noise_of(float(np.abs(output).max()), len(output)):
+            return None
+        terms = factors * np.array([row.value if row.order == order else 0.0 for row in own])
+        total, size = total + terms.sum(), size + np.abs(terms).sum()
+    return 0.0 if abs(total) <= noise_of(size, len(guard.displacement)) else total

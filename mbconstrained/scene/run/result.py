@@ -34,6 +34,7 @@ from ...response.estimate import error_estimate
 from ...response.events import Event
 from ...response.response_notices import first_and_count, kink_notices, sides, without_kinks
 from ..build.model import element_quantities
+from ..build.switched import final_notices
 from ..quantities.coordinates import Coordinates, beyond_noise
 from ..quantities.output_units import OutputUnits
 from .scene_data import SceneData
@@ -162,7 +163,8 @@ def start_notices(equations: Equations) -> tuple[Notice, ...]:
     """Notices on the start: causes first, then the jumps and impulses; none where the start is consistent."""
     if equations.switching is not None:
         kinds = (NoticeKind.JUMP, NoticeKind.IMPULSE)
-        return tuple(notice for notice in equations.switching.begin.notices if notice.kind in kinds)
+        at_start = tuple(notice for notice in equations.switching.begin.notices if notice.kind in kinds)
+        return (*at_start, *final_notices(equations.switching))
     if equations.start_fits:
         return ()
     motion: Any = equations.solve()  # a Motion where there is a system
@@ -643,9 +645,8 @@ class Result:
     @cached_property
     def later(self) -> list[Event | ImpulsiveLoad]:
         """The events of the motion, except kinks, and the impulses of its constraint forces after t = 0, by time."""
-        if self.is_switched:  # the table of events has them
-            return []
-        events = [*without_kinks(self.motion), *getattr(self.motion, "later_constraint_impulses", ())]
+        of_rows = () if self.is_switched else getattr(self.motion, "later_constraint_impulses", ())  # the table of events has them
+        events = [*without_kinks(self.motion), *of_rows]
         return sorted(events, key=lambda event: event.time)
 
     # Modes and evidence.

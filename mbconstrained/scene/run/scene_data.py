@@ -19,7 +19,7 @@ from ...mechanics.element_matrix import ElementMatrix
 from ...response.choose import Method, Request, choose
 from ...response.problem import Problem
 from ..build.model import End, Equations
-from ..build.switched import refuse_with_switches
+from ..build.switched import never_notices, refuse_with_switches
 from ..file import SceneName
 from ..quantities.parameters import Parameters
 from ..quantities.settings import Setting
@@ -85,6 +85,7 @@ class SceneData(Displayed):
         given = (
             *self.parameters.notices,
             *_late_loads(self.table),
+            *(never_notices(self.equations.switching) if self.equations.switching else ()),
             *(notice for end in self.equations.ends for notice in (*_late_end(end, self.table.time.end), *end.notices)),
             *(self.equations.solvability.notices if self.equations.solvability else ()),
             *_assumed_lengths(self.table.model),

@@ -91,12 +91,6 @@ def _serves_reduced(scene: SceneData) -> bool:
 BY_PHASE = "each phase has its own, made when the motion enters it"
 
 
-def switches(scene: SceneData) -> Decision:
-    """Contacts, friction and other parts with several states."""
-    switching = scene.equations.switching
-    return (False, "no contacts, friction or other switches") if switching is None else (True, switching.reason)
-
-
 def staircase(scene: SceneData) -> Decision:
     """The Weierstrass form, only where the equations do not reduce directly, or a file holds their Jordan pairs."""
     if scene.equations.switching is not None:
@@ -374,7 +368,13 @@ STEPS = (
     PossibleStage("assemble the model", lambda scene: scene.equations.size_decision()),
     PossibleStage("dependent constraint rows", lambda scene: scene.equations.rows_decision(), part_of="assemble the model"),
     PossibleStage("constrained form", constrained_form, part_of="assemble the model"),
-    PossibleStage("switches", switches, part_of="response"),
+    PossibleStage(
+        "switches",
+        lambda scene: (
+            (True, one.reason) if (one := scene.equations.switching) else (False, "no contacts, friction or other switches")
+        ),
+        part_of="response",
+    ),
     PossibleStage("scaling and staircase", staircase, methodcaller("jordan_pairs")),
     PossibleStage("finite pair", finite_pair, attrgetter("finite_pair")),
     PossibleStage("infinite pair", infinite_pair, attrgetter("infinite_pair")),

@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field, GetPydanticSchema, model_validator
 from ...ground.errors import InputError, shown
 from ...ground.quantities import measured
 from .entry_types import (
+    LINEAR_PHASE,
     MOST_POWER,
     NUMBER_SCHEMA,
     SPEED,
@@ -18,9 +19,11 @@ from .entry_types import (
     DampedTable,
     Eccentric,
     LateTable,
+    LinearPhase,
     Name,
     Number,
     Pair,
+    Quantity,
     Table,
     Text,
     Time,
@@ -40,6 +43,7 @@ ConstraintTable = Annotated[Any, LateTable(_constraint_table)]
 #: Keys that belong to mass, damping and stiffness.
 WITHOUT_COEFFICIENTS = (
     "damping", "stiffness", "gyroscopic", "circulatory", "speed", "unbalance", "constraint", "rayleigh_damping", "modal_damping",
+    "phase", "transition", "start", "linear_phase",
 )  # fmt: skip
 
 Delay = Annotated[Time, Field(ge=0)]
@@ -153,6 +157,36 @@ class MatrixUnbalanceTable(Table):
     angle: Angle = Field(0.0, description="From the first towards the second plane at t = 0.")
 
 
+class PhaseTable(Table):
+    """One phase of equations that change: what differs from the common ones below [model]."""
+
+    name: Name = Field(description="The name that transitions, events and linear_phase refer to.")
+    mass: Matrix = Field(None, description="M in this phase, in the place of the common one.")
+    damping: Matrix = Field(None, description="C in this phase, in the place of the common one.")
+    stiffness: Matrix = Field(None, description="K in this phase, in the place of the common one.")
+    constraint: list[ConstraintTable] = Field([], description="Constraint rows of this phase, in addition to the common ones.")
+
+
+class TransitionTable(Table):
+    """The end of a phase and the one that follows, where a linear output passes a limit, or at a time."""
+
+    source: Name = Field(alias="from", description="The phase that ends.")
+    target: Name = Field(alias="to", description="The phase that follows.")
+    when: dict[Name, Number] | None = Field(
+        None, description="Factors by coordinate, or by constraint row for reactions: the output, e.g. { x1 = 1, x2 = -1 }."
+    )
+    above: Quantity | None = Field(None, description="The limit that the output rises above.")
+    below: Quantity | None = Field(None, description="Or the one that it falls below.")
+    at: Time | None = Field(None, gt=0, description="Or a time, in the place of when.")
+    quantity: Literal["displacement", "velocity", "reaction"] | None = Field(
+        None, description="Of the output; left out: reaction where the names are those of constraint rows, else displacement."
+    )
+    restitution: Number = Field(
+        0.0, ge=0, le=1, description="Of an impact: the velocity of the output is reversed, and the phase goes on, until it rests."
+    )
+    dwell: Time = Field(0.0, ge=0, description="How long the limit must be exceeded.")
+
+
 class MatricesTable(DampedTable):
     """M x'' + C x' + K x = f with constraint rows, or A_0 x + A_1 x' + … + A_q x^(q) = f of any degree."""
 
@@ -169,6 +203,10 @@ class MatricesTable(DampedTable):
     speed: AngularVelocity | None = SPEED
     unbalance: list[MatrixUnbalanceTable] = Field([], description="Eccentric masses of a rotor.")
     constraint: list[ConstraintTable] = Field([], description="Constraint rows.")
+    phase: list[PhaseTable] = Field([], description="Phases of equations that change, the first at the start; with transitions.")
+    transition: list[TransitionTable] = Field([], description="From phase to phase.")
+    start: Name | None = Field(None, description="The phase at the start, where it is not the first.")
+    linear_phase: LinearPhase = LINEAR_PHASE
     coefficients: list[Matrix] | None = Field(
         None,
         description="[A_0, A_1, …, A_q] instead of mass, damping and stiffness; with free coordinates, which [[motion]] chooses, or more "
@@ -190,6 +228,11 @@ class MatricesTable(DampedTable):
     def _one_form(self):
         if (self.mass is None) == (self.coefficients is None):
             raise InputError("give either mass (with damping and stiffness) or coefficients = [A_0, A_1, …]")
+        if not self.phase and (given := [key for key in ("transition", "start", "linear_phase") if key in self.model_fields_set]):
+            raise InputError(f"{given[0]} belongs to equations with phases, [[model.phase]]; leave it out, or name the phases")
+        names = [phase.name for phase in self.phase]
+        if repeated := next((name for name in names if names.count(name) > 1), None):
+            raise InputError(f'phase: the name "{repeated}" is used twice; names must differ')
         if self.coefficients is None:
             if self.equations is not None:
                 raise InputError("equations names the rows of coefficients; leave it out")

@@ -83,10 +83,13 @@ def test_events_are_printed_in_the_units_of_the_output_and_stored_whole(drop, tm
 
 
 def test_nothing_is_reported_twice(drop):
-    """The table has the events, so that no jump, impulse or event is a sentence below it."""
-    kinds = {NoticeKind.JUMP, NoticeKind.IMPULSE, NoticeKind.SWITCH, NoticeKind.RIGID_BODY, NoticeKind.ALIASING}
-    assert not kinds & {notice.kind for notice in drop.table_notices}
-    assert not [table for table in drop.tables if table.title.startswith(("Jumps", "Impulses"))]
+    """The table of events has the impulses, that of jumps the velocities: below them is one sentence with their number."""
+    texts = [notice.text for notice in drop.table_notices if notice.kind != NoticeKind.STATIC_LOAD]
+    count = sum(np.count_nonzero(event.jump) for event in drop.motion.events)
+    assert texts == [f"After t = 0 there are {count} jumps; the tables give the sizes"]
+    jumps = next(table for table in drop.tables if table.title == "Jumps and impulses after t = 0")
+    assert {row[2] for row in jumps.rows} == {"velocity jumps"}
+    assert not [table for table in drop.tables if "at t = 0" in table.title]
 
 
 def test_the_plan_has_a_stage_for_switches_where_there_are_some(tmp_path):
@@ -164,3 +167,34 @@ def test_boundary_values_and_certificates_on_request_are_refused(tmp_path):
 def test_wrong_entries_are_refused_in_the_words_of_the_scene(tmp_path, entry, message):
     with pytest.raises((SceneError, InputError), match=message):
         scene_of(tmp_path, DROP[: DROP.index("[[model.contact]]")].replace("gravity", f"{entry}\ngravity") + "[time]\nend = 1\n")
+
+
+def test_sweeps_keep_peaks_impulses_and_the_times_of_events(tmp_path):
+    """The ball falls from h + 10 mm: t = sqrt(2 h / g), p = m (1 + e) sqrt(2 g h)."""
+    text = DROP.replace("ball = 1.0", 'ball = "=h"').replace("[model]", "[parameters]\nh = 1.0\n[model]", 1)
+    keep = ["time of event 1", "time of event last", "largest impulse of floor", "number of events", "largest velocity of ball"]
+    samples = scene_of(tmp_path, text).sweep({"h": [0.5, 1.0, 1.5]}, keep=keep).run()
+    height = np.array([0.5, 1.0, 1.5]) + 0.01
+    assert samples.values("time of event 1") == pytest.approx(np.sqrt(2 * height / 9.81), rel=1e-13)
+    assert samples.values("time of event last") == pytest.approx(3 * np.sqrt(2 * height / 9.81), rel=1e-12)
+    assert samples.values("largest impulse of floor") == pytest.approx(3 * np.sqrt(2 * 9.81 * height), rel=1e-13)
+    assert samples.values("largest velocity of ball") == pytest.approx(np.sqrt(2 * 9.81 * height), rel=1e-13)
+    assert (samples.values("number of events") > 20).all()
+
+
+def test_a_sample_without_an_event_has_no_time_of_it_and_one_in_penetration_no_answer(tmp_path):
+    text = (
+        DROP.replace("ball = 1.0", 'ball = "=h"')
+        .replace("[model]", "[parameters]\nh = 1.0\n[model]", 1)
+        .replace('"5 s"', '"0.3 s"')
+    )
+    samples = scene_of(tmp_path, text).sweep({"h": [-0.5, 0.1, 1.0]}, keep=["time of event 1", "number of events"]).run()
+    assert np.isnan(samples.values("time of event 1")).tolist() == [True, False, True]
+    assert np.isnan(samples.values("number of events")).tolist() == [True, False, False]
+
+
+def test_figures_of_events_need_switches(tmp_path):
+    without = DROP.split("[[model.contact]]")[0] + DROP[DROP.index("[initial]") :].replace(', "reaction"', "")
+    text = without.replace("ball = 1.0", 'ball = "=h"').replace("[model]", "[parameters]\nh = 1.0\n[model]", 1)
+    with pytest.raises(InputError, match="no contacts"):
+        scene_of(tmp_path, text).sweep({"h": [0.5, 1.0]}, keep=["number of events"])
