@@ -21,7 +21,7 @@ from ...response.choose import Method
 from ...response.events import Event
 from ...signals.bohl import BohlFunction, FreeRestarts, Restarts
 from ...signals.impulsive import ImpulsiveLoad
-from ..constraints import ConstraintRow
+from ..constraints import ConstraintRow, constraint_rows
 from ..energy import Energy, energy_of
 from ..motion import Motion, Quantity, _order_of, _sentences, _static_offsets
 from .phase import STILL, Phase
@@ -289,9 +289,10 @@ class SwitchedMotion(Motion):
     def _reaction_rows(self) -> tuple[ConstraintRow, ...]:
         """The constraint rows of all phases, each once by name."""
         rows: dict[str, ConstraintRow] = {}
-        for phase in self.solution.phases:
-            for row in phase.system.rows:
-                rows.setdefault(row.name, row)
+        switches = self.solution.sequence.machine.switches
+        possible = [constraint_rows(state.rows, self.system.units) for switch in switches for state in switch.states.values()]
+        for row in (row for several in (*(phase.system.rows for phase in self.solution.phases), *possible) for row in several):
+            rows.setdefault(row.name, row)
         return tuple(rows.values())
 
     @property
