@@ -349,7 +349,9 @@ class PhaseSequence:
         system = record.phases[1].system
         terms = [system.mass @ (record.v[1] - record.v[0]), system.damping @ (record.x[1] - record.x[0])]
         terms += [-rows[name] * sizes[0] for name, sizes in record.impulses.items()]
-        sizes = [system.mass @ v for v in record.v] + terms  # momenta whose difference has their rounding errors
+        sizes = (
+            [system.mass @ v for v in record.v] + terms + [np.abs(system.mass) @ record.terms[1]]
+        )  # of which they have rounding errors
         largest = max(float(np.abs(size).max(initial=0.0)) for size in sizes)
         return float(np.abs(sum(terms)).max(initial=0.0)) / largest if largest else 0.0
 
