@@ -347,13 +347,12 @@ class PhaseSequence:
         if not set(record.impulses) <= set(rows):
             return 0.0
         system = record.phases[1].system
-        terms = [
-            sign * matrix @ pair[side]
-            for matrix, pair in ((system.mass, record.v), (system.damping, record.x))
-            for side, sign in ((1, 1), (0, -1))
-        ]
+        terms = [system.mass @ (record.v[1] - record.v[0]), system.damping @ (record.x[1] - record.x[0])]
         terms += [-rows[name] * sizes[0] for name, sizes in record.impulses.items()]
-        largest = max(float(np.abs(term).max(initial=0.0)) for term in terms)
+        sizes = (
+            [system.mass @ v for v in record.v] + terms + [np.abs(system.mass) @ record.terms[1]]
+        )  # of which they have rounding errors
+        largest = max(float(np.abs(size).max(initial=0.0)) for size in sizes)
         return float(np.abs(sum(terms)).max(initial=0.0)) / largest if largest else 0.0
 
     def _stop(self, record: SwitchRecord) -> None:

@@ -114,6 +114,7 @@ def test_two_masses_between_stops():
         wait, kind = min(waits)
         t, xa, xb = t + wait, xa + va * wait, xb + vb * wait
         if t > 1770:
+            last = [float(own - rate * (t - 1770)) for own, rate in ((xa, va), (xb, vb))]
             break
         times.append(mpmath.mpf(t.numerator) / t.denominator)
         if kind == "both":
@@ -122,4 +123,6 @@ def test_two_masses_between_stops():
         va, vb = -va if kind == "left" else va, -vb if kind == "right" else vb
     assert len(times) >= 990
     assert_times(x, times)
+    error = np.abs(x(1770.0) - last).max() / np.abs(last).max()
+    assert EPS / 4 < x.error_estimate(1770.0) and error <= x.error_estimate(1770.0) <= 1e4 * max(error, EPS)
     assert np.isclose(x.energy(1770.0).total, 0.5 + 1.5 * 0.09, rtol=1e-12)
