@@ -14,6 +14,7 @@ import numpy as np
 from ...ground.checks import counted
 from ...ground.coordinate_units import force_unit, impulse_unit
 from ...ground.display import TextTable, notice_table, with_unit
+from ...ground.errors import InputError
 from ...ground.notices import Evidence, Notice, NoticeKind, distinct
 from ...ground.tolerances import EPS, TRUST_LIMIT
 from ...linalg.exponential import block_states
@@ -21,12 +22,13 @@ from ...response.choose import Method
 from ...response.events import Event
 from ...signals.bohl import BohlFunction, FreeRestarts, Restarts
 from ...signals.impulsive import ImpulsiveLoad
-from ..constraints import ConstraintRow
+from ..constraints import ConstraintRow, constraint_rows
 from ..energy import Energy, energy_of
 from ..motion import Motion, Quantity, _order_of, _sentences, _static_offsets
 from .flow import NOISE
 from .phase import STILL, Phase
 from .sequence import PhaseSegment, PhaseSequence, SwitchRecord
+from .switches import SwitchState
 
 if TYPE_CHECKING:
     from ...response.methods.defect import Rounding
@@ -57,7 +59,7 @@ class SwitchEvent:
         higher_impulses: factors of derivatives of Dirac's delta by name, (N s^2, ...).
         coordinate_impulses: arrays (n,), the k-th multiplies the k-th derivative of Dirac's delta in x.
         energy_before, energy_after: kinetic, strain and static energy, J.
-        momentum_residual: |M jump of x' + C jump of x - sum of the impulses| relative to the largest term.
+        momentum_residual: |M jump of x' + C jump of x - sum of the impulses| relative to the largest momentum.
         grazing: whether a guard only touches zero.
         rest_time: where infinitely many bounces end, the time at which they do, s; None elsewhere.
         text: what happens.
@@ -96,6 +98,22 @@ class SwitchEvent:
         return float(self._motion._time_errors[self._place])
 
 
+class PhaseRestarts(FreeRestarts):
+    """The states at the begin of each phase, up to the end of the motion."""
+
+    end: float
+
+    def __init__(self, knots: np.ndarray, states: np.ndarray, remainders: np.ndarray | float, blocks, end: float):
+        super().__init__(knots, states, remainders, blocks)
+        self.__dict__["end"] = end
+
+    def located(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Index of the phase of each time (T,), and the time since its begin."""
+        if len(times) and times.max() > self.end:
+            raise InputError(f"times: found {times.max():g} s; the motion is known up to {self.end:g} s: give solve() a later end")
+        return super().located(times)
+
+
 class SwitchedSolution:
     """The solution of a switched system, as the methods of a ``Response`` read it."""
 
@@ -107,10 +125,7 @@ class SwitchedSolution:
         self._ends = np.cumsum([0, *(len(phase.J) for phase in self.phases)])
         self._place = {id(phase): place for place, phase in enumerate(self.phases)}
         first = sequence.segments[0]
-        begin = np.array([first.phase.C @ first.state, first.phase.V @ first.state])
-        jump = begin - initial
-        jump[np.abs(jump) <= STILL * (np.abs(begin) + np.abs(initial))] = 0.0
-        self.jump = jump
+        self.jump = first.phase.start_jump(initial, first.state)
         self.impulses = next((record.coordinate_impulses for record in sequence.records if not record.time), ())
         self.events = tuple(
             Event(record.time, _jump_of(record), record.coordinate_impulses) for record in sequence.records if record.time > 0
@@ -135,7 +150,7 @@ class SwitchedSolution:
             place = self._place[id(segment.phase)]
             states[self._ends[place] : self._ends[place + 1], column] = segment.state
         knots, remainders = np.array([one.time for one in segments], float), np.array([one.remainder for one in segments])
-        return FreeRestarts(knots, states, remainders if remainders.any() else 0.0, self.blocks)
+        return PhaseRestarts(knots, states, remainders if remainders.any() else 0.0, self.blocks, self.sequence.end)
 
     def function_of(self, rows: Sequence[np.ndarray]) -> BohlFunction:
         """The function with these rows on the states of each phase."""
@@ -235,22 +250,30 @@ class SwitchedMotion(Motion):
         Returns:
             The table.
         """
-        largest = max((abs(event.energy_before) for event in self.events), default=0.0)
         systems = [phase.system for phase in self.solution.phases]
         has_energy = not any(list(system.unsymmetric(name)) for system in systems for name in ("mass", "stiffness"))
         rows = []
-        for event in self.events[:most]:
-            impulses = ", ".join(self._impulse_texts(event, text))
-            lost = text(event.energy_lost if abs(event.energy_lost) > STILL * largest else 0.0, "J") if has_energy else ""
-            phase = event.after if event.after != event.before else ""
-            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, phase, impulses, lost))
-        columns = ("t (s)", "error (s)", "what", "next phase", "impulses", "energy lost")
+        for event, record in zip(self.events[:most], self.solution.sequence.records):
+            named = f"{event.text.removesuffix(' strikes')} "
+            impulses = ", ".join(own.removeprefix(named) for own in self._impulse_texts(event, text))
+            lost = text(self._lost_energy(event), "J") if has_energy and self._lost_energy(event) else ""
+            states = ", ".join(state for old, state in zip(record.before, record.after) if state != old)
+            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, states, impulses, lost))
+        columns = ("t (s)", "error (s)", "what", "next state", "impulses", "energy lost")
         shown = [place for place in range(len(columns)) if place < 4 or any(row[place] for row in rows)]
         note = f"The first {len(rows)} of {len(self.events)} are shown." if len(rows) < len(self.events) else ""
         cells = tuple(tuple(row[place] for place in shown) for row in rows)
         return TextTable(
             "Events", tuple(columns[i] for i in shown), cells, note, times=tuple(one.time for one in self.events[:most])
         )
+
+    def _lost_energy(self, event: SwitchEvent) -> float:
+        """The energy lost at an event in J, zero within rounding errors of the largest energy at an event."""
+        return event.energy_lost if abs(event.energy_lost) > STILL * self._largest_energy else 0.0
+
+    @cached_property
+    def _largest_energy(self) -> float:
+        return max(max(abs(event.energy_before), abs(event.energy_after)) for event in self.events)
 
     def _impulse_texts(self, event: SwitchEvent, text: Callable[[float, str], str]) -> list[str]:
         """The impulses of an event by name, with the factors of derivatives of Dirac's delta."""
@@ -266,10 +289,33 @@ class SwitchedMotion(Motion):
     def _reaction_rows(self) -> tuple[ConstraintRow, ...]:
         """The constraint rows of all phases, each once by name."""
         rows: dict[str, ConstraintRow] = {}
-        for phase in self.solution.phases:
-            for row in phase.system.rows:
-                rows.setdefault(row.name, row)
+        switches = self.solution.sequence.machine.switches
+        possible = [constraint_rows(state.rows, self.system.units) for switch in switches for state in switch.states.values()]
+        for row in (row for several in (*(phase.system.rows for phase in self.solution.phases), *possible) for row in several):
+            rows.setdefault(row.name, row)
         return tuple(rows.values())
+
+    @property
+    def impulse_rows(self) -> dict[str, np.ndarray]:
+        """The directions of the impulses of contacts and constraint rows over the coordinates, by name."""
+        machine = self.solution.sequence.machine
+        rows = {row.name: row.coefficients for system in (machine.systems or {}).values() for row in system.rows}
+        rows |= {switch.name: switch.contact.row for switch in machine.switches if switch.contact is not None}
+        return rows | {row.name: row.coefficients for row in self._reaction_rows}
+
+    @cached_property
+    def engagements(self) -> dict[str, tuple[tuple[float, int], ...]]:
+        """The times at which each switch changes, in s, with its engagement: 0 without force, 1 slipping, 2 closed, stuck or taut."""
+        sequence, found = self.solution.sequence, {}
+        keys = {id(phase): key for key, phase in sequence.phases.items()}
+        for place, switch in enumerate(sequence.machine.switches):
+            levels: list[tuple[float, int]] = []
+            for segment in sequence.segments:
+                level = _engagement(switch.states[keys[id(segment.phase)][place]])
+                if segment.duration > 0 and (not levels or levels[-1][1] != level):
+                    levels.append((float(segment.time), level))
+            found[switch.name] = tuple(levels)
+        return found
 
     @property
     def _force_units(self) -> dict[str, str]:
@@ -448,7 +494,7 @@ class SwitchedMotion(Motion):
             Evidence(
                 "momentum",
                 max((event.momentum_residual for event in self.events), default=0.0),
-                "largest residual of the balance of momentum at an event, relative to its largest term",
+                "largest residual of the balance of momentum at an event, relative to the largest momentum",
             ),
         )
         return (*self.solution.evidence, *own)
@@ -533,38 +579,16 @@ class SwitchedMotion(Motion):
         Raises:
             InputError: always.
         """
-        from ...ground.errors import InputError
-
         raise InputError(
             "enclose: not available for switched systems, whose errors are estimated (error_estimate, time_error of events)"
         )
 
 
-def transition_matrix(sequence: PhaseSequence) -> np.ndarray:
-    """The derivative of (x, x') at the end of a sequence with respect to those at 0-."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        total = _after(sequence.segments[0])
-        waiting: list[tuple[float, Guard, np.ndarray]] = []
-        for previous, segment in pairwise(sequence.segments):
-            F, y = _transition(previous)
-            F, total = F @ total, _saltation(previous, segment, F, y)[0] @ total
-            waiting += _begun_dwells(previous, segment, F, y)
-            if segment.event is not None and segment.event.guard is None and segment.event.before != segment.event.after:
-                for time, guard, along in waiting:
-                    if abs(time + guard.dwell - segment.time) <= NOISE * segment.time and guard.target in segment.event.after:
-                        total = total + np.outer(_change_of_rate(previous, segment, y), along)
-                        break
-        last = sequence.segments[-1]
-        return np.vstack([last.phase.C, last.phase.V]) @ (_transition(last)[0] @ total)
-
-
-def _begun_dwells(previous: PhaseSegment, segment: PhaseSegment, F: np.ndarray, y: np.ndarray):
-    """The time, the guard and the derivative of the time of each guard with a dwell that may fall to zero at the end of a segment."""
-    flow = previous.phase.flow
-    for guard, row in zip(previous.phase.guards, flow.rows):
-        rate = float(row @ (previous.phase.J @ y))
-        if guard.dwell and not guard.is_opposite and rate < 0:
-            yield segment.time, guard, -(row @ F) / rate
+def _engagement(state: SwitchState) -> int:
+    """The engagement of a switch in a state: friction that slips has a force without energy."""
+    if state.rows:
+        return 2
+    return 1 if any(branch.stored is None for branch in state.branches) else 2 * bool(state.branches)
 
 
 def _jump_of(record: SwitchRecord) -> np.ndarray:
@@ -630,3 +654,30 @@ def _change_of_rate(previous: PhaseSegment, segment: PhaseSegment, y: np.ndarray
     before, after = previous.phase, segment.phase
     rate = np.vstack([before.C, before.V]) @ (before.J @ y)
     return _after(segment) @ rate - np.vstack([after.C, after.V]) @ (after.J @ segment.state)
+
+
+def transition_matrix(sequence: PhaseSequence) -> np.ndarray:
+    """The derivative of (x, x') at the end of a sequence with respect to those at 0-."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        total = _after(sequence.segments[0])
+        waiting: list[tuple[float, Guard, np.ndarray]] = []
+        for previous, segment in pairwise(sequence.segments):
+            F, y = _transition(previous)
+            F, total = F @ total, _saltation(previous, segment, F, y)[0] @ total
+            waiting += _begun_dwells(previous, segment, F, y)
+            if segment.event is not None and segment.event.guard is None and segment.event.before != segment.event.after:
+                for time, guard, along in waiting:
+                    if abs(time + guard.dwell - segment.time) <= NOISE * segment.time and guard.target in segment.event.after:
+                        total = total + np.outer(_change_of_rate(previous, segment, y), along)
+                        break
+        last = sequence.segments[-1]
+        return np.vstack([last.phase.C, last.phase.V]) @ (_transition(last)[0] @ total)
+
+
+def _begun_dwells(previous: PhaseSegment, segment: PhaseSegment, F: np.ndarray, y: np.ndarray):
+    """The time, the guard and the derivative of the time of each guard with a dwell that may fall to zero at the end of a segment."""
+    flow = previous.phase.flow
+    for guard, row in zip(previous.phase.guards, flow.rows):
+        rate = float(row @ (previous.phase.J @ y))
+        if guard.dwell and not guard.is_opposite and rate < 0:
+            yield segment.time, guard, -(row @ F) / rate
