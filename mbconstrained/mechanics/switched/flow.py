@@ -147,7 +147,7 @@ class PhaseFlow:
         for k in range(TERMS):
             taylor[:, k] = power
             power = power @ part / (k + 1)
-        bernstein = np.einsum("jk,pkn->pjn", _bernstein()[0], taylor).reshape(-1, len(slow))
+        bernstein = np.einsum("jk,pkn->pjn", _bernstein()[0], taylor).reshape(self.size * TERMS, len(slow))
         units, times = np.tile(np.eye(n), PANELS + 1), np.repeat(h * np.arange(PANELS + 1), n)
         steps = block_states(self.blocks, units, times).reshape(n, PANELS + 1, n).transpose(1, 0, 2)
         fast = np.zeros((self.size, n))
@@ -238,7 +238,7 @@ class PhaseFlow:
         if not self.size or not (sign >= 0).any() or horizon <= 0:
             return None
         search = _ZeroSearch(self, order, sign, NOISE * (np.abs(self.rows) @ size))
-        return search.scan(0, y, 0.0, horizon, climbing=True)
+        return search.scan(y, horizon)
 
 
 def _rate(block: np.ndarray) -> float:
@@ -288,31 +288,33 @@ class _ZeroSearch:
         lasts = np.where(self.undecided, np.abs(constant) + varying <= self.least, constant - (1 + NOISE) * varying > noise)
         return bool((~lasts & (self.active | self.undecided)).any())
 
-    def scan(self, number: int, y: np.ndarray, begin: float, length: float, climbing: bool) -> Crossing | None:
-        """Search [begin, begin + length] from the state at its begin, on wider panels where nothing is found and that is allowed."""
-        flow, done, most = self.flow, 0.0, PANELS
-        while done < length:
+    def scan(self, y: np.ndarray, horizon: float) -> Crossing | None:
+        """Search [0, horizon] on panels that are wider where nothing is found and narrower where fast states decide."""
+        flow, number, done, most, highest = self.flow, 0, 0.0, PANELS, len(self.flow._widths) - 1
+        while done < horizon:
             level = flow._level(number)
             h = level.width
-            count = min(most, int(np.ceil((length - done) / h * (1 - 4 * EPS))) or 1)
+            count = min(most, int(np.ceil((horizon - done) / h * (1 - 4 * EPS))) or 1)
             Y = level.steps[: min(count, PANELS)] @ y
             while len(Y) < count:
                 Y = np.vstack([Y, Y[-PANELS:][: count - len(Y)] @ level.steps[PANELS].T])
-            found = self._batch(number, level, Y, begin + done, begin + length)
+            found, divided = self._batch(number, level, Y, done, horizon)
             if found is not None:
                 return found
-            done += count * h
-            if done < length:
-                y = level.steps[1] @ Y[-1] if count > PANELS else level.steps[count] @ y
-                if climbing and most == PANELS and not self.can_vanish(y, length - done):
+            if divided is not None:
+                number, most = number - 1, PANELS if divided else min(2 * most, MOST_PANELS)
+                y, done = Y[divided], done + divided * h
+                continue
+            first, done = not done, done + count * h
+            if done < horizon:
+                y = level.steps[1] @ Y[-1]
+                if first and not self.can_vanish(y, horizon - done):
                     return None
-                if climbing and number + 1 < len(flow._widths):
-                    number += 1
-                else:
-                    most = min(2 * most, MOST_PANELS)
+                number, most = (number, min(2 * most, MOST_PANELS)) if number == highest else (number + 1, most)
         return None
 
-    def _batch(self, number: int, level: _Level, Y: np.ndarray, begin: float, end: float) -> Crossing | None:
+    def _batch(self, number: int, level: _Level, Y: np.ndarray, begin: float, end: float) -> tuple[Crossing | None, int | None]:
+        """The first zero in some panels, and the panel that is to be divided; None without."""
         flow, p = self.flow, self.flow.size
         coefficients = (level.bernstein @ Y[:, level.slow].T).reshape(p, TERMS, len(Y))
         size = self.moduli @ np.abs(Y).T
@@ -329,14 +331,13 @@ class _ZeroSearch:
             own = np.flatnonzero(doubtful[:, panel])
             at = begin + panel * level.width
             if at >= end:
-                return None
+                break
             if (rest[own, panel] > noise[own, panel]).any():
-                found = self.scan(number - 1, Y[panel], at, min(level.width, end - at), climbing=False)
-            else:
-                found = self._in_panel(level, Y[panel], own, noise[:, panel], at, end)
+                return None, int(panel)
+            found = self._in_panel(level, Y[panel], own, noise[:, panel], at, end)
             if found is not None:
-                return found
-        return None
+                return found, None
+        return None, None
 
     def _in_panel(
         self, level: _Level, y: np.ndarray, guards: np.ndarray, noise: np.ndarray, begin: float, end: float

@@ -105,7 +105,7 @@ def impulses_of_contacts(W: np.ndarray, before: np.ndarray, restitution: np.ndar
     >>> impulses_of_contacts(W, u, np.zeros(2)).round(12).tolist()
     [0.666666666667, 0.333333333333]
     """
-    return complementary(W, (1 + restitution) * before)
+    return complementary(W, before + restitution * before)  # 1 + e would be rounded in all impacts alike
 
 
 def complementary(M: np.ndarray, q: np.ndarray) -> np.ndarray:

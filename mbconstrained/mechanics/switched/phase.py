@@ -190,7 +190,9 @@ class Phase:
                 rows[place] += factor * self.reaction_row(row)
             values[place] = guard.value
         self.flow = PhaseFlow(self.blocks, rows, values, longest)
-        self.C_size, self.V_size = self.flow.sizes_of(self.C), self.flow.sizes_of(self.V)
+        self.C_size = self.flow.sizes_of(self.C)
+        own = EPS / NOISE * self.flow.rates.max(initial=0.0)  # rounding errors of J: states at rest move by it
+        self.V_size = self.flow.sizes_of(self.V) + own * self.C_size
 
     # Outputs.
 

@@ -263,9 +263,11 @@ class PhaseSequence:
                     if not change.sources or record.after[place] in change.sources:
                         record.turn(place, change.target)
                         record.texts.append(self._text(place, change) if change.text else "")
-                for due in [due for due, deadline in self.deadlines.items() if deadline == time]:
-                    record.turn(*due)
-                    del self.deadlines[due]
+                for place, guard in self.machine.guards(key):
+                    if guard.dwell and self.deadlines.get((place, guard.target)) == time:
+                        record.turn(place, guard.target)
+                        record.texts.append(self._text(place, guard))
+                        del self.deadlines[place, guard.target]
             self._settle(record)
 
     def _check_start(self, key: Key, x, v, accepted: bool) -> None:
@@ -379,6 +381,9 @@ class PhaseSequence:
             if contact is not None and contact.sliding and record.before[place] == contact.closed:
                 continue  # the forces that it takes across end with that along it, and change all others
             record.zeros[guard.functional] = 2 if crossing.grazing else 1
+            d = guard.displacement
+            if guard.functional[0] == "displacement" and not crossing.grazing:  # lest rounding errors add up from impact to impact
+                record.x[1] = record.x[1] - d * ((d @ record.x[1] - guard.value) / (d @ d))
             if contact is not None and guard.reactions:
                 record.zeros[contact.functional] = 3  # without its force nothing accelerates it
         if not hit:

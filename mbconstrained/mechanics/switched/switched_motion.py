@@ -40,6 +40,9 @@ SWITCHED = Method("switched", "phase by phase by the Jordan pairs of each, switc
 #: Rounding errors of the states of a phase, in units of EPS: at once, and by radian of the fastest rate.
 OWN_NOISE, NOISE_BY_RADIAN = 8.0, 1.0
 
+#: Estimates are so many standard deviations.
+DEVIATIONS = 3.0
+
 #: Times at which errors are estimated.
 ESTIMATED = 64
 
@@ -407,29 +410,25 @@ class SwitchedMotion(Motion):
     # Errors.
 
     @cached_property
-    def _propagated(self) -> tuple[list[np.ndarray], np.ndarray, list[np.ndarray]]:
-        """Covariances of the errors of (x, x') at the begin of segments, those of times of events, and saltation matrices."""
-        sequence, n = self.solution.sequence, self.system.size
+    def _propagated(self) -> tuple[list[np.ndarray], np.ndarray]:
+        """Covariances of the errors of (x, x') at the begin of segments, and errors of the times of events."""
+        sequence = self.solution.sequence
         first = sequence.segments[0]
         P = np.diag((OWN_NOISE * EPS * _sizes(first, first.state)) ** 2)
-        covariances, times, saltations = [], {}, []
-        previous: PhaseSegment | None = None
+        covariances, times = [P], {}
         with np.errstate(over="ignore", invalid="ignore"):
-            for segment in sequence.segments:
-                if previous is not None:
-                    F, y = _transition(previous)
-                    S, along = _saltation(previous, segment, F, y)
-                    if along is not None and segment.event is not None:
-                        times[id(segment.event)] = float(np.sqrt(max(along @ P @ along, 0.0)))
-                    radians = float(previous.phase.flow.rates.max(initial=0.0)) * previous.duration
-                    noise = EPS * (OWN_NOISE + NOISE_BY_RADIAN * radians) * _sizes(previous, y)
-                    G = _after(segment) @ (_along_contact(segment, n) * noise)
-                    P = np.nan_to_num(S @ P @ S.T + G @ G.T, nan=np.inf, posinf=np.inf)
-                    saltations.append(S)
+            for previous, segment in zip(sequence.segments, sequence.segments[1:]):
+                F, y = _transition(previous)
+                S, along, own_S, own_along = _saltation(previous, segment, F, y)
+                radians = float(previous.phase.flow.rates.max(initial=0.0)) * previous.duration
+                noise = EPS * (OWN_NOISE + NOISE_BY_RADIAN * radians) * _sizes(previous, y)
+                if along is not None and own_along is not None:
+                    variance = along @ P @ along + np.sum((own_along * noise) ** 2)
+                    times[id(segment.event)] = float(np.sqrt(max(variance, 0.0)))
+                P = np.nan_to_num(S @ P @ S.T + (own_S * noise) @ (own_S * noise).T, nan=np.inf, posinf=np.inf)
                 covariances.append(P)
-                previous = segment
-        errors = [times.get(id(record), 0.0) + EPS * record.time for record in sequence.records]
-        return covariances, np.nan_to_num(np.array(errors), nan=np.inf), saltations
+        errors = [DEVIATIONS * times.get(id(record), 0.0) + EPS * record.time for record in sequence.records]
+        return covariances, np.nan_to_num(np.array(errors), nan=np.inf)
 
     @property
     def _time_errors(self) -> np.ndarray:
@@ -480,7 +479,7 @@ class SwitchedMotion(Motion):
         radians = float(phase.flow.rates.max(initial=0.0)) * since
         noise = EPS * (OWN_NOISE + NOISE_BY_RADIAN * radians) * (np.abs(rows) @ np.abs(y))
         variance = np.einsum("ij,jk,ik->i", A, P, A) + noise**2
-        return float(np.sqrt(np.nan_to_num(variance, nan=np.inf).max(initial=0.0)))
+        return DEVIATIONS * float(np.sqrt(np.nan_to_num(variance, nan=np.inf).max(initial=0.0)))
 
     # Notices.
 
@@ -613,40 +612,34 @@ def _transition(segment: PhaseSegment) -> tuple[np.ndarray, np.ndarray]:
     return moved, phase.flow.states(segment.state, segment.duration)
 
 
-def _along_contact(segment: PhaseSegment, n: int) -> np.ndarray:
-    """I without the part of a displacement guard that was just zero: its rounding error is not carried on."""
-    unit, guard = np.eye(2 * n), None if segment.event is None else segment.event.guard
-    if guard is not None and guard.displacement.any() and not guard.velocity.any():
-        d = guard.displacement
-        unit[:n, :n] -= np.outer(d, d) / (d @ d)
-    return unit
-
-
 def _after(segment: PhaseSegment) -> np.ndarray:
     """The derivative of (x, x') after a switch with respect to those before it, at a fixed time."""
     return segment.jump() if segment.jump is not None else np.eye(2 * segment.phase.system.size)
 
 
-def _saltation(previous: PhaseSegment, segment: PhaseSegment, F: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+def _saltation(
+    previous: PhaseSegment, segment: PhaseSegment, F: np.ndarray, y: np.ndarray
+) -> tuple[np.ndarray, np.ndarray | None, np.ndarray, np.ndarray | None]:
     """The derivative of (x, x') at the begin of a segment with respect to those at the begin of the previous, and of the time of the event.
 
     With the guard g and its rate: S = D F - (z+' - D z-') dt, dt = -dg / g' (saltation matrix; Leine and Nijmeijer, Dynamics and Bifurcations
-    of Non-Smooth Mechanical Systems, 2004, section 7.4).
+    of Non-Smooth Mechanical Systems, 2004, section 7.4). Then both with respect to (x, x') at the end of the previous.
     """
     phase, D = previous.phase, _after(segment)
-    outputs = np.vstack([phase.C, phase.V])
-    total = D @ (outputs @ F)
-    record = segment.event
+    outputs, own = np.vstack([phase.C, phase.V]), phase.start[:, : 2 * phase.system.size]
+    moved, record = D @ (outputs @ F), segment.event
     if record is None or record.guard_row is None:
-        return total, None
-    if record.grazing:  # the time of a minimum, of the rate of the guard; nothing changes there
-        rate = float(record.guard_row @ (phase.J @ (phase.J @ y)))
-        return total, -(record.guard_row @ phase.J @ F) / rate if rate else np.full(F.shape[1], np.inf)
-    rate = float(record.guard_row @ (phase.J @ y))
+        return moved, None, D, None
+    row = record.guard_row @ phase.J if record.grazing else record.guard_row  # grazing is the minimum of a guard
+    rate = float(row @ (phase.J @ y))
     if rate == 0:
-        return total, np.full(F.shape[1], np.inf)
-    along = -(record.guard_row @ F) / rate
-    return total + np.outer(_change_of_rate(previous, segment, y), along), along
+        unknown = np.full(F.shape[1], np.inf)
+        return moved, unknown, D, unknown
+    along, own_along = -(row @ F) / rate, -(row @ own) / rate
+    if record.grazing:  # nothing changes there
+        return moved, along, D, own_along
+    change = _change_of_rate(previous, segment, y)
+    return moved + np.outer(change, along), along, D + np.outer(change, own_along), own_along
 
 
 def _change_of_rate(previous: PhaseSegment, segment: PhaseSegment, y: np.ndarray) -> np.ndarray:

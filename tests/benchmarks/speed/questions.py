@@ -281,6 +281,19 @@ DAMPER = {"tuning": "uniform(0.9, 1.0)", "zeta": "uniform(0.1, 0.2)"}
 START = [0.1, *[0.0] * 1999]
 TIMES = np.linspace(0.0, 100.0, 201)
 
+
+def striking_chain(count: int, end: float) -> tuple[Work, None]:
+    """A chain of masses between two stops under a harmonic force, phases and events anew in each run."""
+    model = mb.LumpedModel()
+    for i in range(count):
+        model.mass(f"m{i}", 1.0 + 0.01 * i)
+        model.spring(f"m{i - 1}" if i else "ground", f"m{i}", stiffness=100.0 + i)
+    model.contact(f"m{count - 1}", "ground", gap=0.01, restitution=0.8)
+    model.contact("ground", "m3", gap=0.02, restitution=0.9)
+    system, force = model.assemble(), mb.harmonic(20.0 * np.eye(count)[0], angular_frequency=3.0)
+    return lambda: system.solve(force=force, end=end), None
+
+
 QUESTIONS = (
     *(
         Question(f"LumpedModel of {count} masses, elements to values", partial(lumped_run, count), "lsim", ratio=1.5)
@@ -306,6 +319,8 @@ QUESTIONS = (
     Question("Campbell diagram, 42 coordinates, 101 speeds", campbell, "eigvals per speed", ratio=1.0),
     Question("modes of 1000 chains of 10 masses", families, "numpy.linalg.eig each", ratio=1.0),
     Question("50 modes of 100,000 sparse masses", partial(sparse_modes, 100_000), "ARPACK", ratio=1.0),
+    Question("1000 impacts, 10 masses", partial(striking_chain, 10, 133.4), seconds=1.0),
+    Question("100 impacts, 100 masses", partial(striking_chain, 100, 17.8), seconds=1.0),
     Question("read_scene, 300 masses", partial(reading, 300), seconds=0.3),
     Question("read_scene, 1000 masses", partial(reading, 1000), seconds=1.0),
     Question("LumpedModel of 2000 masses: motion", partial(large_model, lambda system: system.solve(START)(TIMES)), seconds=2.0),
