@@ -24,7 +24,7 @@ from ...linalg.exponential import block_states
 from ...signals.bohl import FreeRestarts
 from ...signals.inputs import term
 from ..peaks import Peaks, peaks
-from .phase import Phase, Source
+from .phase import STILL, Phase, Source
 from .sequence import MOST_EVENTS, Key, PhaseSequence, _replaced
 from .switched_motion import SwitchedMotion, SwitchEvent, transition_matrix
 
@@ -33,6 +33,9 @@ STEPS, HALVINGS = 40, 10
 
 #: Periods that are passed through before the first step, unless the state repeats to this earlier.
 TRANSIENT, SETTLED = 200, 1e-3
+
+#: Where the state after these periods does not lead to a closed orbit, so many others do: those that are nearest to one.
+TRIED = 12
 
 #: Motions that grow by this factor in these periods are unstable: the search begins at their start.
 GROWN = 1e6
@@ -465,6 +468,7 @@ class Orbit:
                 "the force another phase"
             )
         n = self.map.size
+        z = np.where(np.abs(z) <= STILL * self.sizes, 0.0, z)  # what is stuck or touches is so exactly
         motion = self.map.system._motion(own.sequence, z.reshape(2, n), self.map.force)
         drift = np.where(np.abs(own.moved[:n]) <= CLOSED_ORBIT * self.sizes[:n], 0.0, own.moved[:n])
         return PeriodicMotion(motion, self.period, multipliers, own.residual(self.sizes), drift, shifts)
@@ -541,21 +545,25 @@ def forced_orbit(map: PeriodMap, start: np.ndarray | None) -> Orbit:
             return newton(map.orbit(key, z, T))
         except NotUnique:
             start = None  # the state after some periods may be nearer
-    first = orbit = map.orbit(key, z, T)
-    passed = [orbit.z]
+    orbits = [map.orbit(key, z, T)]
     for _ in range(TRANSIENT):
-        orbit = map.orbit(orbit.end_key, orbit.end - orbit.moved, T)
-        passed.append(orbit.z)
-        if orbit.residual(orbit.sizes) <= SETTLED and orbit.end_key == orbit.key:
+        last = orbits[-1]
+        orbits.append(map.orbit(last.end_key, last.end - last.moved, T))
+        if orbits[-1].residual(orbits[-1].sizes) <= SETTLED and orbits[-1].end_key == orbits[-1].key:
             break
-        if (orbit.sizes > GROWN * first.sizes.max()).any():
-            orbit = first
+        if (orbits[-1].sizes > GROWN * orbits[0].sizes.max()).any():
+            orbits = orbits[:1]
             break
     try:
-        return newton(cleared(orbit) if map.is_smooth else orbit)
+        return newton(cleared(orbits[-1]) if map.is_smooth else orbits[-1])
     except NotUnique as problem:
-        for count in range(2, MOST_PERIODS + 1):
-            if len(passed) > count and np.abs((passed[-1] - passed[-1 - count]) / orbit.sizes).max() <= SETTLED:
+        for orbit in sorted(orbits[:-1], key=lambda one: one.residual(one.sizes))[:TRIED]:
+            try:
+                return newton(cleared(orbit) if map.is_smooth else orbit)
+            except NotUnique:
+                continue
+        for count in range(2, min(MOST_PERIODS + 1, len(orbits))):
+            if np.abs((orbits[-1].z - orbits[-1 - count].z) / orbits[-1].sizes).max() <= SETTLED:
                 raise NotUnique(f"{problem}; after {count} periods the motion repeats: try period={count * T:.12g}") from None
         raise
 

@@ -52,7 +52,7 @@ def assert_multipliers(motion, system, force, tolerance=1e-6):
     for unit in np.eye(2 * n):
         ends = []
         for sign in (1, -1):
-            start = z + sign * size * unit
+            start = z + sign * size * unit * (z != 0)  # a body that is stuck remains so
             x = system.solve(start[:n], start[n:], force, end=motion.period)
             last = x.solution.sequence.segments[-1]
             y = last.phase.flow.states(last.state, last.duration)
@@ -479,3 +479,31 @@ def test_map_is_reused_within_a_period():
     phases = dict(map.phases)
     second = map.orbit(first.end_key, first.end, map.period)
     assert all(map.phases[key] is phase for key, phase in phases.items()) and second.key == first.end_key
+
+
+@pytest.mark.parametrize("kind", ["rigid", "elastic", "friction", "static friction", "play", "rigid and friction"])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_random_chains(kind, seed):
+    """A closed orbit is found for each, and its multipliers are those of finite differences."""
+    rng = np.random.default_rng([seed, len(kind)])
+    model, n = mb.LumpedModel(), int(rng.integers(1, 4))
+    for i in range(n):
+        model.mass(f"m{i}", rng.uniform(0.5, 2.0))
+        model.spring(f"m{i - 1}" if i else "ground", f"m{i}", stiffness=rng.uniform(1.0, 20.0))
+        model.damper(f"m{i - 1}" if i else "ground", f"m{i}", damping=rng.uniform(0.05, 0.5))
+    last = f"m{n - 1}"
+    if "rigid" in kind:
+        model.contact("ground", last, gap=rng.uniform(0.0, 0.3), restitution=rng.uniform(0.3, 0.95))
+    if "elastic" in kind:
+        model.contact("ground", last, gap=rng.uniform(0.0, 0.3), stiffness=rng.uniform(1.0, 100.0), damping=rng.uniform(0.0, 1.0))
+    if "play" in kind:
+        model.backlash("ground", last, gap=rng.uniform(0.05, 0.3), stiffness=rng.uniform(1.0, 100.0))
+    if "friction" in kind:
+        static = 0.5 if "static" in kind else 0.3
+        model.dry_friction("ground", "m0", normal_force=1.0, coefficient=0.3, static_coefficient=static)
+    force = np.zeros(n)
+    force[rng.integers(n)] = rng.uniform(1.0, 3.0)
+    system, load = model.assemble(), cosine(rng.uniform(0.5, 4.0), *force)
+    x = system.periodic(force=load)
+    assert x.residual < 1e-10
+    assert_multipliers(x, system, load, 1e-4 * max(1.0, np.abs(x.multipliers).max()))
