@@ -543,7 +543,7 @@ class SwitchedMotion(Motion):
 
 
 def _text_of(record: SwitchRecord) -> str:
-    """What happens where no switch changes."""
+    """The words for an event at which no switch changes its state."""
     return "a guard touches zero" if record.grazing else "the load jumps" if record.time else "the start jumps"
 
 
