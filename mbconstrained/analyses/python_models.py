@@ -51,6 +51,7 @@ def result_of(
     title: str = "",
     plots: Sequence[str] = ("displacement",),
     drawing: Mapping[str, Any] | None = None,
+    slow_events: bool = False,
 ) -> RunAnswer:
     """The result of an equivalent scene."""
     for kind in plots:
@@ -65,7 +66,7 @@ def result_of(
     )
     system = motion.system if isinstance(motion, Motion) else None
     kinds: list[Any] = list(dict.fromkeys(plots))
-    output = OutputTable(plots=kinds, csv=False, npz=False)
+    output = OutputTable(plots=kinds, csv=False, npz=False, slow_events=slow_events)
     scene = _scene(system, motion, title, drawing, times, output)
     check_output(output, scene.equations, "write_page")
     return RunAnswer(scene, plan_of(scene))

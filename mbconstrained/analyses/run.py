@@ -479,11 +479,13 @@ def overview(answer: RunAnswer, width: int = WIDTH, lines: int = SCREEN) -> list
     rest = left - len(answer.tables[0].rows) - 3
     notes = _some_notices(notices, width, left // 3 if answer.scene.equations.switching else max(left // 2, rest))
     left -= _height(notes, width)
-    shown = [_some_rows(answer.tables[0], width, left - 1)]
+    events = [table for table in answer.tables if table.title == "Events"]
+    shown = [_some_rows(table, width, max(2 * left // 3, left - len(answer.tables[0].rows) - 3)) for table in events]
+    shown.append(_some_rows(answer.tables[0], width, left - _height(shown, width) - 1))
     for table in answer.tables[1:]:
-        if table.title in {"Events", *(end.title for end in answer.scene.equations.ends)}:
+        if table.title in {end.title for end in answer.scene.equations.ends}:
             table = _some_rows(table, width, left - _height(shown, width) - 1)
-        if not table.folded and table.rows and _height([*shown, table], width) <= left:
+        if table not in events and not table.folded and table.rows and _height([*shown, table], width) <= left:
             shown.append(table)
     return [title, *shown, *notes, end]
 

@@ -49,6 +49,7 @@ class Shock(Analysis):
 
     name = "shock"
     settings = ShockTable
+    switches = "all"
     options: ClassVar = {"damping_ratio": "--damping", "quality_factor": "--quality"}
     replaced: ClassVar = {
         "damping_ratio": ("quality_factor",), "quality_factor": ("damping_ratio",), "from": ("frequencies",), "to": ("frequencies",)

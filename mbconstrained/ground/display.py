@@ -81,9 +81,9 @@ class Presented(Displayed):
         Args:
             path: path of the page.
             options: ``title``, and ``drawing``, entries of the table [drawing] of a scene file such as {"view": "top", "scale": 10,
-                "full_meshes": True}; of a motion also ``end``, the last time in s (by default some periods of the slowest oscillation),
-                ``points``, the number of times, and ``plots``, kinds of curves: "displacement", "velocity", "acceleration",
-                "reaction", "energy", "phase".
+                "full_meshes": True}; of a motion also ``end``, the last time in s (by default some periods of the slowest oscillation, of
+                a switched motion its end), ``points``, the number of times, ``plots``, kinds of curves: "displacement", "velocity",
+                "acceleration", "reaction", "energy", "phase", and ``slow_events``, whether the animation is slower around events.
 
         Returns:
             The path.

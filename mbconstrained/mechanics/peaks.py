@@ -185,7 +185,7 @@ def _functions(motion, of: str) -> tuple[BohlFunction, tuple[str, ...], tuple[st
     """The functions with names and units, and the constants added to them."""
     system = motion.system
     if of == "reaction":
-        rows = system.rows
+        rows = motion._reaction_rows
         names, units = tuple(row.name for row in rows), tuple(force_unit(row.unit) for row in rows)
         return motion.reaction_function, names, units, np.zeros(len(rows))
     if of in ("elongation", "force"):

@@ -50,7 +50,7 @@ class SwitchingElement(Element):
     axis: ClassVar[str | None] = None
     end_count = 2
     spellings: ClassVar = {"between": ("start", "end")}
-    symbol: ClassVar[Any] = "rod"
+    symbol: ClassVar[Any] = "stop"
     #: Units of fields without one, between bodies that move and that turn.
     own_units: ClassVar[Mapping[str, tuple[str, str]]] = {}
 
@@ -63,6 +63,11 @@ class SwitchingElement(Element):
                 with named(f"{self.label}: {field.replace('_', ' ')}"):
                     changed[field] = quantity(value, both[unit == "rad"])
         return replace(self, **changed) if changed else self
+
+    @property
+    def limits(self) -> tuple[float | None, float | None]:
+        """The displacements of its end relative to its start at which it closes from above and from below."""
+        return None, None
 
     @property
     def row(self) -> dict[str, float]:
@@ -119,6 +124,10 @@ class Contact(SwitchingElement):
         if self.stiffness is None and self.damping:
             raise InputError(f"{self.label}: found damping without stiffness; give both, or restitution of a rigid contact")
 
+    @property
+    def limits(self) -> tuple[float | None, float | None]:
+        return -self.gap, self.gap if self.two_sided else None
+
     def switches(self, row: Row, unit: str) -> tuple[Switch, ...]:
         sides = ((self.name, row), (f"{self.name} far side", -row)) if self.two_sided else ((self.name, row),)
         if self.stiffness is None:
@@ -139,6 +148,12 @@ class Backlash(SwitchingElement):
 
     own_units: ClassVar = {"gap": LENGTH, "stiffness": SPRING, "damping": DAMPER}
 
+    symbol = "slot"
+
+    @property
+    def limits(self) -> tuple[float | None, float | None]:
+        return -self.gap / 2, self.gap / 2
+
     def switches(self, row: Row, unit: str) -> tuple[Switch, ...]:
         names = (f"{self.name} backward", row), (f"{self.name} forward", -row)
         return tuple(elastic_contact(name, own, self.gap / 2, self.stiffness, self.damping, unit) for name, own in names)
@@ -153,8 +168,11 @@ class OneSidedSpring(SwitchingElement):
     damping: Annotated[Real, Numeric(None, "While it acts.", "nonnegative", varied=False)] = 0.0
     pulls: Annotated[bool, "true: it acts in tension; false: in compression."] = False
 
-    symbol = "spring"
     own_units: ClassVar = {"rest_length": LENGTH, "stiffness": SPRING, "damping": DAMPER}
+
+    @property
+    def limits(self) -> tuple[float | None, float | None]:
+        return (None, self.rest_length) if self.pulls else (self.rest_length, None)
 
     def switches(self, row: Row, unit: str) -> tuple[Switch, ...]:
         sign = -1.0 if self.pulls else 1.0
@@ -173,8 +191,12 @@ class Cable(SwitchingElement):
     stiffness: Annotated[Real, Numeric(None, "Tension by stretch; it does not stretch when left out.", varied=False)] = None
     damping: Annotated[Real, Numeric(None, "While it is taut.", "nonnegative", varied=False)] = 0.0
 
-    symbol = "belt"
+    symbol = "cable"
     own_units: ClassVar = {"length": LENGTH, "stiffness": SPRING, "damping": DAMPER}
+
+    @property
+    def limits(self) -> tuple[float | None, float | None]:
+        return (None, self.length) if self.length > 0 else (self.length, None)
 
     def switches(self, row: Row, unit: str) -> tuple[Switch, ...]:
         own = -math.copysign(1.0, self.length) * row
@@ -229,7 +251,7 @@ class DryFriction(SwitchingElement):
         Real, Numeric("1", "Of static friction; that of kinetic friction when left out.", varied=False)
     ] = None
 
-    symbol = "damper"
+    symbol = "friction"
 
     def __post_init__(self):
         super().__post_init__()
@@ -255,7 +277,7 @@ class Clutch(SwitchingElement):
     engaged: Annotated[Real, Numeric("s", "From this time on.", "nonnegative", varied=False)] = 0.0
     released: Annotated[Real, Numeric("s", "Until this time; for ever when left out.", "positive", varied=False)] = None
 
-    symbol = "torsion damper"
+    symbol = "friction"
     own_units: ClassVar = {"torque": FORCE, "static_torque": FORCE}
 
     def __post_init__(self):
@@ -284,7 +306,12 @@ class Latch(SwitchingElement):
     distance: Annotated[Real, Numeric(None, "x_end - x_start at which it closes.", varied=False)] = None
     at: Annotated[Real, Numeric("s", "The time at which it closes, at whatever distance.", "positive", varied=False)] = None
 
+    symbol = "latch"
     own_units: ClassVar = {"distance": LENGTH}
+
+    @property
+    def limits(self) -> tuple[float | None, float | None]:
+        return self.distance, self.distance
 
     def __post_init__(self):
         super().__post_init__()

@@ -92,6 +92,7 @@ class Overlay:
     events: tuple[DrawnEvent, ...] = ()  # jumps and impulses, in the order of time
     forces: tuple[ForceArrows, ...] = ()  # forces shown at all times
     description: str = "reactions"  # description of the forces, for the line over the picture
+    slow: bool = False  # whether the motion is shown slower around the events at first
 
     def __bool__(self) -> bool:
         return bool(self.events or self.forces)
@@ -257,8 +258,12 @@ def key_frames(animation: Animation) -> KeyFrames:
     return KeyFrames(names, times[kept], values[:, kept], rates[:, kept], stride, thinned)
 
 
+#: Two times nearer to each other than this share of the mean spacing are the two sides of a jump.
+ONE_TIME = 1e-9
+
+
 def slopes(times: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Derivatives at the given times of the quartics through each five neighbouring values.
+    """Derivatives at the given times of the quartics through each five neighbouring values on the same side of jumps.
 
     Fourth order in the spacing for smooth values, so that cubic interpolation with them loses nothing; with fewer
     than five times, of the polynomial through all.
@@ -266,12 +271,18 @@ def slopes(times: np.ndarray, values: np.ndarray) -> np.ndarray:
     >>> slopes(np.array([0.0, 1.0, 3.0]), np.array([[0.0, 1.0, 9.0]])).round(9)
     array([[0., 2., 6.]])
     """
+    sides = np.flatnonzero(np.diff(times) < ONE_TIME * np.ptp(times) / max(1, len(times) - 1)) + 1
+    parts = zip(np.split(times, sides), np.split(np.asarray(values, dtype=float), sides, axis=1))
+    return np.hstack([_slopes(*part) for part in parts])
+
+
+def _slopes(times: np.ndarray, values: np.ndarray) -> np.ndarray:
     width = min(5, len(times))
     first = np.clip(np.arange(len(times)) - width // 2, 0, len(times) - width)
     window = first[:, None] + np.arange(width)
     unit = (times[-1] - times[0]) / max(1, len(times) - 1)  # so that no product of spacings over- or underflows
     nodes, at = times[window] / (unit or 1.0), times / (unit or 1.0)
-    rates = np.zeros_like(values, dtype=float)
+    rates = np.zeros_like(values)
     for k in range(width):  # derivatives of the Lagrange polynomials
         others = [j for j in range(width) if j != k]
         scale = np.prod([nodes[:, k] - nodes[:, j] for j in others], axis=0)

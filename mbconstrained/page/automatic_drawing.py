@@ -29,8 +29,10 @@ from ..models.elements import Element, Gear, GearMesh, Mass, Node, Pulley, Rack,
 from ..models.rotor import PLANES, Rotor, in_planes
 from .drawing import Drawing, DrawnBody, DrawnLink, LinkKind, Shape, Solid, Vector
 from .layout import (
+    CLOSING,
     PULLEY,
     DrawnJoint,
+    Mate,
     Piece,
     angle_scale,
     as_tuple,
@@ -39,14 +41,16 @@ from .layout import (
     groups,
     joints_of,
     natural_positions,
+    settled_joints,
     stacked,
     tie_of,
     turned_piece,
+    two_digits,
     walk,
 )
 
-#: Gaps between bodies with relative motion, and between bodies joined by a rod, drawing units.
-GAP, CLOSE = 1.5, 0.8
+#: Gaps between bodies with relative motion, between bodies joined by a rod, and between those that touch, drawing units.
+GAP, CLOSE, TOUCHING = 1.5, 0.8, 0.25
 
 #: Distance between parallel links, drawing units.
 LANE = 0.36
@@ -145,11 +149,10 @@ class Chain:
     def _places(self) -> dict[str, float]:
         places, edge = {}, 0.0
         if self._tied(self.order[0], "left"):
-            edge = WALL + GAP
+            edge = WALL + _gap(self._tied(self.order[0], "left"))
         for name, following in zip(self.order, [*self.order[1:], None]):
             places[name] = edge + self.width[name] / 2
-            kinds = {joint.kind for joint in self._between(name, following)} if following else set()
-            edge += self.width[name] + (CLOSE if kinds == {"rod"} else GAP)
+            edge += self.width[name] + _gap(self._between(name, following) if following else [])
         return places
 
     def _side_by_side(self, joints: list[DrawnJoint], others: Mapping[str, str]) -> None:
@@ -186,7 +189,7 @@ class Chain:
         for side, sign in (("left", -1), ("right", 1)):
             joints = self._tied(name, side)
             if joints:
-                x = self.places[name] + sign * ((self.width[name] + WALL) / 2 + GAP)
+                x = self.places[name] + sign * ((self.width[name] + WALL) / 2 + _gap(joints))
                 height = max(2 * self.top + 0.6, LANE * len(joints) + 0.7)
                 place = (x, 0.0, self.levels[name])
                 self.grounds.append(DrawnBody(f"ground {side} of {name}", "ground", place, size=(WALL, 1.2, height)))
@@ -204,6 +207,12 @@ class Chain:
         self.grounds.append(DrawnBody(f"ground below {name}", "ground", place, size=size))
         for joint, depth in zip(joints, depths):
             self._link(joint, {GROUND: self.grounds[-1].name}, depth, depth - middle)
+
+
+def _gap(joints: Sequence[DrawnJoint]) -> float:
+    """The distance of neighbours with these connections."""
+    kinds = {joint.kind for joint in joints}
+    return CLOSE if kinds == {"rod"} else TOUCHING if kinds == {"stop"} and len(joints) == 1 else GAP
 
 
 # A building: storeys one above the other that move sideways, with columns and braces between them.
@@ -634,7 +643,7 @@ class Train:
 def _blocks_around(body: DrawnBody, joints: list[DrawnJoint], up: int) -> Piece:
     """Springs as spirals in front of the body, on studs from below (up = -1) or above; dampers as brakes on its rim."""
     bodies, links = [], []
-    brakes = [joint for joint in joints if joint.kind == "torsion damper"]
+    brakes = [joint for joint in joints if joint.kind in ("torsion damper", "brake")]
     springs = [joint for joint in joints if joint not in brakes]
     radius = body.size[0] / 2
     if springs:
@@ -727,8 +736,10 @@ def lumped_drawing(
     pulleys = [element for element in elements if isinstance(element, Pulley)]
     turning = [body.name for body in bodies if body.unit == "rad"]
     sliding = [body.name for body in bodies if body.unit != "rad"]
-    joints = joints_of(elements)
-    slides = [joint for joint in joints if joint.ends <= {GROUND, *sliding}]
+    joints = joints_of(elements, turning)
+    slides = settled_joints(sliding, [joint for joint in joints if joint.ends <= {GROUND, *sliding}])
+    rubbing = _rubbing(sliding, slides)
+    slides = [joint for joint in slides if joint not in rubbing]
     twists = [joint for joint in joints if joint.ends <= {GROUND, *turning}]
     bars = bars_of(elements)
     natural, length = natural_positions(sliding, slides), bar_length(bars) if bars else 1.0
@@ -744,6 +755,11 @@ def lumped_drawing(
     if turn_scale is None:
         turn_scale = angle_scale([motion[name] for name in wheels if name in motion]) if wheels or not bars else scale / length
 
+    plays = {
+        joint.name: _play_magnification(turn_scale * (joint.limits[1] - joint.limits[0]))
+        for joint in twists
+        if joint.kind == "play" and None not in joint.limits
+    }
     massless = frozenset(body.name for body in bodies if isinstance(body, Node))
     spots = {body.name: body.position for body in bodies if isinstance(body, Mass) and body.position is not None}
     meshing = [(gear.start, gear.end) for gear in gears]
@@ -761,16 +777,85 @@ def lumped_drawing(
     if directions:
         chains = [turned_piece(piece, directions, meshing) for piece in chains]
     pieces += chains
+    pieces, mates, pads = _on_supports(pieces, rubbing, scale, motion)
     home = {name: piece for piece in pieces for name in piece.names}
     ties = [tie_of(element, home, scale / (PULLEY * (turn_scale or 1.0))) for element in elements]
     ties = [tie for tie in ties if tie is not None]
     pieces += [tie.piece for tie in ties if tie.piece]
-    whole = stacked(pieces, [mate for tie in ties for mate in tie.mates])
-    links = (*whole.links, *(link for tie in ties for link in tie.links))
+    whole = stacked(pieces, [*mates, *(mate for tie in ties for mate in tie.mates)])
+    limits = {joint.name: joint.limits for joint in joints}
+    links = tuple(
+        replace(link, limits=limits.get(link.name, link.limits), magnification=plays.get(link.name, 1.0))
+        for link in (*whole.links, *pads, *(link for tie in ties for link in tie.links))
+    )
 
     drawn = [_at_zero(body, natural, scale) for body in whole.bodies]
-    notes = _not_drawn(elements, {link.name for link in links}.union(*(bar.rows for bar in bars))), _askew(drawn, slides + twists)
+    magnified = (f"relative angle of {name} drawn {factor:g} × as large" for name, factor in plays.items() if factor != 1)
+    notes = (
+        *magnified,
+        _not_drawn(elements, {link.name for link in links}.union(*(bar.rows for bar in bars))),
+        _askew(drawn, slides + twists),
+    )
     return Drawing(tuple(drawn), links, scale, turn_scale, " · ".join(filter(None, notes)))
+
+
+def _rubbing(names: Sequence[str], joints: Sequence[DrawnJoint]) -> list[DrawnJoint]:
+    """Friction with the ground, or between bodies that nothing else connects: one is drawn on the other."""
+    others = [joint.ends for joint in joints if joint.kind != "friction" and GROUND not in joint.ends]
+    parts = groups(names, others)
+    part = {name: number for number, own in enumerate(parts) for name in own}
+    found = []
+    for joint in joints:
+        if joint.kind == "friction" and (GROUND in joint.ends or part[joint.start] != part[joint.end]):
+            found.append(joint)
+            part = {
+                name: part.get(joint.end, number) if number == part.get(joint.start) and GROUND not in joint.ends else number
+                for name, number in part.items()
+            }
+    return found
+
+
+#: Height of a plate under a body, and of the pad between both, drawing units.
+PLATE, PAD = 0.16, 0.1
+
+
+def _on_supports(
+    pieces: Sequence[Piece], rubbing: Sequence[DrawnJoint], scale: float, motion: Mapping[str, np.ndarray]
+) -> tuple[list[Piece], list[Mate], list[DrawnLink]]:
+    """Pieces with plates of the ground under bodies that rub on it, mates of bodies on others, and the pads between them.
+
+    A body that is nothing but a support is a plate as long as the relative motion.
+    """
+    pieces, mates, pads, zero = list(pieces), [], [], np.zeros(1)
+    for joint in rubbing:
+        upper = joint.end if joint.end != GROUND else joint.start
+        lower = joint.other(upper)
+        place = next(i for i, piece in enumerate(pieces) if upper in piece.names)
+        body = pieces[place].body(upper)
+        down, along = body.half_extent[2], np.abs(direction_of(body))
+        stroke = scale * float(np.abs(motion.get(upper, zero) - motion.get(lower, zero)).max())
+        size = as_tuple(np.array([0.8, 0.8, PLATE]) + 2 * (stroke + 0.3) * along * (along[2] < ALIKE))
+        if lower == GROUND:
+            plate = DrawnBody(f"ground under {joint.name}", "base", _relative(body, z=-down - PAD - PLATE / 2), size=size)
+            pieces[place] = replace(pieces[place], bodies=(*pieces[place].bodies, plate))
+        else:
+            place = next(i for i, piece in enumerate(pieces) if lower in piece.names)
+            plate = pieces[place].body(lower)
+            if len(pieces[place].bodies) == 1:
+                plate = replace(plate, size=size)
+                pieces[place] = Piece((plate,))
+            mates.append(Mate(upper, lower, (0.0, 0.0, -down - PAD - plate.half_extent[2])))
+        ends = {"start_point": (0.0, 0.0, plate.half_extent[2]), "end_point": (0.0, 0.0, -down)}
+        pads.append(DrawnLink(joint.name, "pad", plate.name, upper, **ends))
+    return pieces, mates, pads
+
+
+#: The drawn angle of a play is at least this, rad.
+PLAY = 0.7
+
+
+def _play_magnification(angle: float) -> float:
+    return two_digits(PLAY / angle) if 0 < angle < PLAY else 1.0
 
 
 def _at_zero(body: DrawnBody, natural: dict, scale: float) -> DrawnBody:
@@ -800,7 +885,16 @@ def _chain(group: list[str], joints: list[DrawnJoint], massless: frozenset[str],
     if carrier:
         return Chain(walk(group, joints, carrier)[::-1], massless, joints).piece().hanging()
     placed = all(name in spots for name in group)
-    return Chain(sorted(group, key=spots.get) if placed else walk(group, joints), massless, joints).piece()
+    return Chain(sorted(group, key=spots.get) if placed else _ordered(group, joints), massless, joints).piece()
+
+
+def _ordered(group: list[str], joints: list[DrawnJoint]) -> list[str]:
+    """The walk through a group, or backwards where so more of its stops and cables lead forwards."""
+    order = walk(group, joints)
+    own = [
+        (order.index(joint.start), order.index(joint.end)) for joint in joints if joint.kind in CLOSING and joint.ends <= {*order}
+    ]
+    return order[::-1] if sum(one < other for one, other in own) < len(own) / 2 else order
 
 
 def _askew(bodies: list[DrawnBody], joints: list[DrawnJoint]) -> str:

@@ -117,7 +117,26 @@ def vector_of(matrix: np.ndarray) -> np.ndarray:
 
 
 Shape = Literal["box", "sphere", "disc", "gear", "ring", "mark", "rail", "ground", "base", "solids"]
-LinkKind = Literal["spring", "damper", "strut", "rod", "bushing", "loop", "torsion spring", "torsion damper", "belt"]
+LinkKind = Literal[
+    "spring",
+    "damper",
+    "strut",
+    "rod",
+    "bushing",
+    "loop",
+    "torsion spring",
+    "torsion damper",
+    "belt",
+    "stop",
+    "slot",
+    "cable",
+    "friction",
+    "pad",
+    "latch",
+    "play",
+    "clutch",
+    "brake",
+]
 Vector = tuple[float, float, float]
 
 _USUAL_SIZE = {
@@ -245,7 +264,9 @@ class DrawnLink:
 
     name: str  # for messages
     # "spring", "damper", "strut" (a spring around a damper), "rod", "bushing" (a soft block), "loop" (a ball on the end's body in a
-    # socket on the start's, so that a gap is visible), "torsion spring", "torsion damper" or "belt"
+    # socket on the start's, so that a gap is visible), "torsion spring", "torsion damper" or "belt"; with several states "stop" (a plate
+    # on a rod that the end's body strikes), "slot" (a tongue between two plates), "cable", "friction" (a pad on a strip), "pad" (below a body), "latch",
+    # and between bodies that turn "play" (a tongue between two fingers), "clutch" (two discs) or "brake" (a shoe on the rim)
     kind: LinkKind
     # names of the bodies. Between wheels on one axis a torsion spring is a helix, otherwise a spiral from its start to the hub at
     # its end.
@@ -262,6 +283,12 @@ class DrawnLink:
     end_point: Vector | None = None
     # rotation vector (rad) of the frame in which it is drawn: wheels that it joins have their axes along the y axis of this frame
     turn: Vector = (0.0, 0.0, 0.0)
+
+    # elongations, in units of the coordinates, at which it closes when it becomes shorter and when it becomes longer; None for none
+    limits: tuple[float | None, float | None] = (None, None)
+    magnification: float = 1.0  # of the relative angle of a play, in addition to that of the drawing
+    # times in s at which its engagement changes: 0 without force, 1 slipping, 2 closed, stuck or taut; empty where it has no states
+    states: tuple[tuple[float, int], ...] = ()
 
     def __post_init__(self):
         end_offset = self.offset if self.end_offset is None else self.end_offset

@@ -137,6 +137,9 @@ _COLORS = {
     "collision": "#cc79a7",
 }
 
+#: Kinds of links with several states.
+SWITCHING = ("stop", "slot", "cable", "friction", "pad", "latch", "play", "clutch", "brake")
+
 _UPWARDS = np.array([0.0, 0.0, 1.0])  # the direction in which a rope leaves what hangs on it
 
 
@@ -185,6 +188,8 @@ def figure_data(drawing: Drawing, takes: Sequence[KeyFrames], overlay: Overlay =
     }
     if overlay:
         data["overlay"] = overlay_entries
+    if any(link.states or link.kind in SWITCHING for link in drawing.links):
+        data["switching"] = True
     if drawing.posing and drawing.posing.names:
         data["posing"] = _posing_data(drawing.posing, drawing)
     return data
@@ -336,6 +341,12 @@ def _link_data(link: DrawnLink, drawing: Drawing, index: dict[str, int], poses: 
     end_point = link.end_point or _attachment(end, link.end_offset, arriving, posts)
     from_start, from_end = _link_ends(link, poses, start_point, end_point)
     gap = matrix_of(link.turn).T @ (from_end - from_start) / unit
+    turning = link.kind in ("play", "clutch", "brake")
+    limits = [-drawing.turn_scale * one if turning and one is not None else one for one in link.limits]
+    if not turning and any(one is not None for one in limits):
+        at_zero = np.array(end.rest) + end_point - start.rest - start_point
+        limits = _limits(drawing, start, end, at_zero, (from_end - from_start).mean(axis=1), link.limits, unit)
+    begins, levels = zip(*link.states) if link.states else ((), ())
     lengths = np.linalg.norm(gap, axis=0)
     return {
         "kind": link.kind,
@@ -352,7 +363,24 @@ def _link_data(link: DrawnLink, drawing: Drawing, index: dict[str, int], poses: 
         "coaxial": bool(np.argmax(np.abs(gap[:, 0])) == 1),
         "radius": over.size[0] / 2 if over else 0.5,
         "turn": quaternions_of(np.array(link.turn)[:, None]).ravel().tolist() if any(link.turn) else None,
+        **({"limits": limits, "magnification": link.magnification} if link.kind in SWITCHING else {}),
+        **({"states": {"begins": packed(np.array(begins), "<f8"), "levels": list(levels)}} if link.states else {}),
     }
+
+
+def _limits(
+    drawing: Drawing, start: DrawnBody, end: DrawnBody, at_zero: np.ndarray, direction: np.ndarray, limits, unit: float
+) -> list[float | None]:
+    """The lengths of a link at which it closes when it becomes shorter and longer.
+
+    Args:
+        at_zero: from its start to its end where all coordinates are zero.
+        direction: the same in the mean of the motion.
+    """
+    moves, along = (*end.moves.values(), *start.moves.values()), direction / (np.linalg.norm(direction) or 1.0)
+    away = float(np.dot(moves[0], along)) if moves else 1.0
+    lengths = [None if one is None else max(float(at_zero @ along) + drawing.scale * one * away, 0.0) / unit for one in limits]
+    return lengths[::-1] if away < 0 else lengths
 
 
 def _link_ends(link: DrawnLink, poses: BodyPoses, start_point, end_point) -> list[np.ndarray]:

@@ -124,13 +124,15 @@ _MARKS = (
 )
 
 
-def _marks(figure: dict) -> str:
-    """A box for each kind of mark that the figure has, and the buttons that record."""
+def _marks(figure: dict, slow: bool | None) -> str:
+    """A box for each kind of mark that the figure has, for a slower pace at events if there are any, and the buttons that record."""
     offered = [(kind, text) for kind, entry, text in _MARKS if any(body[entry] for body in figure["bodies"])]
     boxes = "".join(
         f'<label><input type="checkbox" data-shows="{kind}"{" checked" * (kind == "names")}> {text}</label>\n'
         for kind, text in offered
     )
+    if slow is not None:
+        boxes += f'<label><input type="checkbox" id="slow" autocomplete="off"{" checked" * slow}> slow at events</label>\n'
     return f"""<div class="controls shown">
 {boxes}<div class="recordings">
 <button type="button" id="frames" hidden>Save frames</button>
@@ -173,6 +175,7 @@ def stage_section(
     *,
     loop: bool = True,
     further: str = "",
+    slow: bool | None = None,
 ) -> str:
     """The animation: the stage, the controls below it, and the keyboard shortcuts as a closed dialog."""
     loop_button = '\n<button type="button" id="loop" aria-pressed="true">Loop</button>' if loop else ""
@@ -196,7 +199,7 @@ title="drag to rotate, drag with the right button to pan, turn the wheel with th
 <button type="button" id="reset">Reset view</button>
 <button type="button" id="keys" aria-label="Keyboard" title="Keyboard">?</button>
 </div>
-{_marks(figure)}{_posing(figure)}{further}
+{_marks(figure, slow)}{_posing(figure)}{further}
 <p class="visually-hidden" id="announcement" role="status"></p>
 <dialog id="help" aria-label="Keyboard">
 <h2>Keyboard</h2>
@@ -497,7 +500,7 @@ def _parts(content: PageContent) -> tuple[list[str], dict, list[str], dict[str, 
     if functions.needed:
         blocks["plot-data"], names = functions.as_data(), list(_PLOTS)
     if data:
-        names += [*_ANIMATION, *[f"{name}.js" for name in ("overlay", "posing") if name in data["figure"]], script]
+        names += [*_ANIMATION, *[f"{name}.js" for name in ("overlay", "posing", "switching") if name in data["figure"]], script]
         blocks["motion-data"] = data
     if names:
         names = ["theme.js", "numbers.js", *names]
@@ -516,7 +519,8 @@ def _run_sections(content: PageContent, animation: Animation | None, functions: 
         data = {"figure": figure, "frames": frames.as_data(*errors), "decimals": decimals, "unit": "s"}
         usual = 1.0 if 3 <= end - start <= 90 or end <= start else 10.0 ** round(math.log10((end - start) / 15))
         speeds = [usual * factor for factor in (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0)]  # 1 shows the motion in 3 to 90 s
-        stage = stage_section(figure, start, end, _magnification(animation, frames), ("time in seconds", "s"), speeds, usual)
+        text, slow = _magnification(animation, frames), animation.overlay.slow if animation.overlay.events else None
+        stage = stage_section(figure, start, end, text, ("time in seconds", "s"), speeds, usual, slow=slow)
     frequencies = table_section(content.frequencies, "frequencies") if content.frequencies else ""
     if stage and frequencies:
         frequencies, stage = "", f'<div class="overview">\n{frequencies}\n{stage}\n</div>'
@@ -527,6 +531,10 @@ def _run_sections(content: PageContent, animation: Animation | None, functions: 
         formula_section(content.formulas) if content.formulas else "",
         *map(table_section, content.tables),
     ], data
+
+
+#: Words for the colours of links by their engagement.
+ENGAGEMENTS = ("grey: without force", "yellow: slipping", "orange: closed, stuck or taut")
 
 
 def _magnification(animation: Animation, frames: KeyFrames) -> str:
@@ -541,6 +549,8 @@ def _magnification(animation: Animation, frames: KeyFrames) -> str:
         texts.append(f"angles drawn {drawing.turn_scale:g} × as large")
     if animation.overlay.forces:
         texts.append(f"arrows: {animation.overlay.description}, {force_scale(animation.overlay.forces)}")
+    levels = {level for link in drawing.links for _, level in link.states}
+    texts += [", ".join(ENGAGEMENTS[level] for level in sorted(levels, reverse=True))] if levels else []
     if frames.stride > 1:
         texts.append(f"one in {frames.stride} of the times")
     return " · ".join(filter(None, (drawing.note, *texts)))

@@ -14,6 +14,7 @@ import numpy as np
 from ..ground.coordinate_units import GROUND
 from ..ground.tolerances import noise_of
 from ..models.elements import DelayedFeedback, Element, Lever, Link, Pulley, Rack, Relation, RigidTie
+from ..models.switching import SwitchingElement
 from .drawing import DrawnBody, DrawnLink, LinkKind, Vector, matrix_of, vector_of
 
 # The connections of a model as a graph.
@@ -21,13 +22,19 @@ from .drawing import DrawnBody, DrawnLink, LinkKind, Vector, matrix_of, vector_o
 
 @dataclass(frozen=True)
 class DrawnJoint:
-    """A connection that is drawn as one link; ``length`` is its natural x_end - x_start, or None."""
+    """A connection that is drawn as one link.
+
+    Attributes:
+        length: natural x_end - x_start, or None.
+        limits: values of x_end - x_start at which it closes, see ``DrawnLink``.
+    """
 
     name: str
     kind: LinkKind
     start: str
     end: str
     length: float | None
+    limits: tuple[float | None, float | None] = (None, None)
 
     @property
     def ends(self) -> frozenset[str]:
@@ -39,10 +46,28 @@ class DrawnJoint:
         return self.end if body == self.start else self.start
 
 
-def joints_of(model: Iterable[Any]) -> list[DrawnJoint]:
-    """The elements that connect two bodies along or about one axis; a relation x_b - x_a = value counts as a rod."""
+#: Kinds of links between bodies that turn, by those between bodies that move.
+_TURNING: dict[str, LinkKind] = {
+    "stop": "play",
+    "slot": "play",
+    "cable": "play",
+    "latch": "clutch",
+    "friction": "clutch",
+    "spring": "torsion spring",
+}
+
+
+def joints_of(model: Iterable[Any], turning: Collection[str] = ()) -> list[DrawnJoint]:
+    """The elements that connect two bodies along or about one axis; a relation x_b - x_a = value counts as a rod.
+
+    Args:
+        turning: names of the bodies that turn.
+    """
     joints = []
     for element in model:
+        if isinstance(element, SwitchingElement):
+            joints += _switching_joints(element, turning)
+            continue
         lengths = (getattr(element, name, None) for name in ("rest_length", "distance", "rest_angle", "value"))
         length = next((length for length in lengths if length is not None), None)
         if isinstance(element, (Link, RigidTie, DelayedFeedback)) and element.symbol in get_args(LinkKind):
@@ -52,6 +77,45 @@ def joints_of(model: Iterable[Any]) -> list[DrawnJoint]:
             if ends.keys() == {-1.0, 1.0} and len(element.coefficients) == 2:
                 joints.append(DrawnJoint(element.name, "rod", ends[-1.0], ends[1.0], length))
     return joints
+
+
+def _switching_joints(element: SwitchingElement, turning: Collection[str]) -> list[DrawnJoint]:
+    """An element with several states as one link, or two where it is a stop on both sides."""
+    kind, ends = element.symbol, (element.start, element.end)
+    low, high = element.limits
+    if kind == "cable" and low is not None:  # its end is behind its start
+        ends, high, low = ends[::-1], -low, None
+    if any(name in turning for name in ends):
+        kind = "brake" if kind in ("friction", "latch") and GROUND in ends else _TURNING[kind]
+    if kind != "stop" or low is None or high is None:
+        return [DrawnJoint(element.name, kind, *ends, None, (low, high))]
+    far = DrawnJoint(f"{element.name} far side", kind, *ends[::-1], None, (-high, None))
+    return [DrawnJoint(element.name, kind, *ends, None, (low, None)), far]
+
+
+def settled_joints(names: Iterable[str], joints: Sequence[DrawnJoint]) -> list[DrawnJoint]:
+    """The joints; a stop or cable that alone connects its bodies has its length where it closes as its natural one.
+
+    >>> stop = DrawnJoint("floor", "stop", "ground", "ball", None, (-0.5, None))
+    >>> [joint.length for joint in settled_joints(["ball"], [stop, replace(stop, name="other")])]
+    [-0.5, None]
+    """
+    part = {name: i for i, name in enumerate((GROUND, *names))}
+    settled = []
+    for joint in sorted(joints, key=lambda joint: joint.kind in CLOSING):
+        one, other = part[joint.start], part[joint.end]
+        closes = next((limit for limit in joint.limits if limit is not None), None)
+        if joint.kind in CLOSING and one != other and closes is not None:
+            joint = replace(joint, length=0.0 if joint.kind == "slot" else closes)
+        if joint.length is not None:
+            part = {name: one if number == other else number for name, number in part.items()}
+        settled.append(joint)
+    order = [joint.name for joint in joints]
+    return sorted(settled, key=lambda joint: order.index(joint.name))
+
+
+#: Kinds of links with a length at which they close.
+CLOSING = ("stop", "slot", "cable", "latch")
 
 
 def groups(names: Iterable[str], pairs: Iterable[Iterable[str]]) -> list[list[str]]:

@@ -267,16 +267,21 @@ class Phase:
         for order, load in enumerate(impulses):
             change = np.linalg.matrix_power(self.J, order) @ (self.input @ load[:n])
             y, size = y + change, size + np.abs(change)
-        jump = self._jump(x, v, y)
+        jump = self._jump(x, v, y, size)
         least = NOISE * float(np.abs(initial).max(initial=0.0)) / self.pairs.form.companion.scaling.time
         own = _without_noise([impulse[:n] for impulse in begin.impulses], least)
         return PhaseEntry(y, size, jump, own, self._reactions(jump, own, loads))
 
-    def _jump(self, x: np.ndarray, v: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """x and x' from y less those before, zero within rounding errors."""
+    def start_jump(self, initial: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """x and x' at t = 0 from y less the initial ones, shape (2, n), zero within rounding errors."""
+        sizes = np.abs(np.concatenate([*initial, self.source.at(0.0)]))
+        return self._jump(initial[0], initial[1], y, np.abs(y) + self._start_size @ sizes)
+
+    def _jump(self, x: np.ndarray, v: np.ndarray, y: np.ndarray, size: np.ndarray) -> np.ndarray:
+        """x and x' from y, which was computed from terms of this size, less those before, zero within rounding errors."""
         jump = np.array([self.C @ y - x, self.V @ y - v])
-        size = np.array([np.abs(self.C) @ np.abs(y) + np.abs(x), np.abs(self.V) @ np.abs(y) + np.abs(v)])
-        jump[np.abs(jump) <= STILL * size.max(axis=1, keepdims=True)] = 0.0
+        sizes = np.array([np.abs(self.C) @ size + np.abs(x), np.abs(self.V) @ size + np.abs(v)])
+        jump[np.abs(jump) <= STILL * sizes.max(axis=1, keepdims=True)] = 0.0
         return jump
 
     def _reactions(self, jump: np.ndarray, impulses: Sequence[np.ndarray], loads: Sequence[np.ndarray]) -> tuple[np.ndarray, ...]:

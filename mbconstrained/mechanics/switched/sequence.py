@@ -334,7 +334,7 @@ class PhaseSequence:
         }
 
     def momentum_residual(self, record: SwitchRecord) -> float:
-        """|M jump of x' + C jump of x - sum of impulses| relative to the largest term, where all impulses are Dirac impulses."""
+        """|M jump of x' + C jump of x - sum of impulses| relative to the largest momentum, where all impulses are Dirac impulses."""
         if not record.impulses or any(any(sizes[1:]) for sizes in record.impulses.values()) or record.coordinate_impulses:
             return 0.0
         systems = [*(phase.system for phase in record.phases), *(self.machine.systems or {}).values()]
@@ -347,7 +347,8 @@ class PhaseSequence:
         system = record.phases[1].system
         terms = [system.mass @ (record.v[1] - record.v[0]), system.damping @ (record.x[1] - record.x[0])]
         terms += [-rows[name] * sizes[0] for name, sizes in record.impulses.items()]
-        largest = max(float(np.abs(term).max(initial=0.0)) for term in terms)
+        sizes = [system.mass @ v for v in record.v] + terms  # momenta whose difference has their rounding errors
+        largest = max(float(np.abs(size).max(initial=0.0)) for size in sizes)
         return float(np.abs(sum(terms)).max(initial=0.0)) / largest if largest else 0.0
 
     def _stop(self, record: SwitchRecord) -> None:

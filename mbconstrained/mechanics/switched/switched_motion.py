@@ -13,6 +13,7 @@ import numpy as np
 from ...ground.checks import counted
 from ...ground.coordinate_units import force_unit, impulse_unit
 from ...ground.display import TextTable, notice_table, with_unit
+from ...ground.errors import InputError
 from ...ground.notices import Evidence, Notice, NoticeKind, distinct
 from ...ground.tolerances import EPS, TRUST_LIMIT
 from ...linalg.exponential import block_states
@@ -25,6 +26,7 @@ from ..energy import Energy, energy_of
 from ..motion import Motion, Quantity, _order_of, _sentences, _static_offsets
 from .phase import STILL, Phase
 from .sequence import PhaseSegment, PhaseSequence, SwitchRecord
+from .switches import SwitchState
 
 if TYPE_CHECKING:
     from ...response.methods.defect import Rounding
@@ -54,7 +56,7 @@ class SwitchEvent:
         higher_impulses: factors of derivatives of Dirac's delta by name, (N s^2, ...).
         coordinate_impulses: arrays (n,), the k-th multiplies the k-th derivative of Dirac's delta in x.
         energy_before, energy_after: kinetic, strain and static energy, J.
-        momentum_residual: |M jump of x' + C jump of x - sum of the impulses| relative to the largest term.
+        momentum_residual: |M jump of x' + C jump of x - sum of the impulses| relative to the largest momentum.
         grazing: whether a guard only touches zero.
         rest_time: where infinitely many bounces end, the time at which they do, s; None elsewhere.
         text: what happens.
@@ -93,6 +95,22 @@ class SwitchEvent:
         return float(self._motion._time_errors[self._place])
 
 
+class PhaseRestarts(FreeRestarts):
+    """The states at the begin of each phase, up to the end of the motion."""
+
+    end: float
+
+    def __init__(self, knots: np.ndarray, states: np.ndarray, remainders: np.ndarray | float, blocks, end: float):
+        super().__init__(knots, states, remainders, blocks)
+        self.__dict__["end"] = end
+
+    def located(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Index of the phase of each time (T,), and the time since its begin."""
+        if len(times) and times.max() > self.end:
+            raise InputError(f"times: found {times.max():g} s; the motion is known up to {self.end:g} s: give solve() a later end")
+        return super().located(times)
+
+
 class SwitchedSolution:
     """The solution of a switched system, as the methods of a ``Response`` read it."""
 
@@ -105,13 +123,9 @@ class SwitchedSolution:
         self._ends = np.cumsum([0, *(len(phase.J) for phase in self.phases)])
         self._place = {id(phase): place for place, phase in enumerate(self.phases)}
         first = sequence.segments[0]
-        begin = np.array([first.phase.C @ first.state, first.phase.V @ first.state])
-        jump = begin - initial
-        size = np.array([first.phase.C_size @ np.abs(first.state), first.phase.V_size @ np.abs(first.state)])
-        jump[np.abs(jump) <= STILL * (size + np.abs(initial)).max(axis=1, keepdims=True)] = 0.0
-        self.jump = jump
+        self.jump = first.phase.start_jump(initial, first.state)
         self.impulses = next((record.coordinate_impulses for record in sequence.records if not record.time), ())
-        values = np.array([initial, begin, *(pair for one in sequence.records for pair in zip(one.x, one.v))])
+        values = np.array([initial, initial + self.jump, *(pair for one in sequence.records for pair in zip(one.x, one.v))])
         self._noise = STILL * np.abs(values).max(axis=(0, 2), initial=0.0)
         self.events = tuple(Event(one.time, self.jump_of(one), one.coordinate_impulses) for one in sequence.records if one.time > 0)
 
@@ -141,7 +155,7 @@ class SwitchedSolution:
             place = self._place[id(segment.phase)]
             states[self._ends[place] : self._ends[place + 1], column] = segment.state
         knots, remainders = np.array([one.time for one in segments], float), np.array([one.remainder for one in segments])
-        return FreeRestarts(knots, states, remainders if remainders.any() else 0.0, self.blocks)
+        return PhaseRestarts(knots, states, remainders if remainders.any() else 0.0, self.blocks, self.sequence.end)
 
     def function_of(self, rows: Sequence[np.ndarray]) -> BohlFunction:
         """The function with these rows on the states of each phase."""
@@ -241,23 +255,30 @@ class SwitchedMotion(Motion):
         Returns:
             The table.
         """
-        largest = max((abs(event.energy_before) for event in self.events), default=0.0)
         systems = [phase.system for phase in self.solution.phases]
-        is_named = len(self.solution.sequence.machine.switches) == 1  # phases of several switches have long names
         has_energy = not any(list(system.unsymmetric(name)) for system in systems for name in ("mass", "stiffness"))
         rows = []
-        for event in self.events[:most]:
-            impulses = ", ".join(self._impulse_texts(event, text))
-            lost = text(event.energy_lost if abs(event.energy_lost) > STILL * largest else 0.0, "J") if has_energy else ""
-            phase = event.after if event.after != event.before and is_named else ""
-            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, phase, impulses, lost))
-        columns = ("t (s)", "error (s)", "what", "next phase", "impulses", "energy lost")
-        shown = [place for place in range(len(columns)) if place < 3 or any(row[place] for row in rows)]
+        for event, record in zip(self.events[:most], self.solution.sequence.records):
+            named = f"{event.text.removesuffix(' strikes')} "
+            impulses = ", ".join(own.removeprefix(named) for own in self._impulse_texts(event, text))
+            lost = text(self._lost_energy(event), "J") if has_energy and self._lost_energy(event) else ""
+            states = ", ".join(state for old, state in zip(record.before, record.after) if state != old)
+            rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, states, impulses, lost))
+        columns = ("t (s)", "error (s)", "what", "next state", "impulses", "energy lost")
+        shown = [place for place in range(len(columns)) if place < 4 or any(row[place] for row in rows)]
         note = f"The first {len(rows)} of {len(self.events)} are shown." if len(rows) < len(self.events) else ""
         cells = tuple(tuple(row[place] for place in shown) for row in rows)
         return TextTable(
             "Events", tuple(columns[i] for i in shown), cells, note, times=tuple(one.time for one in self.events[:most])
         )
+
+    def _lost_energy(self, event: SwitchEvent) -> float:
+        """The energy lost at an event in J, zero within rounding errors of the largest energy at an event."""
+        return event.energy_lost if abs(event.energy_lost) > STILL * self._largest_energy else 0.0
+
+    @cached_property
+    def _largest_energy(self) -> float:
+        return max(max(abs(event.energy_before), abs(event.energy_after)) for event in self.events)
 
     def _impulse_texts(self, event: SwitchEvent, text: Callable[[float, str], str]) -> list[str]:
         """The impulses of an event by name, with the factors of derivatives of Dirac's delta."""
@@ -287,6 +308,28 @@ class SwitchedMotion(Motion):
         """The constraint rows of the phases of the motion."""
         names = {row.name for phase in self.solution.phases for row in phase.system.rows}
         return tuple(row for row in self._reaction_rows if row.name in names)
+
+    @property
+    def impulse_rows(self) -> dict[str, np.ndarray]:
+        """The directions of the impulses of contacts and constraint rows over the coordinates, by name."""
+        machine = self.solution.sequence.machine
+        rows = {row.name: row.coefficients for system in (machine.systems or {}).values() for row in system.rows}
+        rows |= {switch.name: switch.contact.row for switch in machine.switches if switch.contact is not None}
+        return rows | {row.name: row.coefficients for row in self._reaction_rows}
+
+    @cached_property
+    def engagements(self) -> dict[str, tuple[tuple[float, int], ...]]:
+        """The times at which each switch changes, in s, with its engagement: 0 without force, 1 slipping, 2 closed, stuck or taut."""
+        sequence, found = self.solution.sequence, {}
+        keys = {id(phase): key for key, phase in sequence.phases.items()}
+        for place, switch in enumerate(sequence.machine.switches):
+            levels: list[tuple[float, int]] = []
+            for segment in sequence.segments:
+                level = _engagement(switch.states[keys[id(segment.phase)][place]])
+                if segment.duration > 0 and (not levels or levels[-1][1] != level):
+                    levels.append((float(segment.time), level))
+            found[switch.name] = tuple(levels)
+        return found
 
     @property
     def _force_units(self) -> dict[str, str]:
@@ -450,7 +493,7 @@ class SwitchedMotion(Motion):
             Evidence(
                 "momentum",
                 max((event.momentum_residual for event in self.events), default=0.0),
-                "largest residual of the balance of momentum at an event, relative to its largest term",
+                "largest residual of the balance of momentum at an event, relative to the largest momentum",
             ),
         )
         return (*self.solution.evidence, *own)
@@ -535,8 +578,6 @@ class SwitchedMotion(Motion):
         Raises:
             InputError: always.
         """
-        from ...ground.errors import InputError
-
         raise InputError(
             "enclose: not available for switched systems, whose errors are estimated (error_estimate, time_error of events)"
         )
@@ -545,6 +586,13 @@ class SwitchedMotion(Motion):
 def _text_of(record: SwitchRecord) -> str:
     """The words for an event at which no switch changes its state."""
     return "a guard touches zero" if record.grazing else "the load jumps" if record.time else "the start jumps"
+
+
+def _engagement(state: SwitchState) -> int:
+    """The engagement of a switch in a state: friction that slips has a force without energy."""
+    if state.rows:
+        return 2
+    return 1 if any(branch.stored is None for branch in state.branches) else 2 * bool(state.branches)
 
 
 def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:

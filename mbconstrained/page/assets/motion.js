@@ -23,6 +23,7 @@ class Motion {
     this.start = this.times[0];
     this.end = this.times[this.times.length - 1];
     this.windows = null;
+    this.sides = this.sidesOfJumps();
     this.names = frames.names;
     const Type = frames.bytes === 8 ? Float64Array : Float32Array;
     const read = (numbers) => (typeof numbers === "number" ? numbers : unpacked(numbers, Type));
@@ -94,9 +95,18 @@ class Motion {
     );
   }
 
+  // Where the times after jumps begin, and the end of all: two times that nearly coincide are the two sides of a jump.
+  sidesOfJumps() {
+    const least = (1e-9 * (this.end - this.start)) / Math.max(1, this.times.length - 1);
+    const begins = this.times.map((_, key) => key).filter((key) => key && this.times[key] - this.times[key - 1] < least);
+    return [0, ...begins, this.times.length];
+  }
+
   derivativeWeights(key) {
-    const width = Math.min(5, this.times.length);
-    const first = Math.min(Math.max(key - (width >> 1), 0), this.times.length - width);
+    const next = this.sides.findIndex((begin) => begin > key);
+    const [begin, end] = [this.sides[next - 1], this.sides[next]];
+    const width = Math.min(5, end - begin);
+    const first = Math.min(Math.max(key - (width >> 1), begin), end - width);
     const unit = (this.end - this.start) / (this.times.length - 1);
     const nodes = Array.from({ length: width }, (_, k) => (this.times[first + k] - this.times[key]) / unit);
     const product = (numbers) => numbers.reduce((total, number) => total * number, 1);

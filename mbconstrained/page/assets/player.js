@@ -3,6 +3,7 @@
 //   page.rate       seconds of the motion for a second of the viewer at speed 1
 //   page.state()    further entries of the state
 //   page.shown()    called after each change of time
+//   page.pace(t)    a factor of the speed at a time, of pages that have one
 //   page.after(t)   the time to continue from when the motion has passed its end
 //   page.follow(fragment)  applies the part of the address after the #
 const data = JSON.parse(document.getElementById("motion-data").textContent);
@@ -83,7 +84,7 @@ function frame(now) {
   requestAnimationFrame(frame);
   if (player.playing) {
     const passed = Math.max(0, now - player.last) / 1000;
-    const time = player.time + passed * Number(control("speed").value) * page.rate;
+    const time = player.time + passed * Number(control("speed").value) * page.rate * (page.pace ? page.pace(player.time) : 1);
     const ended = time > player.motion.end;
     player.last = now;
     show(!ended ? time : film.recorder ? player.motion.end : page.after(time));

@@ -56,6 +56,7 @@ class Stage {
       const { s, l } = material.color.getHSL(hsl);
       if (s < 0.35 && l < 0.6) material.emissive.copy(glow);
     });
+    for (const link of this.links) if (link.states) showEngagement(link, link.level, true);
     this.viewer.set_dirty();
   }
 
@@ -216,6 +217,7 @@ class Stage {
       const over = link.over === null ? null : this.end(poses[link.over], [0, 0, 0], false, link.back);
       const from = this.end(poses[link.start], link.start_point, link.start_turns, link.back);
       const to = this.end(poses[link.end], link.end_point, link.end_turns, link.back);
+      if (link.states) showEngagement(link, engagementAt(link.states, time)); // their script is included only where needed
       link.drawn.update(from, to, over);
       link.ends = [from.position, to.position];
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
@@ -13,7 +13,7 @@ from ...ground.coordinate_units import force_unit, impulse_unit
 from ...ground.display import number_text, with_unit
 from ...ground.tolerances import NOT_DRAWN
 from ...page.animation import MOST_FRAMES, Animation, Arrow, DrawnEvent, ForceArrows, ImpulseArrow, Overlay, arrow_at
-from ...page.drawing import Drawing
+from ...page.drawing import Drawing, DrawnLink
 from ...response.response_notices import sides, without_kinks
 from .drawing import drawing_of
 from .result import ReportedJump, Result, forces_of_rows, impulses_of, jumps_of, visible
@@ -36,6 +36,9 @@ CHECKED, KINKS = 128, 0.05
 
 #: Most numbers in the key frames of a page.
 MOST_NUMBERS = 400_000
+
+#: Jumps below this share of the largest value of a coordinate or velocity are not reported in the picture.
+NOISE = 1e-12
 
 #: Most events in an animation; the first are shown.
 MOST_EVENTS = 100
@@ -61,12 +64,29 @@ def frames_of(result: Result, most: int) -> tuple[np.ndarray, np.ndarray, np.nda
     times, values = result.times, result.values
     rates = result.curves("velocity").values
     most = min(most, MOST_NUMBERS // max(1, len(values)))
+    if result.is_switched:
+        return _frames_with_events(result, most)
     scale = visible(values, result.scene.equations.coordinates.units)
     at, rate = result.motion, result.motion.derivative(1)
     while len(times) < most and _misses(times, values, rates, at, scale):
         times = np.linspace(times[0], times[-1], min(2 * len(times) - 1, most))
         values, rates = at(times), rate(times)
     return times, values, rates
+
+
+def _frames_with_events(result: Result, most: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Key frames with the values just before and just after each event, as many as half of the frames allow."""
+    motion, rate, start, end = result.motion, result.motion.derivative(1), *result.times[[0, -1]]
+    scale = visible(result.values, result.scene.equations.coordinates.units)
+    events = np.unique([event.time for event in motion._later_events if start < event.time <= end][: most // 4])
+    sides = np.concatenate([np.nextafter(events, start), events])
+    count = min(len(result.times), most - len(sides))
+    while True:
+        times = np.unique([*np.linspace(start, end, count), *sides])
+        values, rates = motion(times), rate(times)
+        if count >= most - len(sides) or not _misses(times, values, rates, motion, scale):
+            return times, values, rates
+        count = min(2 * count - 1, most - len(sides))
 
 
 def _misses(times, values, rates, at, scale: np.ndarray) -> bool:
@@ -92,14 +112,24 @@ class _Picture:
             key: getattr(self.table, key) for key in ("scale", "turn_scale") if self.table and key in self.table.model_fields_set
         }
         drawing, frames = drawing_of(self.result.scene, self.result.values, **scales), frames_of(self.result, MOST_FRAMES)
+        if self.result.is_switched:
+            drawing = replace(drawing, links=tuple(_with_states(link, self.motion.engagements) for link in drawing.links))
         return Animation(drawing, self.coordinates.names, *frames, self.overlay(drawing, frames[0]))
 
     def overlay(self, drawing: Drawing, times: np.ndarray) -> Overlay:
         """Jumps, impulses and reactions to be drawn; empty without any of them and without [output] arrows."""
         result, applied = self.result, self.motion.applied if self.system else None
-        has_events = result.jumps or result.impulses or result.later or (applied and (applied.impulses or applied.later))
+        has_events = (
+            result.is_switched
+            or result.jumps
+            or result.impulses
+            or result.later
+            or (applied and (applied.impulses or applied.later))
+        )
         events = tuple(self._events(drawing)) if has_events else ()
-        return Overlay(events, *(self.reactions(drawing, times) if "reaction" in result.scene.table.output.arrows else ()))
+        output = result.scene.table.output
+        overlay = Overlay(events, *(self.reactions(drawing, times) if "reaction" in output.arrows else ()))
+        return replace(overlay, slow=output.slow_events)
 
     def reactions(self, drawing: Drawing, times: np.ndarray) -> tuple:
         """Forces of the constraint rows, each on the bodies of all coordinates in its row; rows without a body are omitted."""
@@ -121,6 +151,9 @@ class _Picture:
 
     def _events(self, drawing: Drawing) -> Iterator[DrawnEvent]:
         motion, coordinates = self.motion, self.coordinates
+        if self.result.is_switched:
+            yield from self._switches(drawing)
+            return
         if lines := _lines(0.0, self.result.jumps, self._impulses(motion.impulses, 0.0)):
             yield DrawnEvent(0.0, lines, motion.initial[0], motion.start[0], self.impulse_arrows(drawing, 0.0))
         events: dict[float, Event] = {event.time: event for event in without_kinks(motion)}
@@ -133,6 +166,35 @@ class _Picture:
                 jumps = jumps_of(motion, coordinates, event) if event else []
                 lines = _lines(time, jumps, self._impulses(event.impulses if event else (), time))
                 yield DrawnEvent(time, lines, before, after, self.impulse_arrows(drawing, time))
+
+    def _switches(self, drawing: Drawing) -> Iterator[DrawnEvent]:
+        """The switches and impacts of a switched motion."""
+        motion, rows, end = self.motion, self.motion.impulse_rows, float(self.result.times[-1])
+        curves = [self.result.curves(kind).values for kind in ("displacement", "velocity")]
+        least = NOISE * np.array([np.abs(values).max(axis=1) for values in curves])
+        for event in motion.events[:MOST_EVENTS]:
+            if event.time > end:
+                return
+            jumps = replace(event, jump=np.where(np.abs(event.jump) > least, event.jump, 0.0))
+            text, lost = self.coordinates.shown.text, motion._lost_energy(event)
+            lines = _lines(
+                event.time,
+                jumps_of(motion, self.coordinates, jumps),
+                [
+                    *(f"impulse of {one}" for one in motion._impulse_texts(event, text)),
+                    *([f"energy lost: {text(lost, 'J')}"] if lost else []),
+                ]
+                or [""],
+                f": {event.text}",
+            )
+            arrows = [
+                ImpulseArrow(arrow, factor * size, with_unit(abs(factor * size), arrow.unit))
+                for name, size in event.impulses.items()
+                if name in rows
+                for arrow, factor in self._row_arrows(drawing, rows[name], 1)
+            ]
+            after = motion(event.time)
+            yield DrawnEvent(event.time, lines, after - jumps.jump[0], after, tuple(arrows))
 
     def _impulses(self, impulses, time: float) -> Iterator[str]:
         """Impulses of coordinates, of constraint forces and of forces, at a time."""
@@ -268,7 +330,23 @@ class _RobotPicture(_Picture):
         return ((arrow, part[:, 0]) for arrow, part in _arrows(coordinate_wrench(robot_scene.posture, place), 1))
 
 
-def _lines(time: float, jumps: Sequence[ReportedJump], impulses: Iterable[str]) -> tuple[str, ...]:
+#: Further words in the names of the two switches of one element.
+PAIRS = (" backward", " forward")
+
+
+def _with_states(link: DrawnLink, engagements: Mapping[str, Sequence[tuple[float, int]]]) -> DrawnLink:
+    """The link with the engagements of the switches of its element; without where these never change what acts."""
+    names = [link.name] if link.name in engagements else [f"{link.name}{word}" for word in PAIRS]
+    own = [engagements[name] for name in names if name in engagements]
+    if not own:
+        return link
+    times = sorted({time for states in own for time, _ in states})
+    levels = [max(next(level for begin, level in reversed(states) if begin <= time) for states in own) for time in times]
+    states = tuple(pair for i, pair in enumerate(zip(times, levels)) if not i or levels[i - 1] != pair[1])
+    return link if link.kind == "spring" and len(states) == 1 else replace(link, states=states)
+
+
+def _lines(time: float, jumps: Sequence[ReportedJump], impulses: Iterable[str], what: str = "") -> tuple[str, ...]:
     """A heading and the events, or nothing."""
     lines = [
         f"{jump.name if jump.what in POSITIONS else f'{jump.what} of {jump.name}'} jumps from {jump.before} to {jump.after}"
@@ -277,7 +355,7 @@ def _lines(time: float, jumps: Sequence[ReportedJump], impulses: Iterable[str]) 
     more = len(lines) - MOST_LINES
     kept = lines if more <= 0 else [*lines[:MOST_LINES], f"and {more} more, see the tables"]
     faint = " (faint: just before)" if any(jump.what in ("displacement", "angle") for jump in jumps) else ""
-    return (f"at t = {number_text(time)} s{faint}", *kept) if lines else ()
+    return (f"at t = {number_text(time)} s{what}{faint}", *kept) if lines else ()
 
 
 def _delta(order: int) -> str:

@@ -76,11 +76,14 @@ def _own_direction(drawing: Drawing) -> np.ndarray:
 
 def _upright(scene: SceneData, drawing: Drawing) -> Vector:
     """Direction of a drawing: models under gravity stand upright, unless too tall, or on pulleys already."""
-    model = scene.table.model
+    model = scene.equations.model
+    gravity = 0.0 if model is None else model.gravity_along
+    hangs = gravity and any(element.kind == "pulley" for element in model.elements)
     stands = any(body.shape == "base" or any(move[2] for move in body.moves.values()) for body in drawing.bodies)
-    falls = model.kind == "lumped" and model.gravity and not (model.pulley or stands)
     length = np.ptp([body.rest[0] for body in drawing.bodies]) if drawing.bodies else 0.0
-    return turn_to((0.0, 0.0, -np.sign(model.gravity)), None) if falls and length <= TALLEST else (0.0, 0.0, 0.0)
+    return (
+        turn_to((0.0, 0.0, -np.sign(gravity)), None) if gravity and not (hangs or stands) and length <= TALLEST else (0.0, 0.0, 0.0)
+    )
 
 
 def _body_place(number: int, row: BodyTable) -> str:

@@ -354,6 +354,7 @@ class OutputTable(Table):
     quantity: list[QuantityTable] = Field([], description="Forces, elongations and relative motions for plots, CSV and npz.")
     reactions: bool = Field(False, description="Forces of constraints, and of a robot's springs, in files.")
     arrows: list[Literal["reaction"]] = Field([], description="Forces that the animation shows as arrows.")
+    slow_events: bool = Field(False, description="true: the animation is slower around jumps, impulses and switches.")
     units: Annotated[
         tuple[str, ...], BeforeValidator(output_units), WithJsonSchema({"type": "string", "examples": ["mm, deg, rpm, kN"]})
     ] = Field(

@@ -1,0 +1,146 @@
+"""The animation of switched motions: key frames at both sides of events, links with their engagements and limits, arrows, lists."""
+
+import base64
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from mbconstrained.analyses.python_models import result_of
+from mbconstrained.page.animation import body_poses, key_frames
+from mbconstrained.page.figure import figure_data
+from mbconstrained.page.html import page_html
+from tests.page.contents import HOSTILE
+from tests.page.switched_motions import ball, driveline, hanging, rattle, stick_slip
+
+LEVELS = {"open": 0, "closed": 2, "stuck": 2, "forward": 1, "backward": 1}
+
+
+def animated(motion, **options):
+    """The animation, its key frames and its figure."""
+    given = result_of(motion, **options).animation
+    frames = key_frames(given)
+    return given, frames, figure_data(given.drawing, [frames], given.overlay)
+
+
+def hermite(frames, time: float) -> np.ndarray:
+    """Cubic interpolation with both values and rates, as the page's script does it."""
+    k = int(np.clip(np.searchsorted(frames.times, time, side="right") - 1, 0, len(frames.times) - 2))
+    (a, b), (p, q), (v, w) = frames.times[k : k + 2], frames.values[:, k : k + 2].T, frames.rates[:, k : k + 2].T
+    s, h = (time - a) / (b - a), b - a
+    return (1 - s) ** 2 * (1 + 2 * s) * p + s**2 * (3 - 2 * s) * q + h * s * (1 - s) * ((1 - s) * v - s * w)
+
+
+@pytest.mark.parametrize("make, least", [(ball, 1e-12), (driveline, 1e-7), (stick_slip, 1e-5)])
+def test_between_key_frames_the_picture_follows_kinks_at_events(make, least):
+    motion = make()
+    _, frames, _ = animated(motion)
+    times = np.random.default_rng(3).uniform(0, motion.end, 300)
+    near = [event.time + sign * 1e-7 for event in motion.events for sign in (-1, 1) if 1e-3 < event.time < motion.end]
+    for time in (*times, *near):
+        assert np.abs(hermite(frames, time) - motion(time)).max() <= least * np.abs(motion(times)).max()
+    impact = next(event for event in motion.events if event.time > 0)
+    at = int(np.flatnonzero(frames.times == impact.time)[0])
+    assert frames.times[at - 1] == np.nextafter(impact.time, 0)
+    assert np.allclose(frames.rates[:, at] - frames.rates[:, at - 1], impact.jump[1], atol=1e-9)
+
+
+@pytest.mark.parametrize("make, kind", [(ball, "stop"), (stick_slip, "pad"), (hanging, "cable"), (driveline, "clutch")])
+def test_links_light_up_exactly_while_the_solver_is_in_that_phase(make, kind):
+    motion = make()
+    _, _, figure = animated(motion)
+    (link,) = (link for link in figure["links"] if link["kind"] == kind)
+    begins = np.frombuffer(base64.b64decode(link["states"]["begins"]), "<f8")
+    expected = [(begin, LEVELS[name]) for begin, name in motion.phases]
+    expected = expected[:1] + [new for old, new in pairwise(expected) if new[1] != old[1]]
+    assert list(zip(begins.tolist(), link["states"]["levels"])) == expected and len(expected) > 1
+
+
+def test_both_sides_of_a_play_light_one_link_and_its_angle_is_magnified_with_a_note():
+    motion = rattle()
+    given, _frames, figure = animated(motion)
+    (link,) = (link for link in figure["links"] if link["kind"] == "play")
+    begins = np.frombuffer(base64.b64decode(link["states"]["begins"]), "<f8")
+    for time in np.linspace(0.0, motion.end, 97):
+        name = next(name for begin, name in reversed(motion.phases) if begin <= time)
+        level = link["states"]["levels"][int(np.searchsorted(begins, time, side="right")) - 1]
+        assert level == 2 * ("closed" in name)
+    assert np.isclose(link["limits"][0] - link["limits"][1], 0.02 * given.drawing.turn_scale)
+    assert link["magnification"] > 1 and f"drawn {link['magnification']:g} × as large" in given.drawing.note
+
+
+@pytest.mark.parametrize("make, kind, side", [(ball, "stop", 0), (hanging, "cable", 1)])
+def test_stops_and_cables_are_drawn_with_their_gap(make, kind, side):
+    """At each event the drawn length is that at which the link closes; it is beyond while nothing acts."""
+    motion = make()
+    given, frames, figure = animated(motion)
+    drawing = given.drawing
+    number = next(i for i, link in enumerate(figure["links"]) if link["kind"] == kind)
+    link, poses = figure["links"][number], body_poses(drawing, frames)
+    ends = [
+        poses[drawing.bodies[link[name]].name].positions + np.array(link[f"{name}_point"])[:, None] for name in ("start", "end")
+    ]
+    lengths, limit = np.linalg.norm(ends[1] - ends[0], axis=0), link["limits"][side]
+    assert 0 < limit < lengths.max() + 1
+    for event in motion.events:
+        if "closed" in (event.before, event.after) or "strikes" in event.text:
+            assert np.interp(event.time, frames.times, lengths) == pytest.approx(limit, abs=1e-6)
+    sign = 1 if side == 0 else -1
+    open_frames = [
+        motion.phases[np.searchsorted([t for t, _ in motion.phases], time, "right") - 1][1] == "open" for time in frames.times
+    ]
+    assert (sign * (lengths - limit)[open_frames] > -1e-6).all()
+
+
+def test_cables_hang_down_and_masses_stand_on_their_contact_under_gravity():
+    for make, upper, lower in ((hanging, "hook", "load"), (ball, "ball", "ground left of ball")):
+        given, *_ = animated(make())
+        rest = {body.name: np.array(body.rest) for body in given.drawing.bodies}
+        from mbconstrained.page.drawing import matrix_of
+
+        up = matrix_of(given.drawing.turn) @ (rest[upper] - rest[lower])
+        assert up[2] > 0 and np.abs(up[:2]).max() < 1e-9
+
+
+def test_impulses_are_arrows_with_the_solvers_sizes_and_events_are_listed_with_energies():
+    motion = ball()
+    given, _, _ = animated(motion)
+    events = given.overlay.events
+    assert [event.time for event in events] == [event.time for event in motion.events][: len(events)]
+    for drawn, event in zip(events[:5], motion.events):
+        (arrow,) = drawn.impulses
+        assert (arrow.arrow.body, arrow.arrow.unit) == ("ball", "N s")
+        assert arrow.size == event.impulses["contact ground-ball"] == pytest.approx(event.jump[1, 0], rel=1e-12)
+        assert drawn.lines[0].endswith(f": {event.text}") and any("velocity of ball jumps" in line for line in drawn.lines)
+        assert f"energy lost: {event.energy_lost:.6g} J" in drawn.lines
+    rest = events[-1]
+    assert not any("displacement" in line or line.startswith("ball jumps") for line in rest.lines), "rounding errors are no jumps"
+
+
+def test_the_table_of_events_leads_to_their_times_and_its_names_are_escaped():
+    model = mb.LumpedModel()
+    model.mass("ball", 1.0), model.gravity(-9.81)
+    model.contact("ground", "ball", gap=0.5, restitution=0.5, name=HOSTILE[:40])
+    motion = model.assemble().solve({"ball": 0.5}, end=1.0)
+    page = page_html(result_of(motion).page())
+    assert HOSTILE[:40] not in page and "<h2>Events</h2>" in page
+    for event in motion.events:
+        assert f'<a href="#t={event.time!r}">{event.time:.9g}</a>' in page
+    assert f"{motion.events[0].energy_lost:.6g}" in page
+
+
+def test_slow_motion_at_events_is_chosen_by_the_option():
+    box = '<input type="checkbox" id="slow" autocomplete="off"'
+    for wanted in (False, True):
+        page = page_html(result_of(ball(), slow_events=wanted).page())
+        assert (f"{box} checked>" in page, f"{box}>" in page) == (wanted, not wanted)
+    cart = mb.LumpedModel()
+    cart.mass("cart", 1.0), cart.spring("ground", "cart", 4.0)
+    page = page_html(result_of(cart.assemble().solve([1.0]), slow_events=True).page())
+    assert box not in page and "class Stop" not in page, "nothing of it on pages without events"
+
+
+def test_an_end_after_that_of_the_motion_is_refused():
+    with pytest.raises(mb.InputError, match="known up to 2 s"):
+        result_of(ball(), end=3.0)
