@@ -17,9 +17,6 @@ Matrix: TypeAlias = "np.ndarray | scipy.sparse.csr_array"
 #: Matrices with so many rows are kept sparse.
 LARGE = 150
 
-#: Of so many entries those that are not zero are found faster by one index than by two.
-FEW = 1000
-
 
 def kept(matrix: np.ndarray) -> Matrix:
     """The matrix, sparse or full according to its size."""
@@ -78,13 +75,9 @@ def shifted_unit(rows: int, columns: int, shift: int, like: Matrix) -> Matrix:
 
 def entries(matrix: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows, columns and values of the stored entries."""
-    if isinstance(matrix, np.ndarray) and matrix.size < FEW:
+    if isinstance(matrix, np.ndarray):
         row, column = matrix.nonzero()
         return row, column, matrix[row, column]
-    if isinstance(matrix, np.ndarray):
-        values = np.ascontiguousarray(matrix).reshape(-1)
-        places = np.flatnonzero(values != 0)
-        return *np.divmod(places, max(matrix.shape[1], 1)), values[places]
     result = matrix.tocoo()
     return result.row, result.col, result.data
 

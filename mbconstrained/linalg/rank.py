@@ -53,8 +53,7 @@ class Noisy:
             return Noisy.exact(product(left, right))
         own, others, noise, others_noise = squared(left), squared(right), self.noise**2, other.noise**2
         signs = np.sign(own)
-        large = left.ndim == 2 and len(left) >= LARGE and not (is_precise(left) or is_precise(right))
-        if large and 8 * np.count_nonzero(left) < left.size:  # faster by its entries
+        if _has_few_entries(left) and not is_precise(right):
             data = compressed(left) @ right
             own, noise, signs = compressed(own), compressed(noise), compressed(signs)
         else:
@@ -105,6 +104,13 @@ class Noisy:
     def T(self) -> Noisy:
         """The transpose."""
         return Noisy(self.data.T, self.noise.T)
+
+
+def _has_few_entries(matrix: np.ndarray) -> bool:
+    """Whether products with a large matrix of float64 are faster by its nonzero entries."""
+    if matrix.ndim != 2 or len(matrix) < LARGE or is_precise(matrix):
+        return False
+    return 8 * int(np.count_nonzero(matrix)) < matrix.size
 
 
 def stacked(*parts: Noisy) -> Noisy:

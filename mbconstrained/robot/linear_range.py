@@ -51,6 +51,9 @@ VISIBLE = 0.1
 #: The times at which the residual is computed; for other amplitudes it is the worst one of them.
 MOST_TIMES = 12
 
+#: Phases beyond the linear range that are named, the worst first.
+MOST_PHASES = 3
+
 #: Step of the differences that give v and a, in times of the fastest motion, and the share of the motion that counts as linear.
 DIFFERENCE, LINEAR_SHARE = 0.03, 0.01
 
@@ -118,10 +121,11 @@ def linear_range(motion: Motion, posture: Posture, times=None) -> LinearRange:
 def range_notices(motion: Motion, posture: Posture, grips: Sequence[Grip]) -> tuple[Notice, ...]:
     """Notices on a motion beyond the linear range; of a switched robot, also how far it is from that, and feet that slip."""
     ranges = _linear_ranges(motion, posture, None)
+    ranges = sorted(ranges, key=lambda one: -one.deviation)[:MOST_PHASES]
     notices = tuple(notice for one in ranges for notice in one.notices)
     if not isinstance(motion, SwitchedMotion):
         return notices
-    worst = max(ranges, key=lambda one: one.deviation)
+    worst = ranges[0]
     about = Notice(NoticeKind.SWITCH, f"all contacts keep their directions, as motions are small about the posture; {worst.text}")
     return (*(notices or (about,)), *grip_notices(grips, motion))
 

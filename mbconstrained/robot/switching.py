@@ -56,6 +56,8 @@ class Grip:
 class StickingContact(Switch):
     """A contact that does not slide, closed at the start where it touches at rest.
 
+    Where it can neither stick nor separate, as with more friction than there can be, it slides until it separates.
+
     Args:
         row, gap: of its normal.
         across: rows that vanish while it is closed.
@@ -63,9 +65,10 @@ class StickingContact(Switch):
 
     def __init__(self, name: str, row: np.ndarray, gap: float, across: Sequence[Constraint]):
         plain = rigid_contact(name, row, gap, 0.0)
-        closed = replace(plain.states["closed"], rows=(*plain.states["closed"].rows, *across))
-        super().__init__(name, plain.states | {"closed": closed})
-        self.contact, self.sticking = plain.contact, np.vstack([row, *(one.rows for one in across)])
+        sliding = plain.states["closed"]
+        closed = replace(sliding, rows=(*sliding.rows, *across))
+        super().__init__(name, plain.states | {"closed": closed, "sliding": sliding})
+        self.contact, self.sticking = replace(plain.contact, sliding="sliding"), np.vstack([row, *(one.rows for one in across)])
 
     def start(self, x: np.ndarray, v: np.ndarray) -> str:
         touches = np.isclose(self.contact.row @ x, -self.contact.gap, rtol=STILL, atol=0.0)
@@ -492,6 +495,11 @@ def grip_notices(grips: Sequence[Grip], motion: SwitchedMotion) -> Iterator[Noti
                 yield Notice(
                     NoticeKind.LARGE_MOTION, f"{grip.name} would slip at t = {times[worst]:.3g} s: {need}; it is kept in place"
                 )
+        alone = len(motion.solution.sequence.machine.switches) == 1
+        slides = [time for time, phase in motion.phases if ("sliding" if alone else f"{grip.name} sliding") in phase]
+        if slides:
+            text = f"{grip.name} slides without friction from t = {slides[0]:.6g} s on, where it could neither stick nor lift off"
+            yield Notice(NoticeKind.LARGE_MOTION, text)
         yield from _impulse_notices(grip, motion)
 
 

@@ -243,6 +243,45 @@ def test_the_cone_of_friction_is_reported():
     assert any("foot would slip" in notice.text for notice in pushed.notices)
 
 
+def test_a_rocking_block_has_the_times_and_the_ratio_of_speeds_of_housner():
+    """Housner, Bull. Seism. Soc. Am. 53 (1963) 403: angular velocities in the ratio 1 - 1.5 sin(a)^2, small angles with cosh and sinh."""
+    mass, b, h = 3.0, 0.1, 0.3
+    inertia = mass * (b**2 + h**2) / 3
+    feet = [mb.Loop("ground", (place, 0, 0), "block", (place, 0, 0), name=name) for name, place in (("left", -b), ("right", b))]
+    robot = mb.Robot(urdf(link("block", mass, (0, 0, h), (inertia,) * 3)), loops=feet, base="free")
+    machine = robot.linearize(robot.equilibrium()).with_switches(mb.LiftingFoot("left"), mb.LiftingFoot("right"))
+    x = machine.solve(velocity={"base ry": 0.05, "base z": 0.05 * b}, end=1.0)
+    rate = np.sqrt(mass * 9.81 * h / (4 * inertia))
+    speeds = 0.05 * (1 - 1.5 * b**2 / (b**2 + h**2)) ** np.arange(12)
+    times = np.cumsum(2 * np.arctanh(speeds * h / b / rate) / rate)
+    assert [event.time for event in x.events[:12]] == pytest.approx(times.tolist(), rel=1e-11)
+    assert [event.after for event in x.events[:2]] == ["left closed, right open", "left open, right closed"]
+    assert x.events[0].energy_after / x.events[0].energy_before == pytest.approx(speeds[1] ** 2 / speeds[0] ** 2, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        {"velocity": {"base rx": 0.5}},
+        {"velocity": {"base z": 0.5}},
+        pytest.param({"velocity": {"base z": -0.5}}, marks=pytest.mark.long),
+        pytest.param({"displacement": {"base z": 0.05}}, marks=pytest.mark.long),
+    ],
+)
+def test_four_feet_never_pass_the_ground_nor_pull(start):
+    """Feet land at once and one after another; where one can neither stick nor lift off it slides, which is reported."""
+    robot, data = mb.read_robot("robots/quadruped")
+    machine = robot.linearize(robot.equilibrium(**data.posture)).with_switches(*(mb.LiftingFoot(loop.name) for loop in robot.loops))
+    x, times = machine.solve(**start, end=0.4), np.linspace(0.0, 0.4, 801)
+    names = [row.name for row in x._reaction_rows]
+    for switch in machine.switches:
+        assert (switch.contact.row @ x(times)).min() > -1e-12
+        assert x.reaction(times)[names.index(switch.name)].min() > -1e-9
+        assert all(event.impulses.get(switch.name, 0.0) > -1e-6 for event in x.events)
+    assert all(event.energy_lost > -1e-10 for event in x.events)
+    assert any(" slides " in notice.text for notice in x.notices) == any("sliding" in name for _, name in x.phases)
+
+
 def test_only_feet_lift_off():
     p = mb.Loop("l3", TIP, "ground", kind="hinge", name="hinge")
     robot = arm(loops=[p])

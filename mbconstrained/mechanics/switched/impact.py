@@ -18,6 +18,7 @@ from ...ground.tolerances import EPS
 from .flow import NOISE
 
 if TYPE_CHECKING:
+    from ..system import MechanicalSystem
     from .phase import Phase
     from .switches import UnilateralContact
 
@@ -67,13 +68,7 @@ class ContactSet:
 
     def row_impulses(self, p: np.ndarray, moved: np.ndarray, gained: np.ndarray) -> dict[str, float]:
         """The impulses of the constraint rows of the phase, by name, from the changes of x and x'."""
-        system = self.phase.system
-        if not system.rows:
-            return {}
-        terms = [system.mass @ gained, system.damping @ moved, -self.rows.T @ p]
-        total = system.multiplier_map @ sum(terms)
-        noise = 16 * NOISE * (np.abs(system.multiplier_map) @ sum(map(np.abs, terms)))
-        return {row.name: float(own) for row, own, least in zip(system.rows, total, noise) if abs(own) > least}
+        return row_impulses(self.phase.system, self.rows.T @ p, moved, gained)
 
     def derivative(self, restitution: np.ndarray, p: np.ndarray) -> np.ndarray:
         """The derivative of (x, x') after the impact with respect to those before it."""
@@ -83,6 +78,16 @@ class ContactSet:
             by = np.linalg.solve(self.mobility[np.ix_(own, own)], (1 + restitution[own])[:, None] * self.rows[own])
             total[:, n:] -= np.vstack([self.phase.C, self.phase.V]) @ self.response[:, own] @ by
         return total
+
+
+def row_impulses(system: MechanicalSystem, other: np.ndarray, moved: np.ndarray, gained: np.ndarray) -> dict[str, float]:
+    """The impulses of the constraint rows of a system that are more than rounding errors, beside other ones, from the changes of x and x'."""
+    if not system.rows:
+        return {}
+    terms = [system.mass @ gained, system.damping @ moved, -other]
+    total = system.multiplier_map @ sum(terms)
+    noise = 16 * NOISE * (np.abs(system.multiplier_map) @ sum(map(np.abs, terms)))
+    return {row.name: float(own) for row, own, least in zip(system.rows, total, noise) if abs(own) > least}
 
 
 def impulses_of_contacts(W: np.ndarray, before: np.ndarray, restitution: np.ndarray) -> np.ndarray:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field
-from itertools import islice, product
+from dataclasses import dataclass, field, replace
+from itertools import combinations, islice, product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +19,7 @@ from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS
 from ..constraints import Constraint
 from .flow import NOISE, Crossing
-from .impact import ContactSet
+from .impact import ContactSet, row_impulses
 from .phase import STILL, Phase, PhaseEntry, Source
 from .switches import ForceBranch, Functional, Guard, Switch, TimedChange, UnilateralContact
 
@@ -374,8 +374,13 @@ class PhaseSequence:
         """Let the switches turn whose guards fell to zero."""
         listed = self.machine.guards(record.before)
         hit = [listed[number] for number in crossing.guards]
-        for _, guard in hit:
+        for place, guard in hit:
+            contact = self.machine.switches[place].contact
+            if contact is not None and contact.sliding and record.before[place] == contact.closed:
+                continue  # the forces that it takes across end with that along it, and change all others
             record.zeros[guard.functional] = 2 if crossing.grazing else 1
+            if contact is not None and guard.reactions:
+                record.zeros[contact.functional] = 3  # without its force nothing accelerates it
         if not hit:
             return
         record.guard, record.grazing = hit[0][1], crossing.grazing
@@ -401,7 +406,10 @@ class PhaseSequence:
         place, guard = listed[negative[0]]
         passes = guard.beyond is not None and order[negative[0]] == 0
         record.texts.append(f"{self.machine.switches[place].name} slips" if passes else self._text(place, guard))
-        record.turn(place, guard.beyond if passes else guard.target)
+        contact, target = self.machine.switches[place].contact, guard.beyond if passes else guard.target
+        if contact is not None and contact.sliding and target == contact.closed and order[negative[0]] > 1:
+            target = contact.sliding  # without an impact nothing stops it
+        record.turn(place, target)
         return False
 
     def _text(self, place: int, guard: Guard | TimedChange) -> str:
@@ -447,13 +455,18 @@ class PhaseSequence:
     def _impact(self, record: SwitchRecord, striking: Mapping[int, Guard]) -> None:
         """The velocities after an impact of all rigid contacts that touch, and their states."""
         touching = self._touching(record, striking)
+        sticking = {place: contact for place, contact in touching.items() if contact.sliding}
+        if sticking:
+            touching = {place: contact for place, contact in touching.items() if not contact.sliding}
+            if not self._stick(record, sticking, touching, striking):
+                touching |= {place: replace(one, closed=str(one.sliding), sliding=None) for place, one in sticking.items()}
+            if not touching:
+                return
         key, switches = self._without(record.after, touching), self.machine.switches
         phase, contacts = self.phase(key), list(touching.values())
         named = {place: self._named(place, contact, phase) for place, contact in touching.items()}
         names = {place: name for place, (name, _) in named.items()}
-        if (key, *touching) not in self.impacts:
-            self.impacts[key, *touching] = ContactSet(phase, contacts)
-        impact = self.impacts[key, *touching]
+        impact = self._contact_set(key, touching)
         for place, contact, massless in zip(touching, contacts, impact.massless):
             if massless:
                 record.turn(place, contact.closed)
@@ -499,6 +512,57 @@ class PhaseSequence:
         for name, own in impact.row_impulses(p, record.x[1] - before[0], record.v[1] - before[1]).items():
             record.add_impulse(name, [own])
         record.maps.append(lambda: impact.derivative(e, p))
+
+    def _contact_set(self, key: Key, touching: Mapping[int, UnilateralContact]) -> ContactSet:
+        if (key, *touching) not in self.impacts:
+            self.impacts[key, *touching] = ContactSet(self.phase(key), list(touching.values()))
+        return self.impacts[key, *touching]
+
+    def _stick(self, record: SwitchRecord, sticking: Mapping[int, UnilateralContact], others, striking) -> bool:
+        """Close those of the contacts that stick which have to push to come to rest, so that the rest of them separates.
+
+        The sets of closed contacts are tried, those first which strike or were closed; whether one is consistent.
+        """
+        record.impacts += 1
+        names = {place: self.machine.switches[place].name for place in sticking}
+        if record.impacts > TRIALS:
+            raise NotUnique(f"at t = {record.time:.9g} s the contacts {', '.join(names.values())} strike and separate without end")
+        free = self._without(record.after, {**sticking, **others})
+        likely = {place for place, one in sticking.items() if place in striking or record.after[place] == one.closed}
+        sets = (set(own) for count in range(len(sticking) + 1) for own in combinations(sticking, count))
+        for closed in sorted(sets, key=lambda own: len(own ^ likely)):
+            key = free
+            for place in closed:
+                key = _replaced(key, place, sticking[place].closed)
+            phase = self.phase(key)
+            entry = record.enter(phase)
+            y, other = entry.state, np.zeros(phase.system.size)
+            if others:
+                impact = self._contact_set(key, others)
+                u = impact.rows @ phase.V @ y
+                size = np.abs(impact.rows) @ record.size[1]
+                p = impact.solve(np.where(np.abs(u) <= NOISE * size, 0.0, u), impact.restitution, size)[0]
+                y, other = y + impact.response @ p, impact.rows.T @ p
+            v = phase.V @ y
+            own = row_impulses(phase.system, other, phase.C @ y - record.x[1], v - record.v[1])
+            speeds = {place: float(one.row @ v) for place, one in sticking.items()}
+            noise = {place: STILL * float(np.abs(one.row) @ (record.size[1] + np.abs(v))) for place, one in sticking.items()}
+            if all(own.get(names[place], 0.0) >= 0 if place in closed else speeds[place] >= -noise[place] for place in sticking):
+                break
+        else:
+            return False
+        before = record.after
+        for place, contact in sticking.items():
+            record.turn(place, contact.closed if place in closed else contact.open)
+            if place in striking or before[place] != record.after[place]:
+                record.texts.append(f"{names[place]} {'closes' if place in closed else 'opens'}")
+        if not entry.is_smooth:
+            after = record.after
+            self._move(record, phase, entry)
+            record.after = after
+        for place, contact in sticking.items():
+            record.zeros[contact.functional] = 2 if abs(speeds[place]) <= noise[place] else 1
+        return True
 
     def _without(self, key: Key, touching: Mapping[int, UnilateralContact]) -> Key:
         """The phase without contacts and with bounded forces that slip."""

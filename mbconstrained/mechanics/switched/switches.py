@@ -138,6 +138,8 @@ class UnilateralContact:
         gap: at x = 0.
         restitution: e of a x' after an impact = -e a x' before it.
         open, closed: the states.
+        sliding: of a contact that sticks, with further rows while it is closed, the state without these, which follows where it can neither
+            stick nor separate; None for others.
     """
 
     row: np.ndarray
@@ -145,6 +147,7 @@ class UnilateralContact:
     restitution: float
     open: str
     closed: str
+    sliding: str | None = None
 
     @cached_property
     def functional(self) -> Functional:

@@ -86,10 +86,12 @@ def _assembled(table, folder: Path, file_name: SceneName, lap: Callable[[str], o
             return state_space(table, folder, file_name, lap)
         return transfer_function(table, folder, file_name)
     if kind == "robot":
-        from .robot_model import robot_scene
+        from .robot_model import robot_scene, robot_switches
 
         robot = robot_scene(table.model, table.robot, folder, file_name, lap)
-        return _mechanical(table, robot.system, robot.coordinates, folder, file_name, robot=robot)
+        parts = robot_switches(table.model, robot.data, file_name)
+        machine = (lambda moved: moved[0].with_switches(*parts)) if parts else None
+        return _mechanical(table, robot.system, robot.coordinates, folder, file_name, robot=robot, machine=machine)
     if kind == "lumped":
         return _lumped(table, folder, file_name)
     return (_matrices if table.model.coefficients is None else _coefficients)(table, folder, file_name)
@@ -240,7 +242,8 @@ def _mechanical(
         return Equations(*problem, model, loads=loads, rotor=rotor, ends=ends, switching=switching)
     from .robot_model import RobotEquations
 
-    return RobotEquations(*problem, robot_scene=replace(robot, system=system), loads=loads, rotor=rotor, ends=ends)
+    own = replace(robot, system=system)
+    return RobotEquations(*problem, robot_scene=own, loads=loads, rotor=rotor, ends=ends, switching=switching)
 
 
 def _moving(

@@ -121,7 +121,7 @@ def _triple(value, of_ball: bool) -> tuple[float, ...]:
     return tuple(quantity(entry, unit) for entry, unit in zip(value, ("rad" if of_ball else "m",) * 2 + ("rad",)))
 
 
-def _given(entry, *left_out: str) -> dict:
+def given(entry, *left_out: str) -> dict:
     """The entries of a table as arguments of a function with the same names."""
     values = {key: getattr(entry, key) for key in type(entry).model_fields if key in entry.model_fields_set and key not in left_out}
     return {key: tuple(value) if isinstance(value, list) else value for key, value in values.items() if value is not None}
@@ -139,7 +139,7 @@ def _drives(kind: type, entries: Mapping, key: str, names: UrdfNames, place: str
     drives = {}
     for name, entry in entries.items():
         with at(place, f"{key}.{name}"):
-            unit, values = names.joint_unit(name), _given(entry)
+            unit, values = names.joint_unit(name), given(entry)
             for field_name in values.keys() & _MOTOR_UNITS.keys():
                 with named(field_name):
                     values[field_name] = quantity(values[field_name], _MOTOR_UNITS[field_name][unit])
@@ -223,7 +223,7 @@ def robot_arguments(table, names: UrdfNames, place: str) -> dict:
     with at(place, "payload"):
         for entry in table.payload:
             names.check_body(entry.body)
-        values["payloads"] = [Payload(**_given(entry)) for entry in table.payload]
+        values["payloads"] = [Payload(**given(entry)) for entry in table.payload]
     values |= {"masses": table.masses, "inertias": table.inertias}
     values["loops"] = _connections(Loop, table.loop, "loop", names, place)
     springs = _connections(BodySpring, table.spring, "spring", names, place)
@@ -239,7 +239,7 @@ def _connections(kind: type, entries, key: str, names: UrdfNames, place: str) ->
             for end in ("body1", "body2"):
                 with named(end):
                     names.check_body(getattr(entry, end), GROUND)
-            connections.append(kind(**{"point1": None, "point2": None, **_given(entry)}))
+            connections.append(kind(**{"point1": None, "point2": None, **given(entry)}))
     return tuple(connections)
 
 

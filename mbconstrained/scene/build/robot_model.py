@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...ground.coordinate_units import force_unit
+from ...ground.coordinate_units import GROUND, force_unit
 from ...ground.display import TextTable, number_text, with_unit
 from ...ground.errors import InputError, shown
 from ...ground.notices import Notice, NoticeKind
@@ -19,7 +19,7 @@ from ...signals.bohl import BohlFunction
 from ..file import SceneName, at, robot_name, robot_path
 from ..quantities.coordinates import Coordinates
 from .model import Decision, Equations, ModelTables, rows_decision
-from .robot_file import PLACE, RobotData, joint_values, point_motion, posing, robot_data, robot_of
+from .robot_file import PLACE, RobotData, given, joint_values, point_motion, posing, robot_data, robot_of
 
 if TYPE_CHECKING:
     from ...robot.connections import Connection, PointMotion
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from ...robot.linearized import LinearizedRobot
     from ...robot.robot import Robot
     from ...robot.statics import Posture
+    from ...robot.switching import RobotSwitch
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ class RobotEquations(Equations):
 
     @property
     def has_connections(self) -> bool:  # type: ignore[override]
-        return bool(self.robot.loops or self.robot.springs)
+        return bool(self.robot.loops or self.robot.springs) and self.switching is None
 
     def output_values(self, times: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
         return self.robot_scene.system.output_matrix @ coordinates
@@ -87,6 +88,8 @@ class RobotEquations(Equations):
     def notices(self, result: Any) -> tuple[Notice, ...]:
         ends = result.extrema("displacement")
         limits = limit_notices(self.robot_scene, np.column_stack([ends.minimum, ends.maximum]))
+        if self.switching is not None:
+            return (*self.robot_scene.system.range_notices(result.motion), *limits)
         return (*(result.linear_range.notices if result.linear_range else ()), *limits, *_forces_notices(result))
 
     def tables(self, result: Any) -> ModelTables:
@@ -120,6 +123,8 @@ class RobotEquations(Equations):
         return requested, "of the links, from the deviations of the joints" if requested else "output is not among the plots"
 
     def connections_decision(self, requested: bool) -> Decision:
+        if self.switching is not None:
+            return False, "reactions are those of the phases"
         if not self.has_connections:
             return super().connections_decision(requested)
         if requested:
@@ -147,6 +152,34 @@ def robot_scene(model, changed: dict, folder: Path, file_name: SceneName, lap: C
     with at(file_name, "model"):
         system = robot.linearize(posture, level=model.level, inputs=inputs, outputs=outputs)
     return RobotScene(data, robot, posture, system, inputs, arguments["forces"])
+
+
+def robot_switches(model, data: RobotData, file_name: str) -> list[RobotSwitch]:
+    """Joint stops, contacts, feet that lift off, loops that close or open, of the tables of a scene."""
+    from ...robot.connections import Loop
+    from ...robot.switching import ClosingLoop, JointStop, LiftingFoot, PointContact
+
+    def closing(entry) -> ClosingLoop:
+        own = {key: getattr(entry, key) for key in ("at", "gap", "released")}
+        return ClosingLoop(Loop(**{"point1": None, "point2": None, **given(entry, *own)}), **own)
+
+    kinds: dict[str, Callable] = {
+        "joint_stop": lambda entry: JointStop(**given(entry)),
+        "contact": lambda entry: PointContact(**given(entry)),
+        "lifting_foot": lambda entry: LiftingFoot(**given(entry)),
+        "closing_loop": closing,
+        "release": lambda entry: ClosingLoop(entry.target, released=entry.at),
+    }
+    switches = []
+    for key, made in kinds.items():
+        for number, entry in enumerate(getattr(model, key), 1):
+            with at(file_name, f"model.{key}[{number}]"):
+                if key == "joint_stop":
+                    data.names.joint_unit(entry.joint)
+                for body in {"body", "other", "body1", "body2"} & set(type(entry).model_fields):
+                    data.names.check_body(getattr(entry, body), GROUND)
+                switches.append(made(entry))
+    return switches
 
 
 def _posture_arguments(data: RobotData, own: dict) -> dict:

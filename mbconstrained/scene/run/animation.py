@@ -269,16 +269,32 @@ class _RobotPicture(_Picture):
         overlay = replace(overlay, events=tuple(event_with_poses(event, picture, drawing.scale) for event in overlay.events))
         return Animation(drawing, self.coordinates.names, *frames, overlay)
 
+    @property
+    def _row_places(self) -> tuple[list[int], list[int]]:
+        """The places of rows of loops among the multipliers of the posture, and among the reactions of the motion."""
+        names = self.equations.posture.balance.load.row_names
+        own = [place for place, row in enumerate(self.result.rows) if row.name in names]
+        return [names.index(self.result.rows[place].name) for place in own], own
+
+    @property
+    def _switched(self) -> np.ndarray:
+        """Whether the row of a loop is part of some phases only, with its whole force as reaction."""
+        switched, loops = (
+            self.equations.robot_scene.system.switched_loops,
+            (item.connection for item in self.equations.posture.loops),
+        )
+        names = {name for loop in loops if loop.name in switched for name in loop.row_names}
+        return np.isin(self.equations.posture.balance.load.row_names, list(names))
+
     def reactions(self, drawing: Drawing, times: np.ndarray) -> tuple:
         """The reactions of the loops and couplings, and a sentence on them."""
         from ...robot.visualization import row_wrenches
 
-        posture, function = self.equations.posture, self.motion.reaction_function
-        kept = list(posture.independent_rows)
-        multipliers = np.tile(posture.multipliers[:, None], len(times))
+        posture, function, (places, own) = self.equations.posture, self.motion.reaction_function, self._row_places
+        multipliers = np.tile(np.where(self._switched, 0.0, posture.multipliers)[:, None], len(times))
         rates = np.zeros_like(multipliers)
-        multipliers[kept] += function(times)
-        rates[kept] = function.derivative(1)(times)
+        multipliers[places] += function(times)[own]
+        rates[places] = function.derivative(1)(times)[own]
         wrenches = row_wrenches(posture)
         drawn = [(wrench, arrow, part) for wrench in wrenches for arrow, part in _arrows(wrench, 0)]
         forces = tuple(
@@ -292,7 +308,8 @@ class _RobotPicture(_Picture):
         posture, arrows, of_rows = self.equations.posture, [], self.impulses_at(time)[0]
         if of_rows:
             multipliers = np.zeros(len(posture.multipliers))
-            multipliers[list(posture.independent_rows)] = of_rows[0]
+            places, own = self._row_places
+            multipliers[places] = of_rows[0][own]
             arrows += [
                 _impulse_arrow(arrow, part @ multipliers) for wrench in row_wrenches(posture) for arrow, part in _arrows(wrench, 1)
             ]

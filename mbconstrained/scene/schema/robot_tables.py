@@ -9,12 +9,14 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, mo
 from ...ground.errors import InputError, shown
 from ...ground.quantities import quantity
 from .entry_types import (
+    LINEAR_PHASE,
     Angle,
     DampedTable,
     Damping,
     Inertia,
     Length,
     Level,
+    LinearPhase,
     Mass,
     Name,
     Number,
@@ -22,6 +24,7 @@ from .entry_types import (
     Stiffness,
     Table,
     Text,
+    Time,
     TorsionDamping,
     TorsionStiffness,
     Vector,
@@ -162,6 +165,55 @@ class PointTable(Table):
     turn: bool = Field(False, description="true: the torque or rotation about the direction.")
 
 
+class JointStopTable(Table):
+    """Stops of a joint, rigid or elastic; those of the URDF's limits where neither lower nor upper is given."""
+
+    name: Name | None = Field(None, description="A name for messages and results; by default of the joint.")
+    joint: Text = Field(description="A joint with one degree of freedom.")
+    lower: Quantity | None = Field(None, description="Value of the joint at the lower stop.")
+    upper: Quantity | None = Field(None, description="Value of the joint at the upper stop.")
+    restitution: Number = Field(0.0, description="Velocity after an impact by that before it, 0 to 1.")
+    stiffness: Quantity | None = Field(None, description="Of elastic stops; rigid when left out.")
+    damping: Quantity = Field(0.0, description="Of elastic stops.")
+
+
+class PointContactTable(Table):
+    """A point of a body that meets a plane."""
+
+    name: Name | None = Field(None, description="A name for messages and results; by default of the body.")
+    body: Text = Field(description="A link of the URDF.")
+    point: Vector = Field([0.0, 0.0, 0.0], description="In the link's frame.")
+    normal: Three[Number] = Field([0.0, 0.0, 1.0], description="Of the plane, towards the point, in the directions of the ground.")
+    gap: Length = Field(0.0, description="Distance of the point from the plane at the posture.")
+    restitution: Number = Field(0.0, description="Velocity after an impact by that before it, 0 to 1.")
+    stiffness: Stiffness | None = Field(None, description="Of an elastic contact; rigid when left out.")
+    damping: Damping = Field(0.0, description="Of an elastic contact.")
+    sticks: bool = Field(False, description="true: the point does not slide while it touches; false: it slides without friction.")
+    friction: Number | None = Field(None, description="Coefficient of friction by which forces of a point that sticks are checked.")
+    other: Text = Field("ground", description='The body with the plane, a link or "ground".')
+
+
+class LiftingFootTable(Table):
+    """A foot that lifts off where it would have to pull, and lands again."""
+
+    loop: Text = Field(description='A loop of the robot, of kind "point" or "rigid", on the ground.')
+
+
+class ClosingLoopTable(LoopTable):
+    """A loop that closes at a time, or where a gap is closed, as a gripper that grasps."""
+
+    at: Time | None = Field(None, description="The time at which it closes.")
+    gap: Length | None = Field(None, description="How far body2 must come nearer against the normal.")
+    released: Time | None = Field(None, description="The time at which it opens again.")
+
+
+class ReleaseTable(Table):
+    """The end of a loop of the robot."""
+
+    target: Text = Field(description="A loop of the robot, closed at the posture.")
+    at: Time = Field(description="The time at which it opens.")
+
+
 class BodyForceTable(PointTable):
     """A force or torque on a body that acts while the equilibrium is found."""
 
@@ -254,3 +306,9 @@ class RobotTable(DampedTable, Posing):
     locked: JointValues = Field({}, description="Joints that are frozen at a value, in addition to those of the robot.")
     input: list[SpotTable] = Field([], description="Named inputs of [[force]] tables.")
     output: list[SpotTable] = Field([], description='What [output] plots as "output", by name.')
+    linear_phase: LinearPhase = LINEAR_PHASE
+    joint_stop: list[JointStopTable] = Field([], description="Stops of joints.")
+    contact: list[PointContactTable] = Field([], description="Points of bodies that meet a plane.")
+    lifting_foot: list[LiftingFootTable] = Field([], description="Feet that lift off.")
+    closing_loop: list[ClosingLoopTable] = Field([], description="Loops that close, such as grasps.")
+    release: list[ReleaseTable] = Field([], description="Loops of the robot that open.")
