@@ -320,14 +320,13 @@ class SwitchedMotion(Motion):
     @cached_property
     def _reaction_rows(self) -> tuple[ConstraintRow, ...]:
         """The constraint rows of all phases, and the directions of forces of switches, such as elastic contacts, each once by name."""
-        rows = {row.name: row for phase in reversed(self.solution.phases) for row in reversed(phase.system.rows)}
-        rows = dict(reversed(rows.items()))
-        for switch in self.solution.sequence.machine.switches:
-            for state in switch.states.values():
-                for row in constraint_rows(state.rows, self.system.units):
-                    rows.setdefault(row.name, row)
-                for branch in state.branches:
-                    rows.setdefault(switch.name, ConstraintRow(switch.name, branch.direction, "position", 0.0, switch.unit))
+        rows: dict[str, ConstraintRow] = {}
+        switches = self.solution.sequence.machine.switches
+        possible = [constraint_rows(state.rows, self.system.units) for switch in switches for state in switch.states.values()]
+        for row in (row for several in (*(phase.system.rows for phase in self.solution.phases), *possible) for row in several):
+            rows.setdefault(row.name, row)
+        for switch, branch in ((one, own) for one in switches for state in one.states.values() for own in state.branches):
+            rows.setdefault(switch.name, ConstraintRow(switch.name, branch.direction, "position", 0.0, switch.unit))
         return tuple(rows.values())
 
     @property
