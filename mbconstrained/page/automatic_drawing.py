@@ -842,7 +842,7 @@ def _on_supports(
             place = next(i for i, piece in enumerate(pieces) if lower in piece.names)
             plate = pieces[place].body(lower)
             if len(pieces[place].bodies) == 1:
-                plate = replace(plate, size=size)
+                plate = replace(plate, shape="box", size=size)
                 pieces[place] = Piece((plate,))
             mates.append(Mate(upper, lower, (0.0, 0.0, -down - PAD - plate.half_extent[2])))
         ends = {"start_point": (0.0, 0.0, plate.half_extent[2]), "end_point": (0.0, 0.0, -down)}

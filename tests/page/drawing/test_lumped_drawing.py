@@ -163,3 +163,14 @@ def test_a_lever_turns_about_its_pivot():
 def test_nothing_is_drawn_of_what_has_no_place(units):
     drawing = coordinate_drawing(("f",)[: len(units)], None, units)
     assert (drawing.bodies, drawing.scale, drawing.turn_scale) == ((), 1.0, 1.0)
+
+
+def test_a_body_that_only_supports_another_is_a_plate_below_it_as_long_as_their_relative_motion():
+    model = LumpedModel()
+    model.mass("block", 1.0), model.node("belt"), model.spring("ground", "block", 9.0)
+    model.dry_friction("belt", "block", normal_force=10.0, coefficient=0.3, name="rub")
+    drawing = lumped_drawing(model.elements, ["block", "belt"], [[0.0, 0.1], [0.0, 2.0]])
+    block, belt = ({body.name: body for body in drawing.bodies}[name] for name in ("block", "belt"))
+    assert belt.shape == "box" and belt.size[0] > 2 * 1.9 * drawing.scale
+    assert block.rest[2] - belt.rest[2] == pytest.approx((block.size[2] + belt.size[2]) / 2 + 0.1) and belt.rest[0] == block.rest[0]
+    assert [link.kind for link in drawing.links if link.name == "rub"] == ["pad"]
