@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from itertools import zip_longest
@@ -109,6 +109,27 @@ class Presented(Displayed):
 def notice_table(notices: Sequence[Notice]) -> TextTable:
     """Notices by kind and text."""
     return TextTable("Notices", ("kind", "text"), tuple((notice.kind, notice.text) for notice in notices))
+
+
+def phase_labels(names: Iterable[str]) -> dict[str, str]:
+    """Short labels of phases by name, without the parts that all have in common.
+
+    >>> phase_labels(["stop 1 open, stop 2 open, belt stuck", "stop 1 closed, stop 2 open, belt stuck"])
+    {'stop 1 open, stop 2 open, belt stuck': 'open', 'stop 1 closed, stop 2 open, belt stuck': 'closed'}
+    >>> list(phase_labels(["gear backward open, gear forward open", "gear backward open, gear forward closed"]).values())
+    ['open', 'closed']
+    >>> list(phase_labels(["a open, b shut", "a shut, b open"]).values())
+    ['a open, b shut', 'a shut, b open']
+    """
+    names = list(dict.fromkeys(names))
+    rows = [name.split(", ") for name in names]
+    if len(names) < 2 or len({len(row) for row in rows}) > 1:
+        return {name: name for name in names}
+    changing = [column for column in zip(*rows) if len(set(column)) > 1]
+    words = [[part.split(" ") for part in column] for column in changing]
+    every = [part for column in words for part in column]
+    common = next((k for k, own in enumerate(zip(*every)) if len(set(own)) > 1), min(map(len, every)) - 1)
+    return {name: ", ".join(" ".join(column[i][common:]) for column in words) for i, name in enumerate(names)}
 
 
 def number_text(value: float) -> str:

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ..ground.display import with_unit
+from ..ground.display import phase_labels, with_unit
 from .animation import packed
 from .content import (
     LEAST_SHARE,
@@ -431,12 +431,12 @@ def _legend(plot: Plot, functions: PlotFunctions) -> str:
         f"<span>{html.escape(marks.name)}</span></li>"
         for marks in {marks.name: marks for marks in plot.marks if marks.name}.values()
     ]
-    for number, name in enumerate(plot.phase_ranges):
+    for number, (name, label) in enumerate(phase_labels(plot.phase_ranges).items()):
         tall = 3 * _thirds(number)
         swatch = f'<rect {_phase_color(number)} y="{9 - tall}" width="26" height="{tall}"/>'
         rows.append(
             f'<li class="of-phase" data-phase="{html.escape(name)}"><svg width="26" height="9" aria-hidden="true">{swatch}</svg>'
-            f"<span>{html.escape(shortened(name, PHASE_NAME))}</span></li>"
+            f'<span title="{html.escape(name)}">{html.escape(shortened(label, PHASE_NAME))}</span></li>'
         )
     if plot.cells:
         low, high = (with_unit(end, plot.cells.unit) for end in plot.cells.ends)
@@ -598,7 +598,10 @@ def plot_image(plot: Plot | Sequence[Plot], kind: Literal["svg", "png"]) -> byte
     """
     panels = (plot,) if isinstance(plot, Plot) else tuple(plot)
     first, width = panels[0], IMAGE_WIDTH if len(panels) == 1 else PANEL_WIDTH * len(panels)
-    names = [*(shortened(curve.name) for curve in first.curves[: _most(first)]), *map(shortened, first.phase_ranges)]
+    names = [
+        *(shortened(curve.name) for curve in first.curves[: _most(first)]),
+        *map(_image_label, phase_labels(first.phase_ranges).values()),
+    ]
     columns = max(1, min(len(names), int((width - 0.3) / (_SAMPLE + _LETTER * max(map(len, names), default=0)))))
     rows = -(-(len(names) + len({marks.name for marks in first.marks if marks.name})) // columns)
 
@@ -610,6 +613,10 @@ def plot_image(plot: Plot | Sequence[Plot], kind: Literal["svg", "png"]) -> byte
             figure.legend(*lines, loc="outside lower left", ncols=columns, labelcolor=INK, handlelength=2.2, columnspacing=1.6)
 
     return drawn_image(draw, width, (LARGE_IMAGE_HEIGHT if first.is_large else IMAGE_HEIGHT) + _ROW * rows, kind)
+
+
+def _image_label(name: str) -> str:
+    return shortened(name, PHASE_NAME)
 
 
 def image_groups(plots: Iterable[Plot]) -> list[tuple[Plot, ...]]:
@@ -655,12 +662,12 @@ def _draw(axes: Axes, plot: Plot, letters: int) -> bool:
             x, y = ends[1]
             text = axes.text(x, y, guide.name, color=MUTED, fontsize=6.5, transform=axes.transAxes)
             text.set(ha="left" if x < LEAST_SHARE else "right", va="bottom" if y < LEAST_SHARE else "top")
-    ranges = plot.phase_ranges
+    ranges, labels = plot.phase_ranges, phase_labels(plot.phase_ranges)
     for number, (name, own) in enumerate(ranges.items()):
         tall = PHASE_HEIGHT * _thirds(number) / THIRDS
         widths = [(begin, end - begin) for begin, end in own]
         bar = axes.broken_barh(widths, (-PHASE_HEIGHT, tall), transform=axes.get_xaxis_transform(), clip_on=False)
-        bar.set(color=PHASE_COLORS[number % len(PHASE_COLORS)][0], linewidth=0.5, label=shortened(name))
+        bar.set(color=PHASE_COLORS[number % len(PHASE_COLORS)][0], linewidth=0.5, label=_image_label(labels[name]))
     if ranges:
         axes.tick_params(axis="x", length=0, pad=9)
     for band in plot.bands:

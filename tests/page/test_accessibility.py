@@ -13,6 +13,7 @@ from mbconstrained.page.html import page_html, write_page
 from tests.page.browser import needs_chromium
 from tests.page.contents import plotted_content
 from tests.page.mode_pages import two_modes
+from tests.page.switched_motions import ball
 
 pytestmark = [needs_chromium, pytest.mark.long]
 
@@ -46,10 +47,11 @@ def violations(browser, axe):
 def pages(tmp_path_factory):
     folder = tmp_path_factory.mktemp("pages")
     (folder / "modes.html").write_text(page_html(two_modes()), encoding="utf-8")
-    return {"run": write_page(folder / "run.html", plotted_content()), "modes": folder / "modes.html"}
+    run = write_page(folder / "run.html", plotted_content())
+    return {"run": run, "modes": folder / "modes.html", "phases": ball().write_page(folder / "phases.html")}
 
 
-@pytest.mark.parametrize("name", ["run", "modes"])
+@pytest.mark.parametrize("name", ["run", "modes", "phases"])
 def test_no_rule_is_broken(browser, axe, pages, name):
     for scheme, width in (("light", 1100), ("dark", 1100), ("light", 400)):
         browser.prefers(color_scheme=scheme, reduced_motion="reduce")

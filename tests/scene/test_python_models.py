@@ -130,3 +130,23 @@ def test_entries_of_a_drawing_change_the_pages_of_a_motion_and_of_modes(tmp_path
     for answer in (system.solve([0.1, 0.0]), system.modes()):
         page = answer.write_page(tmp_path / "x.html", drawing=options).read_text(encoding="utf-8")
         assert "seen &lt; from above" in page and "#123456" in page
+
+
+def test_a_motion_through_phases_has_the_reactions_of_all_and_its_own_end():
+    free = mb.MechanicalSystem([[1.0]], stiffness=[[4.0]])
+    held = free.with_constraints(mb.Constraint([1.0], value=0.5, names="stop"))
+    machine = mb.SwitchedSystem({"free": free, "held": held}, [mb.Transition("free", "held", when={"x1": 1.0}, above=0.5)])
+    motion = machine.solve(velocity=[2.0], end=3.0)
+    result = result_of(motion, plots=["reaction"], points=7)
+    assert result.times[-1] == motion.end == 3.0
+    assert result.curves("reaction").values[0] == pytest.approx([0.0, *[2.0] * 6], rel=1e-12)
+    (arrow,) = result.animation.overlay.events[0].impulses
+    assert arrow.size == pytest.approx(-np.sqrt(3.0), rel=1e-12), "(1/2) 2^2 = (1/2) v^2 + 2 0.5^2"
+
+
+def test_the_page_of_a_switched_motion_without_events_has_one_phase(tmp_path):
+    model = mb.LumpedModel()
+    model.mass("a", 1.0), model.spring("ground", "a", 9.0), model.contact("ground", "a", gap=1.0)
+    motion = model.assemble().solve({"a": 0.1}, end=3.0)
+    page = motion.write_page(tmp_path / "page.html").read_text(encoding="utf-8")
+    assert motion.events == () and "<h2>Events</h2>" not in page and page.count('class="of-phase"') == 1

@@ -124,8 +124,11 @@ class SwitchedSolution:
         first = sequence.segments[0]
         self.jump = first.phase.start_jump(initial, first.state)
         self.impulses = next((record.coordinate_impulses for record in sequence.records if not record.time), ())
+        self.largest = max(float(np.abs(x).max()) for x in (initial[0], *(record.x for record in sequence.records)))
         self.events = tuple(
-            Event(record.time, _jump_of(record), record.coordinate_impulses) for record in sequence.records if record.time > 0
+            Event(record.time, _jump_of(record, self.largest), record.coordinate_impulses)
+            for record in sequence.records
+            if record.time > 0
         )
 
     finite_count = property(lambda self: max(len(phase.J) for phase in self.phases))
@@ -218,12 +221,14 @@ class SwitchedMotion(Motion):
     def _event(self, place: int, record: SwitchRecord) -> SwitchEvent:
         machine = self.solution.sequence.machine
         impulses = {name: sizes[0] for name, sizes in record.impulses.items() if sizes and sizes[0]}
-        higher = {name: tuple(sizes[1:]) for name, sizes in record.impulses.items() if any(sizes[1:])}
+        jump = _jump_of(record, self.solution.largest)
+        moves = jump[0].any() or record.coordinate_impulses  # without, what a contact adds to its gap is a rounding error
+        higher = {name: tuple(sizes[1:]) for name, sizes in record.impulses.items() if moves and any(sizes[1:])}
         return SwitchEvent(
             time=float(record.time if record.resting is None else record.resting),
             before=machine.label(record.before),
             after=machine.label(record.after),
-            jump=_jump_of(record),
+            jump=jump,
             impulses=impulses,
             higher_impulses=higher,
             coordinate_impulses=record.coordinate_impulses,
@@ -247,13 +252,11 @@ class SwitchedMotion(Motion):
         Returns:
             The table.
         """
-        systems = [phase.system for phase in self.solution.phases]
-        has_energy = not any(list(system.unsymmetric(name)) for system in systems for name in ("mass", "stiffness"))
         rows = []
         for event, record in zip(self.events[:most], self.solution.sequence.records):
             named = f"{event.text.removesuffix(' strikes')} "
             impulses = ", ".join(own.removeprefix(named) for own in self._impulse_texts(event, text))
-            lost = text(self._lost_energy(event), "J") if has_energy and self._lost_energy(event) else ""
+            lost = text(self._lost_energy(event), "J") if self._lost_energy(event) else ""
             states = ", ".join(state for old, state in zip(record.before, record.after) if state != old)
             rows.append((f"{event.time:.9g}", f"{event.time_error:.1g}", event.text, states, impulses, lost))
         columns = ("t (s)", "error (s)", "what", "next state", "impulses", "energy lost")
@@ -265,8 +268,13 @@ class SwitchedMotion(Motion):
         )
 
     def _lost_energy(self, event: SwitchEvent) -> float:
-        """The energy lost at an event in J, zero within rounding errors of the largest energy at an event."""
-        return event.energy_lost if abs(event.energy_lost) > STILL * self._largest_energy else 0.0
+        """The energy lost at an event in J, zero within rounding errors of the largest one, or where matrices without symmetry have none."""
+        return event.energy_lost if self._has_energy and abs(event.energy_lost) > STILL * self._largest_energy else 0.0
+
+    @cached_property
+    def _has_energy(self) -> bool:
+        systems = [phase.system for phase in self.solution.phases]
+        return not any(list(system.unsymmetric(name)) for system in systems for name in ("mass", "stiffness"))
 
     @cached_property
     def _largest_energy(self) -> float:
@@ -357,14 +365,18 @@ class SwitchedMotion(Motion):
     # Energy.
 
     def energy(self, times) -> Energy:
-        """Kinetic, strain and static energy, those of the elements of each phase included, in J."""
+        """Kinetic, strain and static energy, those of the elements of each phase included, in J.
+
+        The springs of contacts and of other elements with several states have strain energy, none while they do not act.
+        """
         times = np.asarray(times, dtype=float)
         flat = np.atleast_1d(times)
         x, v = self.displacement(flat), self.velocity(flat)
         parts = np.zeros((3, len(flat)))
         for phase, chosen in self._by_phase(flat):
             own = energy_of(phase.system.given, phase.potential_force, x[:, chosen], v[:, chosen])
-            parts[:, chosen] = own.kinetic, own.strain + phase.offset, own.static
+            moved = (phase.potential_force - phase.system.static_force) @ x[:, chosen]
+            parts[:, chosen] = own.kinetic, own.strain + phase.offset - moved, own.static + moved
         return Energy(*(part if times.ndim else part[0] for part in parts))
 
     def _by_phase(self, times: np.ndarray) -> list[tuple[Phase, np.ndarray]]:
@@ -565,11 +577,12 @@ def _engagement(state: SwitchState) -> int:
     return 1 if any(branch.stored is None for branch in state.branches) else 2 * bool(state.branches)
 
 
-def _jump_of(record: SwitchRecord) -> np.ndarray:
-    """The jumps of x and x' at an event, zero within rounding errors, shape (2, n)."""
+def _jump_of(record: SwitchRecord, largest: float) -> np.ndarray:
+    """The jumps of x and x' at an event, zero within rounding errors, also of the largest x at the start and at events, shape (2, n)."""
     jump = np.array([record.x[1] - record.x[0], record.v[1] - record.v[0]])
     for row, pair in zip(jump, (record.x, record.v)):
         row[np.abs(row) <= STILL * (np.abs(pair[0]) + np.abs(pair[1])).max(initial=0.0)] = 0.0
+    jump[0, np.abs(jump[0]) <= STILL * largest] = 0.0
     return jump
 
 

@@ -164,7 +164,9 @@ class Equations:
         """Whether there are constraint rows, in whatever phase."""
         if self.switching is not None:
             return self.switching.has_rows
-        return self.system is not None and not self.system.is_sparse and bool(self.system.rows)
+        if self.system is None or self.system.is_sparse:
+            return False
+        return bool(getattr(self.response, "_reaction_rows", self.system.rows))
 
     @property
     def has_forces(self) -> bool:

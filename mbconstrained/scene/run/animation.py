@@ -14,12 +14,12 @@ from ...ground.display import number_text, with_unit
 from ...ground.tolerances import NOT_DRAWN
 from ...page.animation import MOST_FRAMES, Animation, Arrow, DrawnEvent, ForceArrows, ImpulseArrow, Overlay, arrow_at
 from ...page.drawing import Drawing, DrawnLink
+from ...response.events import Event
 from ...response.response_notices import sides, without_kinks
 from .drawing import drawing_of
 from .result import ReportedJump, Result, forces_of_rows, impulses_of, jumps_of, visible
 
 if TYPE_CHECKING:
-    from ...response.events import Event
     from ...robot.visualization import Wrench
 
 #: Most poses of a robot: each closes its loops, and the page interpolates between poses by cubic polynomials.
@@ -40,8 +40,8 @@ MOST_NUMBERS = 400_000
 #: Jumps below this share of the largest value of a coordinate or velocity are not reported in the picture.
 NOISE = 1e-12
 
-#: Most events in an animation; the first are shown.
-MOST_EVENTS = 100
+#: Most events in an animation, and most switches; the first are shown.
+MOST_EVENTS, MOST_SWITCHES = 100, 1_000
 
 #: Lines of one event in the picture; the tables have all.
 MOST_LINES = 6
@@ -141,7 +141,7 @@ class _Picture:
                 forces.append(ForceArrows(row.name, values[i], rates[i], arrows))
         return (tuple(forces),)
 
-    def _row_arrows(self, drawing: Drawing, row: np.ndarray, order: int) -> Iterator[tuple[Arrow, float]]:
+    def _row_arrows(self, drawing: Drawing, row: np.ndarray, order: int) -> Iterator[tuple[Arrow, Any]]:
         """Arrows with the row's factors: of forces for order 0, of their impulses for order 1."""
         for i in np.flatnonzero(row):
             unit = force_unit(self.coordinates.units[i])
@@ -172,29 +172,21 @@ class _Picture:
         motion, rows, end = self.motion, self.motion.impulse_rows, float(self.result.times[-1])
         curves = [self.result.curves(kind).values for kind in ("displacement", "velocity")]
         least = NOISE * np.array([np.abs(values).max(axis=1) for values in curves])
-        for event in motion.events[:MOST_EVENTS]:
-            if event.time > end:
-                return
-            jumps = replace(event, jump=np.where(np.abs(event.jump) > least, event.jump, 0.0))
+        shown = [event for event in motion.events[:MOST_SWITCHES] if event.time <= end]
+        times = np.array([event.time for event in shown])
+        for event, *after in zip(shown, motion(times).T, motion.derivative(1)(times).T):
+            jumps = Event(event.time, np.where(np.abs(event.jump) > least, event.jump, 0.0), ())
             text, lost = self.coordinates.shown.text, motion._lost_energy(event)
-            lines = _lines(
-                event.time,
-                jumps_of(motion, self.coordinates, jumps),
-                [
-                    *(f"impulse of {one}" for one in motion._impulse_texts(event, text)),
-                    *([f"energy lost: {text(lost, 'J')}"] if lost else []),
-                ]
-                or [""],
-                f": {event.text}",
-            )
+            sizes = [f"impulse of {one}" for one in motion._impulse_texts(event, text)]
+            sizes += [f"energy lost: {text(lost, 'J')}"] if lost else []
+            lines = _lines(event.time, jumps_of(motion, self.coordinates, jumps, np.array(after)), sizes, f": {event.text}")
             arrows = [
-                ImpulseArrow(arrow, factor * size, with_unit(abs(factor * size), arrow.unit))
+                ImpulseArrow(arrow, factor * size, with_unit(float(np.linalg.norm(factor * size)), arrow.unit))
                 for name, size in event.impulses.items()
                 if name in rows
                 for arrow, factor in self._row_arrows(drawing, rows[name], 1)
             ]
-            after = motion(event.time)
-            yield DrawnEvent(event.time, lines, after - jumps.jump[0], after, tuple(arrows))
+            yield DrawnEvent(event.time, lines, after[0] - jumps.jump[0], after[0], tuple(arrows))
 
     def _impulses(self, impulses, time: float) -> Iterator[str]:
         """Impulses of coordinates, of constraint forces and of forces, at a time."""
@@ -302,6 +294,15 @@ class _RobotPicture(_Picture):
         )
         return forces, f"reactions on {_listed([wrench.on for wrench, *_ in drawn])}, the load at rest included"
 
+    def _row_arrows(self, drawing: Drawing, row: np.ndarray, order: int) -> Iterator[tuple[Arrow, Any]]:
+        """The arrows of a row on one joint, such as a stop; none of others, whose point the row does not say."""
+        from ...robot.visualization import coordinate_wrench
+
+        places = np.flatnonzero(row)
+        if len(places) == 1 and places[0] < len(self.equations.robot_scene.robot.coordinates):
+            wrench = coordinate_wrench(self.equations.robot_scene.posture, int(places[0]))
+            yield from ((arrow, row[places[0]] * part[:, 0]) for arrow, part in _arrows(wrench, order))
+
     def impulse_arrows(self, drawing: Drawing, time: float) -> tuple[ImpulseArrow, ...]:
         from ...robot.visualization import row_wrenches
 
@@ -372,7 +373,7 @@ def _lines(time: float, jumps: Sequence[ReportedJump], impulses: Iterable[str], 
     more = len(lines) - MOST_LINES
     kept = lines if more <= 0 else [*lines[:MOST_LINES], f"and {more} more, see the tables"]
     faint = " (faint: just before)" if any(jump.what in ("displacement", "angle") for jump in jumps) else ""
-    return (f"at t = {number_text(time)} s{what}{faint}", *kept) if lines else ()
+    return (f"at t = {number_text(time)} s{what}{faint}", *kept) if lines or what else ()
 
 
 def _delta(order: int) -> str:

@@ -78,15 +78,17 @@ class ReportedImpulse:
         return DELTAS[self.order] if self.order < len(DELTAS) else f"the derivative of order {self.order} of a Dirac impulse"
 
 
-def jumps_of(motion: Response, coordinates: Coordinates, event: Event | None = None) -> list[ReportedJump]:
-    """The jumps of the coordinates and their derivatives."""
+def jumps_of(
+    motion: Response, coordinates: Coordinates, event: Event | None = None, known: np.ndarray | None = None
+) -> list[ReportedJump]:
+    """The jumps of the coordinates and their derivatives; the values just after an event, by order, may be known."""
     jumps = []
     for order, row in enumerate((event or motion).jump):
         if event is None:
             before, after = motion.initial[order], motion.start[order]
             places = beyond_noise(row, before, after)
         elif places := row.nonzero()[0].tolist():
-            before, after = sides(motion, event, order)
+            before, after = sides(motion, event, order) if known is None else (known[order] - row, known[order])
         for i in places:
             unit = rate_unit(coordinates.units[i], order)
             texts = (coordinates.shown.text(value, unit) for value in (before[i], after[i], row[i]))

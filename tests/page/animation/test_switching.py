@@ -115,7 +115,8 @@ def test_impulses_are_arrows_with_the_solvers_sizes_and_events_are_listed_with_e
         assert drawn.lines[0].endswith(f": {event.text}") and any("velocity of ball jumps" in line for line in drawn.lines)
         assert f"energy lost: {event.energy_lost:.6g} J" in drawn.lines
     rest = events[-1]
-    assert not any("displacement" in line or line.startswith("ball jumps") for line in rest.lines), "rounding errors are no jumps"
+    assert not any("N s²" in line or line.startswith("ball jumps") for line in rest.lines), "rounding errors are no jumps"
+    assert not motion.events[-1].jump[0].any() and not motion.events[-1].higher_impulses
 
 
 def test_the_table_of_events_leads_to_their_times_and_its_names_are_escaped():
@@ -144,3 +145,21 @@ def test_slow_motion_at_events_is_chosen_by_the_option():
 def test_an_end_after_that_of_the_motion_is_refused():
     with pytest.raises(mb.InputError, match="known up to 2 s"):
         result_of(ball(), end=3.0)
+
+
+def test_the_impulse_of_a_joint_stop_is_a_moment_about_the_joint_of_the_robot():
+    from tests.robot.test_switching import pendulum
+
+    robot = pendulum()
+    motion = (
+        robot.linearize(robot.equilibrium())
+        .with_switches(mb.JointStop("hinge", restitution=0.7))
+        .solve({"hinge": 0.02}, [1.2], end=3.0)
+    )
+    given, frames, _ = animated(motion)
+    (first, *_), event = given.overlay.events, motion.events[0]
+    (arrow,) = first.impulses
+    assert (arrow.arrow.body, arrow.arrow.unit, arrow.arrow.turns) == ("rod", "N m s", True)
+    assert arrow.size == pytest.approx([0.0, event.impulses["hinge stop lower"], 0.0], rel=1e-12)
+    sides = np.flatnonzero(np.isclose(frames.times, event.time, rtol=1e-14, atol=0.0))
+    assert len(sides) == 2, "a pose just before the stop and one just after it"
