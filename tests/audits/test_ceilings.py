@@ -21,24 +21,24 @@ from tests.audits.source import FILES, MODULES, ROOT, expect_none, room, text, t
 #: (the method of steps, characteristic roots, exact responses, feedback elements) took 1,630 lines, most of them in response and polynomial. Matrices that are not
 #: regular (Kronecker form, kernels over the rationals, other numbers of equations than coordinates) took 690 lines, 430 of them in polynomial.
 LINES = {
-    "__init__": 231,
+    "__init__": 236,
     "__main__": 8,
-    "analyses": 11111,
+    "analyses": 11112,
     "cli": 946,
     "control": 2545,
     "docs": 284,
     "exact": 7336,
     "exchange": 1367,
-    "frequency": 5716,
-    "ground": 2118,
+    "frequency": 5740,
+    "ground": 2136,
     "linalg": 5177,
-    "mechanics": 15500,
+    "mechanics": 16924,
     "models": 1930,
     "page": 5100,
     "polynomial": 3764,
     "response": 8251,
     "robot": 9257,
-    "scene": 10576,
+    "scene": 10577,
     "signals": 1900,
 }
 

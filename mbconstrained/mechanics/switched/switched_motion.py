@@ -292,6 +292,7 @@ class SwitchedMotion(Motion):
 
     @cached_property
     def has_energy(self) -> bool:
+        """Whether the matrices of all phases are symmetric, so that the system has an energy."""
         systems = [phase.system for phase in self.solution.phases]
         return not any(list(system.unsymmetric(name)) for system in systems for name in ("mass", "stiffness"))
 
