@@ -406,12 +406,11 @@ class SwitchedMotion(Motion):
             for previous, segment in zip(sequence.segments, sequence.segments[1:]):
                 F, y = _transition(previous)
                 S, along, own_S, own_along = _saltation(previous, segment, F, y)
-                radians = float(previous.phase.flow.rates.max(initial=0.0)) * previous.duration
-                noise = EPS * (OWN_NOISE + NOISE_BY_RADIAN * radians) * _sizes(previous, y)
+                noise = _noise(previous, segment, y)
                 if along is not None and own_along is not None:
-                    variance = along @ P @ along + np.sum((own_along * noise) ** 2)
+                    variance = along @ P @ along + np.sum((own_along @ noise) ** 2)
                     times[id(segment.event)] = float(np.sqrt(max(variance, 0.0)))
-                P = np.nan_to_num(S @ P @ S.T + (own_S * noise) @ (own_S * noise).T, nan=np.inf, posinf=np.inf)
+                P = np.nan_to_num(S @ P @ S.T + (own_S @ noise) @ (own_S @ noise).T, nan=np.inf, posinf=np.inf)
                 covariances.append(P)
         errors = [DEVIATIONS * times.get(id(record), 0.0) + EPS * record.time for record in sequence.records]
         return covariances, np.nan_to_num(np.array(errors), nan=np.inf)
@@ -597,6 +596,17 @@ def _transition(segment: PhaseSegment) -> tuple[np.ndarray, np.ndarray]:
     phase, n = segment.phase, segment.phase.system.size
     moved = block_states(phase.blocks, phase.start[:, : 2 * n], np.full(2 * n, segment.duration))
     return moved, phase.flow.states(segment.state, segment.duration)
+
+
+def _noise(previous: PhaseSegment, segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
+    """Rounding errors of (x, x') at the end of a phase, shape (2 n, 2 n); those of a gap that was zero at its begin are left out."""
+    radians = float(previous.phase.flow.rates.max(initial=0.0)) * previous.duration
+    noise, n = np.diag(EPS * (OWN_NOISE + NOISE_BY_RADIAN * radians) * _sizes(previous, y)), previous.phase.system.size
+    guards = [one.event.guard for one in (previous, segment) if one.event is not None and one.event.guard is not None]
+    if len(guards) == 2 and guards[0].functional == guards[1].functional and guards[0].functional[0] == "displacement":
+        d = guards[0].displacement
+        noise[:n, :n] -= np.outer(d, d @ noise[:n, :n]) / (d @ d)
+    return noise
 
 
 def _after(segment: PhaseSegment) -> np.ndarray:
