@@ -161,7 +161,7 @@ class Backlash(SwitchingElement):
 
 @dataclass(frozen=True)
 class OneSidedSpring(SwitchingElement):
-    """A spring that only pushes: force -stiffness (x_end - x_start - rest_length) while that is positive, or only pulls."""
+    """A spring in compression only: force -stiffness (x_end - x_start - rest_length) while that is positive; or in tension only."""
 
     stiffness: Annotated[Real, Numeric(None, "While it acts.", "positive", varied=False)]
     rest_length: Annotated[Real, Numeric(None, "x_end - x_start at which it begins to act.", varied=False)] = 0.0

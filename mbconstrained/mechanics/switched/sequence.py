@@ -383,9 +383,10 @@ class PhaseSequence:
             if contact is not None and contact.sliding and record.before[place] == contact.closed:
                 continue  # the forces that it takes across end with that along it, and change all others
             record.zeros[guard.functional] = 2 if crossing.grazing else 1
-            d = guard.displacement
             if guard.functional[0] == "displacement" and not crossing.grazing:  # lest rounding errors add up from impact to impact
-                record.x[1] = record.x[1] - d * ((d @ record.x[1] - guard.value) / (d @ d))
+                free = phase.system.undelayed_form().null_space
+                d, off = free.T @ guard.displacement, guard.displacement @ record.x[1] - guard.value
+                record.x[1] = record.x[1] - free @ d * (off / (d @ d) if d.any() else 0.0)
             if contact is not None and guard.reactions:
                 record.zeros[contact.functional] = 3  # without its force nothing accelerates it
         if not hit:
