@@ -267,7 +267,7 @@ class PeriodMap:
             sizes.append(np.abs(source.coefficients).max(axis=1) * np.abs(w).max())
             w = G @ w
         rates = np.array(listed).T
-        rates[[source.place(signal) for signal in self.shifts.signals], 0] = 0.0
+        rates[[source.place(signal).start for signal in self.shifts.signals], 0] = 0.0
         return rates, np.array(sizes).T
 
     @cached_property
@@ -278,7 +278,7 @@ class PeriodMap:
     def is_autonomous(self) -> bool:
         """Whether no time is distinguished from others."""
         rates = self.rates_of_force(0.0)[0]
-        moving = [self.source.place(signal) for signal in self.shifts.signals]
+        moving = [self.source.place(signal).start for signal in self.shifts.signals]
         later = rates[:, 1:].copy()
         later[moving, :1] = 0.0
         return self.is_smooth and not later.any()
@@ -348,7 +348,7 @@ class _Shifts:
         fixed += [row.rows for state in states for row in state.rows if row.level == "position"]
         moving = {row.name: row for row in rows if row.signal is not None}.values()
         self.signals = [row.signal for row in moving]
-        self._rows = source.coefficients[[source.place(signal) for signal in self.signals]]
+        self._rows = source.coefficients[[source.place(signal).start for signal in self.signals]]
         N = _null_space(np.vstack([np.zeros((1, n)), *fixed]))
         A = np.array([row.coefficients for row in moving]).reshape(-1, n) @ N
         self._matrix, self._solved = A, N @ np.linalg.pinv(A)

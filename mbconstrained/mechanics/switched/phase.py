@@ -7,6 +7,7 @@ pairs follow the states just after a switch, the jumps and the impulses, whateve
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
-from ...ground.errors import InputError, MbconstrainedError
+from ...ground.errors import MbconstrainedError
 from ...ground.notices import Notice, distinct
 from ...ground.tolerances import EPS
 from ...linalg.blocks import block_diagonalize, block_matrix
@@ -41,20 +42,20 @@ START_NOISE = 4 * EPS
 
 
 class Source:
-    """All that acts from outside: the force on the n coordinates, the signals of constraint rows, and the constant 1.
+    """All that acts from outside: the force on the n coordinates, those of some phases only, the signals of constraint rows, and the constant 1.
 
     Args:
-        applied: the force, n rows.
-        signals: signals of constraint rows, one row each.
+        applied: the force in all phases, n rows.
+        signals: signals of constraint rows, one row each, and excitations of phases, n rows each.
     """
 
     def __init__(self, applied: ImpulsiveSmooth, signals: Sequence[ImpulsiveSmooth]):
         self.size, self.signals = applied.size, list(signals)
-        rows = self.size + len(signals) + 1
-        unit = np.eye(rows)
+        self.ends = np.cumsum([applied.size, *(signal.size for signal in signals)]).tolist()
+        unit = np.eye(self.ends[-1] + 1)
         total = applied.mapped(unit[:, : self.size]) + step(unit[-1])
-        for place, signal in enumerate(signals, self.size):
-            total = total + signal.mapped(unit[:, [place]])
+        for signal, begin, end in zip(signals, self.ends, self.ends[1:]):
+            total = total + signal.mapped(unit[:, begin:end])
         self.total = total
         smooth = total.smooth
         self.coefficients, self.blocks, self.restarts = smooth.coefficients, smooth.blocks, smooth.restarts
@@ -65,9 +66,18 @@ class Source:
         """Times at which the force starts, stops, changes or has impulses, in s."""
         return self.total.knots
 
-    def place(self, signal: ImpulsiveSmooth) -> int:
-        """The row of a signal."""
-        return self.size + next(i for i, own in enumerate(self.signals) if own is signal)
+    def place(self, signal: ImpulsiveSmooth) -> slice:
+        """The rows of a signal."""
+        number = next(i for i, own in enumerate(self.signals) if own is signal)
+        return slice(self.ends[number], self.ends[number + 1])
+
+    def force_rows(self, system: MechanicalSystem) -> np.ndarray:
+        """The force on a phase as rows on (f, signals, 1), shape (n, ...): that in all phases, and its own."""
+        rows = np.eye(self.size, self.ends[-1] + 1)
+        rows[:, -1] = system.static_force
+        if system.excitation is not None:
+            rows[:, self.place(system.excitation)] = np.eye(self.size)
+        return rows
 
     def at(self, time: float) -> np.ndarray:
         """The states w at a time, at a knot just after it."""
@@ -76,11 +86,11 @@ class Source:
         return states[:, 0] if not since.any() else block_states(self.blocks, states, since)[:, 0]
 
     def of_rows(self, system: MechanicalSystem) -> np.ndarray:
-        """S with [V^T f; b] = S (f, signals, 1) for the constrained form of a phase, and the static force of its elements in f."""
+        """S with [V^T f; b] = S (f, signals, 1) for the constrained form of a phase."""
         form, n = system.undelayed_form(), self.size
-        S = np.zeros((n, n + len(self.signals) + 1))
+        S = np.zeros((n, self.ends[-1] + 1))
         free = form.null_space.shape[1]
-        S[:free, :n] = form.null_space.T
+        S[:free] = form.null_space.T @ self.force_rows(system)
         for place, row in enumerate(system.rows, free):
             S[place, -1] = row.value
             if row.signal is not None:
@@ -199,9 +209,8 @@ class Phase:
     @cached_property
     def static(self) -> np.ndarray:
         """Rows of the force, with that of the elements of the phase, on the states."""
-        n = self.system.size
-        loads = self.source.coefficients[:n] + np.outer(self.constant, self.source.coefficients[-1])
-        return loads @ self.of_force
+        loads = self.source.force_rows(self.system) @ self.source.coefficients
+        return (loads + np.outer(self.constant, self.source.coefficients[-1])) @ self.of_force
 
     @cached_property
     def reactions(self) -> np.ndarray:
@@ -288,11 +297,11 @@ class Phase:
 
     def _reactions(self, jump: np.ndarray, impulses: Sequence[np.ndarray], loads: Sequence[np.ndarray]) -> tuple[np.ndarray, ...]:
         """Impulses of the multipliers, as ``mechanics.motion.reaction_impulses``."""
-        system, n = self.system, self.system.size
+        system = self.system
         if not system.rows:
             return ()
         x = [jump[1], jump[0], *impulses]  # factors of delta in M x'' from here on
-        parts = [(system.mass, x), (system.damping, x[1:]), (system.stiffness, x[2:]), (-np.eye(n), [load[:n] for load in loads])]
+        parts = [(system.mass, x), (system.damping, x[1:]), (system.stiffness, x[2:]), (-self.source.force_rows(system), loads)]
         total, size = [], 0.0
         for order in range(max(len(factors) for _, factors in parts)):
             terms = [matrix @ factors[order] for matrix, factors in parts if order < len(factors)]
@@ -328,13 +337,12 @@ def _without_noise(impulses: Sequence[np.ndarray], size: float) -> tuple[np.ndar
     return tuple(cleaned)
 
 
-def checked_source(system: MechanicalSystem, force, rows: Sequence) -> Source:
-    """The force on a system and the signals of constraint rows."""
+def checked_source(systems: Sequence[MechanicalSystem], force) -> Source:
+    """A user's force in all phases, the excitations of each, and the signals of constraint rows."""
     signals: list[ImpulsiveSmooth] = []
-    for row in rows:
-        if row.signal is not None and not any(row.signal is own for own in signals):
-            signals.append(row.signal)
-    applied = system._applied(force)
-    if applied.size != system.size:
-        raise InputError(f"force: it has {applied.size} rows; expected {system.size}")
-    return Source(applied, signals)
+    for signal in (one for system in systems for one in (system.excitation, *(row.signal for row in system.rows))):
+        if signal is not None and not any(signal is own for own in signals):
+            signals.append(signal)
+    without = copy(systems[0])
+    without.excitation, without.static_force = None, np.zeros(without.size)
+    return Source(without._applied(force), signals)

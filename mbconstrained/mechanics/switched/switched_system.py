@@ -193,7 +193,7 @@ class SwitchedSystem(Displayed):
     def _source(self, force) -> Source:
         """All that acts from outside in any phase."""
         self.system._refuse_loss_factors()
-        return checked_source(self.system, force, [row for one in self._systems for row in one.rows])
+        return checked_source(self._systems, force)
 
     @property
     def _systems(self) -> tuple[MechanicalSystem, ...]:

@@ -322,3 +322,12 @@ def test_two_bouncing_balls_on_each_other_come_to_rest():
     assert len(x.events) < 200 and not np.any(x.velocity(6.0)) and not np.any(x(6.0))
     lost = sum(event.energy_lost for event in x.events)
     assert np.isclose(lost, 2.0 * G + 1.1 * G, rtol=1e-9)
+
+
+def test_each_phase_has_its_own_force():
+    """Free fall until t = 1 s, then a thrust of twice the weight and a harmonic force: x'' = -g, then g + cos(3 t)."""
+    fall = mb.MechanicalSystem([[1.0]], force=[-9.81])
+    thrust = mb.MechanicalSystem([[1.0]], force=mb.harmonic([1.0], angular_frequency=3.0), static_force=[9.81])
+    x = mb.SwitchedSystem({"fall": fall, "thrust": thrust}, [mb.Transition("fall", "thrust", at=1.0)]).solve(end=2.0)
+    assert x.acceleration([0.5, 1.5])[0] == pytest.approx([-9.81, 9.81 + np.cos(4.5)], rel=1e-13)
+    assert x.velocity(2.0)[0] == pytest.approx((np.sin(6.0) - np.sin(3.0)) / 3, rel=1e-12)
