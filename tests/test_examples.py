@@ -13,7 +13,13 @@ from mbconstrained.scene.run.scene import read_scene
 from tests.oracles.models import close, table
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
-TESTS = ("test_examples.py", "test_robot_examples.py", "test_control_examples.py", "test_vibration_examples.py")
+TESTS = (
+    "test_examples.py",
+    "test_robot_examples.py",
+    "test_control_examples.py",
+    "test_vibration_examples.py",
+    "test_switched_examples.py",
+)
 SQRT5 = math.sqrt(5)
 
 

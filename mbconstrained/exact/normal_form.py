@@ -164,7 +164,7 @@ def _exact(value, what: str, shape: tuple) -> np.ndarray:
     array = np.array(value, dtype=object)
     if array.ndim == 1 and what in "BC":  # a single input, a single output
         array = array[:, None] if what == "B" else array[None, :]
-    if array.ndim != 2 or any(size not in (None, found) for size, found in zip(shape, array.shape)):
+    if array.ndim != 2 or any(size not in (None, own) for size, own in zip(shape, array.shape)):
         expected = " x ".join("any" if size is None else str(size) for size in shape)
         raise InputError(f"{what}: expected shape {expected}, found {' x '.join(map(str, array.shape)) or 'a single number'}")
     try:

@@ -161,8 +161,8 @@ class PreciseSpectrum:
         projector = floats(product(self.vectors[:, at], self.rows[at]))
         motion = magnitude(product(product(self.matrix, self.vectors[:, at]), self.rows[at]))
         units = 2.0 ** _balancing_exponents(np.abs(self.values[cluster]).max() * np.abs(projector) + motion)
-        self.projectors[tuple(cluster)] = found = projector * units / units[:, None], units
-        return found
+        self.projectors[tuple(cluster)] = scaled = projector * units / units[:, None], units
+        return scaled
 
     def space(self, cluster: list[int]) -> InvariantSpace:
         """The range of the projector, by the singular vectors of its float64 copy."""

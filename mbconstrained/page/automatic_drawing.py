@@ -804,15 +804,15 @@ def _rubbing(names: Sequence[str], joints: Sequence[DrawnJoint]) -> list[DrawnJo
     others = [joint.ends for joint in joints if joint.kind != "friction" and GROUND not in joint.ends]
     parts = groups(names, others)
     part = {name: number for number, own in enumerate(parts) for name in own}
-    found = []
+    rubbing = []
     for joint in joints:
         if joint.kind == "friction" and (GROUND in joint.ends or part[joint.start] != part[joint.end]):
-            found.append(joint)
+            rubbing.append(joint)
             part = {
                 name: part.get(joint.end, number) if number == part.get(joint.start) and GROUND not in joint.ends else number
                 for name, number in part.items()
             }
-    return found
+    return rubbing
 
 
 #: Height of a plate under a body, and of the pad between both, drawing units.

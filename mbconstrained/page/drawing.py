@@ -265,7 +265,7 @@ class DrawnLink:
     name: str  # for messages
     # "spring", "damper", "strut" (a spring around a damper), "rod", "bushing" (a soft block), "loop" (a ball on the end's body in a
     # socket on the start's, so that a gap is visible), "torsion spring", "torsion damper" or "belt"; with several states "stop" (a plate
-    # on a rod that the end's body strikes), "slot" (a tongue between two plates), "cable", "friction" (a pad on a strip), "pad" (below a body), "latch",
+    # on a rod that the end's body meets), "slot" (a tongue between two plates), "cable", "friction" (a pad on a strip), "pad" (below a body), "latch",
     # and between bodies that turn "play" (a tongue between two fingers), "clutch" (two discs) or "brake" (a shoe on the rim)
     kind: LinkKind
     # names of the bodies. Between wheels on one axis a torsion spring is a helix, otherwise a spiral from its start to the hub at

@@ -530,7 +530,7 @@ class LinearizedRobot(MechanicalSystem):
         >>> robot = Robot(urdf)
         >>> swing = robot.linearize(robot.equilibrium()).with_switches(JointStop("hinge", lower="-3 deg", restitution=0.8))
         >>> [event.text for event in swing.solve({"hinge": 0.1}, end=1.0).events]
-        ['hinge stop strikes']
+        ['hinge stop impact']
         """
         from ..mechanics.switched.switched_system import SwitchedSystem
         from .switching import robot_switches

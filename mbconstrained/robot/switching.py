@@ -64,11 +64,14 @@ class StickingContact(Switch):
     """
 
     def __init__(self, name: str, row: np.ndarray, gap: float, across: Sequence[Constraint]):
-        plain = rigid_contact(name, row, gap, 0.0)
-        sliding = plain.states["closed"]
+        frictionless = rigid_contact(name, row, gap, 0.0)
+        sliding = frictionless.states["closed"]
         closed = replace(sliding, rows=(*sliding.rows, *across))
-        super().__init__(name, plain.states | {"closed": closed, "sliding": sliding})
-        self.contact, self.sticking = replace(plain.contact, sliding="sliding"), np.vstack([row, *(one.rows for one in across)])
+        super().__init__(name, frictionless.states | {"closed": closed, "sliding": sliding})
+        self.contact, self.sticking = (
+            replace(frictionless.contact, sliding="sliding"),
+            np.vstack([row, *(one.rows for one in across)]),
+        )
 
     def start(self, x: np.ndarray, v: np.ndarray) -> str:
         touches = np.isclose(self.contact.row @ x, -self.contact.gap, rtol=STILL, atol=0.0)
@@ -180,7 +183,7 @@ class PointContact(RobotSwitch):
     Raises:
         InputError: unknown bodies, a negative gap, an elastic contact, or one with rebound, that sticks.
 
-    A foot of 2 kg on a spring strikes the ground 1 cm below:
+    A foot of 2 kg on a spring meets the ground 1 cm below:
 
     >>> from mbconstrained import Robot
     >>> urdf = '''<robot name="foot"><link name="base"/><link name="foot"><inertial><mass value="2"/>
@@ -191,7 +194,7 @@ class PointContact(RobotSwitch):
     >>> foot = robot.linearize(robot.equilibrium()).with_switches(PointContact("foot", gap=0.01, restitution=0.5))
     >>> x = foot.solve(velocity={"leg": -1.0}, end=0.1)
     >>> [(event.text, round(event.impulses["foot contact"], 9)) for event in x.events[:1]]  # v = sqrt(1 - (0.01 w)^2)
-    [('foot contact strikes', 2.846049894)]
+    [('foot contact impact', 2.846049894)]
     """
 
     body: str
@@ -210,8 +213,8 @@ class PointContact(RobotSwitch):
         name = self.name or f"{self.body} contact"
         label, frames = f'contact "{name}"', posture.robot.link_frames
         if self.sticks and (self.stiffness is not None or self.restitution):
-            found = "restitution" if self.stiffness is None else "stiffness"
-            raise InputError(f"{label}: found {found} and sticks; a contact that sticks is rigid and comes to rest without rebound")
+            other = "restitution" if self.stiffness is None else "stiffness"
+            raise InputError(f"{label}: found {other} and sticks; a contact that sticks is rigid and comes to rest without rebound")
         friction = _checked_friction(self.friction, self.sticks, label)
         normal = _direction(self.normal, f"{label}: normal")
         kinematics = posture.balance.kinematics
@@ -228,8 +231,8 @@ class PointContact(RobotSwitch):
             raise InputError(f"{label}: the point does not move along the normal; give another normal, or another point")
         if not self.sticks:
             return _contact(name, row, self.gap, self.restitution, self.stiffness, self.damping, "m"), None
-        (plain,) = _contact(name, row, self.gap, 0.0, None, 0.0, "m")
-        return (StickingContact(name, row, plain.contact.gap, across),), Grip(name, names, friction)
+        (frictionless,) = _contact(name, row, self.gap, 0.0, None, 0.0, "m")
+        return (StickingContact(name, row, frictionless.contact.gap, across),), Grip(name, names, friction)
 
 
 @dataclass(frozen=True)
@@ -343,8 +346,8 @@ class ClosingLoop(RobotSwitch):
         if isinstance(self.loop, str):
             item, rows = _loop_rows(posture, size, self.loop, "closing loop")
             names, units = item.connection.row_names, item.connection.row_units
-            held = [Constraint(row, names=own, unit=unit) for row, own, unit in zip(rows, names, units) if row.any()]
-            return (Switch(name, {"closed": SwitchState(tuple(held)), "released": SwitchState()}, release),), None
+            together = [Constraint(row, names=own, unit=unit) for row, own, unit in zip(rows, names, units) if row.any()]
+            return (Switch(name, {"closed": SwitchState(tuple(together)), "released": SwitchState()}, release),), None
         item = _attached(posture, self.loop, name)
         rows, names, units = _rows_of(posture, size, item), self.loop.row_names, self.loop.row_units
         kept = [Constraint(row, level="velocity", names=own, unit=unit) for row, own, unit in zip(rows, names, units) if row.any()]
@@ -464,7 +467,7 @@ def _attached(posture: Posture, loop: Loop, name: str) -> Attached:
 
 
 def _shifts(posture: Posture, item: Attached) -> np.ndarray:
-    """The displacement of the second point, or of that which is not on the ground, relative to the other in the directions of the ground."""
+    """The displacement of the second point, or of the point that is not on the ground, relative to the other in the directions of the ground."""
     kinematics = posture.balance.kinematics
     moved = kinematics.frame(item.first)[0] @ item.pose(kinematics).jacobian[:3]
     return -moved if item.connection.body2 == GROUND else moved

@@ -52,7 +52,7 @@ def test_the_plan_names_the_switches(drop):
 
 def test_run_shows_the_first_events_on_one_screen_and_all_as_data(drop):
     code, text, _ = drop("run", "--out", "out")
-    assert code == 0 and "Events" in text and "floor strikes" in text and len(text.splitlines()) <= 24
+    assert code == 0 and "Events" in text and "floor impact" in text and len(text.splitlines()) <= 24
     data = json.loads(drop("run", "--out", "out", "--json")[1])
     first, last = data["events"][0], data["events"][-1]
     assert first["time"] == pytest.approx(np.sqrt(2 / 9.81), rel=1e-14) and first["impulses"].keys() == {"floor"}

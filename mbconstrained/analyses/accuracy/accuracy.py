@@ -20,8 +20,9 @@ from ...scene.schema.entry_types import Table
 from ..base import Analysis, Answer
 from ..study_problem import StudyProblem, problem_of
 from ..timing import Progress, Timing, duration, machine, no_progress, suitable_clock
+from . import methods as catalogue
 from .measure import SECONDS, Measurement, ReferenceSolution, measure, reduction_time, reference_solution, states_of
-from .methods import METHODS, ComparedMethod
+from .methods import ComparedMethod
 from .switched import SWITCHED_METHODS, SwitchedProblem, switched_problem_of, switched_reference
 
 if TYPE_CHECKING:
@@ -182,7 +183,7 @@ def accuracy_report(
 ) -> AccuracyReport:
     """Measure every method on a problem."""
     switches = isinstance(problem, SwitchedProblem)
-    methods = methods or (SWITCHED_METHODS if switches else METHODS)
+    methods = methods or (SWITCHED_METHODS if switches else catalogue.METHODS)
     progress("the reference solution")
     reference = switched_reference(problem) if isinstance(problem, SwitchedProblem) else reference_solution(problem)
     runs = measure(problem, reference, methods, seconds, progress)

@@ -1,4 +1,4 @@
-"""Motions with events: the closed form beside solve_ivp with events, phase by phase, and Moreau's time stepping.
+"""Motions with events: the closed form next to solve_ivp with events, phase by phase, and Moreau's time stepping.
 
 Solve_ivp gets the phases in the coordinates of their Jordan pairs and the laws of the switches, so that it differs only in how it steps
 and locates events. Moreau's stepping (Acary and Brogliato, Numerical Methods for Nonsmooth Dynamical Systems, 2008, section 10.1) takes all
@@ -113,7 +113,7 @@ class _SteppedFlow(PhaseFlow):
             return value
 
         atol = self.rtol * max(float(np.abs(y).max(initial=0.0)), np.finfo(float).tiny)
-        found = solve_ivp(
+        stepped = solve_ivp(
             lambda t, z: J @ z,
             (0.0, horizon),
             y,
@@ -123,13 +123,13 @@ class _SteppedFlow(PhaseFlow):
             rtol=self.rtol,
             atol=atol,
         )
-        if found.status < 0:
-            raise Failure(found.message)
-        self.pieces.append(found.sol)
-        if found.status == 0:
+        if stepped.status < 0:
+            raise Failure(stepped.message)
+        self.pieces.append(stepped.sol)
+        if stepped.status == 0:
             return None
-        hit = [number for number, times in enumerate(found.t_events) if len(times)]
-        return Crossing(float(found.t[-1]), found.y[:, -1], watched[hit])
+        hit = [number for number, times in enumerate(stepped.t_events) if len(times)]
+        return Crossing(float(stepped.t[-1]), stepped.y[:, -1], watched[hit])
 
     def states(self, y: np.ndarray, time: float) -> np.ndarray:
         return self.pieces[-1](time)
@@ -185,8 +185,10 @@ def _stepped(method: str, problem: Any, rtol: float) -> Evaluate:
 def _moreau_refusal(problem: Any) -> str:
     """The reason why there are no steps by impulses alone; else empty."""
     machine = problem.machine
-    plain = [switch for switch in machine.switches if switch.contact is not None and len(switch.states) == 2]
-    if len(plain) < len(machine.switches) or any(len(switch.states[switch.contact.closed].rows) > 1 for switch in plain):
+    frictionless = [switch for switch in machine.switches if switch.contact is not None and len(switch.states) == 2]
+    if len(frictionless) < len(machine.switches) or any(
+        len(switch.states[switch.contact.closed].rows) > 1 for switch in frictionless
+    ):
         return "written for rigid contacts that slide without friction only"
     system = machine.system
     if any(row.order or row.value or row.signal is not None for row in system.rows):

@@ -234,9 +234,9 @@ class _Chunk:
 
     def _stacked_peaks(self, variables: list[Variable], places: np.ndarray, systems: Family, scene: Scene, **options) -> np.ndarray:
         """Store the largest responses of systems that have those of a scene, and return the indices of those that are accurate."""
-        found = stacked_peaks(Frequency(scene), systems, **options)
-        served = np.zeros(0, dtype=int) if found is None else np.flatnonzero(found.serve)
-        for variable, values in zip(variables, () if found is None else (found.amplitudes, found.frequencies_hz)):
+        stacked = stacked_peaks(Frequency(scene), systems, **options)
+        served = np.zeros(0, dtype=int) if stacked is None else np.flatnonzero(stacked.serve)
+        for variable, values in zip(variables, () if stacked is None else (stacked.amplitudes, stacked.frequencies_hz)):
             self.values[variable.name][places[served]] = values.reshape(len(values), -1)[served]
         return served
 

@@ -136,10 +136,10 @@ class PhaseFlow:
 
     def _level(self, number: int) -> _Level:
         if self._levels[number] is None:
-            self._levels[number] = self._made_level(number)
+            self._levels[number] = self._new_level(number)
         return self._levels[number]
 
-    def _made_level(self, number: int) -> _Level:
+    def _new_level(self, number: int) -> _Level:
         h, n = self._widths[number], len(self.J)
         slow = np.flatnonzero(self._rate_of_state * h <= REACH * (1 + EPS))
         part, power = self.J[np.ix_(slow, slow)] * h, self.rows[:, slow]
@@ -298,9 +298,9 @@ class _ZeroSearch:
             Y = level.steps[: min(count, PANELS)] @ y
             while len(Y) < count:
                 Y = np.vstack([Y, Y[-PANELS:][: count - len(Y)] @ level.steps[PANELS].T])
-            found, divided = self._batch(number, level, Y, done, horizon)
-            if found is not None:
-                return found
+            crossing, divided = self._batch(number, level, Y, done, horizon)
+            if crossing is not None:
+                return crossing
             if divided is not None:
                 number, most = number - 1, PANELS if divided else min(2 * most, MOST_PANELS)
                 y, done = Y[divided], done + divided * h
@@ -334,9 +334,9 @@ class _ZeroSearch:
                 break
             if (rest[own, panel] > noise[own, panel]).any():
                 return None, int(panel)
-            found = self._in_panel(level, Y[panel], own, noise[:, panel], at, end)
-            if found is not None:
-                return found, None
+            crossing = self._in_panel(level, Y[panel], own, noise[:, panel], at, end)
+            if crossing is not None:
+                return crossing, None
         return None, None
 
     def _in_panel(
@@ -361,14 +361,14 @@ class _ZeroSearch:
             share, touches = first_root(to @ taylor, taylor, own)
             if share is not None:
                 (touching if touches else shares)[guard] = share
-        best, found = min(((min(part.values(), default=np.inf), name) for name, part in enumerate((shares, touching, decided))))
+        best, kind = min(((min(part.values(), default=np.inf), name) for name, part in enumerate((shares, touching, decided))))
         time = begin + best * level.width
         if not time <= end:
             return None
         state = self.flow.states(y, best * level.width)
-        if found == 2:
+        if kind == 2:
             return Crossing(time, state, np.zeros(0, int))
-        if found == 1:
+        if kind == 1:
             return Crossing(time, state, np.array([guard for guard, share in touching.items() if share == best]), True)
         near = [guard for guard, share in shares.items() if (share - best) * level.width <= 4 * EPS * max(time, level.width * best)]
         return Crossing(time, state, np.array(near))
@@ -377,8 +377,8 @@ class _ZeroSearch:
 def first_excess(taylor: np.ndarray, size: float) -> float | None:
     """The first of some points in [0, 1] at which the modulus of a polynomial is above a size, None where there is none."""
     shares = np.linspace(0.0, 1.0, 4 * TERMS + 1)
-    found = np.flatnonzero(np.abs(np.polynomial.polynomial.polyval(shares, taylor)) > size)
-    return float(shares[found[0]]) if len(found) else None
+    significant = np.flatnonzero(np.abs(np.polynomial.polynomial.polyval(shares, taylor)) > size)
+    return float(shares[significant[0]]) if len(significant) else None
 
 
 def first_root(bernstein: np.ndarray, taylor: np.ndarray, noise: float) -> tuple[float | None, bool]:

@@ -81,7 +81,7 @@ class ContactSet:
 
 
 def row_impulses(system: MechanicalSystem, other: np.ndarray, moved: np.ndarray, gained: np.ndarray) -> dict[str, float]:
-    """The impulses of the constraint rows of a system that are more than rounding errors, beside other ones, from the changes of x and x'."""
+    """The impulses of the constraint rows of a system that are more than rounding errors, next to other ones, from the changes of x and x'."""
     if not system.rows:
         return {}
     terms = [system.mass @ gained, system.damping @ moved, -other]
@@ -101,7 +101,7 @@ def impulses_of_contacts(W: np.ndarray, before: np.ndarray, restitution: np.ndar
     Raises:
         NotUnique: there is no solution.
 
-    >>> W, u = np.array([[2.0, -1.0], [-1.0, 2.0]]), np.array([-1.0, 0.0])  # a ball strikes one that touches a wall
+    >>> W, u = np.array([[2.0, -1.0], [-1.0, 2.0]]), np.array([-1.0, 0.0])  # a ball meets one that touches a wall
     >>> impulses_of_contacts(W, u, np.zeros(2)).round(12).tolist()
     [0.666666666667, 0.333333333333]
     """

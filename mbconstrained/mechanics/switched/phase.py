@@ -227,14 +227,14 @@ class Phase:
     @cached_property
     def zeros(self) -> dict[Functional, int]:
         """The outputs of constant constraint rows, each with the number of derivatives, the value among them, that are exactly zero."""
-        found = {}
+        zeros_of_rows = {}
         for row in self.system.rows:
             a, none = row.coefficients, np.zeros(self.system.size)
             if row.signal is None and row.level == "position":
-                found[functional(a, none, row.value)] = 2
+                zeros_of_rows[functional(a, none, row.value)] = 2
             elif row.signal is None and row.level == "velocity":
-                found[functional(none, a, row.value)] = 1
-        return found
+                zeros_of_rows[functional(none, a, row.value)] = 1
+        return zeros_of_rows
 
     def reaction_row(self, name: str) -> np.ndarray:
         """The row of one multiplier; zero for a row that others make redundant."""

@@ -74,7 +74,7 @@ class SwitchRecord:
         zeros: how many derivatives of outputs, the value among them, are exactly zero, whatever their rounding errors.
         impulses: by name, by order.
         coordinate_impulses: of x, by order.
-        guard, guard_row: that which fell to zero, and its row on the states before.
+        guard, guard_row: the guard that fell to zero, and its row on the states before.
         phases: before and after.
         grazing: whether the guard only touches zero.
         resting: where infinitely many bounces are summed, the time of rest.
@@ -450,16 +450,16 @@ class PhaseSequence:
     # Impacts.
 
     def _touching(self, record: SwitchRecord, striking: Mapping[int, Guard]) -> dict[int, UnilateralContact]:
-        """The rigid contacts that touch, by the places of their switches: closed, open without gap, or about to strike."""
-        found = {}
+        """The rigid contacts that touch, by the places of their switches: closed, open without gap, or about to close."""
+        contacts = {}
         for place, (switch, state) in enumerate(zip(self.machine.switches, record.after)):
             contact = switch.contact
             if contact is None and place in striking:  # of whole phases
                 own = striking[place]
-                found[place] = UnilateralContact(own.displacement, -own.value, own.restitution or 0.0, state, own.target)
+                contacts[place] = UnilateralContact(own.displacement, -own.value, own.restitution or 0.0, state, own.target)
             elif contact is not None and (place in striking or state == contact.closed or contact.touches(record.x[1], STILL)):
-                found[place] = contact
-        return found
+                contacts[place] = contact
+        return contacts
 
     def _impact(self, record: SwitchRecord, striking: Mapping[int, Guard]) -> None:
         """The velocities after an impact of all rigid contacts that touch, and their states."""
@@ -481,7 +481,7 @@ class PhaseSequence:
                 record.turn(place, contact.closed)
                 record.texts.append(f"{names[place]} closes")
                 if contact.restitution:
-                    text = f"{names[place]}: the point that strikes has no mass; it stays in contact, without the restitution"
+                    text = f"{names[place]}: the point that comes into contact has no mass; it stays in contact, without the restitution"
                     self._note(NoticeKind.OMITTED, text)
         if any(impact.massless):
             return
@@ -500,7 +500,7 @@ class PhaseSequence:
             e = np.zeros(len(e))
             p, rests = impact.solve(u, e, size)
         if not e.any() and impact.restitution.any():
-            text = f"the contacts {quoted} strike against each other without end at one time; they are taken without rebound"
+            text = f"the contacts {quoted} rebound from each other without end at one time; they are taken without rebound"
             self._note(NoticeKind.OMITTED, text)
         summed = self._summed(record, touching, impact, y + impact.response @ p, rests, e)
         if summed.any():
@@ -514,8 +514,8 @@ class PhaseSequence:
             if impulse:
                 record.add_impulse(names[place], [named[place][1] * float(impulse)])
             if place in striking or impulse:
-                held = switches[place].contact is contact and record.before[place] == contact.closed
-                record.texts.append(f"{names[place]} {'strikes' if not own else 'holds' if held else 'closes'}")
+                was_closed = switches[place].contact is contact and record.before[place] == contact.closed
+                record.texts.append(f"{names[place]} {'impact' if not own else 'stays closed' if was_closed else 'closes'}")
             record.turn(place, contact.closed if own else contact.open)
             record.zeros[contact.functional] = 2 if own else 1
         for name, own in impact.row_impulses(p, record.x[1] - before[0], record.v[1] - before[1]).items():
@@ -528,14 +528,14 @@ class PhaseSequence:
         return self.impacts[key, *touching]
 
     def _stick(self, record: SwitchRecord, sticking: Mapping[int, UnilateralContact], others, striking) -> bool:
-        """Close those of the contacts that stick which have to push to come to rest, so that the rest of them separates.
+        """Close those of the contacts that stick which must press to come to rest, so that the rest of them separates.
 
-        The sets of closed contacts are tried, those first which strike or were closed; whether one is consistent.
+        The sets of closed contacts are tried, the approaching and the closed ones first; whether one is consistent.
         """
         record.impacts += 1
         names = {place: self.machine.switches[place].name for place in sticking}
         if record.impacts > TRIALS:
-            raise NotUnique(f"at t = {record.time:.9g} s the contacts {', '.join(names.values())} strike and separate without end")
+            raise NotUnique(f"at t = {record.time:.9g} s the contacts {', '.join(names.values())} close and separate without end")
         free = self._without(record.after, {**sticking, **others})
         likely = {place for place, one in sticking.items() if place in striking or record.after[place] == one.closed}
         sets = (set(own) for count in range(len(sticking) + 1) for own in combinations(sticking, count))

@@ -224,11 +224,11 @@ class SwitchedMotion(Motion):
     @property
     def phases(self) -> tuple[tuple[float, str], ...]:
         """The times at which phases begin, in s, and the phases."""
-        found: list[tuple[float, str]] = []
+        collected: list[tuple[float, str]] = []
         for segment in self.solution.sequence.segments:
-            if segment.duration > 0 and (not found or found[-1][1] != segment.phase.name):
-                found.append((float(segment.time), segment.phase.name))
-        return tuple(found)
+            if segment.duration > 0 and (not collected or collected[-1][1] != segment.phase.name):
+                collected.append((float(segment.time), segment.phase.name))
+        return tuple(collected)
 
     def _event(self, place: int, record: SwitchRecord) -> SwitchEvent:
         machine = self.solution.sequence.machine
@@ -266,7 +266,7 @@ class SwitchedMotion(Motion):
         """
         rows = []
         for event, record in zip(self.events[:most], self.solution.sequence.records):
-            named = f"{event.text.removesuffix(' strikes')} "
+            named = f"{event.text.removesuffix(' impact')} "
             impulses = ", ".join(own.removeprefix(named) for own in self.impulse_texts(event, text))
             lost = text(self.lost_energy(event), "J") if self.lost_energy(event) else ""
             states = ", ".join(state for old, state in zip(record.before, record.after) if state != old)
@@ -310,11 +310,11 @@ class SwitchedMotion(Motion):
         Returns:
             A text for each.
         """
-        units, found = self._force_units, []
+        units, collected = self._force_units, []
         for name in dict.fromkeys((*event.impulses, *event.higher_impulses)):
             sizes = (event.impulses.get(name, 0.0), *event.higher_impulses.get(name, ()))
-            found += [f"{name} {text(size, impulse_unit(units[name], k))}" for k, size in enumerate(sizes) if size]
-        return found
+            collected += [f"{name} {text(size, impulse_unit(units[name], k))}" for k, size in enumerate(sizes) if size]
+        return collected
 
     # Rows of all phases.
 
@@ -341,7 +341,7 @@ class SwitchedMotion(Motion):
     @cached_property
     def engagements(self) -> dict[str, tuple[tuple[float, int], ...]]:
         """The times at which each switch changes, in s, with its engagement: 0 without force, 1 slipping, 2 closed, stuck or taut."""
-        sequence, found = self.solution.sequence, {}
+        sequence, collected = self.solution.sequence, {}
         keys = {id(phase): key for key, phase in sequence.phases.items()}
         for place, switch in enumerate(sequence.machine.switches):
             levels: list[tuple[float, int]] = []
@@ -349,8 +349,8 @@ class SwitchedMotion(Motion):
                 level = _engagement(switch.states[keys[id(segment.phase)][place]])
                 if segment.duration > 0 and (not levels or levels[-1][1] != level):
                     levels.append((float(segment.time), level))
-            found[switch.name] = tuple(levels)
-        return found
+            collected[switch.name] = tuple(levels)
+        return collected
 
     @property
     def _constraint_rows(self) -> tuple[ConstraintRow, ...]:
@@ -472,7 +472,7 @@ class SwitchedMotion(Motion):
                 S, along, own_along = _saltation(previous, segment, F, y)
                 radians = float(previous.phase.flow.rates.max(initial=0.0)) * previous.duration
                 noise = EPS * (OWN_NOISE + NOISE_BY_RADIAN * radians) * _sizes(previous, y)
-                own = _after(segment) @ (_beside_guard(segment, n) * noise)
+                own = _after(segment) @ (_without_guard(segment, n) * noise)
                 if along is not None and own_along is not None:
                     # a guard is searched by what its value gains in the phase: a short flight has errors of its own size
                     gained = np.concatenate([noise[n:] * previous.duration, noise[n:]])
@@ -691,7 +691,7 @@ def _transition(segment: PhaseSegment) -> tuple[np.ndarray, np.ndarray]:
     return moved, phase.flow.states(segment.state, segment.duration)
 
 
-def _beside_guard(segment: PhaseSegment, n: int) -> np.ndarray:
+def _without_guard(segment: PhaseSegment, n: int) -> np.ndarray:
     """I without the direction of a displacement that was zero at a switch: its rounding error is not carried on."""
     unit, guard = np.eye(2 * n), None if segment.event is None else segment.event.guard
     if guard is not None and guard.functional[0] == "displacement":

@@ -43,11 +43,11 @@ class SwitchedSystem(Displayed):
 
     >>> import mbconstrained as mb
     >>> free = mb.MechanicalSystem([[1.0]], stiffness=[[4.0]])
-    >>> held = free.with_constraints(mb.Constraint([1.0], value=0.5, names="stop"))
-    >>> machine = SwitchedSystem({"free": free, "held": held}, [Transition("free", "held", when={"x1": 1.0}, above=0.5)])
+    >>> stopped = free.with_constraints(mb.Constraint([1.0], value=0.5, names="stop"))
+    >>> machine = SwitchedSystem({"free": free, "stopped": stopped}, [Transition("free", "stopped", when={"x1": 1.0}, above=0.5)])
     >>> x = machine.solve(velocity=[2.0], end=3.0)
     >>> [(event.before, event.after, round(event.time, 6), round(event.impulses["stop"], 6)) for event in x.events]
-    [('free', 'held', 0.261799, -1.732051)]
+    [('free', 'stopped', 0.261799, -1.732051)]
     """
 
     def __init__(self, phases: Mapping[str, MechanicalSystem], transitions: Sequence[Transition] = (), start: str | None = None):
@@ -89,9 +89,9 @@ class SwitchedSystem(Displayed):
             The switched system.
         """
         cls._check_phase(", ".join(switch.name for switch in switches), system, system)
-        made = cls.__new__(cls)
-        made._set(Machine(system, switches), {}, ())
-        return made
+        switched = cls.__new__(cls)
+        switched._set(Machine(system, switches), {}, ())
+        return switched
 
     @staticmethod
     def _check_phase(name: str, system, first) -> None:

@@ -346,8 +346,8 @@ def releasable(
     guards: Sequence[Guard],
 ) -> Switch:
     """Rows and forces that act until a time or until a guard falls to zero."""
-    times = [] if at is None else [TimedChange(at, "released", ("held",), "is released")]
-    return Switch(name, {"held": SwitchState(tuple(rows), tuple(branches), tuple(guards)), "released": SwitchState()}, times)
+    times = [] if at is None else [TimedChange(at, "released", ("attached",), "is released")]
+    return Switch(name, {"attached": SwitchState(tuple(rows), tuple(branches), tuple(guards)), "released": SwitchState()}, times)
 
 
 def latch(

@@ -1,6 +1,6 @@
 // Links with several states, and the colours of these; included where a figure has one.
 
-// A rod of the start ends in a plate, which the end's body strikes at the limit of the length.
+// A rod of the start ends in a plate, which the end's body meets at the limit of the length.
 class Stop {
   constructor({ limits }) {
     this.limits = limits;

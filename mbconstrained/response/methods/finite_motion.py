@@ -189,8 +189,8 @@ def _separated(free: BlockDiagonal, driven: Driven, forcing, limit) -> tuple[np.
     for own, T in zip(block_slices(free.blocks), free.blocks):
         if len(outer) > 1:  # all at once, where that is possible
             solution, scale, info = lapack.dtrsyl(T, generator, -excitation[own], isgn=-1)
-            found, given = (np.maximum.reduceat(np.abs(part).max(axis=0), starts) for part in (solution, excitation[own]))
-            if info == 0 and scale == 1 and (found <= limit * given).all():
+            largest, given = (np.maximum.reduceat(np.abs(part).max(axis=0), starts) for part in (solution, excitation[own]))
+            if info == 0 and scale == 1 and (largest <= limit * given).all():
                 X[own] = solution
                 separated += [(own, of, T, excitation[own, of], generator[of, of]) for of, size in zip(outer, given) if size]
                 continue

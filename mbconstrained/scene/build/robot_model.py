@@ -171,14 +171,14 @@ def robot_switches(model, data: RobotData, file_name: str) -> list[RobotSwitch]:
         "release": lambda entry: ClosingLoop(entry.target, released=entry.at),
     }
     switches = []
-    for key, made in kinds.items():
+    for key, kind_of_switch in kinds.items():
         for number, entry in enumerate(getattr(model, key), 1):
             with at(file_name, f"model.{key}[{number}]"):
                 if key == "joint_stop":
                     data.names.joint_unit(entry.joint)
                 for body in {"body", "other", "body1", "body2"} & set(type(entry).model_fields):
                     data.names.check_body(getattr(entry, body), GROUND)
-                switches.append(made(entry))
+                switches.append(kind_of_switch(entry))
     return switches
 
 

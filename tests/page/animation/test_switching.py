@@ -84,7 +84,7 @@ def test_stops_and_cables_are_drawn_with_their_gap(make, kind, side):
     lengths, limit = np.linalg.norm(ends[1] - ends[0], axis=0), link["limits"][side]
     assert 0 < limit < lengths.max() + 1
     for event in motion.events:
-        if "closed" in (event.before, event.after) or "strikes" in event.text:
+        if "closed" in (event.before, event.after) or "impact" in event.text:
             assert np.interp(event.time, frames.times, lengths) == pytest.approx(limit, abs=1e-6)
     sign = 1 if side == 0 else -1
     open_frames = [

@@ -28,7 +28,8 @@ NAMES = [
     if kind(path) != "robot"
     and not path.stem.startswith(QUARTIC)
     and not any(
-        table in path.read_text("utf-8") for table in ("[[motion]]", "[[model.rotor]]", "delayed_feedback")
+        table in path.read_text("utf-8")
+        for table in ("[[motion]]", "[[model.rotor]]", "delayed_feedback", "[[model.contact]]", "[[model.clutch]]")
     )  # of which there is no formula
 ]
 

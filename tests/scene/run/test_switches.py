@@ -58,7 +58,7 @@ def test_an_impact_takes_the_impulse_and_the_energy_of_its_law(drop):
     assert first["impulses"]["floor"] == pytest.approx(2 * 1.5 * SPEED, rel=1e-14)
     assert first["energy_lost"] == pytest.approx(0.75 * SPEED**2, rel=1e-13)
     assert first["jump"][1] == pytest.approx([1.5 * SPEED], rel=1e-14)
-    assert (first["before"], first["after"], first["text"]) == ("open", "open", "floor strikes")
+    assert (first["before"], first["after"], first["text"]) == ("open", "open", "floor impact")
     assert 0 < first["time_error"] < 1e-14
 
 
