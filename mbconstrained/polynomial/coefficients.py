@@ -131,6 +131,10 @@ def _assembled(matrix, what: str) -> np.ndarray:
 # L diag(v) R, such as those of B^T diag(k) B, have not.
 
 
+#: Sums of elements of so many rows at most are products of matrices, those of more go term by term.
+DENSE_SIZE = 64
+
+
 @dataclass(frozen=True, eq=False)
 class Factors:
     """The matrix left @ diag(values) @ right with exact entries.
@@ -180,7 +184,11 @@ class Factors:
     def matrix(self) -> np.ndarray:
         """The nearest float64 matrix, shape (r, r): every entry is the exact sum of its terms, rounded once."""
         signs = np.abs(self.left), np.abs(self.right)
-        if all(((part == 0) | (part == 1)).all() for part in signs) and (signs[0] @ signs[1]).max(initial=0.0) <= 2:
+        if (
+            len(self.left) <= DENSE_SIZE
+            and all(((part == 0) | (part == 1)).all() for part in signs)
+            and (signs[0] @ signs[1]).max(initial=0.0) <= 2
+        ):
             with np.errstate(over="ignore", invalid="ignore"):
                 total = (self.left * self.values) @ self.right + 0.0  # no negative zeros; two terms are rounded once
             if np.isfinite(total).all():

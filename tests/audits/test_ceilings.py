@@ -35,7 +35,7 @@ LINES = {
     "mechanics": 16933,
     "models": 1930,
     "page": 5100,
-    "polynomial": 3764,
+    "polynomial": 3772,
     "response": 8251,
     "robot": 9260,
     "scene": 10577,
