@@ -7,11 +7,13 @@ import numpy as np
 import mbconstrained as mb
 from mbconstrained.analyses.study_problem import StudyProblem, mechanical_problem
 
-#: All scenes without delays, whose equations are no finite system of first order.
+SWITCHES = ("[[model.contact]]", "[[model.backlash]]", "[[model.clutch]]", "[[model.dry_friction]]")
+
+#: All scenes but those with delays, whose equations are no finite system of first order, and with switches, which have several.
 EXAMPLES = sorted(
     path.name
     for path in (Path(__file__).parents[3] / "examples").glob("*.toml")
-    if "delayed_feedback" not in path.read_text(encoding="utf-8")
+    if not any(table in path.read_text(encoding="utf-8") for table in ("delayed_feedback", *SWITCHES))
 )
 
 TIMES = np.linspace(0.0, 4.0, 81)
