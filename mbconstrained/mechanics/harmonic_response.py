@@ -274,7 +274,8 @@ class SteadyState(Displayed):
     """Steady state x(t) = Re sum of displacement_amplitudes e^{i w t}, after all free motion has decayed; lambda likewise.
 
     Attributes:
-        names, rows: names and rows of the coordinates and of the constraint rows.
+        names: of the coordinates.
+        rows: names of the constraint rows.
         frequencies_hz: w / (2 pi), ascending, shape (L,); 0 for the mean.
         displacement_amplitudes: complex, shape (n, L).
         reaction_amplitudes: complex, shape (k, L).

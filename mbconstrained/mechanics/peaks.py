@@ -120,7 +120,8 @@ class Peaks(Displayed):
     """The largest and the smallest value of each function over a time, with the times at which they occur.
 
     Attributes:
-        names, units: names and units of the functions.
+        names: of the functions.
+        units: of the functions, in SI.
         quantity: "displacement", "velocity", "acceleration", "reaction", "elongation" or "force".
         extrema: values and times.
     """
