@@ -32,7 +32,7 @@ LINES = {
     "frequency": 5740,
     "ground": 2136,
     "linalg": 5177,
-    "mechanics": 16933,
+    "mechanics": 16935,
     "models": 1930,
     "page": 5100,
     "polynomial": 3772,
