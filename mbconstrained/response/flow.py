@@ -277,7 +277,9 @@ class Flow:
 
     def _scaled_powers(self, unit: float, count: int, part: Callable = np.asarray) -> np.ndarray:
         """(G / unit)^k z / k! as columns, or the same of the absolute values of G and z."""
-        columns, step = [part(self.start_with_force)], kept(part(full(self.generator))) / unit
+        columns, step = [part(self.start_with_force)], part(self.generator) / unit
+        if self.force.smooth.state_count:  # those of a force have few entries
+            step = kept(full(step))
         for _ in range(1, count):
             columns.append(step.dot(columns[-1]))  # less to do before it starts than @
         return np.array(columns).T / np.cumprod(np.maximum(np.arange(float(count)), 1.0))

@@ -36,7 +36,7 @@ LINES = {
     "models": 1930,
     "page": 5100,
     "polynomial": 3772,
-    "response": 8251,
+    "response": 8253,
     "robot": 9260,
     "scene": 10577,
     "signals": 1900,
