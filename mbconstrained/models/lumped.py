@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Concatenate, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 import scipy
@@ -27,8 +27,6 @@ from ..mechanics.element_matrix import ElementMatrix
 from ..mechanics.energy import EnergyParts
 from ..mechanics.equations import ElementForce
 from ..mechanics.parameter import Parameter
-from ..mechanics.switched.switched_system import SwitchedSystem
-from ..mechanics.switched.switches import Switch
 from ..mechanics.system import MechanicalSystem
 from ..signals.inputs import ImpulsiveSmooth, zero
 from . import elements as catalogue
@@ -48,6 +46,10 @@ from .elements import (
 )
 from .rotor import Bearing, Rotor, Unbalance, rotor_terms
 from .switching import Release, SwitchingElement
+
+if TYPE_CHECKING:
+    from ..mechanics.switched.switched_system import SwitchedSystem
+    from ..mechanics.switched.switches import Switch
 
 STATES = {"m": "moves along the axis (m)", "rad": "turns (rad)"}
 
@@ -209,6 +211,8 @@ class LumpedModel(Displayed):
             return self._assembled(self.elements, sparse)
         if sparse:
             raise InputError("assemble: a model with contacts, friction or other switches has no sparse matrices; leave sparse out")
+        from ..mechanics.switched.switched_system import SwitchedSystem
+
         return SwitchedSystem.of_switches(self.common_system(), self.switches())
 
     @property

@@ -33,7 +33,7 @@ LINES = {
     "ground": 2136,
     "linalg": 5177,
     "mechanics": 16935,
-    "models": 1930,
+    "models": 1934,
     "page": 5100,
     "polynomial": 3772,
     "response": 8253,

@@ -58,7 +58,11 @@ SCENES = {
     "robot with forces": SCENE + NOTHING_WRITTEN + "reactions = true\n",
 }
 ROBOTS = {"robot": URDF, "robot with unread meshes": MESHES, "robot with collisions": COLLISIONS, "robot with forces": URDF}
-FILES = {"robot with meshes": EXAMPLES / "seven_joint_arm.toml", "formula": EXAMPLES / "two_masses_formula.toml"}
+FILES = {
+    "robot with meshes": EXAMPLES / "seven_joint_arm.toml",
+    "formula": EXAMPLES / "two_masses_formula.toml",
+    "friction": EXAMPLES / "stick_slip.toml",
+}
 
 
 class Work(NamedTuple):
@@ -89,6 +93,9 @@ WORK = {
     "finite pair": Work("coefficients", "plain", "polynomial/jordan_pairs.py:JordanPairs.finite"),
     "infinite pair": Work("all", "free and held", "polynomial/jordan_pairs.py:JordanPairs.infinite"),
     "response": Work("plain", None, "response/response.py:Response._solved"),
+    "switches": Work(
+        "friction", "lumped", "mechanics/switched/sequence.py:PhaseSequence.run", ("mbconstrained.mechanics.switched.sequence",)
+    ),
     "displacements": Work("plain", None, computed("displacement")),
     "outputs": Work("normal form", "normal form alone", computed("output")),
     "velocities": Work("lumped", "plain", computed("velocity")),
