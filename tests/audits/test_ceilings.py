@@ -38,7 +38,7 @@ LINES = {
     "polynomial": 3772,
     "response": 8253,
     "robot": 9260,
-    "scene": 10577,
+    "scene": 10580,
     "signals": 1900,
 }
 

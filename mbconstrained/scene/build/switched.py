@@ -157,13 +157,19 @@ def transition_of(
         source = systems[known(table.source, systems, "phase")]
     with at(file_name, f"{place}.to"):
         known(table.target, systems, "phase")
+    if table.when is not None:  # names first: without them the limit has no unit
+        with at(file_name, place):
+            named = Transition(
+                table.source, table.target, table.when, above=0.0, quantity=table.quantity, restitution=table.restitution
+            )
+            named.guard(source)
     limits = {}
     for side in Transition.SIDES:
         if (value := getattr(table, side)) is not None:
             with at(file_name, f"{place}.{side}"):
                 limits[side] = quantity(value, _unit_of(table, source, coordinates)) if isinstance(value, str) else value
     with at(file_name, place):
-        transition = Transition(
+        return Transition(
             table.source,
             table.target,
             table.when,
@@ -173,9 +179,6 @@ def transition_of(
             dwell=table.dwell,
             **limits,
         )
-        if transition.when is not None:
-            transition.guard(source)
-    return transition
 
 
 def _unit_of(table, source: MechanicalSystem, coordinates: Coordinates) -> str:
