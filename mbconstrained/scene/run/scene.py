@@ -14,7 +14,7 @@ from ...ground.errors import InputError, SingularPolynomialMatrix
 from ...ground.quantities import count_texts
 from ...ground.units import unit_in_si
 from ..build.equations import equations_of
-from ..build.model import Equations, element_quantities
+from ..build.model import Equations, named_quantities, output_names
 from ..file import SceneName, at, read_tables, with_robot_file
 from ..quantities.output_units import OutputUnits
 from ..quantities.parameters import with_parameters
@@ -27,6 +27,7 @@ from .stages import plan_of
 
 if TYPE_CHECKING:
     from ...analyses.base import Answer
+    from ...mechanics.channels import Output
     from ...mechanics.parameter import Parameter
     from ...mechanics.root_locus import RootLocus
     from ...mechanics.sensitivities import Sensitivities
@@ -309,9 +310,13 @@ def check_output(output, equations: Equations, file_name: str, modal_damping: bo
     with at(file_name, "output.certify"):
         for name in output.certify if isinstance(output.certify, list) else ():
             equations.coordinates.number(name)
+    named: dict[str, Output] = {}
     for number, table in enumerate(output.quantity, 1):
         with at(file_name, f"output.quantity[{number}]"):
-            list(element_quantities([table], equations))
+            named |= {one.name: one for one in named_quantities([table], output_names(equations))}
+    for system in (equations.system, equations.rotor) if named else ():
+        if system is not None:
+            system.quantities = named
     with at(file_name, "output.coordinates"):
         for name in output.coordinates or ():
             equations.coordinates.number(name)
