@@ -9,6 +9,7 @@ output is a quantity that is linear in the motion, with one grammar of names for
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
@@ -194,7 +195,7 @@ def closed_form(outputs: Sequence[Output], motion) -> BohlFunction:
     return function + motion.reaction_function.mapped(multipliers) if multipliers.any() else function
 
 
-class OutputNames(Mapping):
+class OutputNames:
     """The names of outputs that are listed in messages, and the grammar of all others."""
 
     def __init__(
@@ -217,14 +218,15 @@ class OutputNames(Mapping):
         """The names of a system."""
         return cls(system.units, system, rows)
 
+    @property
+    def without_own(self) -> OutputNames:
+        """The names without those of further quantities."""
+        names = copy(self)
+        names.own = {}
+        return names
+
     def __iter__(self):
         return iter(dict.fromkeys((*self.directions, *self.rows, *self.elements, *self.own)))
-
-    def __len__(self) -> int:
-        return len(list(iter(self)))
-
-    def __getitem__(self, name: str) -> Output:
-        return self.output(name)
 
     def chosen(self, what: str, names, kind: str, default: Sequence[str]) -> list[Output]:
         """The outputs that a user names; plain names are of the kind."""

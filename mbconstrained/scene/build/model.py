@@ -15,7 +15,7 @@ from ...ground.display import TextTable
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.quantities import Dimension, dimension, unit_of
-from ...mechanics.channels import MOTIONS, Output, OutputNames
+from ...mechanics.channels import FORCES, MOTIONS, Output, OutputNames
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...polynomial.reduced_equations import Reduction
 from ...response.events import start_of
@@ -285,10 +285,26 @@ def output_names(equations: Equations, rows: Sequence[ConstraintRow] | None = No
 
 
 def named_quantities(tables, names: OutputNames) -> Iterator[Output]:
-    """The outputs of the tables [[output.quantity]]."""
+    """The outputs of the tables [[output.quantity]], one by one: none refers to another."""
+    names = names.without_own
     for table in tables:
         one = _between(table, names) if table.between else _of_one(table, names)
         yield reduce(_multiplied, table.multipliers, one)
+
+
+def quantities_by_name(tables, names: OutputNames) -> dict[str, Output]:
+    """The outputs of the tables by distinct names; an elongation with the name of its spring is "elongation of spring"."""
+    result: dict[str, Output] = {}
+    for table, one in zip(tables, named_quantities(tables, names)):
+        if one.name in names.without_own:
+            if one.name != table.of:
+                raise InputError(f"name: {shown(one.name)} is already the name of something else in the model; give another name")
+            kind = table.quantity or (FORCES[0] if one.elements else None)
+            one = one if kind in (None, *FORCES) else replace(one, name=f"{kind} of {one.name}")
+        if one.name in result:
+            raise InputError(f"name: {shown(one.name)} is the name of two [[output.quantity]]; give one of them another name")
+        result[one.name] = one
+    return result
 
 
 def _between(table, names: OutputNames) -> Output:

@@ -350,6 +350,8 @@ class QuantityTable(Table):
     def _one_source(self):
         if (self.of is None) == (self.between is None):
             raise InputError('give either of, the name of a spring or damper, or between, e.g. ["wheel", "body"]')
+        if self.name is None and (self.factor, self.divided_by) != (None, None):
+            raise InputError('name: missing; a quantity with a factor or a divisor needs one, such as "stress of the bar"')
         return self
 
 
