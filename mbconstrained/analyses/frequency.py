@@ -510,10 +510,9 @@ class Frequency(Analysis):
     def static(self) -> np.ndarray:
         """H at 0 Hz in SI, such as static compliances, infinite where nothing restores, shape (outputs, inputs)."""
         at_rest = self.response([0.0])
-        infinite = {(i, j) for one in at_rest.poles_on_lines for i, j in np.argwhere(np.any(one.pole.residues, axis=0)).tolist()}
-        values = at_rest.values[..., 0].real.copy()
-        for place in infinite:
-            values[place] = np.inf
+        values = np.where(at_rest.error_estimate < 1, at_rest.values.real, 0.0)[..., 0]
+        for one in at_rest.poles_on_lines:
+            values[np.any(one.pole.residues, axis=0)] = np.inf
         return values
 
     def _static_table(self) -> tuple[TextTable, ...]:

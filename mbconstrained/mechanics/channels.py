@@ -248,7 +248,8 @@ class OutputNames:
         known = list(self)
         forms = [f"{one} of {name}" for one, names in self._forms.items() for name in names] if of else []
         hint = nearest(text, [*known, *forms, *ON_GROUND.values()])
-        raise InputError(f'{what}: there is no "{text}"{hint}; known are, among others, {_listed(known)}; or {FORMS}')
+        others = hint or f"; known are, among others, {_listed(known)}; or {FORMS}"
+        raise InputError(f'{what}: there is no "{text}"{others}')
 
     @property
     def _forms(self) -> dict[str, Sequence[str]]:
@@ -257,7 +258,7 @@ class OutputNames:
 
     def _plain(self, name: str, kind: str, what: str) -> Output | None:
         """A name alone: of a quantity, a coordinate with its motion, an element with its force, a row with its reaction."""
-        if name in self.own:
+        if name in self.own and name not in self.elements:
             return self.own[name]
         if name in self.elements and (kind in (*FORCES, *ELONGATIONS) or name not in self.directions):
             return self._of_element(name, name, kind if kind in ELONGATIONS else "force")
