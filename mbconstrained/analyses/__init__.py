@@ -20,6 +20,7 @@ ANALYSES = {
     "sensitivity": ("sensitivity", "Derivatives of frequencies and damping, sorted by influence."),
     "mac": ("mac", "Which modes of two scenes are the same: modal assurance criterion."),
     "campbell": ("campbell", "Critical speeds, whirl, stability and unbalance response of a rotor."),
+    "orders": ("orders", "Response to orders of a speed: torques of a driveline, a run-up."),
     "locus": ("locus", "Root locus: eigenvalues over a parameter, with break points."),
     "path": ("path", "Frequencies of a robot along a path of one of its points."),
     "formula": ("formula", "The formula of each coordinate, with parameters as symbols."),

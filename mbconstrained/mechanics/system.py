@@ -326,8 +326,9 @@ class MechanicalSystem(EquationsOfMotion):
         >>> diagram.natural_frequencies.round(12).tolist(), diagram.directions
         ([[1.0, 1.0], [0.5, 2.0]], ('backward', 'forward'))
         """
-        from .rotating import campbell
+        from .rotating import campbell, check_rotor
 
+        check_rotor(self)
         self._refuse_delays("campbell")
         return campbell(self, speeds)
 
@@ -355,8 +356,9 @@ class MechanicalSystem(EquationsOfMotion):
         >>> disc.critical_speeds().round(12)  # 1 / sqrt(1 +- 3/4)
         array([0.75592895, 2.        ])
         """
-        from .rotating import critical_points
+        from .rotating import check_rotor, critical_points
 
+        check_rotor(self)
         self._refuse_delays("critical_speeds")
         return np.array([point.speed for point in critical_points(self, order)])
 
@@ -385,8 +387,9 @@ class MechanicalSystem(EquationsOfMotion):
         >>> round(peak.speed, 9), round(peak.amplitude, 9)  # zeta = 0.1: 10 / sqrt(1 - 2 zeta^2), e / (2 zeta sqrt(1 - zeta^2))
         (10.101525446, 0.050251891)
         """
-        from .rotating import unbalance_response
+        from .rotating import check_rotor, unbalance_response
 
+        check_rotor(self)
         self._refuse_delays("unbalance_response")
         return unbalance_response(self, speeds, unbalance, order)
 

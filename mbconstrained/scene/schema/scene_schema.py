@@ -423,6 +423,7 @@ Vary = Annotated[Any, _late("VaryTable")]
 Boundary = Annotated[Any, _late("BoundaryTable", ".force_tables")]
 LeastEnergy = Annotated[Any, _late("LeastEnergyTable", ".force_tables")]
 Campbell = Annotated[Any, _late("CampbellTable")]
+Orders = Annotated[Any, _late("OrdersTable")]
 RobotPath = Annotated[Any, _late("PathTable")]
 
 
@@ -450,6 +451,9 @@ class SceneFile(Table):
     shock: Shock | None = Field(None, description="Peaks under a shock, by the command shock; left out: the defaults.")
     vary: Vary | None = Field(None, description="Parameters that the commands sweep and optimise vary; left out: named there.")
     campbell: Campbell | None = Field(None, description="Speeds and orders of the command campbell; left out: the defaults.")
+    orders: Orders | None = Field(
+        None, description="Excitations by orders of a speed, for the commands orders and campbell; left out: none."
+    )
     path: RobotPath | None = Field(None, description="Path of a point of a robot, along which the command path computes its modes.")
     output: OutputTable = Field(OutputTable.model_construct(), description="Files to write, and contents of the page.")
     drawing: DrawingTable | None = Field(None, description="Drawing of the model; automatic by default.")
