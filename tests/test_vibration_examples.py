@@ -279,6 +279,37 @@ def test_the_unbalance_response_of_the_rotor():
     assert sum(peak.coordinate == "A y" for peak in response.peaks) == 2  # one of each forward mode
 
 
+def test_the_driveline_of_the_examples_is_that_of_matrices_written_by_hand():
+    """Angles of engine, flywheel, pinion and load, the last two as seen from the pinion through the ratio 2."""
+    answer = read_scene(EXAMPLES / "driveline.toml").orders(points=40)
+    M = np.diag([0.15, 0.9, 0.05 + 0.4 / 4, 6.0 / 4])
+    spring = np.array([[1, -1, 0, 0], [0, 1, -1, 0], [0, 0, 1, -1]])
+    K = spring.T @ np.diag([120e3, 3e3, 60e3 / 4]) @ spring
+    C = spring.T @ np.diag([8.0, 6.0, 0.0]) @ spring + np.diag([0, 0, 0, 15.0 / 4])
+    arrays = answer.arrays()
+    W, n = arrays["speeds"], arrays["orders"]
+    np.testing.assert_array_equal(n, [0.5, 1, 2, 4, 6])
+    torque = np.array([12, 15, 180, 60, 20])[:, None] * np.exp(1j * np.radians([0, 40, 0, -30, -60]))[:, None] * np.ones(len(W))
+    torque[2] -= 25 * (W / (3000 * np.pi / 30)) ** 2
+    expected = np.zeros((5, 2, len(W)), dtype=complex)
+    for i, j in np.ndindex(5, len(W)):
+        w = n[i] * W[j]
+        x = np.linalg.solve(K - w**2 * M + 1j * w * C, torque[i, j] * np.array([1, 0, 0, 0]))
+        expected[i, :, j] = 3e3 * (x[2] - x[1]), 60e3 / 2 * (x[3] - x[2])  # the shaft turns half as far, at the wheel
+    sign = np.sign((arrays["amplitudes"][0, 1, 0] / expected[0, 1, 0]).real)  # the wheel turns backwards
+    expected[:, 1] *= sign
+    np.testing.assert_allclose(arrays["amplitudes"], expected, rtol=1e-9)
+    angle = np.linspace(0, 4 * np.pi, 20001)  # two turns of the crankshaft
+    for j in range(0, len(W), 7):
+        cycle = (expected[:, 0, j, None] * np.exp(1j * n[:, None] * angle)).sum(axis=0).real
+        assert arrays["largest"][0, j] == pytest.approx(np.abs(cycle).max(), rel=1e-6)
+        assert arrays["rms"][0, j] == pytest.approx(np.sqrt(np.mean(cycle[:-1] ** 2)), rel=1e-9)
+    state = np.block([[np.zeros((4, 4)), np.eye(4)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
+    damped = sorted({round(s.imag, 6) for s in np.linalg.eigvals(state) if s.imag > 1})
+    found = sorted({round(one["order"] * one["speed"], 6) for one in answer.data["resonances"]})
+    assert found == pytest.approx(damped, rel=1e-8)
+
+
 @pytest.mark.long
 def test_the_optimum_of_the_tuned_mass_damper_is_that_of_its_scene():
     """tuned_mass_damper_optimum varies what tuned_mass_damper.toml has exactly (Nishihara and Asami 2002)."""

@@ -19,7 +19,7 @@ ANALYSES = {
     "shock": ("shock", "Peaks under a shock, shock response spectra."),
     "sensitivity": ("sensitivity", "Derivatives of frequencies and damping, sorted by influence."),
     "mac": ("mac", "Which modes of two scenes are the same: modal assurance criterion."),
-    "campbell": ("campbell", "Critical speeds, whirl, stability and unbalance response of a rotor."),
+    "campbell": ("campbell", "Critical speeds, whirl, stability and unbalance of a rotor; interference diagrams."),
     "orders": ("orders", "Response to orders of a speed: torques of a driveline, a run-up."),
     "locus": ("locus", "Root locus: eigenvalues over a parameter, with break points."),
     "path": ("path", "Frequencies of a robot along a path of one of its points."),

@@ -80,11 +80,13 @@ class CampbellDiagram(Analysis):
         if any(not np.isfinite(peak.amplitude) for response in own.responses.values() for peak in response.peaks):
             text = "without damping there is no steady state at a critical speed: the amplitude has no bound"
             notices.append(Notice(NoticeKind.UNSTABLE, text))
-        facts = (("speeds", own.range_text), ("stability", own.stability_text), ("spectra", str(own.diagram.evaluations)))
+        facts = [("speeds", own.range_text), ("stability", own.stability_text)]
+        if own.diagram.system.turns:
+            facts.append(("spectra", str(own.diagram.evaluations)))
         return cls.of(
             scene,
             title=f"{scene.heading}: over the speed",
-            facts=facts,
+            facts=tuple(facts),
             tables=tuple(own.tables()),
             notices=tuple(notices),
             data={"title": scene.heading, **own.data()},
@@ -147,8 +149,8 @@ class SpeedDiagram:
         if not margins.any():
             return "no motion grows, none decays"
         least = int(margins.argmin())
-        decay = f"{number_text(float(margins[least]))} 1/s, at {self.diagram.speeds[least] / RPM:.6g} rev/min"
-        return f"no motion grows; the least decay rate is {decay}"
+        where = f", at {self.diagram.speeds[least] / RPM:.6g} rev/min" if self.diagram.system.turns else ""
+        return f"no motion grows; the least decay rate is {number_text(float(margins[least]))} 1/s{where}"
 
     @property
     def is_stable(self) -> bool:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ..frequency.frequency_response import FrequencyResponse
-from ..ground.checks import counted
 from ..ground.coordinate_units import force_unit, rate_unit
 from ..ground.display import TextTable, number_text, with_unit
 from ..ground.errors import InputError, named
@@ -148,7 +147,8 @@ class _RunUp:
         given = {"from": table.lowest, "to": table.highest, "orders": positive[:12], "points": table.points}
         limits = CampbellTable.model_validate({key: one for key, one in given.items() if one is not None})
         self.diagram = SpeedDiagram(scene, limits, positive)
-        base = np.linspace(*self.diagram.diagram.speeds[[0, -1]], table.points)
+        low, high = self.diagram.diagram.speeds[[0, -1]]
+        base = np.linspace(low, high, table.points)
         self.speeds = self._with_resonances(base)
         self.outputs = self.fixed.outputs
         self.units = _units(equations.system, self.outputs, table.quantity)
@@ -338,8 +338,8 @@ class _RunUp:
                 )
                 for k, one in enumerate(self.critical)
             )
-            heads = ("order", "rev/min", "Hz", "damping", *named_outputs)
-            yield TextTable("Resonances, with the amplitudes of the order there", heads, tuple(cells))
+            columns = ("order", "rev/min", "Hz", "damping", *named_outputs)
+            yield TextTable("Resonances, with the amplitudes of the order there", columns, tuple(cells))
 
     def _text(self, output: int, value: float) -> str:
         unit, factor = self.shown.of(self.units[output])
@@ -437,7 +437,7 @@ class _RunUp:
     def _map(self, output: int) -> Iterator[Plot]:
         """Amplitudes over the speed and the frequency: that of the largest order in each cell, in dB below the largest of all."""
         (unit, factor), name = self.shown.of(self.units[output]), self.outputs[output]
-        turns = np.linspace(*(self.speeds[[0, -1]] / RPM), COLUMNS + 1)
+        turns = np.linspace(self.speeds[0] / RPM, self.speeds[-1] / RPM, COLUMNS + 1)
         columns = np.clip(np.searchsorted(turns, self.speeds / RPM, side="right") - 1, 0, COLUMNS - 1)
         lines = np.linspace(0.0, 1.02 * self.orders[-1] * turns[-1] / 60, ROWS + 1)
         sizes, orders = np.full((ROWS, COLUMNS), np.nan), np.zeros((ROWS, COLUMNS))

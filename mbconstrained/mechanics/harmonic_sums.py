@@ -20,7 +20,7 @@ SAMPLES, REFINED, STEPS = 16, 3, 3
 CHUNK = 1 << 22
 
 
-def common_rate(rates: Sequence[float]) -> float | None:
+def common_rate(rates: Sequence[float] | np.ndarray) -> float | None:
     """The largest rate of which all are whole multiples, 0 without any positive one; None where there is none.
 
     >>> common_rate([0.0, 1.0, 1.5, 4.0]), common_rate([1.0, 2.0**0.5])
@@ -36,7 +36,7 @@ def common_rate(rates: Sequence[float]) -> float | None:
     return positive[0] / periods if periods <= MOST_PERIODS and float(parts[-1]) * periods <= MOST_TURNS else None
 
 
-def root_mean_square(rates: Sequence[float], amplitudes: np.ndarray) -> np.ndarray:
+def root_mean_square(rates: Sequence[float] | np.ndarray, amplitudes: np.ndarray) -> np.ndarray:
     """RMS values of sums with distinct rates, amplitudes of shape (L, ...).
 
     >>> root_mean_square([0.0, 1.0], np.array([[3.0], [4.0j]])).round(9)
@@ -46,7 +46,7 @@ def root_mean_square(rates: Sequence[float], amplitudes: np.ndarray) -> np.ndarr
     return np.sqrt(np.tensordot(weights, np.abs(amplitudes) ** 2, axes=1))
 
 
-def largest_modulus(rates: Sequence[float], amplitudes: np.ndarray) -> np.ndarray:
+def largest_modulus(rates: Sequence[float] | np.ndarray, amplitudes: np.ndarray) -> np.ndarray:
     """The largest modulus of sums with distinct rates, amplitudes of shape (L, N): over the common period, or that of all times.
 
     Without a common period phases come arbitrarily near to any others, and the sum of all amplitudes is the supremum; where some of the rates
