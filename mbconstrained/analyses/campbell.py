@@ -121,8 +121,8 @@ class SpeedDiagram:
         system, speeds = self.diagram.system, self.diagram.speeds
         if not system.turns or system.unbalance is None or not system.unbalance.any():
             return {}
-        near = {order: with_resonances(speeds, critical_points(system, order)) for order in self.orders}
-        return {order: unbalance_response(system, own, order=order) for order, own in near.items()}
+        near = with_resonances(speeds, [point for order in self.orders for point in critical_points(system, order)])
+        return {order: unbalance_response(system, near, order=order) for order in self.orders}  # all at the same speeds
 
     @cached_property
     def critical(self) -> list[CriticalSpeed]:

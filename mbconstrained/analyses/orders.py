@@ -389,11 +389,11 @@ class _RunUp:
     # Plots.
 
     def plots(self) -> Iterator[Plot]:
-        """The interference diagram, largest and RMS values by unit, and of the first outputs amplitudes by order and a map."""
-        yield self.diagram.campbell_plot()
+        """Largest and RMS values by unit, the interference diagram, and of the first outputs amplitudes by order and a map."""
         for title, values in (("largest over a cycle", self.largest), ("RMS over a cycle", self.rms)):
             for unit in dict.fromkeys(self.units):
                 yield from self._over_speed(f"{self.table.quantity}, {title}", unit, values)
+        yield self.diagram.campbell_plot()
         for i in range(min(MOST_OUTPUTS, len(self.outputs))):
             yield from self._by_order(i)
             yield from self._map(i)
