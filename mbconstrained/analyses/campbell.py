@@ -388,7 +388,7 @@ def _speed_range(system: MechanicalSystem, table: CampbellTable) -> tuple[float,
     if high is None:
         critical = [point.speed for point in critical_points(system, 1.0 if system.turns else min(table.orders))]
         if not critical and not np.isfinite(ranges[-1][1]):
-            raise InputError("there is no critical speed of order 1 from which a range follows; give --to or [campbell] to")
+            raise InputError("there is no critical speed of order 1 from which a range follows; give --to, or to in the table")
         high = min(BEYOND * max(critical, default=np.inf), ranges[-1][1])
     if not low < high:
         raise InputError(f"campbell: found a range from {low:g} to {high:g} rad/s; expected one that ascends")

@@ -102,6 +102,8 @@ def rotor_family(system: EquationsOfMotion, within: float | None = None) -> tupl
     """The equations over the speed, in coordinates that satisfy all constraint rows."""
     check_speeds(system)
     V = system.position_form().null_space
+    if not V.shape[1]:
+        raise InputError("nothing is free to vibrate: constraint rows and prescribed motions give every coordinate")
 
     def reduced(matrices: np.ndarray) -> np.ndarray:
         return np.array([V.T @ matrix @ V for matrix in matrices])

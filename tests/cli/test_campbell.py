@@ -84,7 +84,9 @@ def test_orders_of_different_numbers_of_critical_speeds_share_the_speeds_of_the_
     code, _, errors = campbell(FREE, "--from", "0", "--to", "60 rad/s", "--points", "5", "--order", "1", "--order", "3")
     assert code == 0 and not errors
     assert "Waterfall of a run-up" in (tmp_path / "out" / "rotor.campbell.html").read_text(encoding="utf-8")
-    own = SpeedDiagram(read_scene(tmp_path / "rotor.toml"), CampbellTable.model_validate({"to": 60.0, "points": 5, "orders": [1, 3]}))
+    own = SpeedDiagram(
+        read_scene(tmp_path / "rotor.toml"), CampbellTable.model_validate({"to": 60.0, "points": 5, "orders": [1, 3]})
+    )
     first, second = own.responses.values()
     np.testing.assert_array_equal(first.speeds, second.speeds)
     assert len(first.speeds) > 5

@@ -370,8 +370,10 @@ class OrderExcitationTable(Table):
         for name, values in ((key, getattr(self, key)), ("phase", self.phase)):
             if len(values) != len(self.order) and not (name == "phase" and len(values) == 1):
                 raise InputError(f"found {len(self.order)} in order and {len(values)} in {name}; expected as many of both")
-        if len(set(self.order)) < len(self.order):
-            raise InputError("order: one is given twice; give each once")
+        if twice := [order for order in self.order if self.order.count(order) > 1]:
+            raise InputError(
+                f"order: {twice[0]:g} is given twice; give each once, or another [[orders.excitation]], which is added"
+            )
         if self.unbalance is not None and "law" in self.model_fields_set and self.law == "constant":
             raise InputError("unbalance has a force that grows with the square of the speed; leave law out, or give amplitude")
         if self.unbalance is None and (self.law == "speed^2") != (self.at is not None):
