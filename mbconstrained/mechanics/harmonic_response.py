@@ -1,16 +1,17 @@
 """The equations of a mechanical system under harmonic loads and prescribed motions, [P(s), A^T; A s^level, 0] (x, -lambda) = (f, b).
 
 P(s) = M s^2 + C s + K, with structural damping K + i H for w > 0. Coordinates and reactions are unknowns of one regular matrix, M singular
-or not, so that reactions have their own elimination and no difference of large forces. So are forces F of springs and dampers, F - (k + c s) a x = 0. Quantities with a prescribed motion for a load
+or not, so that reactions have their own elimination and no difference of large forces. So are forces F of springs and dampers,
+F - (k + c s) a x = 0, and other outputs that are no plain motions of one order. Quantities with a prescribed motion for a load
 (dynamic stiffness, ...) are responses of [A(s), -B; C, 0]: the forces that move the outputs by one unit each.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -26,14 +27,13 @@ from ..linalg.arrays import full
 from ..polynomial.delayed_terms import DelayedTerm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.impulsive import ExactInput, ExactRecord, ExactTerm, ImpulsiveSmooth
-from .channels import Channel, channels, chosen_by_name, coordinate_channels, reference, row_channels
+from .channels import MOTIONS, ON_GROUND, Channel, Output, OutputNames, channels, chosen_by_name, coordinate_channels, reference
 from .constraints import with_multipliers
 from .element_matrix import ElementMatrix
 from .element_matrix import modal_damping as modal_damping_elements
 from .equations import EquationsOfMotion
 
 if TYPE_CHECKING:
-    from .equations import ElementForce
     from .motion import Motion
 
 
@@ -47,20 +47,27 @@ MODE_ROUNDING = 16.0
 class Quantity(NamedTuple):
     """Quantity of a frequency response."""
 
-    order: int  # order of the derivative of the outputs: 0 displacement, 1 velocity, 2 acceleration
+    kind: str  # of outputs that are named alone, as in the names of outputs
     inverse: bool = False  # whether forces by motions are given
 
+    @property
+    def order(self) -> int:
+        """Order of the derivative of the outputs: 0 displacement, 1 velocity, 2 acceleration."""
+        return MOTIONS.get(self.kind, 0)
 
+
+FORCE_TRANSMISSIBILITY = "force transmissibility"
 QUANTITIES = {
-    "receptance": Quantity(0),
-    "mobility": Quantity(1),
-    "accelerance": Quantity(2),
-    "dynamic stiffness": Quantity(0, inverse=True),
-    "impedance": Quantity(1, inverse=True),
-    "apparent mass": Quantity(2, inverse=True),
-    "transmissibility": Quantity(0),
-    "reaction": Quantity(0),
-    "force": Quantity(0),
+    "receptance": Quantity("displacement"),
+    "mobility": Quantity("velocity"),
+    "accelerance": Quantity("acceleration"),
+    "dynamic stiffness": Quantity("displacement", inverse=True),
+    "impedance": Quantity("velocity", inverse=True),
+    "apparent mass": Quantity("acceleration", inverse=True),
+    "transmissibility": Quantity("displacement"),
+    FORCE_TRANSMISSIBILITY: Quantity("force"),
+    "reaction": Quantity("reaction"),
+    "force": Quantity("force"),
 }
 
 
@@ -91,29 +98,27 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     if count is not None:
         raise InputError("count: the response of a system given by arrays has all its modes; leave count out")
     chosen, rows = QUANTITIES[quantity], system.rows
-    elements = element_channels(system)
-    default = {"reaction": row_channels(system), "force": list(elements.values())}.get(quantity, coordinate_channels(system))
     known_inputs = chosen_by_name("inputs", inputs, channels(system, "inputs"), coordinate_channels(system))
-    known = channels(system, "outputs")
-    known = known | elements if quantity == "force" else elements | known
-    known_outputs = chosen_by_name("outputs", outputs, known, default)
+    known_outputs = _outputs(system, outputs, quantity, known_inputs)
     _check(quantity, known_inputs, known_outputs)
     levels = [0 if quantity == "transmissibility" else row.order for row in rows]
     own = saddle_point(system, levels, modal_damping, loss_factor)
-    (coefficients, imaginary, sizes), B, C = with_channels(system, own, known_inputs, known_outputs, loss_factor, relative_to)
-    forces = [one.name for one in known_outputs if one.element is not None]
-    names = (*system.names, *(row.name for row in rows), *(f"force of {name}" for name in forces))
-    equations = [f"motion of {name}" for name in system.names] + [f"constraint {row.name}" for row in rows]
-    equations += [f"force of {name}" for name in forces]
+    (coefficients, imaginary, sizes), B, C, power = with_outputs(system, own, known_inputs, known_outputs, loss_factor, relative_to)
+    further = [f"output {number}" for number in range(1, len(B) - system.size - len(rows) + 1)]
+    names = (*system.names, *(row.name for row in rows), *further)
+    equations = [f"motion of {name}" for name in system.names] + [f"constraint {row.name}" for row in rows] + further
     input_names, output_names = (tuple(channel.name for channel in own) for own in (known_inputs, known_outputs))
-    unit = cache(partial(_unit, quantity=chosen, levels=tuple(levels)))
-    kinds = [[(one.unit, one.row, one.element is not None) for one in own] for own in (known_outputs, known_inputs)]
-    table = np.array([[unit(output, input) for input in kinds[1]] for output in kinds[0]])
+    below = [force_unit(one.unit) if one.row is None else rate_unit(one.unit, levels[one.row]) for one in known_inputs]
+    ratio = cache(ratio_unit)
+    table = np.array([[ratio(one.unit, other) for other in below] for one in known_outputs])
+    kinds = tuple(quantity if _is_default(one, quantity) else one.quantity for one in known_outputs)
     if not chosen.inverse:
         distinct = names if len(set(names)) == len(names) else equations
         A = PolynomialMatrix(coefficients, distinct, equations)
         delayed = delayed_unknowns(system, A.size)
-        return Harmonic(A, B, C, chosen.order, imaginary, sizes, input_names, output_names, table, quantity, delayed=delayed)
+        arrays = A, B, C, power, imaginary, sizes, input_names, output_names, table, quantity
+        return Harmonic(*arrays, delayed=delayed, output_quantities=kinds)
+    table = np.array([[ratio(other, one.unit) for other in below] for one in known_outputs])
     m, size = B.shape[1], len(B)
     wide = [np.pad(matrix, ((0, m), (0, m))) for matrix in coefficients]
     wide[0][:size, size:], wide[chosen.order][size:, :size] = -B, C
@@ -131,44 +136,75 @@ def delayed_unknowns(system: EquationsOfMotion, size: int) -> tuple[DelayedTerm,
     return tuple(replace(term, coefficients=np.pad(term.coefficients, pad)) for term in system.delayed)
 
 
-def with_channels(system, equations, inputs: Sequence[Channel], outputs: Sequence[Channel], loss_factor, relative_to):
-    """The equations, with the forces of elements among the outputs as more unknowns, B of the inputs and C of the outputs."""
-    B = np.array([channel.unknowns(system) for channel in inputs]).T
-    C = np.array([channel.unknowns(system) for channel in outputs]).reshape(len(outputs), len(B))
-    C[:, system.size :] *= -1.0  # the unknowns are -lambda
-    if forces := {one.name: one for one in outputs if one.element is not None}:
-        equations = _with_element_forces(system, equations, {name: one.element for name, one in forces.items()}, loss_factor)
-        whole = len(equations[0][0])
-        B, C = np.pad(B, ((0, len(forces)), (0, 0))), np.pad(C, ((0, 0), (0, len(forces))))
-        for place, one in enumerate(forces.values(), whole - len(forces)):
-            C[[other is one for other in outputs]] = np.eye(1, whole, place)
+def with_outputs(
+    system, equations, inputs: Sequence[Channel], outputs: Sequence[Output], loss_factor, relative_to=None
+) -> tuple[tuple, np.ndarray, np.ndarray, int]:
+    """The equations, B of the inputs, C of the outputs, and the order p of the derivative in s^p C.
+
+    Outputs that are no plain motions or reactions of this order, such as forces of springs, are further unknowns y with the equations
+    y - (rows[0] (1 + i eta) + rows[1] s + rows[2] s^2) x - multipliers lambda = 0.
+    """
     if relative_to is not None:
-        other = reference(system, relative_to)
-        moving = [one.row is None and one.element is None and one.unit == other.unit for one in outputs]
-        C[:, : system.size] -= np.outer(moving, other.direction)
-    return equations, B, C
+        outputs = [one.relative(reference(system, relative_to)) for one in outputs]
+    B = np.array([channel.unknowns(system) for channel in inputs]).T
+    orders = {one.order for one in outputs if not one.is_zero}
+    power = orders.pop() if len(orders) == 1 and None not in orders else 0
+    C = np.array([np.concatenate([one.rows[power], -one.multipliers]) for one in outputs]).reshape(len(outputs), len(B))
+    further = {place: one for place, one in enumerate(outputs) if one.order != power and not one.is_zero}
+    if further:
+        equations = _with_unknowns(system, equations, list(further.values()), loss_factor)
+        B, C = np.pad(B, ((0, len(further)), (0, 0))), np.pad(C, ((0, 0), (0, len(further))))
+        C[list(further)] = np.eye(len(further), C.shape[1], C.shape[1] - len(further))
+    return equations, B, C, power
 
 
-def element_channels(system: EquationsOfMotion) -> dict[str, Channel]:
-    return {name: Channel(name, one.elongation, one.unit, element=one) for name, one in system.elements.items()}
-
-
-def _with_element_forces(system, equations, elements: Mapping[str, ElementForce], loss_factor):
-    """Equations with the forces F of springs and dampers as more unknowns, F - (k (1 + i eta) + c s) a x = 0."""
+def _with_unknowns(system, equations, outputs: Sequence[Output], loss_factor):
+    """The equations with those of outputs that are unknowns themselves."""
     coefficients, imaginary, sizes = equations
-    n, size, count = system.size, len(coefficients[0]), len(elements)
-    rows = np.array([[one.stiffness * one.elongation for one in elements.values()]])
-    rows = np.vstack([rows, [[one.damping * one.elongation for one in elements.values()]]])
+    n, size, count = system.size, len(coefficients[0]), len(outputs)
+    rows = np.array([one.rows for one in outputs]).transpose(1, 0, 2)
+    balances = np.array([np.zeros(n) if one.balance is None else one.balance for one in outputs])
+    rows[1] += balances @ (coefficients[1][:n, :n] - system.damping)  # damping of modes
     wide = np.pad(np.array(coefficients), ((0, 0), (0, count), (0, count)))
-    wide[:2, size:, :n], wide[0, size:, size:] = -rows, np.eye(count)
+    wide[:, size:, :n], wide[0, size:, size:] = -rows, np.eye(count)
+    wide[0, size:, n:size] = [one.multipliers for one in outputs]  # the unknowns are -lambda
     if sizes is not None:
         sizes = np.maximum(np.pad(sizes, ((0, 0), (0, count), (0, count))), np.abs(wide))
     if imaginary is not None:
+        structural = balances @ imaginary[:n, :n]
+        eta = element_loss_factors(system, loss_factor)
+        for place, one in enumerate(outputs):
+            parts = ((system.elements[name], factor * eta(name)) for name, factor in one.elements.items())
+            structural[place] += sum((factor * part.stiffness * part.elongation for part, factor in parts), np.zeros(n))
         imaginary = np.pad(imaginary, (0, count))
-        given = {**system.loss_factors, **loss_factor} if isinstance(loss_factor, Mapping) else system.loss_factors
-        factors = [given.get(name, 0.0) if isinstance(loss_factor, (Mapping, type(None))) else loss_factor for name in elements]
-        imaginary[size:, :n] = -np.array(factors, dtype=float)[:, None] * rows[0]
+        imaginary[size:, :n] = -structural
     return list(wide), imaginary, sizes
+
+
+def element_loss_factors(system: EquationsOfMotion, loss_factor) -> Callable[[str], float]:
+    """eta of structural damping by the name of a spring."""
+    if loss_factor is not None and not isinstance(loss_factor, Mapping):
+        return lambda name: float(loss_factor)
+    given = {**system.loss_factors, **(loss_factor or {})}
+    return lambda name: given.get(name, 0.0)
+
+
+def _outputs(system: EquationsOfMotion, outputs, quantity: str, inputs: Sequence[Channel]) -> list[Output]:
+    """The named outputs, or those that a quantity has by default."""
+    names = OutputNames.of(system)
+    if quantity == FORCE_TRANSMISSIBILITY:
+        default = list(dict.fromkeys(ON_GROUND.get(one.unit, ON_GROUND["m"]) for one in inputs))
+    else:
+        default = list({"reaction": names.rows, "force": names.elements}.get(quantity, system.names))
+    return names.chosen("outputs", outputs, QUANTITIES[quantity].kind, default)
+
+
+def _is_default(output: Output, quantity: str) -> bool:
+    """Whether an output is of the kind that a quantity has by default."""
+    kind = QUANTITIES[quantity].kind
+    if kind in MOTIONS:
+        return output.quantity in MOTIONS and MOTIONS[output.quantity] == MOTIONS[kind]
+    return output.quantity == kind or quantity == FORCE_TRANSMISSIBILITY
 
 
 def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count) -> Harmonic:
@@ -176,7 +212,7 @@ def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, rel
     from .sparse.sparse_response import sparse_harmonic
 
     chosen = QUANTITIES[quantity]
-    if chosen.inverse or quantity in ("transmissibility", "reaction", "force"):
+    if chosen.inverse or quantity in ("transmissibility", FORCE_TRANSMISSIBILITY, "reaction", "force"):
         raise InputError(
             f"{quantity}: not available for sparse matrices, which have receptance, mobility and accelerance; give arrays, as mass.toarray()"
         )
@@ -189,36 +225,24 @@ def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, rel
     return sparse_harmonic(system, inputs, outputs, chosen.order, quantity, modal_damping, eta, number)
 
 
-def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Channel]) -> None:
+def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Output]) -> None:
     """Raise an InputError for quantities that do not fit their inputs or outputs."""
     if not inputs or not outputs:
         missing = "springs and dampers with names" if quantity == "force" else "constraint rows"
         raise InputError(f"{quantity}: this system has no {missing}")
-    loads, coordinates = ([one.name for one in some if one.row is None] for some in (inputs, outputs))
-    rows = [one.name for one in outputs if one.row is not None]
-    elements, others = ([one.name for one in outputs if (one.element is None) == none] for none in (False, True))
-    has_forces = quantity in ("force", "receptance", "transmissibility")
-    for refused, names, text in (
-        (quantity == "transmissibility", loads, 'the input "{}" is a force; expected constraint rows, whose motion is prescribed'),
-        (quantity == "reaction", coordinates, "found the coordinate {!r}; expected constraint rows"),
-        (quantity == "force", others, '"{}" is no spring or damper; a coordinate has a receptance, a constraint row a reaction'),
-        (not has_forces, elements, 'the output "{}" is a spring or damper; its force is the quantity "force"'),
-        (quantity != "reaction", rows, 'the output "{}" is a constraint row; its force is the quantity "reaction"'),
-    ):
-        if refused and names:
-            raise InputError(f"{quantity}: {text.format(names[0])}")
-    if QUANTITIES[quantity].inverse and (len(loads) < len(inputs) or len(inputs) != len(outputs)):
+    loads, rows = ([one.name for one in inputs if (one.row is None) == is_load] for is_load in (True, False))
+    if quantity == "transmissibility" and loads:
+        raise InputError(f'{quantity}: the input "{loads[0]}" is a force; expected constraint rows, whose motion is prescribed')
+    if quantity == FORCE_TRANSMISSIBILITY and rows:
+        raise InputError(f'{quantity}: the input "{rows[0]}" is a prescribed motion; expected forces on coordinates')
+    if not (chosen := QUANTITIES[quantity]).inverse:
+        return
+    if other := next((one.name for one in outputs if one.order != chosen.order or one.multipliers.any()), None):
+        raise InputError(f'{quantity}: the output "{other}" is no {chosen.kind}; expected coordinates')
+    if rows or len(inputs) != len(outputs):
         raise InputError(
             f"{quantity}: it is the inverse of a matrix of responses to forces; expected as many forces on coordinates as outputs"
         )
-
-
-def _unit(output: tuple, input: tuple, quantity: Quantity, levels: Sequence[int]) -> str:
-    """The unit of an output, or its derivative, by an input; of each the unit, the constraint row and whether it is an element."""
-    (above, row, is_element), (below, motion, _) = output, input
-    above = rate_unit(above, quantity.order) if row is None and not is_element else force_unit(above)
-    below = force_unit(below) if motion is None else rate_unit(below, levels[motion])
-    return ratio_unit(below, above) if quantity.inverse else ratio_unit(above, below)
 
 
 def saddle_point(

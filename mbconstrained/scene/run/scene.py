@@ -14,7 +14,7 @@ from ...ground.errors import InputError, SingularPolynomialMatrix
 from ...ground.quantities import count_texts
 from ...ground.units import unit_in_si
 from ..build.equations import equations_of
-from ..build.model import Equations, element_quantities
+from ..build.model import Equations, named_quantities, output_names, quantities_by_name
 from ..file import SceneName, at, read_tables, with_robot_file
 from ..quantities.output_units import OutputUnits
 from ..quantities.parameters import with_parameters
@@ -299,6 +299,9 @@ def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, An
         coordinates = replace(equations.coordinates, shown=OutputUnits(table.output.units))
         equations = replace(equations, coordinates=coordinates)
     check_output(table.output, equations, name, getattr(table.model, "modal_damping", None) is not None)
+    for system in (equations.system, equations.rotor) if table.output.quantity else ():
+        if system is not None:
+            system.quantities = quantities_by_name(table.output.quantity, output_names(equations))
     if table.time.step_domain == "discrete":
         check_discrete(table, equations, name)
     return Scene(path, table, equations, unit_texts, costs.by_name, parameters, overrides, name)
@@ -311,7 +314,9 @@ def check_output(output, equations: Equations, file_name: str, modal_damping: bo
             equations.coordinates.number(name)
     for number, table in enumerate(output.quantity, 1):
         with at(file_name, f"output.quantity[{number}]"):
-            list(element_quantities([table], equations))
+            list(named_quantities([table], output_names(equations)))
+    with at(file_name, "output.quantity"):
+        quantities_by_name(output.quantity, output_names(equations))
     with at(file_name, "output.coordinates"):
         for name in output.coordinates or ():
             equations.coordinates.number(name)

@@ -37,10 +37,14 @@ ResponseQuantity = Literal[
     "impedance",
     "apparent mass",
     "transmissibility",
+    "force transmissibility",
     "reaction",
     "force",
 ]
 ResponsePlot = Literal["bode", "parts", "nyquist"]
+
+#: Further names of outputs, for descriptions.
+NAMES = '"velocity of x", "b - a", "elongation of spring", "force on ground" …'
 
 
 def _loss_factors(value):
@@ -90,10 +94,13 @@ class FrequencyTable(Table):
         "or else the loaded coordinates."
     )  # fmt: skip
     outputs: list[Text] | None = Field(
-        None, description="Coordinates, of reactions constraint rows, of forces springs and dampers; left out: all, and the springs and "
-        "dampers of [[output.quantity]]."
+        None, description=f"Coordinates, springs and dampers (their forces), constraint rows (their reactions), {NAMES}; left out: all "
+        "coordinates, and the [[output.quantity]] tables."
     )  # fmt: skip
-    quantity: ResponseQuantity = Field("receptance", description="Kind of response: receptance (displacement / force), …")
+    quantity: ResponseQuantity = Field(
+        "receptance", description="Kind of response of outputs that are named alone: receptance (displacement / force), … force "
+        "transmissibility: what springs, dampers and constraint rows pass to the ground by the force that acts."
+    )  # fmt: skip
     relative_to: Text | None = Field(
         None, description="A coordinate or prescribed motion, subtracted from the outputs of its unit."
     )
@@ -234,10 +241,11 @@ class RandomTable(Table):
 
     input: list[RandomInputTable] = Field(min_length=1, description="The random inputs, [[random.input]].")
     outputs: list[Text] | None = Field(
-        None, description="Coordinates; constraint rows for reactions, springs and dampers for forces; left out: all."
-    )
-    quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force"] = Field(
-        "displacement", description="Quantity of the outputs; force: of springs and dampers."
+        None, description=f"Coordinates, springs and dampers (their forces), constraint rows (their reactions), {NAMES}; left out: all "
+        "that have the quantity, and the [[output.quantity]] tables."
+    )  # fmt: skip
+    quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force", "elongation"] = Field(
+        "displacement", description="Quantity of outputs that are named alone; force and elongation: of springs and dampers."
     )
     relative_to: Text | None = Field(None, description="A coordinate or prescribed motion, subtracted from the outputs.")
     coherence: Number | None = Field(
