@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ..frequency.frequency_response import FrequencyResponse
-from ..ground.coordinate_units import force_unit, rate_unit
+from ..ground.coordinate_units import rate_unit
 from ..ground.display import TextTable, number_text, with_unit
 from ..ground.errors import InputError, named
 from ..ground.notices import Notice, NoticeKind, distinct
 from ..ground.quantities import quantity
 from ..ground.tolerances import EPS
-from ..mechanics.channels import channels, chosen_by_name
+from ..mechanics.channels import OutputNames, channels, chosen_by_name
 from ..mechanics.harmonic_sums import common_rate, largest_modulus, root_mean_square
 from ..mechanics.rotating import NEAR_POLE, NEAR_RESONANCE, CriticalSpeed
 from ..page.content import Cells, Curve, Marks, Plot, curve_with_gaps
@@ -151,7 +151,8 @@ class _RunUp:
         base = np.linspace(low, high, table.points)
         self.speeds = self._with_resonances(base)
         self.outputs = self.fixed.outputs
-        self.units = _units(equations.system, self.outputs, table.quantity)
+        chosen = OutputNames.of(equations.system).chosen("outputs", self.outputs, table.quantity, ())
+        self.units, self.quantities = [one.unit for one in chosen], [one.quantity for one in chosen]
         size = len(self.orders) * len(self.outputs) * len(self.speeds)
         if size > MOST_NUMBERS:
             raise InputError(
@@ -284,7 +285,7 @@ class _RunUp:
         listed = ", ".join(f"{order:.6g}" for order in self.orders[:12])
         yield "orders", listed + (f" … ({len(self.orders)} in all)" if len(self.orders) > 12 else "")
         yield "excitation", f"on {', '.join(self.inputs)}"
-        yield "outputs", f"{self.table.quantity} of {', '.join(self.outputs)}"
+        yield "outputs", ", ".join(self.outputs)
         yield "stability", self.diagram.stability_text
 
     def notices(self) -> Iterator[Notice]:
@@ -326,8 +327,9 @@ class _RunUp:
             sizes = [self._text(i, value) for value in (tops[i], rms, np.abs(own[first]))]
             rows.append((name, sizes[0], number_text(places[i] / RPM), sizes[1], f"{self.orders[first]:g}", sizes[2]))
         heads = ("output", "largest", "rev/min", "RMS there", "order", "its amplitude")
+        title = f"Largest values: {', '.join(dict.fromkeys(self.quantities))}"
         note = "largest: modulus over a cycle" if self.has_cycle else "largest: sum of the amplitudes"
-        yield TextTable(f"Largest {self.table.quantity}s", heads, tuple(rows), f"{note}; order: the largest one there")
+        yield TextTable(title, heads, tuple(rows), f"{note}; order: the largest one there")
         if self.critical:
             named_outputs = self.outputs[:MOST_OUTPUTS]
             cells = (
@@ -351,7 +353,7 @@ class _RunUp:
         return {
             "speeds": {"from": self.speeds[0], "to": self.speeds[-1], "count": len(self.speeds)},
             "orders": self.orders,
-            "quantity": self.table.quantity,
+            "quantities": self.quantities,
             "outputs": self.outputs,
             "units": self.units,
             "has_common_cycle": self.has_cycle,
@@ -391,23 +393,22 @@ class _RunUp:
     def plots(self) -> Iterator[Plot]:
         """Largest and RMS values by unit, the interference diagram, and of the first outputs amplitudes by order and a map."""
         for title, values in (("largest over a cycle", self.largest), ("RMS over a cycle", self.rms)):
-            for unit in dict.fromkeys(self.units):
-                yield from self._over_speed(f"{self.table.quantity}, {title}", unit, values)
+            for kind in dict.fromkeys(zip(self.quantities, self.units)):
+                yield from self._over_speed(*kind, title, values)
         yield self.diagram.campbell_plot()
         for i in range(min(MOST_OUTPUTS, len(self.outputs))):
             yield from self._by_order(i)
             yield from self._map(i)
 
-    def _over_speed(self, title: str, unit: str, values: np.ndarray) -> Iterator[Plot]:
+    def _over_speed(self, quantity: str, unit: str, title: str, values: np.ndarray) -> Iterator[Plot]:
         text, factor = self.shown.of(unit)
-        rows = [i for i, own in enumerate(self.units) if own == unit]
+        rows = [i for i, own in enumerate(zip(self.quantities, self.units)) if own == (quantity, unit)]
         curves = tuple(curve_with_gaps(self.outputs[i], factor * _finite(values[i]), i) for i in rows)
         if any(curve.values.any() for curve in curves):
-            several = len(set(self.units)) > 1
-            yield self._plot(f"{title} ({text})" if several else title, text, curves)
+            yield self._plot(f"{quantity}, {title}", quantity, text, curves)
 
-    def _plot(self, title: str, unit: str, curves: Sequence[Curve], **more) -> Plot:
-        axes: dict[str, Any] = {"across_unit": "rev/min", "variable": "speed", "quantity": self.table.quantity}
+    def _plot(self, title: str, quantity: str, unit: str, curves: Sequence[Curve], **more) -> Plot:
+        axes: dict[str, Any] = {"across_unit": "rev/min", "variable": "speed", "quantity": quantity}
         return Plot(title, "" if unit == "1" else unit, self.speeds / RPM, tuple(curves), **axes, **more)
 
     def _by_order(self, output: int) -> Iterator[Plot]:
@@ -432,7 +433,7 @@ class _RunUp:
             marks += [Marks("", np.array([point[:2] for point in own]), texts, curve=place)] if own else []
         note = "Circles: resonances, where the line of an order crosses that of a mode."
         more: dict[str, Any] = {"shown": 1 + len(strongest), "marks": tuple(marks), "note": note if marks else ""}
-        yield self._plot(f"{name} by order", unit, curves, scales=("linear", "log"), **more)
+        yield self._plot(f"{name} by order", self.quantities[output], unit, curves, scales=("linear", "log"), **more)
 
     def _map(self, output: int) -> Iterator[Plot]:
         """Amplitudes over the speed and the frequency: that of the largest order in each cell, in dB below the largest of all."""
@@ -501,16 +502,3 @@ def _values(response: FrequencyResponse) -> np.ndarray:
         values[..., one.line] = np.where(has_pole, np.inf, values[..., one.line])
     return values
 
-
-def _units(system, outputs: Sequence[str], quantity: str) -> list[str]:
-    """SI units of the outputs."""
-    known = channels(system, "outputs")
-    order = list(RESPONSES).index(quantity) if quantity in RESPONSES else 0
-    is_force = quantity == "force"
-    units = []
-    for name in outputs:
-        if name in system.elements and (is_force or known.get(name) is None):
-            units.append(force_unit(system.elements[name].unit))
-        else:
-            units.append(force_unit(known[name].unit) if quantity == "reaction" else rate_unit(known[name].unit, order))
-    return units

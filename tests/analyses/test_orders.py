@@ -174,3 +174,18 @@ def test_page_files_and_interference_diagram(command, tmp_path):
     rows = [line.split()[:2] for line in output.splitlines() if line.split()[:1] in (["1"], ["2"])]
     damped = 600 * np.sqrt(1 - 0.05**2)
     assert code == 0 and rows[:2] == [["1", f"{damped:.6g}"], ["2", f"{damped / 2:.6g}"]]
+
+
+def test_outputs_have_the_names_of_all_analyses(orders):
+    """Force on the ground k x + c x', velocity i n W x and a stress F / A, each of its own quantity, in plots of their own."""
+    stress = '[output]\nquantity = [{ name = "stress", of = "mount", divided_by = "20 mm^2" }]\n'
+    answer = orders(ONE + stress, outputs=["machine", "velocity of machine", "force on ground", "stress"])
+    arrays = answer.arrays()
+    x, velocity, force, sigma = arrays["amplitudes"][0]
+    w, k, c = 1j * arrays["speeds"], 100 * (2 * np.pi * 10) ** 2, 2 * 0.05 * 100 * 2 * np.pi * 10
+    np.testing.assert_allclose(velocity, w * x, rtol=1e-12)
+    np.testing.assert_allclose(force, (k + c * w) * x, rtol=1e-10)
+    np.testing.assert_allclose(sigma, k * x / 20e-6, rtol=1e-10)
+    assert arrays["units"].tolist() == ["m", "m/s", "N", "Pa"] and answer.data["quantities"][1:] == ["velocity", "force", "stress"]
+    titles = [plot.title for plot in answer.plots()]
+    assert titles[:4] == [f"{one}, largest over a cycle" for one in ("displacement", "velocity", "force", "stress")]

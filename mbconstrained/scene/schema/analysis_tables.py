@@ -403,11 +403,11 @@ class OrdersTable(Table):
     points: int = Field(201, ge=2, le=10_001, description="Number of speeds, both ends included, besides those near resonances.")
     excitation: list[OrderExcitationTable] = Field([], description="The excitations, [[orders.excitation]].")
     outputs: list[Text] | None = Field(
-        None, description="Coordinates, springs and dampers for their forces, of reactions constraint rows; left out: all coordinates, and "
-        "the springs and dampers of [[output.quantity]]."
+        None, description=f"Coordinates, springs and dampers (their forces), constraint rows (their reactions), {NAMES}; left out: all "
+        "coordinates, and the [[output.quantity]] tables."
     )  # fmt: skip
     quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force"] = Field(
-        "displacement", description="Quantity of the outputs; force: of springs and dampers."
+        "displacement", description="Quantity of outputs that are named alone; force: of springs and dampers."
     )
     relative_to: Text | None = Field(
         None, description="A coordinate or prescribed motion, subtracted from the outputs of its unit."
