@@ -28,7 +28,6 @@ from .energy import CoordinateParts, EnergyParts, checked_parts
 from .parameter import Parameter, entry_parameters
 
 if TYPE_CHECKING:
-    from .channels import Output
     from .sparse.pencil import ReducedPencil
 
 Side = Literal["inputs", "outputs"]
@@ -58,7 +57,7 @@ class EquationsOfMotion(Displayed):
         base_class: ``MechanicalSystem``, for systems that are derived from others.
         modes, solve: as of ``MechanicalSystem``.
         elements: the forces of springs and dampers by name, where they are known.
-        quantities: further outputs by name, such as the stress of a bar.
+        quantities: further outputs of the kind ``channels.Output`` by name, such as the stress of a bar.
         has_one_axis: whether coordinates of one unit move along one axis, so that their forces add up.
         load_patterns: by name the generalized forces of a unit of a load that acts at several places, shape (n,), and the unit of the
             displacement along which it works: each is one input.
@@ -76,7 +75,7 @@ class EquationsOfMotion(Displayed):
     modes: Callable[..., Any]
     solve: Callable[..., Any]
     elements: Mapping[str, ElementForce] = MappingProxyType({})
-    quantities: Mapping[str, Output] = MappingProxyType({})
+    quantities: Mapping[str, Any] = MappingProxyType({})
     has_one_axis: bool = True
     load_patterns: Mapping[str, tuple[np.ndarray, str]] = MappingProxyType({})
     loss_factors: Mapping[str, float] = MappingProxyType({})

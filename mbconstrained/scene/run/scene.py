@@ -315,8 +315,9 @@ def check_output(output, equations: Equations, file_name: str, modal_damping: bo
     for number, table in enumerate(output.quantity, 1):
         with at(file_name, f"output.quantity[{number}]"):
             list(named_quantities([table], output_names(equations)))
-    with at(file_name, "output.quantity"):
-        quantities_by_name(output.quantity, output_names(equations))
+    if output.quantity:
+        with at(file_name, "output.quantity"):
+            quantities_by_name(output.quantity, output_names(equations))
     with at(file_name, "output.coordinates"):
         for name in output.coordinates or ():
             equations.coordinates.number(name)
