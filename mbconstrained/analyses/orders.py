@@ -501,4 +501,3 @@ def _values(response: FrequencyResponse) -> np.ndarray:
         has_pole = np.max(sizes, axis=0) > EPS**0.5 * np.abs(values[..., one.line])
         values[..., one.line] = np.where(has_pole, np.inf, values[..., one.line])
     return values
-

@@ -258,6 +258,8 @@ class MechanicalSystem(EquationsOfMotion):
         harmonics: int = 50,
         modal_damping=None,
         loss_factor=None,
+        outputs: Sequence[str] | str = (),
+        quantity: str = "displacement",
     ) -> SteadyState:
         """The motion under harmonic loads after all free motion has decayed: amplitude and phase of every coordinate and reaction.
 
@@ -268,6 +270,8 @@ class MechanicalSystem(EquationsOfMotion):
             period: T in s of records, which repeat.
             harmonics: number of harmonics of a periodic record.
             modal_damping, loss_factor: as in ``frequency_response``.
+            outputs: names of further outputs, such as springs and dampers for their forces.
+            quantity: kind of outputs that are named alone, as of ``random_response``.
 
         Returns:
             A ``SteadyState``.
@@ -283,7 +287,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .harmonic_response import steady_state
 
-        return steady_state(self, force, period, harmonics, modal_damping, loss_factor)
+        return steady_state(self, force, period, harmonics, modal_damping, loss_factor, outputs, quantity)
 
     to_state_space = to_state_space
     discretize = discretize
@@ -328,8 +332,8 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .rotating import campbell, check_rotor
 
-        check_rotor(self)
         self._refuse_delays("campbell")
+        check_rotor(self)
         return campbell(self, speeds)
 
     def critical_speeds(self, order: float = 1.0) -> np.ndarray:
@@ -358,8 +362,8 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .rotating import check_rotor, critical_points
 
-        check_rotor(self)
         self._refuse_delays("critical_speeds")
+        check_rotor(self)
         return np.array([point.speed for point in critical_points(self, order)])
 
     def unbalance_response(self, speeds, unbalance=None, order: float = 1.0) -> UnbalanceResponse:
@@ -389,8 +393,8 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .rotating import check_rotor, unbalance_response
 
-        check_rotor(self)
         self._refuse_delays("unbalance_response")
+        check_rotor(self)
         return unbalance_response(self, speeds, unbalance, order)
 
     def root_locus(self, parameter, values) -> RootLocus:
