@@ -10,12 +10,12 @@ import numpy as np
 
 from ..frequency.features import frequencies_by_poles
 from ..frequency.random.random_response import RandomResponse, octave_bands
+from ..ground.coordinate_units import density_unit
 from ..ground.display import TextTable
 from ..ground.errors import InputError
 from ..ground.notices import distinct
 from ..page.content import Curve, Plot, Scale
 from ..scene.file import at
-from ..scene.quantities.output_units import density_unit
 from ..scene.schema.analysis_tables import RandomTable
 from .base import Analysis, Answer
 

@@ -43,9 +43,6 @@ class OutputUnits:
     units: tuple[str, ...] = ()  # each of another kind; none for SI
     named: tuple[tuple[str, str], ...] = ()  # names of results, each with a unit that precedes those of all
 
-    def __bool__(self) -> bool:
-        return bool(self.units or self.named)
-
     def of(self, unit: str, name: str = "") -> tuple[str, float]:
         """The unit in place of an SI unit, which has products with a blank, with the factor of the values; of the result of this name."""
         units = (*(own for result, own in self.named if result == name), *self.units)
@@ -134,17 +131,6 @@ def _check_kind(unit: str, quantity: str) -> None:
 def _written(unit: str) -> str:
     """A unit as a scene may have it."""
     return _SHOWN.get(unit, unit)
-
-
-def density_unit(unit: str) -> str:
-    """The unit of a spectral density.
-
-    >>> density_unit("g"), density_unit("m/s^2"), density_unit("1")
-    ('g^2/Hz', '(m/s^2)^2/Hz', '1/Hz')
-    """
-    if unit in ("", "1"):
-        return "1/Hz"
-    return f"({unit})^2/Hz" if any(sign in unit for sign in "/ ^*") else f"{unit}^2/Hz"
 
 
 def _alike(one: str, other: str) -> bool:

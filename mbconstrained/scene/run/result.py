@@ -725,7 +725,7 @@ def _forces(equations: Equations) -> KindOfCurves:
 
 def in_units(curves: Curves, units: OutputUnits) -> Curves:
     """Curves in the units of page and CSV."""
-    if not units:
+    if units == OutputUnits():
         return curves
     own, factors = zip(*map(units.of, curves.units, curves.names))
     return replace(curves, units=own, values=np.array(factors)[:, None] * curves.values)

@@ -17,7 +17,7 @@ from ...ground.units import unit_in_si
 from ..build.equations import equations_of
 from ..build.model import Equations, element_quantities
 from ..file import SceneName, at, read_tables, with_robot_file
-from ..quantities.output_units import QUANTITIES
+from ..quantities.output_units import QUANTITIES, OutputUnits
 from ..quantities.parameters import Parameters, with_parameters
 from ..quantities.settings import with_settings, with_values
 from ..schema.entry_types import validated
@@ -296,11 +296,12 @@ def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, An
     table = validated(data, name, SceneFile)
     costs.lap("read the scene")
     equations = equations_of(table, path.parent, name, costs.lap)
-    if table.output.units:
+    if table.output.units != OutputUnits():
         coordinates = replace(equations.coordinates, shown=table.output.units)
         equations = replace(equations, coordinates=coordinates)
-    with at(name, "output.units"):
-        _check_results(table.output, equations, parameters)
+    if table.output.units.named:
+        with at(name, "output.units"):
+            _check_results(table.output, equations, parameters)
     check_output(table.output, equations, name, getattr(table.model, "modal_damping", None) is not None)
     if table.time.step_domain == "discrete":
         check_discrete(table, equations, name)
@@ -309,8 +310,6 @@ def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, An
 
 def _check_results(output, equations: Equations, parameters: Parameters) -> None:
     """Check that what has a unit of its own is a result or a parameter."""
-    if not output.units.named:
-        return
     known = [*equations.coordinates.names, *parameters.values, *(load.name for load in equations.loads)]
     for several in (
         equations.outputs,
