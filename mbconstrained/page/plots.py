@@ -314,7 +314,7 @@ def _grid(across: Axis, up: Axis, height: int) -> str:
 
 
 def _labelled(axis: Axis, places: Sequence[int], width: float) -> Sequence[int]:
-    """Those of some ticks whose labels do not meet on an axis of this width in px: all, powers of ten, or some at even steps."""
+    """Places of ticks whose labels do not meet on an axis of this width in px: all, powers of ten, or some at even steps."""
     shares = axis.shares(np.array(axis.ticks))
     decades = [i for i in places if axis.scale == "log" and is_power(axis.ticks[i])] or places
 
@@ -733,8 +733,8 @@ def _draw(axes: Axes, plot: Plot, panels: int) -> bool:
         axes.grid(False)
         levels = axis_of(*plot.cells.ends, widen=False)
         power = f"10{superscript(levels.exponent)}" if levels.exponent else ""
-        bar = axes.figure.colorbar(mesh, ax=axes, label=" ".join(filter(None, (power, unit_text(plot.cells.unit)))))
-        bar.set_ticks(levels.ticks, labels=levels.labels)
+        scale = axes.figure.colorbar(mesh, ax=axes, label=" ".join(filter(None, (power, unit_text(plot.cells.unit)))))
+        scale.set_ticks(levels.ticks, labels=levels.labels)
     for guide in plot.guides:
         if ends := guide.ends(across, up):
             (line,) = axes.plot(*zip(*ends), transform=axes.transAxes, scalex=False, scaley=False)

@@ -61,13 +61,14 @@ class PlottedCurve {
     if (this.path.getAttribute("d") !== part) this.path.setAttribute("d", part);
   }
 
-  // Times of the part that is shown at which a table has the curve.
+  // Times of the part that is shown at which a table has the curve; of a function as many as there is room for, evenly along the axis.
   timesShown() {
     const { across, phase, start, end } = this.plot;
-    const [from, to] = phase ? [start, end] : across.ends.map((time) => Math.min(end, Math.max(start, time)));
     const { samples } = this.functions;
-    if (samples) return samples.points(from, to);
-    return this.parts.length ? Array.from({ length: tableRows }, (_, i) => from + ((to - from) * i) / (tableRows - 1)) : [];
+    const at = (share) => (phase ? start + (end - start) * share : across.value(share));
+    const [from, to] = phase ? [start, end] : across.ends;
+    const times = samples ? samples.points(from, to) : Array.from({ length: tableRows }, (_, i) => at(i / (tableRows - 1)));
+    return [...new Set(times.map((time) => Math.min(end, Math.max(start, time))))].filter((time) => this.has(time));
   }
 
   outline() {

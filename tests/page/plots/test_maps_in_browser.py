@@ -57,6 +57,8 @@ def test_rows_have_names_and_no_numbers_also_when_zoomed(opened):
     assert opened.evaluate(ticks) == 0 and opened.evaluate(names) == ["stiffness", "mass"]
     wheel(opened, 2, 0.5, 0.5, -200)
     assert opened.evaluate(ticks) == 0 and opened.messages == []
+    opened.evaluate("document.querySelectorAll('.whole')[2].click()")
+    opened.wait(0.1)
 
 
 def test_the_cell_and_the_mark_at_the_pointer_are_read(opened):
