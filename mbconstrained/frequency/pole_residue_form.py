@@ -197,7 +197,7 @@ class PoleResidueForm:
     def _defined(self) -> tuple[np.ndarray, np.ndarray]:
         """Unknowns y = R(s) x that only their own equation has, such as the force of a spring, shape (d,), and R_k, shape (K, d, r)."""
         coefficients = np.array(self.pairs.polynomial_matrix.coefficients)
-        pattern = coefficients.any(axis=0)
+        pattern: np.ndarray = np.any(coefficients, axis=0)
         unknowns = np.flatnonzero((pattern.sum(axis=0) == 1) & ~coefficients[1:].any(axis=(0, 1)))
         rows = pattern[:, unknowns].argmax(axis=0)
         result = -coefficients[:, rows] / coefficients[0, rows, unknowns][:, None]

@@ -324,7 +324,7 @@ def _check_results(output, equations: Equations, parameters: Parameters) -> None
         known += [*(row.name for row in system.rows), *system.elements, *system.named_directions("outputs")]
     if equations.has_connections:
         known += equations.robot_scene.system.connection_forces.names
-    known += [one.name for one in element_quantities(output.quantity, equations)]
+    known += [one.name for one in named_quantities(output.quantity, output_names(equations))]
     for name, _ in output.units.named:
         if name not in known:
             hint = nearest(name, (*QUANTITIES, *known))
