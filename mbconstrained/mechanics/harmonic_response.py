@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -27,7 +27,18 @@ from ..linalg.arrays import full
 from ..polynomial.delayed_terms import DelayedTerm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.impulsive import ExactInput, ExactRecord, ExactTerm, ImpulsiveSmooth
-from .channels import MOTIONS, ON_GROUND, Channel, Output, OutputNames, channels, chosen_by_name, coordinate_channels, reference
+from .channels import (
+    MOTIONS,
+    ON_GROUND,
+    Channel,
+    Output,
+    OutputNames,
+    channels,
+    chosen_by_name,
+    coordinate_channels,
+    reference,
+    row_channels,
+)
 from .constraints import with_multipliers
 from .element_matrix import ElementMatrix
 from .element_matrix import modal_damping as modal_damping_elements
@@ -306,6 +317,7 @@ class SteadyState(Displayed):
         error_estimate: the largest relative error of the amplitudes at each frequency, relative to the largest of them, shape (L,).
         units: units of the coordinates and of the reactions, by name.
         period: T in s of records; None for harmonic loads.
+        outputs, output_amplitudes: names and complex amplitudes, shape (m, L), of requested outputs; their units are among ``units``.
         motion: the motion in one period in closed form, where all loads repeat with it; None where values in time are sums of harmonics.
 
     The amplitudes and phases are ``abs`` and ``numpy.angle`` of the complex ones.
@@ -326,6 +338,13 @@ class SteadyState(Displayed):
     units: dict[str, str]
     period: float | None = None
     motion: Motion | None = None
+    output_amplitudes: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), dtype=complex))
+    _outputs: tuple[Output, ...] = ()
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the requested outputs."""
+        return tuple(one.name for one in self._outputs)
 
     def _summary(self) -> str:
         lines = counted(len(self.frequencies_hz), "frequency", "frequencies")
@@ -333,7 +352,12 @@ class SteadyState(Displayed):
 
     def _tables(self) -> tuple[TextTable, ...]:
         cells = []
-        for names, amplitudes in ((self.names, self.displacement_amplitudes), (self.rows, self.reaction_amplitudes)):
+        parts = (
+            (self.names, self.displacement_amplitudes),
+            (self.rows, self.reaction_amplitudes),
+            (self.outputs, self.output_amplitudes),
+        )
+        for names, amplitudes in parts:
             for name, row in zip(names, amplitudes):
                 for f, z in zip(self.frequencies_hz, row):
                     cells.append((name, number_text(f), f"{abs(z):.6g} {self.units[name]}", f"{np.degrees(np.angle(z)):.2f}"))
@@ -355,6 +379,13 @@ class SteadyState(Displayed):
     def reaction(self, times) -> np.ndarray:
         """The reactions of the constraint rows at times in s, shape (k,) or (k, T), without their Dirac impulses."""
         return self._values("reaction", self.reaction_amplitudes, times)
+
+    def output(self, times) -> np.ndarray:
+        """The requested outputs at times in s, shape (m,) or (m, T)."""
+        if self.motion is None:
+            return self._values("", self.output_amplitudes, times)
+        since = np.mod(real_array(times, "times"), self.period)
+        return np.array([one.values(self.motion, since) for one in self._outputs])
 
     def deflection_shape(self, frequency_hz: float) -> np.ndarray:
         """The operating deflection shape at one of the frequencies: complex amplitudes of all coordinates, shape (n,).
@@ -391,6 +422,8 @@ def steady_state(
     harmonics: int = 50,
     modal_damping=None,
     loss_factor=None,
+    outputs: Sequence[str] | str = (),
+    quantity: str = "displacement",
 ) -> SteadyState:
     """``MechanicalSystem.steady_state``."""
     if system.is_sparse:
@@ -405,26 +438,36 @@ def steady_state(
         loads[0.0][place] += row.value
         for omega, amplitude in _spectrum(row.signal, period, harmonics) if getattr(row, "signal", None) is not None else ():
             loads[omega][place] += amplitude[0]
-    omegas = sorted(omega for omega, load in loads.items() if load.any())
-    coefficients, imaginary, sizes = saddle_point(system, [row.order for row in rows], modal_damping, loss_factor)
-    names = (*system.names, *(row.name for row in rows))
-    A, C = PolynomialMatrix(coefficients, names), np.diag(np.repeat([1.0, -1.0], [n, len(rows)]))
+    further = OutputNames.of(system).chosen("outputs", outputs, quantity, ()) if len(outputs) else []
+    constants = np.array([one.constant for one in further])
+    omegas = sorted({omega for omega, load in loads.items() if load.any()} | ({0.0} if constants.any() else set()))
+    own = saddle_point(system, [row.order for row in rows], modal_damping, loss_factor)
+    names, inputs = (*system.names, *(row.name for row in rows)), [*coordinate_channels(system), *row_channels(system)]
+    (coefficients, imaginary, sizes), B, of_outputs, power = with_outputs(system, own, inputs, further, loss_factor)
+    A = PolynomialMatrix(coefficients, [*names, *(f"output {number}" for number in range(1, len(B) - len(names) + 1))])
+    C = np.vstack([np.diag(np.repeat([1.0, -1.0], [n, len(rows)])) @ np.eye(len(names), len(B)), of_outputs])
     answers, errors = np.zeros((len(C), len(omegas)), dtype=complex), np.zeros(len(omegas))
     for line, omega in enumerate(omegas):
-        parts = np.stack([loads[omega].real, loads[omega].imag], axis=1)
+        parts = B @ np.stack([loads[omega].real, loads[omega].imag], axis=1)
         structural = imaginary if omega else None
-        table = np.full((len(C), 2), "")
+        table, rows_of_table = np.full((len(C), 2), ""), (*names, *(one.name for one in further))
         delayed = delayed_unknowns(system, A.size)
-        own = Harmonic(A, parts, C, 0, structural, sizes, ("real part", "imaginary part"), names, table, delayed=delayed)
-        H = evaluated(own, [omega / (2 * np.pi)])
+        at_line = Harmonic(
+            A, parts, C, 0, structural, sizes, ("real part", "imaginary part"), rows_of_table, table, delayed=delayed
+        )
+        H = evaluated(at_line, [omega / (2 * np.pi)])
         if H.poles_on_lines:
             raise InputError(
                 f"force: at {number_text(omega / (2 * np.pi))} Hz it acts on an undamped motion of this frequency, which grows; "
                 "there is no steady state without damping"
             )
         answers[:, line] = H.values[..., 0] @ [1.0, 1j]
-        size = np.abs(H.values[..., 0])
-        errors[line] = (H.error_estimate[..., 0] * size).max() / max(size.max(), np.finfo(float).tiny)
+        size = np.abs(H.values[: len(names), :, 0])
+        errors[line] = (H.error_estimate[: len(names), :, 0] * size).max() / max(size.max(), np.finfo(float).tiny)
+    count = len(names)
+    answers[count:] *= (1j * np.array(omegas)) ** power
+    if omegas and not omegas[0]:
+        answers[count:, 0] += constants
     units = {**system.units, **{row.name: force_unit(row.unit) for row in rows}}
     f = np.array(omegas) / (2 * np.pi)
     motion = None
@@ -433,7 +476,9 @@ def steady_state(
     if period is not None and not (loss_factor or system.loss_factors or system.delayed) and repeats:
         damped = system if modal_damping is None else system.with_modal_damping(modal_damping)
         motion = _periodic_motion(damped, force, period)
-    return SteadyState(system.names, names[n:], f, answers[:n], answers[n:], errors, units, period, motion)
+    units |= {one.name: one.unit for one in further}
+    further_values = answers[count:], tuple(further)
+    return SteadyState(system.names, names[n:], f, answers[:n], answers[n:count], errors, units, period, motion, *further_values)
 
 
 def _periodic_motion(system: EquationsOfMotion, force: ImpulsiveSmooth | None, period: float) -> Motion | None:

@@ -138,13 +138,13 @@ class Peaks(Displayed):
         return f"{self.quantity}, {counted(len(self.names), 'function')}"
 
     def _tables(self) -> tuple[TextTable, ...]:
-        return (self.table(lambda unit: (unit, 1.0)),)
+        return (self.table(lambda unit, name: (unit, 1.0)),)
 
-    def table(self, shown: Callable[[str], tuple[str, float]]) -> TextTable:
-        """Both extrema of each function with their times; ``shown`` maps an SI unit to the displayed unit and the factor of its values."""
+    def table(self, shown: Callable[[str, str], tuple[str, float]]) -> TextTable:
+        """Both extrema of each function with their times; ``shown`` gives the displayed unit and its factor, by SI unit and name."""
         own, texts = self.extrema, []
         for name, unit, a, ta, b, tb in zip(self.names, self.units, own.maximum, own.maximum_time, own.minimum, own.minimum_time):
-            text, factor = shown(unit)
+            text, factor = shown(unit, name)
             high, low = (f"{number_text(factor * value)} {text}" if text != "1" else number_text(value) for value in (a, b))
             texts.append((name, high, number_text(ta), low, number_text(tb)))
         return TextTable(f"Peaks of the {self.quantity}", ("of", "maximum", "at (s)", "minimum", "at (s)"), tuple(texts))

@@ -19,7 +19,7 @@ from ...ground.quantities import KINDS, Dimension, any_quantity
 from ...ground.tolerances import noise_of
 from ..file import EntryError
 from ..quantities.coordinates import DERIVATIVES
-from ..quantities.output_units import output_units
+from ..quantities.output_units import QUANTITIES, OutputUnits, output_units
 from .entry_types import (
     NUMBER_SCHEMA,
     SIGNALS,
@@ -355,6 +355,16 @@ class QuantityTable(Table):
         return self
 
 
+_UNITS = {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}
+_UNITS_SCHEMA = {
+    "examples": ["mm, deg, rpm, kN, g"],
+    "anyOf": [
+        *_UNITS["anyOf"],
+        {"type": "object", "properties": dict.fromkeys(QUANTITIES, _UNITS), "additionalProperties": _UNITS},
+    ],
+}
+
+
 class OutputTable(Table):
     """The files to write."""
 
@@ -376,11 +386,11 @@ class OutputTable(Table):
     reactions: bool = Field(False, description="Forces of constraints, and of a robot's springs, in files.")
     arrows: list[Literal["reaction"]] = Field([], description="Forces that the animation shows as arrows.")
     slow_events: bool = Field(False, description="true: the animation is slower around jumps, impulses and switches.")
-    units: Annotated[
-        tuple[str, ...], BeforeValidator(output_units), WithJsonSchema({"type": "string", "examples": ["mm, deg, rpm, kN"]})
-    ] = Field(
-        (),
-        description='Units of page, tables and CSV, e.g. "mm, deg, rpm, kN"; accelerations in m/s^2, or g or mm/s^2 given here; SI when left out, and in the npz file.',
+    units: Annotated[OutputUnits, BeforeValidator(output_units), WithJsonSchema(_UNITS_SCHEMA)] = Field(
+        OutputUnits(),
+        description='Units of page, tables and CSV, e.g. "mm, deg, rpm, kN, g", or by quantity and result, e.g. '
+        '{ displacement = "mm", acceleration = "g", "force of clutch" = "kN" }. Velocities and products follow; accelerations are in m/s^2 '
+        "unless they have a unit of their own. SI when left out, and always in the npz file and the JSON.",
     )
     plot_images: bool = Field(False, description="The plots as pictures too, SVG and PNG, for reports.")
     still: Time | None = Field(None, description="A picture of the model at this time as PNG, taken by an installed Chromium.")
@@ -444,6 +454,7 @@ Vary = Annotated[Any, _late("VaryTable")]
 Boundary = Annotated[Any, _late("BoundaryTable", ".force_tables")]
 LeastEnergy = Annotated[Any, _late("LeastEnergyTable", ".force_tables")]
 Campbell = Annotated[Any, _late("CampbellTable")]
+Orders = Annotated[Any, _late("OrdersTable")]
 RobotPath = Annotated[Any, _late("PathTable")]
 
 
@@ -471,6 +482,9 @@ class SceneFile(Table):
     shock: Shock | None = Field(None, description="Peaks under a shock, by the command shock; left out: the defaults.")
     vary: Vary | None = Field(None, description="Parameters that the commands sweep and optimise vary; left out: named there.")
     campbell: Campbell | None = Field(None, description="Speeds and orders of the command campbell; left out: the defaults.")
+    orders: Orders | None = Field(
+        None, description="Excitations by orders of a speed, for the commands orders and campbell; left out: none."
+    )
     path: RobotPath | None = Field(None, description="Path of a point of a robot, along which the command path computes its modes.")
     output: OutputTable = Field(OutputTable.model_construct(), description="Files to write, and contents of the page.")
     drawing: DrawingTable | None = Field(None, description="Drawing of the model; automatic by default.")
