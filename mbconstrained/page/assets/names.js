@@ -116,12 +116,32 @@ class Names {
     for (const i of this.order()) {
       const [label, places] = [this.labels[i], this.places(i)];
       if (!chosen && label.textContent) this.sides[i] = this.side(i, places, occupied);
-      const box = places[this.sides[i]];
+      const box = this.inside(places[this.sides[i]]);
       label.style.transform = `translate(${box.left.toFixed(1)}px, ${box.top.toFixed(1)}px)`;
       const shown = isFree(box, occupied) && !this.hidden[i];
       label.style.visibility = shown ? "visible" : "hidden";
       if (shown && label.textContent) occupied.push(box);
     }
+  }
+
+  // The text over the picture, where no name may be.
+  caption() {
+    const text = this.stage.pane.querySelector(".magnification");
+    const state = [text.textContent, ...this.stage.size].join();
+    if (state === this.captionState) return this.captionBoxes;
+    const range = document.createRange();
+    range.selectNodeContents(text);
+    const [{ left, right, top, bottom, width }, corner] = [range, this.stage.pane].map((part) => part.getBoundingClientRect());
+    const box = { left: left - corner.left, right: right - corner.left, top: top - corner.top, bottom: bottom - corner.top };
+    return Object.assign(this, { captionState: state, captionBoxes: width ? [box] : [] }).captionBoxes;
+  }
+
+  // A box that is partly outside of the picture, moved into it.
+  inside(box) {
+    const [width, height] = this.stage.size;
+    const shift = (low, high, end) => (high < 0 || low > end ? 0 : low < 0 ? -low : Math.min(0, end - high));
+    const [x, y] = [shift(box.left, box.right, width), shift(box.top, box.bottom, height)];
+    return { left: box.left + x, right: box.right + x, top: box.top + y, bottom: box.bottom + y };
   }
 
   // The order in which names are placed: bodies of solids the nearest first, the others in their order.

@@ -237,7 +237,9 @@ class Stage {
 
   draw() {
     this.viewer.render();
-    this.names.place(this.overlay ? this.overlay.placeLabels() : []);
+    const occupied = [...this.names.caption()];
+    if (this.overlay) this.overlay.placeLabels(occupied);
+    this.names.place(occupied);
   }
 
   drawIfNeeded() {
