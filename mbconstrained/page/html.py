@@ -515,7 +515,7 @@ def _parts(content: PageContent) -> tuple[list[str], dict, list[str], dict[str, 
     if functions.needed:
         blocks["plot-data"], names = functions.as_data(), list(_PLOTS)
     if data:
-        names += [*_ANIMATION, *[f"{name}.js" for name in ("overlay", "posing", "switching") if name in data["figure"]], script]
+        names += [*_ANIMATION, *[f"{name}.js" for name in ("overlay", "posing", "switching", "orbits") if name in data["figure"]], script]
         blocks["motion-data"] = data
     if names:
         names = ["theme.js", "numbers.js", *names]
@@ -622,8 +622,8 @@ def _asset(name: str) -> str:
 
 
 def _script(name: str) -> str:
-    """A script without the lines of its comments, which are a tenth of it."""
-    return re.sub(r"^ *//.*\n", "", _asset(name), flags=re.MULTILINE)
+    """A script without indentation and the lines of its comments, which are a sixth of it; no text of a script is longer than a line."""
+    return re.sub(r"^ *(//.*\n)?", "", _asset(name), flags=re.MULTILINE)
 
 
 def viewer_script() -> str:

@@ -31,8 +31,9 @@ TALLEST = 8.0
 
 def drawing_of(scene: SceneData, values=None, **scales: float) -> Drawing:
     """The drawing of a scene whose coordinates are positions, given or automatic."""
-    model = scene.equations.model
-    return own_drawing(scene) or automatic_drawing(scene, model and model.elements, values, **scales)
+    model, speed = scene.equations.model, scene.table.model.speed
+    drawing = own_drawing(scene) or automatic_drawing(scene, model and model.elements, values, **scales)
+    return replace(drawing, revolution=2 * np.pi / abs(speed)) if speed else drawing
 
 
 def own_drawing(scene: SceneData) -> Drawing | None:
@@ -546,7 +547,7 @@ class ShapeDrawing:
         drawing, entries = self.drawing, dict(zip(self.names, _clean(shape)))
         moves = {body.name: drawing.scale * _sum(body.moves, entries) for body in drawing.bodies}
         turns = [drawing.turn_scale * _sum(body.turns, entries) for body in drawing.bodies]
-        between = [moves[link.end] - moves[link.start] for link in drawing.links]
+        between = [moves[link.end] - moves[link.start] for link in drawing.links if link.kind != "shaft"]
         limits = ((ABSOLUTE, moves.values()), (NEIGHBOURS, between), (WIDEST_ANGLE, turns))
         furthest = [(limit, float(max(map(np.linalg.norm, vectors), default=0.0))) for limit, vectors in limits]
         return two_digits(min((limit / size for limit, size in furthest if size), default=1.0))
