@@ -412,10 +412,12 @@ class RobotPicture:
         self._full = full = table is not None and table.full_meshes
         with at(scene.data.urdf_place):
             own = scene.robot.visuals()
-            self._visuals = visuals = own or scene.robot.visuals(collision=True)
+            shapes = own or scene.robot.visuals(collision=True)
+            self._visuals = visuals = shapes or scene.robot.bones()
         large = {id(item.vertices) for item in visuals if item.triangles > MOST_TRIANGLES}
         missing = dict.fromkeys(item.note for item in visuals if item.note)
-        notes = ["links drawn as their collision geometry"] * bool(visuals and not own)
+        notes = ["links drawn as their collision geometry"] * bool(shapes and not own)
+        notes += ["links drawn as bones between their joints"] * bool(visuals and not shapes)
         notes += [f"{counted(len(large), 'mesh', 'meshes')} drawn with fewer triangles"] * bool(large and not full)
         notes += [f"textures not drawn: {', '.join(missing)}"] * bool(missing)
         self.note = ", ".join(notes)
