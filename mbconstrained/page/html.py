@@ -515,7 +515,11 @@ def _parts(content: PageContent) -> tuple[list[str], dict, list[str], dict[str, 
     if functions.needed:
         blocks["plot-data"], names = functions.as_data(), list(_PLOTS)
     if data:
-        names += [*_ANIMATION, *[f"{name}.js" for name in ("overlay", "posing", "switching", "orbits") if name in data["figure"]], script]
+        names += [
+            *_ANIMATION,
+            *[f"{name}.js" for name in ("overlay", "posing", "switching", "orbits") if name in data["figure"]],
+            script,
+        ]
         blocks["motion-data"] = data
     if names:
         names = ["theme.js", "numbers.js", *names]
@@ -565,6 +569,8 @@ def _magnification(animation: Animation, frames: KeyFrames) -> str:
         texts.append(f"angles drawn {drawing.turn_scale:g} × as large")
     if animation.overlay.forces:
         texts.append(f"arrows: {animation.overlay.description}, {force_scale(animation.overlay.forces)}")
+    if any(body.traced for body in drawing.bodies):
+        texts.append("orange: orbits over the last revolution")
     levels = {level for link in drawing.links for _, level in link.states}
     texts += [", ".join(ENGAGEMENTS[level] for level in sorted(levels, reverse=True))] if levels else []
     if frames.stride > 1:

@@ -206,12 +206,6 @@ class Robot(RobotModel):
             return visuals_of_mjcf(self.source, collision=collision)
         return visuals_of(self.description, self._mesh_files, collision=collision)
 
-    def bones(self) -> tuple[Visual, ...]:
-        """Return shapes for a robot without any: a cylinder from each joint to the next ones, and a ball at each joint."""
-        from .visualization import bones_of
-
-        return bones_of(self)
-
     @cached_property
     def _mesh_files(self) -> MeshFiles:
         """Mesh files, cached since visual and collision shapes may share them."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 from xml.etree import ElementTree
 
 import numpy as np
@@ -18,16 +18,13 @@ from ..ground.checks import counted, nearest, real_array, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
-from .connections import Attached, BodySpring, Connection, Loop
+from .connections import Attached, BodySpring, Connection, LinkFrames, Loop
 from .description.meshes import MeshFiles, MissingMesh, Texture
 from .description.mjcf import geom_kind, pose
 from .description.urdf import ModelFile, numbers, place_of
 from .kinematics import Anchor
 from .statics import Posture, Search, closed, rows_of
 from .tangent import MimicRow
-
-if TYPE_CHECKING:
-    from .robot import RobotModel
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,12 +151,11 @@ def _elements(description: ElementTree.Element, tag: str = "visual"):
 BONE, JOINT = 0.035, 0.06
 
 
-def bones_of(robot: RobotModel) -> tuple[Visual, ...]:
+def bones_of(model, links: LinkFrames) -> tuple[Visual, ...]:
     """Cylinders from the joint of each link to those behind it, and balls at the joints, of a robot whose links have no shapes.
 
     The last link of a chain reaches as far beyond its centre of mass as a uniform rod with its moment of inertia would.
     """
-    model, links = robot.model, robot.link_frames
     heaviest = links.heaviest_links()
     ends: dict[int, list[np.ndarray]] = {joint: [] for joint in heaviest}
     for joint in range(1, model.njoints):

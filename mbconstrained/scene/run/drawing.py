@@ -33,7 +33,9 @@ def drawing_of(scene: SceneData, values=None, **scales: float) -> Drawing:
     """The drawing of a scene whose coordinates are positions, given or automatic."""
     model, speed = scene.equations.model, scene.table.model.speed
     drawing = own_drawing(scene) or automatic_drawing(scene, model and model.elements, values, **scales)
-    return replace(drawing, revolution=2 * np.pi / abs(speed)) if speed else drawing
+    if speed:
+        return replace(drawing, revolution=2 * np.pi / abs(speed))
+    return replace(drawing, bodies=tuple(replace(body, traced=()) for body in drawing.bodies))
 
 
 def own_drawing(scene: SceneData) -> Drawing | None:
@@ -408,12 +410,14 @@ class RobotPicture:
     """
 
     def __init__(self, scene: RobotScene, table: DrawingTable | None = None):
+        from ...robot.visualization import bones_of
+
         self.scene = scene
         self._full = full = table is not None and table.full_meshes
         with at(scene.data.urdf_place):
             own = scene.robot.visuals()
             shapes = own or scene.robot.visuals(collision=True)
-            self._visuals = visuals = shapes or scene.robot.bones()
+            self._visuals = visuals = shapes or bones_of(scene.robot.model, scene.robot.link_frames)
         large = {id(item.vertices) for item in visuals if item.triangles > MOST_TRIANGLES}
         missing = dict.fromkeys(item.note for item in visuals if item.note)
         notes = ["links drawn as their collision geometry"] * bool(shapes and not own)
