@@ -50,13 +50,14 @@ class Names {
     return { x: x, y: y, across: half[0], up: half[1] };
   }
 
-  // The boxes in which the name of a body may be, in pixels: above it, to its right, to its left, below it.
+  // The boxes in which the name of a body may be, in pixels: above it, to its right, to its left, below it; on a solid one, or a line
+  // higher or lower there.
   places(i) {
     const [width, height] = this.sizes[i];
     const box = (x, y) => ({ left: x - width / 2, right: x + width / 2, top: y - height, bottom: y });
     if (this.boxes[i]) {
       const [x, top] = this.onSolid(i);
-      return [box(x, top - 4)];
+      return [0, -height, height].map((shift) => box(x, top - 4 + shift));
     }
     const { x, y, across, up } = this.outline(i);
     const [aside, level] = [across + width / 2 + 4, y + height / 2];
@@ -65,7 +66,6 @@ class Names {
 
   // The first of these places in which a name covers no link, no other body and no other name; else the first.
   side(i, places, occupied) {
-    if (places.length === 1) return 0;
     const [width, height] = this.stage.size;
     const others = this.drawn.flatMap(({ shape }, k) => {
       if (k === i || this.boxes[k] || shape === "rail" || shape === "base") return [];
@@ -73,7 +73,8 @@ class Names {
       return [{ left: x - across, right: x + across, top: y - up, bottom: y + up }];
     });
     const isInside = (box) => box.left > 0 && box.right < width && box.top > 0 && box.bottom < height;
-    const isClear = (box) => isFree(box, occupied) && isFree(box, others) && this.lines.every((line) => !crosses(box, line));
+    const besides = (box) => isFree(box, others) && this.lines.every((line) => !crosses(box, line));
+    const isClear = (box) => isFree(box, occupied) && (this.boxes[i] || besides(box));
     return Math.max(places.findIndex((box) => isInside(box) && isClear(box)), 0);
   }
 
