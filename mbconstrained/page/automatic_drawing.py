@@ -224,26 +224,34 @@ SLAB, STOREY, COLUMN = (3.6, 1.8, 0.24), 1.3, 1.5
 #: Distance of a further connection from the one in front of it, drawing units.
 BEHIND = 0.4
 
-_NAME = re.compile(r"(ground |top |roof |\d+(st|nd|rd|th) )?(floor|storey|story|roof|slab)[ _-]?\d*", re.IGNORECASE)
+_ORDINAL = r"\d+(st|nd|rd|th)|first|second|third|fourth|fifth|sixth|seventh|eighth|ninth|tenth"
+_NAME = re.compile(rf"((ground|top|roof|{_ORDINAL}) )?(floor|storey|story|roof|slab)[ _-]?\d*", re.IGNORECASE)
+_SOIL = re.compile("soil|base|basement|foundation", re.IGNORECASE)
 
 
 def are_storeys(names: Sequence[str]) -> bool:
-    """Whether these are names of storeys, at least two.
+    """Whether these are names of storeys, at least two, and at most one of what they stand on.
 
-    >>> are_storeys(["floor 1", "floor_2", "roof"]), are_storeys(["floor 1", "cart"])
+    >>> are_storeys(["soil", "first floor", "roof"]), are_storeys(["floor 1", "floor_2", "cart"])
     (True, False)
     """
-    return len(names) > 1 and all(_NAME.fullmatch(name) for name in names)
+    others = [name for name in names if not _NAME.fullmatch(name)]
+    return len(names) - len(others) > 1 and len(others) < 2 and all(map(_SOIL.fullmatch, others))
 
 
 def storeys(order: Sequence[str], joints: Sequence[DrawnJoint]) -> Piece:
     """The piece of a building.
 
-    A spring or rod is two columns, which lean as it is stretched, a damper is a brace.
+    A spring or rod is two columns, which lean as it is stretched, a damper is a brace. Where nothing connects the storeys to the
+    ground the first one is the moving ground.
     """
-    levels = {GROUND: 0.0} | {name: STOREY * (number + 1) for number, name in enumerate(order)}
-    base = DrawnBody("ground", "base", (0.0, 0.0, -SLAB[2] / 2), size=(SLAB[0] + 1.0, SLAB[1] + 0.6, 0.1))
-    slabs = [DrawnBody(name, "box", (0.0, 0.0, levels[name]), {name: (1.0, 0.0, 0.0)}, size=SLAB) for name in order]
+    footing = (SLAB[0] + 1.0, SLAB[1] + 0.6, 0.1)
+    fixed = [GROUND] * any(joint.ends <= {GROUND, *order} and GROUND in joint.ends for joint in joints)
+    levels = {name: STOREY * number for number, name in enumerate([*fixed, *order])}
+    slabs = [DrawnBody("ground", "base", (0.0, 0.0, -SLAB[2] / 2), size=footing) for _ in fixed]
+    for name in order:
+        size = SLAB if levels[name] else footing
+        slabs.append(DrawnBody(name, "box", (0.0, 0.0, levels[name] or -SLAB[2] / 2), {name: (1.0, 0.0, 0.0)}, size=size))
     links: list[DrawnLink] = []
     drawn: Counter[tuple[str, str]] = Counter()
     for joint in joints:
@@ -251,13 +259,13 @@ def storeys(order: Sequence[str], joints: Sequence[DrawnJoint]) -> Piece:
             low, high = sorted((joint.start, joint.end), key=lambda name: levels[name])
             far, back = levels[high] - levels[low] > 1.5 * STOREY, BEHIND * drawn[low, high]
             drawn[low, high] += 1
-            bottom, top = (0.05 if low == GROUND else SLAB[2] / 2), -SLAB[2] / 2
+            bottom, top = SLAB[2] / 2 if levels[low] else footing[2] / 2, -SLAB[2] / 2
             kind: LinkKind = "rod" if joint.kind in ("spring", "rod") and not far else joint.kind
             lines = [(-COLUMN, -COLUMN), (COLUMN, COLUMN)] if kind == "rod" else [(-0.7 * COLUMN, 0.7 * COLUMN)]
             for name, (left, right) in zip((joint.name, f"{joint.name}, right"), lines):
                 ends = {"start_point": (left, back, bottom), "end_point": (right, back, top)}
                 links.append(DrawnLink(name, kind, low, high, **ends))
-    return Piece((base, *slabs), tuple(links))
+    return Piece(tuple(slabs), tuple(links))
 
 
 def columns(order: Sequence[str]) -> list[DrawnJoint]:
@@ -839,7 +847,7 @@ def lumped_drawing(
     rows = groups([name for name in sliding if name not in barred], (joint.ends for joint in slides))
     upright = {tuple(group) for group in rows if stack == "vertical" or (stack is None and are_storeys(group))}
     chains = [
-        storeys(walk(group, slides), slides) if tuple(group) in upright else _chain(group, slides, massless, pulleys, spots)
+        storeys(walk(group, slides, next(filter(_SOIL.fullmatch, group), None)), slides) if tuple(group) in upright else _chain(group, slides, massless, pulleys, spots)
         for group in rows
     ]
     trains = groups(wheels, [*(joint.ends for joint in twists), *meshing])

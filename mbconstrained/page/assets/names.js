@@ -73,7 +73,8 @@ class Names {
       return [{ left: x - across, right: x + across, top: y - up, bottom: y + up }];
     });
     const isInside = (box) => box.left > 0 && box.right < width && box.top > 0 && box.bottom < height;
-    const besides = (box) => isFree(box, others) && this.lines.every((line) => !crosses(box, line));
+    const near = Math.max(8, this.stage.pixelsOf(0.25)); // a little more than half the width of a spring
+    const besides = (box) => isFree(box, others) && this.lines.every((line) => !crosses(box, line, near));
     const isClear = (box) => isFree(box, occupied) && (this.boxes[i] || besides(box));
     return Math.max(places.findIndex((box) => isInside(box) && isClear(box)), 0);
   }
@@ -158,9 +159,8 @@ function isFree(box, occupied) {
   return occupied.every((b) => box.right < b.left || box.left > b.right || box.bottom < b.top || box.top > b.bottom);
 }
 
-// Whether a line comes nearer to a box than half the width of a spring, in pixels.
-function crosses(box, [[x0, y0], [x1, y1]]) {
-  const near = 8;
+// Whether a line comes nearer to a box than a distance, in pixels.
+function crosses(box, [[x0, y0], [x1, y1]], near) {
   let [first, last] = [0, 1]; // the part of the line that is within the sides so far
   for (const [start, end, low, high] of [[x0, x1, box.left - near, box.right + near], [y0, y1, box.top - near, box.bottom + near]]) {
     if (start === end && (start < low || start > high)) return false;

@@ -160,6 +160,13 @@ class Stage {
     return z > 1 ? [-1e6, -1e6] : [((x + 1) / 2) * width, ((1 - y) / 2) * height];
   }
 
+  // How long a distance across the view is in the picture, in pixels.
+  pixelsOf(distance) {
+    const middle = this.viewer.controls.target;
+    const aside = new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, 0).multiplyScalar(distance).add(middle);
+    return this.pixels(aside)[0] - this.pixels(middle)[0];
+  }
+
   updateNames() {
     this.names.viewChanged();
     this.draw();

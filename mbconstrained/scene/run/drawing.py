@@ -31,7 +31,7 @@ TALLEST = 8.0
 
 def drawing_of(scene: SceneData, values=None, **scales: float) -> Drawing:
     """The drawing of a scene whose coordinates are positions, given or automatic."""
-    model, speed = scene.equations.model, scene.table.model.speed
+    model, speed = scene.equations.model, getattr(scene.table.model, "speed", None)
     drawing = own_drawing(scene) or automatic_drawing(scene, model and model.elements, values, **scales)
     if speed:
         return replace(drawing, revolution=2 * np.pi / abs(speed))
