@@ -847,7 +847,9 @@ def lumped_drawing(
     rows = groups([name for name in sliding if name not in barred], (joint.ends for joint in slides))
     upright = {tuple(group) for group in rows if stack == "vertical" or (stack is None and are_storeys(group))}
     chains = [
-        storeys(walk(group, slides, next(filter(_SOIL.fullmatch, group), None)), slides) if tuple(group) in upright else _chain(group, slides, massless, pulleys, spots)
+        storeys(walk(group, slides, next(filter(_SOIL.fullmatch, group), None)), slides)
+        if tuple(group) in upright
+        else _chain(group, slides, massless, pulleys, spots)
         for group in rows
     ]
     trains = groups(wheels, [*(joint.ends for joint in twists), *meshing])
