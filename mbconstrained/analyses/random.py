@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from ..exchange.trajectories import RATES
 from ..frequency.features import frequencies_by_poles
 from ..frequency.random.random_response import RandomResponse, octave_bands
 from ..ground.coordinate_units import density_unit
@@ -103,7 +104,9 @@ def random_arguments(scene: Scene, table: RandomTable | None) -> tuple[tuple, di
     delays = {entry.on: entry.delay for entry in table.input} if any(entry.delay for entry in table.input) else None
     prescribed = {coordinate for motion in scene.table.motion for coordinate, _ in motion.rows.values()}
     free = [name for name in equations.system.names if name not in prescribed]
-    outputs = table.outputs or (None if table.quantity == "reaction" else free)
+    outputs = table.outputs
+    if outputs is None and table.quantity in RATES:
+        outputs = [*free, *(name for name in equations.system.quantities if name not in free)]
     further = {key: getattr(table, key) for key in ("relative_to", "modal_damping", "coherence")}
     return (excitation, outputs, table.quantity), {**further, "delays": delays}
 

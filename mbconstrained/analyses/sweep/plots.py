@@ -89,7 +89,7 @@ class SweepPlots:
             for b, row in zip(y, grid)
             for a, value in zip(x, row)
         ]
-        cells = Cells(_edges(x), _edges(y), grid, np.reshape(texts, grid.shape).tolist(), unit)
+        cells = Cells(_edges(x), _edges(y), grid, np.reshape(texts, grid.shape).tolist(), unit, (x, y))
         missing = int((~self.result.answered).sum())
         return Plot(
             f"{figure} over {names[0]} and {names[1]}",

@@ -27,13 +27,14 @@ from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import NOT_DRAWN
 from ...linalg.blocks import block_slices, zeros_of
 from ...mechanics.boundary import BoundaryResponse
+from ...mechanics.channels import Output, OutputNames, closed_form
 from ...mechanics.modes import Conservation, Mode, Modes, cleaned, kind_of
 from ...mechanics.motion import DELTAS
 from ...polynomial.reduced_equations import Reduction
 from ...response.estimate import error_estimate
 from ...response.events import Event
 from ...response.response_notices import first_and_count, kink_notices, sides, without_kinks
-from ..build.model import element_quantities
+from ..build.model import named_quantities, output_names
 from ..build.switched import final_notices
 from ..quantities.coordinates import Coordinates, beyond_noise
 from ..quantities.output_units import OutputUnits
@@ -472,7 +473,7 @@ class Result:
         return [kind for kind in dict.fromkeys(requested) if available.get(kind, True)]
 
     def curves(self, kind: str) -> Curves:
-        """Trajectories of a kind: displacement, velocity, acceleration, reaction, energy or output."""
+        """Trajectories of a kind: displacement, velocity, acceleration, reaction, energy or output; or of a quantity by its name."""
         if kind not in self._curves:
             own = self._kind(kind)
             self._curves[kind] = Curves(kind, own.names, own.titles or (kind,) * len(own.names), own.units, own.values(self.times))
@@ -503,18 +504,27 @@ class Result:
                 equations.outputs.names, equations.outputs.units, of_outputs, lambda: equations.output_closed_form(motion)
             )
         if kind == "quantity":
-            quantities = tuple(element_quantities(self.scene.table.output.quantity, equations))
-            names, titles, units = zip(*((each.name, each.title, each.unit) for each in quantities))
-            matrices = np.array([each.rows for each in quantities]).transpose(1, 0, 2)
-            of_elements = lambda times: np.array([each.values(motion, times) for each in quantities])  # noqa: E731
-            constants = np.array([each.constant for each in quantities])
-            return KindOfCurves(names, units, of_elements, lambda: motion.function.differential(*matrices), constants, titles)
+            return self._linear(list(named_quantities(self.scene.table.output.quantity, self.output_names)))
         if kind == "ground_reaction":
             return self._connection_forces()
         if kind == "force":
             return _forces(equations)
+        if kind != "energy":
+            return self._linear([self.output_names.output(kind, what="curves")])
         energies = lambda times: np.array([getattr(motion.energy(times), name) for name in ENERGIES])  # noqa: E731
         return KindOfCurves(ENERGIES, ("J",) * len(ENERGIES), energies)
+
+    @cached_property
+    def output_names(self) -> OutputNames:
+        """The names of all quantities that are linear in the motion."""
+        return output_names(self.scene.equations, None if self.scene.equations.switching is None else self.rows)
+
+    def _linear(self, outputs: Sequence[Output]) -> KindOfCurves:
+        """Curves of quantities that are linear in the motion."""
+        names, titles, units = zip(*((each.name, each.quantity, each.unit) for each in outputs))
+        values = lambda times: np.array([each.values(self.motion, times) for each in outputs])  # noqa: E731
+        constants = np.array([each.constant for each in outputs])
+        return KindOfCurves(names, units, values, lambda: closed_form(outputs, self.motion), constants, titles)
 
     def _connection_forces(self) -> KindOfCurves:
         """Forces of loops, springs and bushings of a robot."""

@@ -15,7 +15,7 @@ from ...ground.errors import InputError, SingularPolynomialMatrix, shown
 from ...ground.quantities import count_texts
 from ...ground.units import unit_in_si
 from ..build.equations import equations_of
-from ..build.model import Equations, element_quantities
+from ..build.model import Equations, named_quantities, output_names, quantities_by_name
 from ..file import SceneName, at, read_tables, with_robot_file
 from ..quantities.output_units import QUANTITIES, OutputUnits
 from ..quantities.parameters import Parameters, with_parameters
@@ -303,6 +303,9 @@ def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, An
         with at(name, "output.units"):
             _check_results(table.output, equations, parameters)
     check_output(table.output, equations, name, getattr(table.model, "modal_damping", None) is not None)
+    for system in (equations.system, equations.rotor) if table.output.quantity else ():
+        if system is not None:
+            system.quantities = quantities_by_name(table.output.quantity, output_names(equations))
     if table.time.step_domain == "discrete":
         check_discrete(table, equations, name)
     return Scene(path, table, equations, unit_texts, costs.by_name, parameters, overrides, name)
@@ -321,7 +324,7 @@ def _check_results(output, equations: Equations, parameters: Parameters) -> None
         known += [*(row.name for row in system.rows), *system.elements, *system.named_directions("outputs")]
     if equations.has_connections:
         known += equations.robot_scene.system.connection_forces.names
-    known += [one.name for one in element_quantities(output.quantity, equations)]
+    known += [one.name for one in named_quantities(output.quantity, output_names(equations))]
     for name, _ in output.units.named:
         if name not in known:
             hint = nearest(name, (*QUANTITIES, *known))
@@ -338,7 +341,10 @@ def check_output(output, equations: Equations, file_name: str, modal_damping: bo
             equations.coordinates.number(name)
     for number, table in enumerate(output.quantity, 1):
         with at(file_name, f"output.quantity[{number}]"):
-            list(element_quantities([table], equations))
+            list(named_quantities([table], output_names(equations)))
+    if output.quantity:
+        with at(file_name, "output.quantity"):
+            quantities_by_name(output.quantity, output_names(equations))
     with at(file_name, "output.coordinates"):
         for name in output.coordinates or ():
             equations.coordinates.number(name)
