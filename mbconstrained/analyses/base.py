@@ -89,7 +89,15 @@ class Answer(Displayed):
         return not any(notice.doubtful for notice in self.notices)
 
     def blocks(self, files: Sequence[Path] = (), *, verbose: bool = False) -> list[str | TextTable]:
-        """Texts and tables for a terminal of 80 columns, with the files that were written; verbose: with folded tables, all rows, the machine."""
+        """Texts and tables for a terminal of 80 columns.
+
+        Args:
+            files: the files that were written, to be listed.
+            verbose: with the tables that are folded on the page, all rows, and the machine.
+
+        Returns:
+            Texts and tables in their order.
+        """
         head = "\n".join(line for text in (self.heading or self.title, self.source) for line in wrap(text, WIDTH))
         facts = (*self.facts, *(self.machine.items() if verbose else ()))
         about = "\n".join(_indented(f"{label}: {text}", "") for label, text in facts)
