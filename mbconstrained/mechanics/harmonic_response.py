@@ -38,6 +38,7 @@ from .channels import (
     coordinate_channels,
     reference,
     row_channels,
+    support_of,
 )
 from .constraints import with_multipliers
 from .element_matrix import ElementMatrix
@@ -110,6 +111,8 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
         raise InputError("count: the response of a system given by arrays has all its modes; leave count out")
     chosen, rows = QUANTITIES[quantity], system.rows
     known_inputs = chosen_by_name("inputs", inputs, channels(system, "inputs"), coordinate_channels(system))
+    if inputs is not None:  # a force on a support moves nothing
+        known_inputs = [support_of(system, one) for one in known_inputs]
     known_outputs = _outputs(system, outputs, quantity, known_inputs)
     _check(quantity, known_inputs, known_outputs)
     levels = [0 if quantity == "transmissibility" else row.order for row in rows]
@@ -243,7 +246,9 @@ def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Output]) 
         raise InputError(f"{quantity}: this system has no {missing}")
     loads, rows = ([one.name for one in inputs if (one.row is None) == is_load] for is_load in (True, False))
     if quantity == "transmissibility" and loads:
-        raise InputError(f'{quantity}: the input "{loads[0]}" is a force; expected supports, whose motion a constraint row prescribes, in scenes [[motion]]')
+        raise InputError(
+            f'{quantity}: the input "{loads[0]}" is a force; expected supports, whose motion a constraint row prescribes, in scenes [[motion]]'
+        )
     if quantity == FORCE_TRANSMISSIBILITY and rows:
         raise InputError(f'{quantity}: the input "{rows[0]}" is a prescribed motion; expected forces on coordinates')
     if not (chosen := QUANTITIES[quantity]).inverse:
