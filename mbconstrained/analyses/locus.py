@@ -129,8 +129,14 @@ def _plot(locus: RootLocus, low: str, high: str) -> Plot:
     curves = tuple(Curve(f"branch {number}", row.imag, along=row.real) for number, row in enumerate(s, 1))
     ends: tuple[tuple[int, str, Shape], ...] = ((0, low, "cross"), (-1, high, "circle"))
     marks = [
-        Marks(name, np.array([[row[place].real, row[place].imag]]), (f"{name}: {_complex(row[place])} 1/s",), shape, number)
-        for place, name, shape in ends
+        Marks(
+            f"{locus.name} = {end}",
+            np.array([[row[place].real, row[place].imag]]),
+            (f"{end}: {_complex(row[place])} 1/s",),
+            shape,
+            number,
+        )
+        for place, end, shape in ends
         for number, row in enumerate(s)
     ]
     if locus.break_points:
