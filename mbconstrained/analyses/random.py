@@ -106,6 +106,11 @@ def random_arguments(scene: Scene, table: RandomTable | None) -> tuple[tuple, di
     return (excitation, outputs, table.quantity), {**further, "delays": delays}
 
 
+def response_plots(response: RandomResponse) -> Iterator[Plot]:
+    """The plots of a response in SI."""
+    return _Outputs(response, [(str(unit), 1.0) for unit in response.units]).plots()
+
+
 class _Outputs:
     """The outputs of a random response in the units shown."""
 
