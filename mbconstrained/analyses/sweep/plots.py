@@ -72,7 +72,9 @@ class SweepPlots:
 
     def column(self, name: str) -> tuple[str, np.ndarray]:
         """The unit shown of a parameter and its values in it."""
-        unit, factor = self.result.scene.equations.coordinates.shown.of(getattr(self.result.samples.variations[name], "unit", ""))
+        unit, factor = self.result.scene.equations.coordinates.shown.of(
+            getattr(self.result.samples.variations[name], "unit", ""), name
+        )
         return "" if unit == "1" else unit, factor * self.result.parameter(name)
 
     def _map(self, names: Sequence[str], figure: str) -> Plot:
