@@ -134,12 +134,12 @@ class _Input:
 
     @property
     def unit(self) -> str:
-        """Its unit in SI."""
+        """Unit in SI."""
         order = KINDS[self.spectrum.of]
         return force_unit(self.place_unit) if order is None else rate_unit(self.place_unit, order)
 
     def density(self, unit: str, f: np.ndarray) -> np.ndarray | None:
-        """Its density in a unit, of a motion that of a higher derivative; None in others, NaN where it is zero."""
+        """Density in a unit, of a motion that of a higher derivative; None in others, NaN where it is zero."""
         order, values = KINDS[self.spectrum.of], np.asarray(self.spectrum(f))
         later = () if order is None else [k for k in range(order + 1, 3) if rate_unit(self.place_unit, k) == unit]
         if unit != self.unit and not later:
