@@ -32,13 +32,13 @@ LINES = {
     "frequency": 5856,
     "ground": 2158,
     "linalg": 5177,
-    "mechanics": 17396,
+    "mechanics": 17398,
     "models": 1935,
     "page": 5222,
     "polynomial": 3772,
     "response": 8253,
     "robot": 9262,
-    "scene": 10883,
+    "scene": 10922,
     "signals": 1900,
 }
 
