@@ -91,14 +91,12 @@ def _run(arguments: list[str]) -> None:
 
 def _execute(text: str) -> None:
     """Run the blocks of Python of a page; the same plot is the same file at any time."""
-    from matplotlib import rc_context
-
     from ..page.plots import page_style
 
     names: dict = {}
-    style = {"figure.figsize": (7.0, 3.0), "figure.constrained_layout.use": True, "text.parse_math": True}
+    style: dict[str, object] = {"figure.figsize": (7.0, 3.0), "figure.constrained_layout.use": True, "text.parse_math": True}
     undated = patch.dict(os.environ, SOURCE_DATE_EPOCH="0")
-    with page_style(), rc_context(style), undated, redirect_stdout(io.StringIO()):
+    with page_style(**style), undated, redirect_stdout(io.StringIO()):
         for example in DocTestParser().get_examples(text):
             with suppress(Exception) if example.exc_msg else nullcontext():
                 exec(compile(example.source, "page", "single"), names)  # our own text, not a user's
