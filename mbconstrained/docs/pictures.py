@@ -26,7 +26,7 @@ ROOT = DOCS.parents[1]
 FOLDER = DOCS / "pictures"
 
 #: Size of a screen, width of a picture of it or of a model, px, the number of its colours, and what stays empty below, px.
-SCREEN, WIDTH, COLORS, MARGIN = (1000, 1220), 720, 200, 20
+SCREEN, WIDTH, COLORS, MARGIN = (1000, 860), 720, 200, 20
 
 
 def pictures(page: Path) -> Iterator[tuple[str, str]]:
