@@ -157,6 +157,14 @@ def test_every_page_is_in_a_table_of_contents():
     assert {page.resolve() for page in PAGES} - listed == {(DOCS / "index.md").resolve()}
 
 
+def test_index_pages_link_each_page_of_their_table_of_contents():
+    """Readers of the repository do not see the tables of contents of Sphinx."""
+    for page in DOCS.glob("*/index.md"):
+        text = page.read_text(encoding="utf-8")
+        (body,) = re.findall(r"^```{toctree}\n(.*?)^```$", text, flags=re.DOTALL | re.MULTILINE)
+        assert [name for name in body.split() if not name.startswith(":") and f"({name}.md)" not in text] == [], page
+
+
 def test_files_that_the_development_pages_name_exist():
     named = {
         name
