@@ -405,7 +405,10 @@ class Frequency(Analysis):
     def shown(self) -> tuple[np.ndarray, np.ndarray]:
         """The units of the responses on the page, in tables and in CSV, and their factors, shape (outputs, inputs) each."""
         units, response = self.scene.equations.coordinates.shown, self.response
-        pairs = [[units.of_ratio(unit) for unit in row] for row in response.units]
+        pairs = [
+            [units.of_ratio(unit, output, source) for unit, source in zip(row, response.inputs)]
+            for row, output in zip(response.units, response.outputs)
+        ]
         names, factors = (np.array([[pair[i] for pair in row] for row in pairs]) for i in (0, 1))
         return names, factors.astype(float)
 

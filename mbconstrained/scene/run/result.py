@@ -92,7 +92,7 @@ def jumps_of(
             before, after = sides(motion, event, order) if known is None else (known[order] - row, known[order])
         for i in places:
             unit = rate_unit(coordinates.units[i], order)
-            texts = (coordinates.shown.text(value, unit) for value in (before[i], after[i], row[i]))
+            texts = (coordinates.text(value, unit, i) for value in (before[i], after[i], row[i]))
             jumps.append(ReportedJump(coordinates.names[i], derivative_name(coordinates.units[i], order), *texts))
     return jumps
 
@@ -100,7 +100,7 @@ def jumps_of(
 def impulses_of(impulses: Sequence, coordinates: Coordinates) -> list[ReportedImpulse]:
     """The impulses that are not zero."""
     return [
-        ReportedImpulse(coordinates.names[i], order, coordinates.shown.text(row[i], impulse_unit(coordinates.units[i], order)))
+        ReportedImpulse(coordinates.names[i], order, coordinates.text(row[i], impulse_unit(coordinates.units[i], order), i))
         for order, row in enumerate(impulses)
         for i in row.nonzero()[0]
     ]
@@ -122,7 +122,7 @@ def with_units(response: Response, coordinates: Coordinates) -> tuple[Notice, ..
 
 def _kink_text(coordinates: Coordinates, number: int, order: int, size: float) -> str:
     unit = coordinates.units[number]
-    size_text = coordinates.shown.text(size, rate_unit(unit, order))
+    size_text = coordinates.text(size, rate_unit(unit, order), number)
     return f"{derivative_name(unit, order)} of {coordinates.names[number]} by {size_text}"
 
 
@@ -308,7 +308,7 @@ def _visible_frequency(scene: SceneData, motion: Motion, descending: list[float]
         if visible_parts.any():
             fastest = int(np.argmax(visible_parts))
             place = int(np.argmax(amplitudes[fastest] / scale[:, 0]))
-            text = coordinates.shown.text(float(f"{amplitudes[fastest, place]:.3g}"), coordinates.units[place])
+            text = coordinates.text(float(f"{amplitudes[fastest, place]:.3g}"), coordinates.units[place], place)
             return kept[fastest], coordinates.names[place], text
     return None
 
@@ -560,8 +560,8 @@ class Result:
 
             estimates = [self.error_estimates.get(part, 0.0) for part in (kind, *PARTS.get(kind, (kind,)))]
             noise = min(max(LEAST_NOISE, *estimates), MOST_NOISE)
-            values, shown = self.drawn_functions(kind), self.scene.equations.coordinates.shown
-            factors = np.array([[shown.of(unit)[1]] for unit in self.curves(kind).units])
+            values, curves, shown = self.drawn_functions(kind), self.curves(kind), self.scene.equations.coordinates.shown
+            factors = np.array([[shown.of(unit, name)[1]] for unit, name in zip(curves.units, curves.names)])
             self._functions[kind] = TimeFunctions(lambda times: factors * values(times), self._breaks, noise, self.record_response)
         return self._functions[kind]
 
@@ -735,10 +735,10 @@ def _forces(equations: Equations) -> KindOfCurves:
 
 def in_units(curves: Curves, units: OutputUnits) -> Curves:
     """Curves in the units of page and CSV."""
-    if not units.units:
+    if units == OutputUnits():
         return curves
-    names, factors = zip(*map(units.of, curves.units))
-    return replace(curves, units=names, values=np.array(factors)[:, None] * curves.values)
+    own, factors = zip(*map(units.of, curves.units, curves.names))
+    return replace(curves, units=own, values=np.array(factors)[:, None] * curves.values)
 
 
 def _meaning_of(value: complex, multiplicity: int) -> str:

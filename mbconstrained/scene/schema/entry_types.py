@@ -97,7 +97,9 @@ class LateTable:
 class TablesByKind:
     """The type of a table whose class depends on its key kind, and is created when a scene has one of it."""
 
-    def __init__(self, **create: Callable[[], type[BaseModel]]):
+    def __init__(self, *default: str, **create: Callable[[], type[BaseModel]]):
+        """Tables without a kind are of the default kind, where there is one."""
+        self._default = default
         self._create = {kind.replace("_", "-"): one for kind, one in create.items()}
         self._adapter = cache(self._new_adapter)
 
@@ -108,6 +110,8 @@ class TablesByKind:
         return TypeAdapter(Annotated[Any, GetPydanticSchema(union)])
 
     def _validated(self, value):
+        if isinstance(value, dict) and "kind" not in value and self._default:
+            value = {**value, "kind": self._default[0]}
         kind = value.get("kind") if isinstance(value, dict) else None
         kinds = (kind,) if isinstance(kind, str) and kind in self._create else tuple(self._create)
         return self._adapter(*kinds).validate_python(value)
@@ -140,7 +144,7 @@ def _with_names(schema: Any, *, is_named: bool = False) -> Any:
 EXPRESSION_SCHEMA = {"type": "string", "pattern": r"^\s*=.+$", "title": '"=" and an expression of parameters'}
 QUANTITY_SCHEMA = {
     "type": "string",
-    "pattern": r"^\s*(=.+|[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,3})?\s*(1/|[^\s0-9.,;=+*/()<>-]).*)$",
+    "pattern": r"^\s*(=.+|[+-]?([0-9]+(_[0-9]+)*\.?([0-9]+(_[0-9]+)*)?|\.[0-9]+(_[0-9]+)*)([eE][+-]?[0-9]{1,3})?\s*(1/|[^\s0-9.,;=+*/()<>-]).*)$",
     "title": 'a number and a unit, or "=" and an expression of parameters',
 }
 NUMBER_SCHEMA = {"anyOf": [{"type": "number"}, QUANTITY_SCHEMA]}

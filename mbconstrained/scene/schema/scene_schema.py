@@ -19,7 +19,7 @@ from ...ground.quantities import KINDS, Dimension, any_quantity
 from ...ground.tolerances import noise_of
 from ..file import EntryError
 from ..quantities.coordinates import DERIVATIVES
-from ..quantities.output_units import output_units
+from ..quantities.output_units import QUANTITIES, OutputUnits, output_units
 from .entry_types import (
     NUMBER_SCHEMA,
     SIGNALS,
@@ -355,6 +355,16 @@ class QuantityTable(Table):
         return self
 
 
+_UNITS = {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}
+_UNITS_SCHEMA = {
+    "examples": ["mm, deg, rpm, kN, g"],
+    "anyOf": [
+        *_UNITS["anyOf"],
+        {"type": "object", "properties": dict.fromkeys(QUANTITIES, _UNITS), "additionalProperties": _UNITS},
+    ],
+}
+
+
 class OutputTable(Table):
     """The files to write."""
 
@@ -376,11 +386,11 @@ class OutputTable(Table):
     reactions: bool = Field(False, description="Forces of constraints, and of a robot's springs, in files.")
     arrows: list[Literal["reaction"]] = Field([], description="Forces that the animation shows as arrows.")
     slow_events: bool = Field(False, description="true: the animation is slower around jumps, impulses and switches.")
-    units: Annotated[
-        tuple[str, ...], BeforeValidator(output_units), WithJsonSchema({"type": "string", "examples": ["mm, deg, rpm, kN"]})
-    ] = Field(
-        (),
-        description='Units of page, tables and CSV, e.g. "mm, deg, rpm, kN"; accelerations in m/s^2, or g or mm/s^2 given here; SI when left out, and in the npz file.',
+    units: Annotated[OutputUnits, BeforeValidator(output_units), WithJsonSchema(_UNITS_SCHEMA)] = Field(
+        OutputUnits(),
+        description='Units of page, tables and CSV, e.g. "mm, deg, rpm, kN, g", or by quantity and result, e.g. '
+        '{ displacement = "mm", acceleration = "g", "force of clutch" = "kN" }. Velocities and products follow; accelerations are in m/s^2 '
+        "unless they have a unit of their own. SI when left out, and always in the npz file and the JSON.",
     )
     plot_images: bool = Field(False, description="The plots as pictures too, SVG and PNG, for reports.")
     still: Time | None = Field(None, description="A picture of the model at this time as PNG, taken by an installed Chromium.")
@@ -426,7 +436,7 @@ def _motion_table(kind: str) -> Any:
 
 
 ForceTable = Annotated[Any, TablesByKind(**{kind: partial(_force_table, kind) for kind in SIGNALS})]
-MotionTable = Annotated[Any, TablesByKind(**{kind: partial(_motion_table, kind) for kind in SIGNALS})]
+MotionTable = Annotated[Any, TablesByKind("step", **{kind: partial(_motion_table, kind) for kind in SIGNALS})]
 
 _MODELS = {
     "lumped": _lumped_table,

@@ -260,7 +260,7 @@ def test_tables_of_xarray():
     table = R.to_xarray([1.0, 2.0])
     assert (table.values == R.psd([1.0, 2.0])).all()
     assert table.rms.item() == R.rms[0]
-    assert table.unit.item() == "(m)^2/Hz"
+    assert table.unit.item() == "m^2/Hz"
 
 
 def test_one_output_of_several():
