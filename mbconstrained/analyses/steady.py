@@ -220,7 +220,7 @@ class _Cycle:
     # Plots.
 
     def plots(self) -> Iterator[Plot]:
-        """The outputs over time by quantity and unit, then orbits, or else phase planes."""
+        """The outputs over time by quantity and unit, then amplitudes, and orbits, or else phase planes."""
         kinds = list(dict.fromkeys((one.quantity, one.unit) for one in self.outputs))
         for quantity, unit in kinds:
             text, factor = self.shown.of(unit)
@@ -229,7 +229,12 @@ class _Cycle:
             title = f"{quantity} ({text})" if [one for one, _ in kinds].count(quantity) > 1 else quantity
             phases = getattr(self.motion, "phases", ())
             yield Plot(title, _shown(text), self.times, curves, quantity=quantity, phases=phases)
+        yield from self._spectra()
         yield from list(self._orbits()) or self._phase_planes()
+
+    def _spectra(self) -> Iterator[Plot]:
+        """Amplitudes over the frequency; none of a motion that switches."""
+        yield from ()
 
     def _orbits(self) -> Iterator[Plot]:
         """The paths of points whose displacements along two axes are outputs, as of the points of a rotor."""
@@ -340,6 +345,9 @@ class _LinearCycle(_Cycle):
         elif not system.loss_factors and any(mode.kind == "oscillation" and not mode.eigenvalue.real for mode in modes):
             text = "an undamped free motion remains: the steady state is the part that repeats with the loads"
             yield Notice(NoticeKind.DAMPING, text)
+        if self.table.period and self.motion is None:
+            text = f"values over time are sums of {self.table.harmonics} harmonics of the record: harmonics sets another number"
+            yield Notice(NoticeKind.ACCURACY, text)
         if self.period is None:
             text = "the frequencies have no common period: other times than those shown may have larger values"
             yield Notice(NoticeKind.ACCURACY, text)
@@ -372,15 +380,18 @@ class _LinearCycle(_Cycle):
             columns[f"phase of {one.name} (deg)"] = np.degrees(np.angle(amplitudes))
         return {**super().columns(), ".amplitudes": columns}
 
-    def plots(self) -> Iterator[Plot]:
-        first, *others = super().plots()
-        yield first
-        if (self.steady.frequencies_hz > 0).sum() > 1:
-            yield from self._spectra()
-        yield from others
+    @property
+    def _is_one_harmonic(self) -> bool:
+        return bool((self.steady.frequencies_hz > 0).sum() == 1)
+
+    def _phase_planes(self) -> Iterator[Plot]:
+        """Those of several frequencies: of one alone they are ellipses."""
+        return iter(()) if self._is_one_harmonic else super()._phase_planes()
 
     def _spectra(self) -> Iterator[Plot]:
-        """The amplitudes over the frequency as bars."""
+        """The amplitudes over the frequency as bars, where there are several."""
+        if self._is_one_harmonic:
+            return
         f = self.steady.frequencies_hz
         bars = np.repeat(f, 3)
         for unit in dict.fromkeys(one.unit for one in self.outputs):
