@@ -36,7 +36,7 @@ MEANT = {  # what people write: what a scene calls it
     "position": "displacement", "speed": "velocity", "start": "initial", "duration": "end", "stop": "end", "steps": "points",
     "step": "points", "type": "kind", "body": "coordinate", "amplitude": "value", "ends": "between", "bodies": "between",
     "friction": "dry_friction", "unilateral": "contact", "gap": "contact", "bumper": "contact", "rope": "cable", "play": "backlash",
-    "k": "stiffness", "c": "damping", "m": "mass", "weight": "mass", "length": "rest_length", "options": "output",
+    "k": "stiffness", "c": "damping", "m": "mass", "weight": "mass", "length": "rest_length", "options": "output", "on": "coordinate", "node": "coordinate",
 }  # fmt: skip
 
 
@@ -45,7 +45,7 @@ class UnknownKey(EntryError):
 
     def __init__(self, key: str, known: Iterable[str], hint: str = ""):
         known = list(known)
-        hint = hint or nearest(key, known) or (f'; did you mean "{MEANT[key]}"?' if MEANT.get(key) in known else "")
+        hint = hint or (f'; did you mean "{MEANT[key]}"?' if MEANT.get(key) in known else nearest(key, known))
         if key in ABOVE:
             hint = f"; {key} = … stands at the top of the file, above the first [table]"
         super().__init__(f"unknown key {shown(key)}{hint}; known here are {', '.join(known)}", key)
