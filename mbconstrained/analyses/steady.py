@@ -124,7 +124,7 @@ class _Cycle:
 
     @cached_property
     def constants(self) -> np.ndarray:
-        """What the functions lack, shape (m,)."""
+        """The constant parts of the outputs, shape (m,)."""
         return np.array([one.constant for one in self.outputs])
 
     @cached_property
@@ -385,7 +385,7 @@ class _LinearCycle(_Cycle):
         return bool((self.steady.frequencies_hz > 0).sum() == 1)
 
     def _phase_planes(self) -> Iterator[Plot]:
-        """Those of several frequencies: of one alone they are ellipses."""
+        """Phase planes of several frequencies: of one alone they are ellipses."""
         return iter(()) if self._is_one_harmonic else super()._phase_planes()
 
     def _spectra(self) -> Iterator[Plot]:
