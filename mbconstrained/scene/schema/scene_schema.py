@@ -467,6 +467,7 @@ Boundary = Annotated[Any, _late("BoundaryTable", ".force_tables")]
 LeastEnergy = Annotated[Any, _late("LeastEnergyTable", ".force_tables")]
 Campbell = Annotated[Any, _late("CampbellTable")]
 Orders = Annotated[Any, _late("OrdersTable")]
+Steady = Annotated[Any, _late("SteadyTable")]
 RobotPath = Annotated[Any, _late("PathTable")]
 
 
@@ -500,6 +501,7 @@ class SceneFile(Table):
     orders: Orders | None = Field(
         None, description="Excitations by orders of a speed, for the commands orders and campbell; left out: none."
     )
+    steady: Steady | None = Field(None, description="Period and outputs of the command steady; left out: the defaults.")
     path: RobotPath | None = Field(None, description="Path of a point of a robot, along which the command path computes its modes.")
     output: OutputTable = Field(OutputTable.model_construct(), description="Files to write, and contents of the page.")
     drawing: DrawingTable | None = Field(None, description="Drawing of the model; automatic by default.")
