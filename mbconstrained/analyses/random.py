@@ -174,7 +174,9 @@ class _Outputs:
             size = f"{factor * rms:.5g} {unit}" if finite else "infinite"
             rows.append((name, size, crossings, f"{factor * top:.4g} {unit}" if np.isfinite(top) else "–"))
         columns = ("output", "RMS", "zero crossings (Hz)", f"largest in {duration:g} s")
-        return TextTable(f"Random {response.quantity}", columns, tuple(rows), "largest: mean of the largest modulus (Davenport)")
+        return TextTable(
+            f"Random {response.harmonic.quantity_of()}", columns, tuple(rows), "largest: mean of the largest modulus (Davenport)"
+        )
 
     @cached_property
     def frequencies(self) -> np.ndarray:

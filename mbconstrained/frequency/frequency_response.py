@@ -101,12 +101,6 @@ class FrequencyResponse(Pictured):
         """Name of the quantity, such as receptance."""
         return self.harmonic.quantity
 
-    def quantity_of(self, outputs: Sequence[int] | None = None) -> str:
-        """The quantities of all outputs, or of some by their places, as text."""
-        own = self.harmonic.output_quantities or (self.quantity,) * len(self.outputs)
-        names = list(dict.fromkeys(own if outputs is None else (own[i] for i in outputs)))
-        return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]])) if names else self.quantity
-
     @property
     def units(self) -> np.ndarray:
         """The unit of each entry, shape (outputs, inputs)."""

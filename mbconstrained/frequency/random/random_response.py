@@ -351,7 +351,7 @@ class RandomResponse(Pictured):
             )
             for name, rms, unit, rate in zip(self.outputs, self.rms, self.units, rates)
         ]
-        return TextTable(f"Random {self.quantity}", ("output", "RMS", "zero crossings (Hz)"), tuple(rows))
+        return TextTable(f"Random {self.harmonic.quantity_of()}", ("output", "RMS", "zero crossings (Hz)"), tuple(rows))
 
     @property
     def inputs(self) -> tuple[str, ...]:
