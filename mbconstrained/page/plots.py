@@ -630,11 +630,11 @@ def drawn_image(draw: Callable[[Figure], None], width: float, height: float, kin
 
 
 @contextmanager
-def page_style() -> Iterator[None]:
-    """The style of the page as matplotlib's settings, whatever the user has set; restored afterwards."""
+def page_style(**others: object) -> Iterator[None]:
+    """The style of the page, and others, as matplotlib's settings, whatever the user has set; restored afterwards."""
     import matplotlib.style
 
-    with matplotlib.style.context(_STYLE, after_reset=True), warnings.catch_warnings():
+    with matplotlib.style.context({**_STYLE, **others}, after_reset=True), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing from")  # a box in the file; the page has the browser's fonts
         yield
 
