@@ -391,7 +391,9 @@ class OutputTable(Table):
         description="The script of the 3-D viewer: in the page, in a separate file for many pages, or compressed in the page.",
     )
     plots: list[Curve] = Field(
-        ["displacement"], description="Plots of the page; force is that of the loads, phase the velocity over the displacement."
+        ["displacement"],
+        description="Plots of the page; force is that of the loads, phase the velocity over the displacement. Left out: the displacement, "
+        "and first that relative to a moving support.",
     )
     coordinates: list[Name] | None = Field(None, description="Only these coordinates are plotted; left out: all.")
     quantity: list[QuantityTable] = Field([], description="Forces, elongations and relative motions for plots, CSV and npz.")
@@ -467,6 +469,7 @@ Boundary = Annotated[Any, _late("BoundaryTable", ".force_tables")]
 LeastEnergy = Annotated[Any, _late("LeastEnergyTable", ".force_tables")]
 Campbell = Annotated[Any, _late("CampbellTable")]
 Orders = Annotated[Any, _late("OrdersTable")]
+Steady = Annotated[Any, _late("SteadyTable")]
 RobotPath = Annotated[Any, _late("PathTable")]
 
 
@@ -500,6 +503,7 @@ class SceneFile(Table):
     orders: Orders | None = Field(
         None, description="Excitations by orders of a speed, for the commands orders and campbell; left out: none."
     )
+    steady: Steady | None = Field(None, description="Period and outputs of the command steady; left out: the defaults.")
     path: RobotPath | None = Field(None, description="Path of a point of a robot, along which the command path computes its modes.")
     output: OutputTable = Field(OutputTable.model_construct(), description="Files to write, and contents of the page.")
     drawing: DrawingTable | None = Field(None, description="Drawing of the model; automatic by default.")
