@@ -49,7 +49,7 @@ STEPS, GOLDEN = 32, (5**0.5 - 1) / 2
 BESIDE, GROWTH = 1e-3, 1e5
 
 #: The quantity of the frequency response by that of the outputs.
-RESPONSES = {"displacement": "receptance", "velocity": "mobility", "acceleration": "accelerance"}
+RESPONSES = {"displacement": "receptance", "velocity": "mobility", "acceleration": "accelerance", "torque": "force"}
 
 
 class Orders(Analysis):
