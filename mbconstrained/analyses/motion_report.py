@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 #: Margins below this part of a largest value are not shown: it has as many digits.
 SHOWN_MARGIN = 1e-4
 
+LARGEST = "Largest values"
 MOST_EVENT_ROWS = 200  # events that are listed
 MOST_LATER_ROWS = 20  # of the jumps and impulses after t = 0 that are listed; JSON and npz have all
 
@@ -72,7 +73,7 @@ def largest_table(result: Result) -> TextTable:
         open_ += is_open
         rows.append((one.name, one.title, f"{'≥ ' * is_open}{with_unit(factor * one.value, unit)}", f"{number_text(one.time)} s"))
     note = f"Largest moduli with their signs, of the closed form: none between the times is missed{'; ≥: of too many periods to search them all' if open_ else ''}."
-    return TextTable("Largest values", ("of", "quantity", "largest", "at"), tuple(rows), note)
+    return TextTable(LARGEST, ("of", "quantity", "largest", "at"), tuple(rows), note)
 
 
 def _constraint_table(constraint_rows: Sequence[ConstraintRow], shown: OutputUnits) -> TextTable:
