@@ -45,13 +45,13 @@ def tables_of(result: Result, certificate: Certificate | None, frequency: Freque
         *([result.motion.event_table(shown.text, MOST_EVENT_ROWS)] if result.is_switched else []),
         *of_model.first,
         *(end.table(equations.coordinates) for end in equations.ends),
-        *([frequency.peak_table()] if frequency else []),
         *([_output_table(equations.original)] if equations.original else []),
         TextTable("Jumps at t = 0", ("coordinate", "of its", "before", "after", "jump"), jumps),
         TextTable("Impulses at t = 0", ("of", "multiplies", "size"), impulses),
         *([_later_table(result)] if result.later else []),
         largest_table(result),
         *of_model.forces,
+        *([frequency.peak_table()] if frequency else []),
         *([certificate.table] if certificate else []),
     ]
     details = [
