@@ -779,11 +779,11 @@ def _draw(axes: Axes, plot: Plot, panels: int) -> bool:
                 "marker": _MARKERS[marks.shape],
                 "linestyle": "none",
                 "markersize": 4,
-                "label": label or "_",
-                "clip_on": False,
-                "zorder": 3,
+                "markerfacecolor": color if marks.shape == "dot" else "white",
             }
-            axes.plot(*marks.points.T, color=color, markerfacecolor=color if marks.shape == "dot" else "white", **style)
+            axes.plot(*marks.points.T, color=color, label=label or "_", clip_on=False, zorder=3, **style)
+            if marks.curve is not None and not curves[marks.curve].parts:
+                axes.lines[marks.curve].set(**style)  # in the legend, too
     if 0.0 in up.ticks:
         axes.axhline(0.0, color=LINE, linewidth=0.8, zorder=0.9)
     title, xlabel, ylabel = _image_titles(plot, panels)
