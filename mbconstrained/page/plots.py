@@ -341,7 +341,8 @@ def _guides(plot: Plot, across: Axis, up: Axis) -> list[str]:
         if ends := guide.ends(across, up):
             (a, b), (c, d) = ends
             data = f"M{CELLS * a:.0f} {CELLS * (1 - b):.0f}L{CELLS * c:.0f} {CELLS * (1 - d):.0f}"
-            lines.append(f'<path class="guide {guide.kind}" d="{data}"/>')
+            name = f' data-name="{html.escape(guide.name)}"' if guide.name else ""
+            lines.append(f'<path class="guide {guide.kind}"{name} d="{data}"/>')
     lines = [*_cell_rectangles(plot.cells, across, up), *lines] if plot.cells else lines
     if not lines:
         return []
