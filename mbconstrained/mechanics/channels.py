@@ -176,16 +176,6 @@ class Output:
         parts += [self.multipliers @ motion.reaction(times)] if self.multipliers.any() else []
         return self.constant + sum(parts, np.zeros(np.shape(times)))
 
-    def amplitudes(self, omega, displacements: np.ndarray, reactions: np.ndarray, loss_factors: Mapping[str, float]) -> np.ndarray:
-        """Complex amplitudes at angular frequencies (L,) from those of x, shape (n, L), and lambda, shape (k, L); the mean without
-        the constant.
-        """
-        omega = np.asarray(omega)
-        total = (
-            sum((1j * omega) ** order * (row @ displacements) for order, row in enumerate(self.rows)) + self.multipliers @ reactions
-        )
-        return total + 0j
-
 
 def closed_form(outputs: Sequence[Output], motion) -> BohlFunction:
     """The functions of time of outputs without their constants."""

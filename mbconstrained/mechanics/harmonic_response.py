@@ -478,6 +478,7 @@ def steady_state(
     if period is not None and not (loss_factor or system.loss_factors or system.delayed) and repeats:
         damped = system if modal_damping is None else system.with_modal_damping(modal_damping)
         motion = _periodic_motion(damped, force, period)
+        further = [OutputNames.of(damped).output(one.name, quantity) for one in further]
     units |= {one.name: one.unit for one in further}
     further_values = answers[count:], tuple(further)
     return SteadyState(system.names, names[n:], f, answers[:n], answers[n:count], errors, units, period, motion, *further_values)

@@ -167,3 +167,13 @@ def test_rest_lengths_count_in_motions():
 def test_names_that_are_none(name, message):
     with pytest.raises(mb.InputError, match=message):
         machine().frequency_response([1.0], ["machine"], [name])
+
+
+def test_the_ground_feels_modal_damping_in_a_steady_state():
+    """Sums of harmonics and the periodic motion in closed form have the same force; the balance of forces M x'' = f - F holds."""
+    system, load, t = machine(), mb.harmonic([3.0, 1.0], frequency_hz=0.5), np.linspace(0.0, 2.0, 9)
+    names = ["force on ground", "acceleration of frame", "acceleration of machine", "velocity of machine - frame"]
+    sums = system.steady_state(load, modal_damping=0.05, outputs=names).output(t)
+    closed = system.steady_state(load, period=2.0, modal_damping=0.05, outputs=names).output(t)
+    np.testing.assert_allclose(closed, sums, atol=1e-12 * np.abs(sums).max())
+    np.testing.assert_allclose(sums[0], 4 * np.cos(np.pi * t) - 3 * sums[1] - 2 * sums[2], atol=1e-12)
