@@ -40,6 +40,7 @@ from .channels import (
     coordinate_channels,
     reference,
     row_channels,
+    support_of,
 )
 from .constraints import with_multipliers
 from .element_matrix import ElementMatrix
@@ -112,6 +113,8 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
         raise InputError("count: the response of a system given by arrays has all its modes; leave count out")
     chosen, rows = QUANTITIES[quantity], system.rows
     known_inputs = chosen_by_name("inputs", inputs, channels(system, "inputs"), coordinate_channels(system))
+    if inputs is not None:  # a force on a support moves nothing
+        known_inputs = [support_of(system, one) for one in known_inputs]
     known_outputs = _outputs(system, outputs, quantity, known_inputs)
     _check(quantity, known_inputs, known_outputs)
     levels = [0 if quantity == "transmissibility" else row.order for row in rows]
@@ -463,6 +466,10 @@ def steady_state(
         )
         H = evaluated(at_line, [omega / (2 * np.pi)])
         if H.poles_on_lines:
+            if not omega:
+                raise InputError(
+                    "force: its constant part moves a body that nothing restores away without end; there is no steady state"
+                )
             raise InputError(
                 f"force: at {number_text(omega / (2 * np.pi))} Hz it acts on an undamped motion of this frequency, which grows; "
                 "there is no steady state without damping"
