@@ -28,8 +28,10 @@ from ..polynomial.delayed_terms import DelayedTerm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.impulsive import ExactInput, ExactRecord, ExactTerm, ImpulsiveSmooth
 from .channels import (
+    FORCES,
     MOTIONS,
     ON_GROUND,
+    REACTION,
     Channel,
     Output,
     OutputNames,
@@ -163,7 +165,9 @@ def with_outputs(
     B = np.array([channel.unknowns(system) for channel in inputs]).T
     orders = {one.order for one in outputs if not one.is_zero}
     power = orders.pop() if len(orders) == 1 and None not in orders else 0
-    C = np.array([np.concatenate([one.rows[power], -one.multipliers]) for one in outputs]).reshape(len(outputs), len(B))
+    C = np.array([np.concatenate([one.rows[power], -one.multipliers(system.rows)]) for one in outputs]).reshape(
+        len(outputs), len(B)
+    )
     further = {place: one for place, one in enumerate(outputs) if one.order != power and not one.is_zero}
     if further:
         equations = _with_unknowns(system, equations, list(further.values()), loss_factor)
@@ -181,7 +185,7 @@ def _with_unknowns(system, equations, outputs: Sequence[Output], loss_factor):
     rows[1] += balances @ (coefficients[1][:n, :n] - system.damping)  # damping of modes
     wide = np.pad(np.array(coefficients), ((0, 0), (0, count), (0, count)))
     wide[:, size:, :n], wide[0, size:, size:] = -rows, np.eye(count)
-    wide[0, size:, n:size] = [one.multipliers for one in outputs]  # the unknowns are -lambda
+    wide[0, size:, n:size] = [one.multipliers(system.rows) for one in outputs]  # the unknowns are -lambda
     if sizes is not None:
         sizes = np.maximum(np.pad(sizes, ((0, 0), (0, count), (0, count))), np.abs(wide))
     if imaginary is not None:
@@ -218,7 +222,7 @@ def _is_default(output: Output, quantity: str) -> bool:
     kind = QUANTITIES[quantity].kind
     if kind in MOTIONS:
         return output.quantity in MOTIONS and MOTIONS[output.quantity] == MOTIONS[kind]
-    return output.quantity == kind or quantity == FORCE_TRANSMISSIBILITY
+    return output.quantity == kind or (quantity == FORCE_TRANSMISSIBILITY and output.quantity in (*FORCES, REACTION))
 
 
 def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count) -> Harmonic:
@@ -253,7 +257,7 @@ def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Output]) 
         raise InputError(f'{quantity}: the input "{rows[0]}" is a prescribed motion; expected forces on coordinates')
     if not (chosen := QUANTITIES[quantity]).inverse:
         return
-    if other := next((one.name for one in outputs if one.order != chosen.order or one.multipliers.any()), None):
+    if other := next((one.name for one in outputs if one.order != chosen.order or one.reactions), None):
         raise InputError(f'{quantity}: the output "{other}" is no {chosen.kind}; expected coordinates')
     if rows or len(inputs) != len(outputs):
         raise InputError(
@@ -485,6 +489,7 @@ def steady_state(
     if period is not None and not (loss_factor or system.loss_factors or system.delayed) and repeats:
         damped = system if modal_damping is None else system.with_modal_damping(modal_damping)
         motion = _periodic_motion(damped, force, period)
+        further = [OutputNames.of(damped).output(one.name, quantity) for one in further]
     units |= {one.name: one.unit for one in further}
     further_values = answers[count:], tuple(further)
     return SteadyState(system.names, names[n:], f, answers[:n], answers[n:count], errors, units, period, motion, *further_values)
