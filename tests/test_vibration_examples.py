@@ -417,6 +417,16 @@ def test_chatter_grows_between_two_lobes_and_decays_on_one():
     assert ratios[0] == pytest.approx(-root.real / abs(root), rel=0.01) and ratios[1] > 0  # the peak of a motion that grows
 
 
+def test_the_bicycle_steers_itself_between_the_published_speeds():
+    """Meijaard et al. (2007): speeds of double root, weave and capsize (section 6), eigenvalues at 5 m/s (table 2)."""
+    locus = read_scene(EXAMPLES / "bicycle.toml").root_locus("v", np.linspace(0.0, 8.0, 81))
+    assert [one.parameter for one in locus.break_points] == pytest.approx([0.68428307889246], rel=1e-12)
+    assert locus.stability_limits == pytest.approx([4.29238253634111, 6.02426201538837], rel=1e-12)
+    published = [-14.07838969279822, -0.77534188219585 + 4.46486771378823j, -0.32286642900409]
+    values = [mode.eigenvalue for mode in read_scene(EXAMPLES / "bicycle.toml").run().modes]
+    assert sorted(values, key=lambda value: value.real) == pytest.approx(published, rel=1e-13)
+
+
 def test_the_crane_with_a_shaper_stops_without_swing_and_the_other_one_swings_as_its_closed_form():
     """Modes of the double pendulum; the swing after a versed sine of the velocity by its Fourier integral (Duhamel)."""
     hook, load, upper, lower, speed, T = 200.0, 1000.0, (1200 * 9.81) / 6, (1000 * 9.81) / 2, 1.0, 4.0
