@@ -13,6 +13,7 @@ import numpy as np
 
 from ..exchange.trajectories import csv_of, write_arrays
 from ..exchange.universal import UNIVERSAL, Geometry, write_frequency_responses
+from ..ground.by_name import named_array
 from ..ground.checks import counted, names_of, optional_package, places_of, real_array, real_number
 from ..ground.display import Displayed, TextTable, notice_table, number_text
 from ..ground.errors import InputError, MbconstrainedError
@@ -78,6 +79,27 @@ class FrequencyResponse(Displayed):
     error_estimate: np.ndarray
     poles_on_lines: tuple[PoleOnLine, ...] = ()
 
+    def __post_init__(self):
+        for name in ("values", "error_estimate"):
+            object.__setattr__(self, name, named_array(getattr(self, name), self.outputs, self.inputs))
+
+    def __getitem__(self, key) -> np.ndarray:
+        """The values of an output by one of the inputs, ``H["cart", "road"]``, shape (F,); of a single input ``H["cart"]``.
+
+        Raises:
+            InputError: an unknown name; several inputs, of which none is named.
+
+        >>> import mbconstrained as mb
+        >>> H = mb.MechanicalSystem([[1.0]], [[0.2]], [[4.0]], names=["cart"]).frequency_response([0.0])
+        >>> H["cart"], H["cart", "cart"]
+        (array([0.25+0.j]), array([0.25+0.j]))
+        """
+        if isinstance(key, str):
+            if len(self.inputs) > 1:
+                raise InputError(f'found one name; expected those of an output and an input, such as ["{key}", "{self.inputs[0]}"]')
+            key = key, self.inputs[0]
+        return self.values[key]
+
     def _summary(self) -> str:
         sizes = ((self.outputs, "output"), (self.inputs, "input"), (self.frequencies_hz, "frequency"))
         several = {"frequency": "frequencies"}
@@ -104,7 +126,7 @@ class FrequencyResponse(Displayed):
     @property
     def units(self) -> np.ndarray:
         """The unit of each entry, shape (outputs, inputs)."""
-        return self.harmonic.units
+        return named_array(self.harmonic.units, self.outputs, self.inputs)
 
     @property
     def angular_frequencies(self) -> np.ndarray:

@@ -13,7 +13,7 @@ from types import ModuleType
 
 import numpy as np
 
-from .errors import InputError, MissingPackage
+from .errors import InputError, MissingPackage, UnknownIndex
 
 #: The extra with the packages for data exchange, as it is installed in the folder of a checkout.
 EXTRA = ".[exchange]"
@@ -201,6 +201,19 @@ def places_of(chosen: Iterable, names: Sequence[str], what: str) -> list[int]:
     if not indices:
         raise InputError(f"{what}: none was named; give one or several of {', '.join(names[:6])}{', ...' * (len(names) > 6)}")
     return indices
+
+
+def item_of(index, count: int, what: str) -> int:
+    """The place in a sequence of so many items, counted from its end where it is negative; otherwise an error.
+
+    >>> item_of(-1, 3, "mode")
+    2
+    """
+    if isinstance(index, bool) or not isinstance(index, (int, np.integer)):
+        raise InputError(f"{what}: found {index!r}; expected a whole number or a slice")
+    if not -count <= index < count:
+        raise UnknownIndex(f"{what}: found {index}; there {'is' if count == 1 else 'are'} {count}, counted from 0")
+    return range(count)[index]
 
 
 def _sample(array: np.ndarray) -> str:

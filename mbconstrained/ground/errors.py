@@ -16,6 +16,22 @@ class InputError(MbconstrainedError, ValueError):
     """An invalid value of an argument; the text states what was found, what was expected and the remedy."""
 
 
+class UnknownIndex(InputError, IndexError):
+    """A place beyond the end of a sequence."""
+
+
+class UnknownAttribute(MbconstrainedError, AttributeError):
+    """A name that a public object (``by_name.Public``) does not have, with the nearest one; the text is made when it is read."""
+
+    def __init__(self, owner, name: str):
+        super().__init__(owner, name)
+        self.name = name  # Python adds a suggestion of its own where this is not set
+
+    def __str__(self) -> str:
+        owner, name = self.args
+        return owner._lacks(name)
+
+
 class SceneError(InputError):
     """Unusable scene file; the text names the file, the location in it and the nearest known name."""
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from itertools import chain
 
+from .by_name import Public
 from .tolerances import TRUST_LIMIT
 
 
@@ -51,7 +52,7 @@ class NoticeKind(StrEnum):
 
 
 @dataclass(frozen=True)
-class Notice:
+class Notice(Public):
     """Notice: a sentence about a result.
 
     Attributes:

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 import scipy
 
+from ..ground.by_name import Public
 from ..ground.checks import is_sparse, names_of, nearest, real_array
 from ..ground.coordinate_units import check_unit, rate_unit
 from ..ground.errors import ContradictoryConstraints, InputError
@@ -35,7 +36,7 @@ MOST_NAMES = 12
 LEVELS: tuple[Level, ...] = ("position", "velocity", "acceleration")
 
 
-class Constraint:
+class Constraint(Public):
     """The rows A x^(level) = b(t) of one constraint, b a constant or a signal for t > 0 (a prescribed motion).
 
     Args:
@@ -107,7 +108,7 @@ class Constraint:
 
 
 @dataclass(frozen=True, eq=False)
-class ConstraintRow:
+class ConstraintRow(Public):
     """One row a x^(level) = value + signal(t) of a system."""
 
     name: str  # its name

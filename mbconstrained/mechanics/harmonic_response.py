@@ -17,6 +17,7 @@ import numpy as np
 
 from ..frequency.frequency_response import FrequencyResponse, evaluated
 from ..frequency.harmonic import Harmonic
+from ..ground.by_name import named_array
 from ..ground.checks import counted, nearest, real_array, real_number, whole_number
 from ..ground.coordinate_units import force_unit, rate_unit, ratio_unit
 from ..ground.display import Displayed, TextTable, number_text
@@ -351,13 +352,14 @@ class SteadyState(Displayed):
             raise InputError(
                 f"frequency_hz: no load has {f:g} Hz; expected one of {known}{', ...' * (len(self.frequencies_hz) > 6)}"
             )
-        return self.displacement_amplitudes[:, near[0]].copy()
+        return named_array(self.displacement_amplitudes[:, near[0]], self.names)
 
     def _values(self, quantity: str, amplitudes: np.ndarray, times) -> np.ndarray:
         times = real_array(times, "times")
         if self.motion is not None:
             return getattr(self.motion, quantity)(np.mod(times, self.period))
-        return np.real(amplitudes @ np.exp(np.multiply.outer(1j * self.angular_frequencies, times)))
+        values = np.real(amplitudes @ np.exp(np.multiply.outer(1j * self.angular_frequencies, times)))
+        return named_array(values, self.rows if quantity == "reaction" else self.names)
 
 
 def steady_state(
@@ -409,7 +411,8 @@ def steady_state(
     if period is not None and not (loss_factor or system.loss_factors or system.delayed) and repeats:
         damped = system if modal_damping is None else system.with_modal_damping(modal_damping)
         motion = _periodic_motion(damped, force, period)
-    return SteadyState(system.names, names[n:], f, answers[:n], answers[n:], errors, units, period, motion)
+    amplitudes = named_array(answers[:n], system.names), named_array(answers[n:], names[n:])
+    return SteadyState(system.names, names[n:], f, *amplitudes, errors, units, period, motion)
 
 
 def _periodic_motion(system: EquationsOfMotion, force: ImpulsiveSmooth | None, period: float) -> Motion | None:

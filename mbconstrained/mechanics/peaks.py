@@ -9,6 +9,7 @@ import numpy as np
 
 from ..frequency.shock.extrema import Extrema, extrema
 from ..frequency.shock.response_spectrum import ShockResponseSpectrum
+from ..ground.by_name import named_array
 from ..ground.checks import counted, nearest, real_array, real_number
 from ..ground.coordinate_units import force_unit, rate_unit
 from ..ground.display import Displayed, TextTable, number_text
@@ -155,17 +156,17 @@ class Peaks(Displayed):
     @property
     def maximum(self) -> np.ndarray:
         """Largest values, shape (r,)."""
-        return self.extrema.maximum
+        return named_array(self.extrema.maximum, self.names)
 
     @property
     def minimum(self) -> np.ndarray:
         """Smallest values, shape (r,)."""
-        return self.extrema.minimum
+        return named_array(self.extrema.minimum, self.names)
 
     @property
     def largest(self) -> np.ndarray:
         """Largest moduli, shape (r,)."""
-        return self.extrema.largest
+        return named_array(self.extrema.largest, self.names)
 
 
 def peaks(motion, end: float, of: str = "displacement", combinations=None, names: Sequence[str] | None = None) -> Peaks:

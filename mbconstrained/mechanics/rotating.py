@@ -16,6 +16,7 @@ from typing import TypeVar
 import numpy as np
 import scipy
 
+from ..ground.by_name import named_array
 from ..ground.checks import counted, real_number
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
@@ -413,7 +414,7 @@ class UnbalanceResponse(Displayed):
     @property
     def amplitudes(self) -> np.ndarray:
         """|x| in m or rad, shape (S, n)."""
-        return np.abs(self.values)
+        return named_array(np.abs(self.values), (), self.system.names)
 
     def _tables(self) -> tuple[TextTable, ...]:
         rows = (

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..ground.by_name import Public
 from ..ground.checks import counted, listed, places_of, real_array
 from ..ground.display import Displayed, TextTable, notice_table, number_text, signed, table_text
 from ..ground.errors import InputError, NotSolvable, SingularPolynomialMatrix, named, within_float64
@@ -52,7 +53,7 @@ MOST_NAMES = 12
 
 
 @dataclass(frozen=True)
-class Condition:
+class Condition(Public):
     """A combination of equations without coordinates: the same combination of the forces must vanish.
 
     Attributes:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..ground.checks import counted, evaluation_times, optional_package, places_of, real_array, whole_number
+from ..ground.by_name import named_array
+from ..ground.checks import counted, evaluation_times, item_of, optional_package, places_of, real_array, whole_number
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError, Overflow, SingularPolynomialMatrix
 from ..ground.notices import Notice, NoticeKind
@@ -158,7 +159,7 @@ class Responses(Displayed):
     def __getitem__(self, index: int | slice) -> Response | Any:
         if isinstance(index, slice):
             return replace(self, initial=self.initial[index], forces=self.forces[index])
-        place = range(len(self))[index]  # IndexError where there is none
+        place = item_of(index, len(self), "solution")
         return self._solved(self.initial[place], self.forces[place])
 
     def __iter__(self) -> Iterator[Response]:
@@ -174,7 +175,7 @@ class Responses(Displayed):
             InputError: negative or not finite times.
             Overflow: a value leaves the range of float64.
         """
-        return self.function(times)
+        return named_array(self.function(times), (), self.polynomial_matrix.coordinates)
 
     def derivative(self, order: int = 1) -> ManyFunctions:
         """Return the classical derivatives for t > 0, as functions of the same kind."""

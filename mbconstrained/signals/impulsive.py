@@ -8,6 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 
+from ..ground.by_name import Public
 from ..ground.checks import counted, real_array, real_number
 from ..ground.errors import InputError
 from ..ground.notices import Notice, distinct
@@ -48,7 +49,7 @@ class ExactRecord:
 
 
 @dataclass(frozen=True, eq=False)
-class ImpulsiveLoad:
+class ImpulsiveLoad(Public):
     """An impulsive load: the sum over k of impulses[k] delta^(k)(t - time).
 
     Attributes:
@@ -117,7 +118,7 @@ def without_phase_noise(value: float, phase: float) -> float:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class ImpulsiveSmooth:
+class ImpulsiveSmooth(Public):
     """An impulsive-smooth function f(t) = smooth(t) + sum of impulses[k] delta^(k)(t) + later impulses, zero before t = 0.
 
     Functions of equal size add; a number, or ``mapped`` a matrix, multiplies them.

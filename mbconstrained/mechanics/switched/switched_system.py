@@ -283,15 +283,15 @@ class SwitchedSystem(Displayed):
 
         return follow(self, force_pattern, frequencies_hz, start, periods, most_points)
 
-    def __getattr__(self, name: str):
+    def _lacks(self, name: str) -> str:
         from ..system import MechanicalSystem
 
-        if not name.startswith("_") and hasattr(MechanicalSystem, name):
-            raise AttributeError(
-                f"a switched system has no {name}: its equations change. Take those of one phase, such as "
-                f"system.phase({', '.join(repr(next(iter(switch.states))) for switch in self.switches)}).{name}"
-            )
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        if not hasattr(MechanicalSystem, name):
+            return super()._lacks(name)
+        states = ", ".join(repr(next(iter(switch.states))) for switch in self.switches)
+        return (
+            f"a switched system has no {name}: its equations change. Take those of one phase, such as system.phase({states}).{name}"
+        )
 
     def _summary(self) -> str:
         if self.phases:

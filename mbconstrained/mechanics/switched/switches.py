@@ -13,6 +13,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from ...ground.by_name import Public
 from ...ground.checks import nearest, real_number
 from ...ground.errors import InputError
 from ..constraints import Constraint, Level
@@ -379,7 +380,7 @@ def latch(
 
 
 @dataclass(frozen=True)
-class Transition:
+class Transition(Public):
     """The end of a phase of a ``SwitchedSystem`` and the one that follows.
 
     It takes place at a time, or where a linear combination of displacements, velocities or multipliers rises above or falls below a
