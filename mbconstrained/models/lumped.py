@@ -270,7 +270,7 @@ class LumpedModel(Displayed):
         )
         if turning:
             system.speed_tables, system.unbalance, system.whirl_matrix = turning.tables, turning.unbalance, turning.whirl
-        loss_factors = {element.name: getattr(element, "loss_factor", 0.0) for element in with_parts(elements)}
+        loss_factors = {element.name: vars(element).get("loss_factor", 0.0) for element in with_parts(elements)}
         system.loss_factors = {name: factor for name, factor in loss_factors.items() if factor}
         system.elements = ElementForces(elements, names)
         if not sparse and not (turning and turning.stiffness.any()):
@@ -414,7 +414,7 @@ def incidence_of(elements: Sequence[Element], names: Sequence[str], dtype: type 
 
 
 def _branches(links: Sequence[Link], field: str, names: Sequence[str], dtype: type, sparse: bool) -> BranchRows:
-    links = [link for link in links if getattr(link, field, 0.0)]
+    links = [link for link in links if vars(link).get(field, 0.0)]
     rest = [link.rest if field == "stiffness" else 0.0 for link in links]
     return BranchRows(
         incidence=_rows([link.row for link in links], names, dtype, sparse),
@@ -452,7 +452,7 @@ class ElementForces(Mapping):
     def __getitem__(self, name: str) -> ElementForce:
         link = self._links[name]
         row = coordinate_row(link.row, self._names)
-        return ElementForce(row, -link.rest, getattr(link, "stiffness", 0.0), getattr(link, "damping", 0.0), link.unit)
+        return ElementForce(row, -link.rest, vars(link).get("stiffness", 0.0), vars(link).get("damping", 0.0), link.unit)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._links)
