@@ -221,13 +221,41 @@ __all__ = ["exact", *_FILES]  # noqa: PLE0604  (names of the table)
 __all__.sort()
 
 
+#: Functions of other packages, and methods, that are expected of this module.
+_INSTEAD = {
+    "bode": "system.frequency_response(...).plot()",
+    "eig": "system.modes()",
+    "frf": "system.frequency_response(...)",
+    "load": "mb.read_scene",
+    "load_scene": "mb.read_scene",
+    "modes": "system.modes()",
+    "plot": "motion.plot()",
+    "random_response": "system.random_response(...)",
+    "run": 'mb.read_scene("FILE.toml").run()',
+    "simulate": "system.solve(...)",
+    "sine": "mb.harmonic",
+    "sweep": "scene.sweep(...)",
+}
+
+
+def _lacks(name: str) -> str:
+    """The message on a name that does not exist."""
+    from .ground.by_name import proposed
+
+    return f'mbconstrained has no "{name}"{proposed(name, __all__, _INSTEAD)}'
+
+
 def __getattr__(name: str):
     if name == "__version__":
         return import_module("importlib.metadata").version("mbconstrained")
     if name == "exact":
         return import_module(".exact", __name__)
     if name not in _FILES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        if name.startswith("_"):
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        from .ground.errors import UnknownAttribute
+
+        raise UnknownAttribute(name, _lacks)
     globals()[name] = value = getattr(import_module(f".{_FILES[name]}", __name__), name)
     return value
 

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import factorial
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
 from ..exchange.trajectories import csv_of, write_arrays
 from ..exchange.universal import UNIVERSAL, Geometry, write_frequency_responses
-from ..ground.by_name import named_array
+from ..ground.by_name import answering, named_array
 from ..ground.checks import counted, names_of, optional_package, places_of, real_array, real_number
 from ..ground.display import Displayed, TextTable, notice_table, number_text
 from ..ground.errors import InputError, MbconstrainedError
@@ -52,6 +52,7 @@ MODAL_SIZE = 40
 COMPARED = 16
 
 
+@answering
 @dataclass(frozen=True, repr=False, eq=False)
 class FrequencyResponse(Displayed):
     """Frequency response H(i w): a load Re(f e^{+i w t}) has the steady-state response Re(H(i w) f e^{+i w t}).
@@ -78,6 +79,15 @@ class FrequencyResponse(Displayed):
     values: np.ndarray
     error_estimate: np.ndarray
     poles_on_lines: tuple[PoleOnLine, ...] = ()
+
+    _instead: ClassVar = {
+        "amplitude": "abs(H.values)",
+        "bode": "plot",
+        "frequencies": "frequencies_hz",
+        "magnitude": "abs(H.values)",
+        "nyquist": "plot",
+        "phase": "np.angle(H.values)",
+    }
 
     def __post_init__(self):
         for name in ("values", "error_estimate"):

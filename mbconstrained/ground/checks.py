@@ -70,7 +70,9 @@ def real_array(value, what: object, *, shape: tuple[int | None, ...] | None = No
     if is_sparse(value):
         value = value.toarray()
     if callable(value):
-        raise InputError(f"{what}: found a Python function; expected numbers{OF_FUNCTION}")
+        own = type(value).__module__.startswith(__package__.partition(".")[0])
+        found, advice = (f"an object of type {type(value).__name__}", "") if own else ("a Python function", OF_FUNCTION)
+        raise InputError(f"{what}: found {found}; expected numbers{advice}")
     try:
         array = np.asarray(value)
     except ValueError:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import numpy as np
@@ -20,16 +20,23 @@ class UnknownIndex(InputError, IndexError):
     """A place beyond the end of a sequence."""
 
 
-class UnknownAttribute(MbconstrainedError, AttributeError):
-    """A name that a public object (``by_name.Public``) does not have, with the nearest one; the text is made when it is read."""
+class WrongCall(InputError, TypeError):
+    """A call with an unknown argument, without a necessary one or with too many; the text names it and the nearest one."""
 
-    def __init__(self, owner, name: str):
-        super().__init__(owner, name)
+
+class UnknownAttribute(MbconstrainedError, AttributeError):
+    """A name that a public object (``by_name.Public``) or the package does not have, with the nearest one.
+
+    The text is made when it is read, since ``hasattr`` asks for many names.
+    """
+
+    def __init__(self, name: str, message: Callable[[str], str]):
+        super().__init__(name, message)
         self.name = name  # Python adds a suggestion of its own where this is not set
 
     def __str__(self) -> str:
-        owner, name = self.args
-        return owner._lacks(name)
+        name, message = self.args
+        return message(name)
 
 
 class SceneError(InputError):

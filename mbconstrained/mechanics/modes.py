@@ -178,8 +178,6 @@ class Modes(Presented, Sequence):
     _instead: ClassVar = {
         "damping": "damping_ratios",
         "frequencies": "frequencies_hz",
-        "mode_shapes": "shapes",
-        "omega": "natural_frequencies",
     }
 
     def __post_init__(self):

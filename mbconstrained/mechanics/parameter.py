@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..ground.by_name import Public
+from ..ground.by_name import Public, answering
 from ..ground.checks import nearest, real_array, real_number
 from ..ground.errors import InputError
 from ..ground.tolerances import DIFFERENCE_STEP, EPS
@@ -47,6 +47,7 @@ class Assembled(Protocol):
     def rows(self) -> tuple[ConstraintRow, ...]: ...
 
 
+@answering
 @dataclass(frozen=True, eq=False)
 class Parameter(Public):
     """A parameter of a system, with the derivatives of its equations; omitted ones are zero.

@@ -11,12 +11,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 import scipy
 
-from ..ground.checks import OF_FUNCTION, counted, nearest, real_number
+from ..ground.by_name import answering, wrong_call
+from ..ground.checks import counted, nearest, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed, TextTable
 from ..ground.errors import InputError, named
@@ -28,7 +29,7 @@ from ..mechanics.energy import EnergyParts
 from ..mechanics.equations import ElementForce
 from ..mechanics.parameter import Parameter
 from ..mechanics.system import MechanicalSystem
-from ..signals.inputs import ImpulsiveSmooth, zero
+from ..signals.inputs import ImpulsiveSmooth, named_rows, zero
 from . import elements as catalogue
 from . import switching
 from .elements import (
@@ -62,7 +63,13 @@ def _adds(kind: Callable[Fields, Added]) -> Callable[Concatenate[LumpedModel, Fi
     """The method of a model that adds an element of a class, with the arguments and the description of the class."""
 
     def add(self, *args, **kwargs):
-        return self._add(kind(*args, **kwargs))
+        try:
+            element = kind(*args, **kwargs)
+        except TypeError as problem:
+            if problem.__traceback__.tb_next is not None:  # from within the class
+                raise
+            raise wrong_call(kind, args, kwargs, kind.kind) from None
+        return self._add(element)
 
     entries = entries_of(kind)  # type: ignore[arg-type]
     parameters, lines = [], []
@@ -78,6 +85,7 @@ def _adds(kind: Callable[Fields, Added]) -> Callable[Concatenate[LumpedModel, Fi
     return add
 
 
+@answering
 class LumpedModel(Displayed):
     """Masses, inertias, rigid bars and massless nodes; springs and dampers between them; rigid ties, levers, gears, ropes; rotors.
 
@@ -94,6 +102,14 @@ class LumpedModel(Displayed):
     >>> model.assemble().stiffness.tolist()
     [[3000.0]]
     """
+
+    _instead: ClassVar = {
+        "build": "assemble",
+        "frequency_response": "assemble().frequency_response",
+        "modes": "assemble().modes",
+        "solve": "assemble().solve",
+        "system": "assemble()",
+    }
 
     def __init__(self):
         self._elements: dict[str, Element] = {}
@@ -165,12 +181,12 @@ class LumpedModel(Displayed):
             acceleration = quantity(acceleration, "m/s^2") if isinstance(acceleration, str) else acceleration
         self.gravity_along = real_number(acceleration, "gravity")
 
-    def force(self, name: str, signal: ImpulsiveSmooth) -> None:
+    def force(self, name: str, signal: ImpulsiveSmooth | float) -> None:
         """A force on a body from t = 0 on, in addition to earlier ones.
 
         Args:
             name: name of the body.
-            signal: with one row, in N, or N m on a body that turns; such as ``mb.step([2.0])``.
+            signal: with one row, in N, or N m on a body that turns, such as ``mb.step(2.0)``; a number is constant.
 
         Raises:
             InputError: an unknown body or the ground, a signal with several rows.
@@ -178,9 +194,7 @@ class LumpedModel(Displayed):
         self._check_body("force", name)
         if name == GROUND:
             raise InputError('force: found "ground", which does not move; name a body')
-        if not isinstance(signal, ImpulsiveSmooth) or signal.size != 1:
-            advice = OF_FUNCTION if callable(signal) and not isinstance(signal, ImpulsiveSmooth) else ""
-            raise InputError(f"force on {name}: expected a signal with one row, such as mb.step([1.0]){advice}")
+        signal = named_rows({name: signal}, {name: 0}, 1, "force")
         self._forces[name] = self._forces[name] + signal if name in self._forces else signal
 
     def incidence(self) -> Incidence:

@@ -9,11 +9,12 @@ from functools import cached_property
 
 import numpy as np
 
-from ..ground.by_name import Public
+from ..ground.by_name import Public, answering
 from ..ground.checks import constant_zeros, counted, names_of, real_array
 from ..ground.errors import InputError, SingularPolynomialMatrix
 
 
+@answering
 class PolynomialCoefficients(Public):
     """Data of a ``PolynomialMatrix``, without the answers to questions about it."""
 

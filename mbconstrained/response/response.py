@@ -245,6 +245,8 @@ class Response(Exported, Presented):
         """
         return named_array(self.function(times), self.polynomial_matrix.coordinates)
 
+    _instead: ClassVar = dict.fromkeys(("t", "time", "times"), "it is a function of time: call it with times of your choice")
+
     def __getitem__(self, name: str) -> CoordinateFunction:
         """The function of one coordinate: ``x["cart"](t)``, ``x["cart"].derivative()(t)``.
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..ground.by_name import named_array
+from ..ground.by_name import answering, named_array
 from ..ground.checks import counted, evaluation_times, item_of, optional_package, places_of, real_array, whole_number
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError, Overflow, SingularPolynomialMatrix
@@ -356,7 +356,7 @@ def solve_many(A: PolynomialMatrix, initial, force, rank_tolerance: float | None
             f"force: found {counted(len(forces), 'force')} for {counted(len(starts), 'start')}; give as many, or one for all"
         )
     nothing = zero(r)
-    checked = {id(one): checked_force(one, r) for one in forces}
+    checked = {id(one): checked_force(one, r, A) for one in forces}
     members = (checked[id(one)] for one in forces)
     return Responses(A, starts, tuple(nothing if one.is_zero else one for one in members), rank_tolerance, request)
 
@@ -364,6 +364,7 @@ def solve_many(A: PolynomialMatrix, initial, force, rank_tolerance: float | None
 # A(d/dt) x = f from values at 0-, in closed form.
 
 
+@answering
 def solve(
     A: PolynomialMatrix,
     initial=None,
@@ -387,7 +388,8 @@ def solve(
     Args:
         A: the polynomial matrix, degree q, size r.
         initial: x^(i)(0-) as row i, shape (q, r); None for zeros. Of shape (S, q, r): S starts at once.
-        force: f with r rows, see ``mbconstrained.signals``; None for zero. A list of S forces: S solutions at once.
+        force: f with r rows, see ``mbconstrained.signals``, or by the names of equations or coordinates, such as
+            {"cart": mb.step(5.0)}; None for zero. A list of S forces: S solutions at once.
         rank_tolerance: overrides how rank decisions are made: a difference of entries of A(s) counts as zero if it is no
             larger than this part of them (1e-9 for measured data, say); None for rounding errors of float64.
         delayed: terms with dead time, A_j(s) by their delays in s: a polynomial matrix, a list of coefficients, or one matrix. The equations
@@ -445,7 +447,7 @@ def solve(
 
 def _is_family(initial, force) -> bool:
     """Whether several starts or forces are given."""
-    if isinstance(force, (list, tuple)) and any(isinstance(one, ImpulsiveSmooth) for one in force):
+    if isinstance(force, (list, tuple)) and any(isinstance(one, (ImpulsiveSmooth, Mapping)) for one in force):
         return True
     try:
         return np.ndim(initial) == 3

@@ -228,6 +228,8 @@ class ImpulsiveSmooth(Public):
         return self._changed(self.smooth.mapped(matrix), lambda impulse: matrix @ impulse, matrix)
 
     def __add__(self, other: ImpulsiveSmooth) -> ImpulsiveSmooth:
+        if isinstance(other, (int, float)) and other:
+            raise InputError(f"inputs: found {other!r} as a term; a constant input is mb.step({other!r})")
         if not isinstance(other, ImpulsiveSmooth):
             return NotImplemented
         if self.size != other.size:
@@ -238,7 +240,7 @@ class ImpulsiveSmooth(Public):
 
     def __radd__(self, other) -> ImpulsiveSmooth:
         """0 + f, so that sum() of inputs works."""
-        return self if isinstance(other, (int, float)) and other == 0 else NotImplemented
+        return self if isinstance(other, (int, float)) and other == 0 else self + other
 
     def __mul__(self, factor: float) -> ImpulsiveSmooth:
         return self._changed(self.smooth * factor, lambda impulse: impulse * factor, factor)

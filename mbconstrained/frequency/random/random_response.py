@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
-from ...ground.by_name import named_array
+from ...ground.by_name import answering, named_array
 from ...ground.checks import counted, nearest, optional_package, real_array, real_number, whole_number
 from ...ground.display import Displayed, TextTable, notice_table, number_text
 from ...ground.errors import InputError
@@ -310,6 +310,7 @@ def _numerical_decays(transfer: SpectralTransfer) -> np.ndarray:
 ALWAYS_PROVED, MOST_PROVED = 256, 2048
 
 
+@answering
 @dataclass(frozen=True, repr=False, eq=False)
 class RandomResponse(Displayed):
     """Stationary Gaussian outputs of zero mean, with the one-sided spectra G_y = H G_u H^H per Hz.

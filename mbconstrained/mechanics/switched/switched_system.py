@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...ground.by_name import answering
 from ...ground.checks import counted, nearest, real_number, whole_number
 from ...ground.display import Displayed, TextTable
 from ...ground.errors import InputError, within_float64
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from .periodic import PeriodicMotion
 
 
+@answering
 class SwitchedSystem(Displayed):
     """A mechanical system that changes its equations: each phase M x'' + C x' + K x = f + A^T lambda with rows of its own.
 

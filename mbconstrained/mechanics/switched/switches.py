@@ -13,7 +13,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from ...ground.by_name import Public
+from ...ground.by_name import Public, answering
 from ...ground.checks import nearest, real_number
 from ...ground.errors import InputError
 from ..constraints import Constraint, Level
@@ -379,6 +379,7 @@ def latch(
 # Transitions between phases that are given as whole systems.
 
 
+@answering
 @dataclass(frozen=True)
 class Transition(Public):
     """The end of a phase of a ``SwitchedSystem`` and the one that follows.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...ground.by_name import answering
 from ...ground.checks import counted, real_number
 from ...ground.display import Displayed
 from ...ground.errors import InputError, named, shown
@@ -61,6 +62,7 @@ class Record(Displayed):
         return f"{named}{counted(len(self.times), 'sample')}{until}{f' in {self.unit}' if self.unit else ''}"
 
 
+@answering
 def read_record(
     path: str | Path,
     *,
