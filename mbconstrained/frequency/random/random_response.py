@@ -12,6 +12,7 @@ import scipy
 
 from ...ground.by_name import answering, named_array
 from ...ground.checks import counted, nearest, optional_package, real_array, real_number, whole_number
+from ...ground.coordinate_units import density_unit
 from ...ground.display import Displayed, TextTable, notice_table, number_text
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
@@ -186,7 +187,7 @@ def existence(transfer: SpectralTransfer, spectra: SpectralMatrix, powers: tuple
             for output in np.flatnonzero(exponents + power >= -1).tolist():
                 if not reasons[row, output]:
                     intensity = (
-                        f"; its intensity is {number_text(white[output])} ({units[output]})^2/Hz"
+                        f"; its intensity is {number_text(white[output])} {density_unit(units[output])}"
                         if np.isfinite(white[output])
                         else ""
                     )
@@ -584,7 +585,7 @@ class RandomResponse(Displayed):
         coords = {
             "output": list(self.outputs),
             "frequency": ("frequency", np.asarray(frequencies_hz, dtype=float), {"units": "Hz"}),
-            "unit": ("output", [f"({unit})^2/Hz" for unit in self.units]),
+            "unit": ("output", list(map(density_unit, self.units))),
             "rms": ("output", self.rms),
         }
         return xarray.DataArray(values, coords, ("output", "frequency"), f"spectrum of the {self.quantity}")

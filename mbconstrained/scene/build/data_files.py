@@ -44,12 +44,14 @@ class Record(Displayed):
         values: shape (T,).
         unit: unit of the values in SI; an empty text where it is unknown.
         name: name of the column, channel or function in the file.
+        unit_in_file: unit of the values in the file; an empty text where it is unknown.
     """
 
     times: np.ndarray = field(repr=False)
     values: np.ndarray = field(repr=False)
     unit: str = ""
     name: str = ""
+    unit_in_file: str = ""
 
     @property
     def signal(self) -> ImpulsiveSmooth:
@@ -162,7 +164,7 @@ def record_in_si(
     values = samples.values if scale * number == 1 else scale * number * samples.values
     values = values + offset if offset else values
     _check_sizes(samples, times, values)
-    return Record(times, values, expected or _unit_of(kind), samples.name)
+    return Record(times, values, expected or _unit_of(kind), samples.name, unit or "")
 
 
 def _unit_of(kind: Dimension | None) -> str:
