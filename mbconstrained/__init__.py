@@ -238,11 +238,13 @@ _INSTEAD = {
 }
 
 
-def _lacks(name: str) -> str:
-    """The message on a name that does not exist."""
-    from .ground.by_name import proposed
+class _UnknownName(AttributeError):
+    """A name that does not exist; the text is made when it is read, since imports of rooms ask for their names here first."""
 
-    return f'mbconstrained has no "{name}"{proposed(name, __all__, _INSTEAD)}'
+    def __str__(self) -> str:
+        from .ground.by_name import proposed
+
+        return f'mbconstrained has no "{self.args[0]}"{proposed(self.args[0], __all__, _INSTEAD)}'
 
 
 def __getattr__(name: str):
@@ -251,11 +253,7 @@ def __getattr__(name: str):
     if name == "exact":
         return import_module(".exact", __name__)
     if name not in _FILES:
-        if name.startswith("_"):
-            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        from .ground.errors import UnknownAttribute
-
-        raise UnknownAttribute(name, _lacks)
+        raise _UnknownName(name)
     globals()[name] = value = getattr(import_module(f".{_FILES[name]}", __name__), name)
     return value
 

@@ -13,11 +13,12 @@ import numpy as np
 
 from ..exchange.trajectories import csv_of, write_arrays
 from ..exchange.universal import UNIVERSAL, Geometry, write_frequency_responses
-from ..ground.by_name import answering, named_array
+from ..ground.by_name import answering
 from ..ground.checks import counted, names_of, optional_package, places_of, real_array, real_number
 from ..ground.display import Displayed, TextTable, notice_table, number_text
 from ..ground.errors import InputError, MbconstrainedError
 from ..ground.files import replacing
+from ..ground.named_arrays import named_array
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, FLOAT64_DIGITS, LINE_ACCURACY, SUM_SAFETY, TRUST_LIMIT
 from ..polynomial.delayed_terms import delayed_terms

@@ -1,16 +1,12 @@
-"""Names that users look up: attributes of public objects, arguments of functions, and entries of arrays."""
+"""Names that users look up: attributes of public objects and arguments of functions."""
 
 from __future__ import annotations
 
 import inspect
-import itertools
 from collections.abc import Callable, Iterable, Mapping
 from functools import wraps
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
-import numpy as np
-
-from .checks import counted, listed, nearest
 from .errors import InputError, UnknownAttribute, WrongCall
 
 #: Words of textbooks and of other packages for names of this one, the first of which that exists is proposed.
@@ -44,6 +40,8 @@ def proposed(word: str, known: Iterable[str], instead: Mapping[str, str] | None 
     >>> proposed("K", ["mass", "stiffness"]), proposed("t", [], {"t": "call it with times"})
     ('; did you mean "stiffness"?', '; call it with times')
     """
+    from .checks import nearest
+
     known = list(known)
     meant = (instead or {}).get(word) or next((name for name in SYNONYMS.get(word, ()) if name in known), "")
     if not meant:
@@ -80,6 +78,8 @@ class Public:
 
     def _lacks(self, name: str) -> str:
         """The message on an attribute that does not exist."""
+        from .checks import listed
+
         known = [own for own in dir(self) if not own.startswith("_")]
         has_entries = type(self).__getitem__ is not Public.__getitem__
         is_entry = has_entries and name in self._entries()
@@ -90,6 +90,8 @@ class Public:
         return getattr(self, "names", ())
 
     def __getitem__(self, key) -> Any:
+        from .checks import listed
+
         is_attribute = isinstance(key, str) and key.isidentifier() and hasattr(self, key)
         known = listed([own for own in dir(self) if not own.startswith("_")], 20)
         there = f"it has an attribute: .{key}" if is_attribute else f"its attributes are {known}"
@@ -128,6 +130,8 @@ def answering(called: Called) -> Called:
 
 def wrong_call(function: Callable, args: tuple, kwargs: Mapping[str, Any], name: str = "") -> WrongCall:
     """The error of a call whose arguments are not those of the function."""
+    from .checks import counted, listed
+
     parameters = list(inspect.signature(function).parameters.values())
     owner = args[0] if parameters and parameters[0].name == "self" else None
     if owner is not None:
@@ -153,57 +157,3 @@ def wrong_call(function: Callable, args: tuple, kwargs: Mapping[str, Any], name:
     return WrongCall(
         f"{name}: {' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing; it takes {listed(known, 20)}"
     )
-
-
-class NamedArray(np.ndarray):
-    """An array with names along its leading axes: ``values["cart"]``, ``values["cart", "base"]``, ``values[["cart", "load"]]``.
-
-    In everything else it is the array of its numbers; parts of it and results of arithmetic are arrays without names.
-
-    Attributes:
-        names: those along the first axis, the second ...; an empty tuple for an axis without names.
-
-    >>> rms = named_array([1.5, 2.5], ("cart", "load"))
-    >>> rms["load"], rms[0], 2 * rms, rms.names
-    (np.float64(2.5), np.float64(1.5), array([3., 5.]), (('cart', 'load'),))
-    >>> rms["lod"]
-    Traceback (most recent call last):
-    mbconstrained.ground.errors.InputError: there is no "lod"; did you mean "load"?; there are cart, load
-    """
-
-    names: tuple[tuple[str, ...], ...] = ()
-
-    def __getitem__(self, key) -> Any:
-        if isinstance(key, (str, list)):  # along the first axis with names
-            key = (*(slice(None) for _ in itertools.takewhile(lambda own: not own, self.names)), key)
-        if isinstance(key, tuple):
-            key = tuple(self._places(axis, one) if isinstance(one, (str, list)) else one for axis, one in enumerate(key))
-        return self.view(np.ndarray)[key]
-
-    def _places(self, axis: int, key):
-        """The index of a name along an axis, or those of a list; numbers unchanged."""
-        if isinstance(key, list):
-            return [self._places(axis, one) for one in key]
-        if not isinstance(key, str):
-            return key
-        known = self.names[axis] if axis < len(self.names) else ()
-        if key not in known:
-            there = f"there are {listed(known, 12)}" if known else f"these numbers have no names along axis {axis}"
-            raise InputError(f'there is no "{key}"{nearest(key, known)}; {there}')
-        return known.index(key)
-
-    def __array_wrap__(self, array, context=None, return_scalar=False):
-        return array[()] if return_scalar else array
-
-    def __reduce__(self):
-        return named_array, (self.view(np.ndarray), *self.names)
-
-    def __repr__(self) -> str:
-        return repr(self.view(np.ndarray))
-
-
-def named_array(values, *names: tuple[str, ...]) -> NamedArray:
-    """The values with the names along their leading axes."""
-    array = np.asarray(values).view(NamedArray)
-    array.names = names
-    return array

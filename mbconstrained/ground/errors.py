@@ -25,10 +25,7 @@ class WrongCall(InputError, TypeError):
 
 
 class UnknownAttribute(MbconstrainedError, AttributeError):
-    """A name that a public object (``by_name.Public``) or the package does not have, with the nearest one.
-
-    The text is made when it is read, since ``hasattr`` asks for many names.
-    """
+    """A name that a public object does not have, with the nearest one; the text is made when it is read: ``hasattr`` needs none."""
 
     def __init__(self, name: str, message: Callable[[str], str]):
         super().__init__(name, message)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from enum import StrEnum
 from itertools import chain
 
-from .by_name import Public
 from .tolerances import TRUST_LIMIT
 
 
@@ -52,7 +51,7 @@ class NoticeKind(StrEnum):
 
 
 @dataclass(frozen=True)
-class Notice(Public):
+class Notice:
     """Notice: a sentence about a result.
 
     Attributes:

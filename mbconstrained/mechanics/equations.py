@@ -130,7 +130,7 @@ class EquationsOfMotion(Displayed):
             self._independent = self._independent_rows()
         self._forms: dict[tuple[int, ...] | None, ConstrainedForm] = {}  # None: of all rows at their levels
         self.origin: Any = None
-        varies = _varies(force)
+        varies = force is not None and _varies(force)
         self.excitation = self._signal(force) if varies else None
         self.static_force = self._vector(static_force, "static_force") + self._vector(None if varies else force, "force")
         self.static_force.flags.writeable = False

@@ -15,12 +15,13 @@ import scipy
 
 from ..exchange.trajectories import write_arrays
 from ..exchange.universal import UNIVERSAL, Geometry, write_modes
-from ..ground.by_name import NamedArray, Public, named_array
+from ..ground.by_name import Public
 from ..ground.checks import counted, item_of, whole_number
 from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Presented, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.files import replacing
+from ..ground.named_arrays import NamedArray, named_array
 from ..ground.notices import Notice, NoticeKind
 from ..ground.threads import short_work
 from ..ground.tolerances import (

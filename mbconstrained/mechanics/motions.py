@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..ground.by_name import named_array
 from ..ground.checks import counted, item_of, real_array
 from ..ground.errors import InputError
+from ..ground.named_arrays import named_array
 from ..response.choose import Request
 from ..response.solve import Responses, solve_many
 from ..signals.impulsive import ImpulsiveSmooth

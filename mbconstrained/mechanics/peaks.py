@@ -9,11 +9,11 @@ import numpy as np
 
 from ..frequency.shock.extrema import Extrema, extrema
 from ..frequency.shock.response_spectrum import ShockResponseSpectrum
-from ..ground.by_name import named_array
 from ..ground.checks import counted, nearest, real_array, real_number
 from ..ground.coordinate_units import force_unit, rate_unit
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
+from ..ground.named_arrays import named_array
 from ..ground.tolerances import STEP_AGREEMENT, noise_of
 from ..signals.bohl import BohlFunction
 from .channels import Output, OutputNames, closed_form

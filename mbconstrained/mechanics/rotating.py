@@ -16,10 +16,10 @@ from typing import TypeVar
 import numpy as np
 import scipy
 
-from ..ground.by_name import named_array
 from ..ground.checks import counted, real_number
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
+from ..ground.named_arrays import named_array
 from ..ground.threads import short_work
 from ..ground.tolerances import EPS, NEWTON_STEP, noise_of
 from ..linalg.arrays import block_diag

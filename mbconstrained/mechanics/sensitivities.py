@@ -12,10 +12,10 @@ import numpy as np
 import scipy
 
 from ..exact.splitting import Branch, Splitting, splitting
-from ..ground.by_name import named_array
 from ..ground.checks import counted
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
+from ..ground.named_arrays import named_array
 from ..ground.notices import Notice, doubts_of
 from ..ground.threads import short_work
 from ..ground.tolerances import EPS, REFINEMENT_STEPS, SHOWN_INFLUENCE, SPLITTING_ROUNDING, noise_of

@@ -85,7 +85,6 @@ def _adds(kind: Callable[Fields, Added]) -> Callable[Concatenate[LumpedModel, Fi
     return add
 
 
-@answering
 class LumpedModel(Displayed):
     """Masses, inertias, rigid bars and massless nodes; springs and dampers between them; rigid ties, levers, gears, ropes; rotors.
 
@@ -111,6 +110,7 @@ class LumpedModel(Displayed):
         "system": "assemble()",
     }
 
+    @answering
     def __init__(self):
         self._elements: dict[str, Element] = {}
         self._parts: dict[str, Element] = {}
@@ -175,12 +175,14 @@ class LumpedModel(Displayed):
     constrain = _adds(catalogue.Relation)
     prescribe = _adds(catalogue.PrescribedMotion)
 
+    @answering
     def gravity(self, acceleration: float | str) -> None:
         """A force m g along the axis on every mass, on a rotor along z; negative where the axis points upwards (m/s^2)."""
         with named("gravity"):
             acceleration = quantity(acceleration, "m/s^2") if isinstance(acceleration, str) else acceleration
         self.gravity_along = real_number(acceleration, "gravity")
 
+    @answering
     def force(self, name: str, signal: ImpulsiveSmooth | float) -> None:
         """A force on a body from t = 0 on, in addition to earlier ones.
 
@@ -201,6 +203,7 @@ class LumpedModel(Displayed):
         """The factors K = B^T diag(k) B, C = B^T diag(c) B, M = diag(m)."""
         return incidence_of(self.elements, self.coordinates)
 
+    @answering
     def assemble(self, sparse: bool = False) -> MechanicalSystem | SwitchedSystem:
         """M x'' + C x' + K x = f of all elements: rest lengths and weights are its static force, ties its constraint rows.
 

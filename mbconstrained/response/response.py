@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, ClassVar, cast
 import numpy as np
 
 from ..exchange.trajectories import Exported
-from ..ground.by_name import named_array
 from ..ground.checks import counted, listed, places_of, whole_number
 from ..ground.display import Displayed, Presented, TextTable, notice_table
 from ..ground.errors import InputError, MbconstrainedError, within_float64
+from ..ground.named_arrays import named_array
 from ..ground.notices import Evidence, Notice
 from ..ground.threads import short_work
 from ..ground.tolerances import PROVED_RESTARTS, PROVED_STATES, noise_of

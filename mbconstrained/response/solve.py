@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..ground.by_name import answering, named_array
+from ..ground.by_name import answering
 from ..ground.checks import counted, evaluation_times, item_of, optional_package, places_of, real_array, whole_number
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError, Overflow, SingularPolynomialMatrix
+from ..ground.named_arrays import named_array
 from ..ground.notices import Notice, NoticeKind
 from ..ground.threads import short_work
 from ..linalg.blocks import CHUNK_ENTRIES

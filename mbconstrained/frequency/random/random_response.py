@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
-from ...ground.by_name import answering, named_array
+from ...ground.by_name import answering
 from ...ground.checks import counted, nearest, optional_package, real_array, real_number, whole_number
 from ...ground.coordinate_units import density_unit
 from ...ground.display import Displayed, TextTable, notice_table, number_text
 from ...ground.errors import InputError
+from ...ground.named_arrays import named_array
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import CLUSTER_SAFETY, EPS, FLOAT64_DIGITS, NOISE_SAFETY, PROVED_ACCURACY, REPORTED_ERROR, TRUST_LIMIT
 from ...linalg import lapack

@@ -10,10 +10,10 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from ...ground.by_name import named_array
 from ...ground.checks import counted, places_of
 from ...ground.display import Displayed, TextTable, notice_table
 from ...ground.errors import IllConditioned, InputError, MbconstrainedError
+from ...ground.named_arrays import named_array
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import CORRECTION_RESIDUAL, EPS, FREQUENCY_GAP, NOISE_SAFETY, RESONANCE_RATIO, ROUNDED_FREE, noise_of
 from ...linalg.arrays import full, kept
