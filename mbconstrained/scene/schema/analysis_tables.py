@@ -268,6 +268,9 @@ class ShockTable(Table):
 
     of: Text | None = Field(None, description="The [[motion]] whose acceleration is the shock; by default the first that ends.")
     end: Time | None = Field(None, gt=0, description="Until when peaks of the model are searched; by default time.end.")
+    outputs: list[Text] | None = Field(
+        None, description=f"Further quantities whose peaks are searched: {NAMES}; left out: the [[output.quantity]] tables."
+    )
     damping_ratio: Number = Field(0.05, ge=0, description="Damping ratio of the oscillators.")
     quality_factor: Number | None = Field(None, gt=0, description="Alternatively: Q = 1 / (2 damping ratio).")
     quantity: ShockQuantity = Field("absolute acceleration", description="Response quantity of the oscillators.")
