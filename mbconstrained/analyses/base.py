@@ -84,6 +84,8 @@ class Answer(Displayed):
     machine: Mapping[str, str] = field(default_factory=dict)
     text: str = ""
 
+    _has_plots = True
+
     @property
     def is_trusted(self) -> bool:
         """False where a notice warns that values may be wrong."""

@@ -81,6 +81,7 @@ class FrequencyResponse(Displayed):
     error_estimate: np.ndarray
     poles_on_lines: tuple[PoleOnLine, ...] = ()
 
+    _has_plots = True
     _instead: ClassVar = {
         "amplitude": "abs(H.values)",
         "bode": "plot",

@@ -11,6 +11,7 @@ from importlib import import_module
 from itertools import zip_longest
 from pathlib import Path
 from textwrap import TextWrapper
+from typing import ClassVar
 
 from .by_name import Public
 from .errors import InputError
@@ -46,10 +47,17 @@ class TextTable:
 
 
 class Displayed(Public):
-    """A public object that prints as ``Name(summary)`` and shows its tables in a notebook.
+    """A public object that prints as ``Name(summary)`` and shows its plots and tables in a notebook.
 
-    A subclass defines ``_summary`` and, for notebooks, ``_tables``; a dataclass needs ``repr=False``.
+    A subclass defines ``_summary`` and, for notebooks, ``_tables`` and ``_has_plots``; a dataclass needs ``repr=False``. Plots and pages
+    are made by a room above this one, which is looked up by its name when they are requested.
     """
+
+    _has_plots: ClassVar[bool] = False
+
+    @staticmethod
+    def _presentation():
+        return import_module(f"{__package__.partition('.')[0]}.analyses.python_models")
 
     def _summary(self) -> str:
         """The text between the parentheses: sizes and counts, no arrays."""
@@ -63,18 +71,12 @@ class Displayed(Public):
         return f"{type(self).__name__}({self._summary()})"
 
     def _repr_html_(self) -> str:
-        return f"<p>{html.escape(repr(self))}</p>" + "".join(map(table_html, self._tables()))
+        plots = self._presentation().pictures(self) if self._has_plots else ""
+        return f"<p>{html.escape(repr(self))}</p>" + plots + "".join(map(table_html, self._tables()))
 
 
 class Presented(Displayed):
-    """A public object with a static page.
-
-    Pages are made by a room above this one, which is looked up by its name when a page is requested.
-    """
-
-    @staticmethod
-    def _presentation():
-        return import_module(f"{__package__.partition('.')[0]}.analyses.python_models")
+    """A public object with a static page."""
 
     def write_page(self, path, **options) -> Path:
         """Write the static HTML page with animation, plots and tables.

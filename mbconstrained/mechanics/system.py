@@ -88,6 +88,7 @@ class MechanicalSystem(EquationsOfMotion):
     (True, True)
     """
 
+    _has_plots = True
     _instead: ClassVar = {
         "eig": "modes().eigenvalues",
         "eigenvalues": "modes().eigenvalues",

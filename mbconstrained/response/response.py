@@ -209,8 +209,7 @@ class Response(Exported, Presented):
         """
         return self._presentation().plot(self, axes, quantity, **options)
 
-    def _repr_html_(self) -> str:
-        return super()._repr_html_() + self._presentation().picture(self)
+    _has_plots = True
 
     def _summary(self) -> str:
         names, jumps = self.polynomial_matrix.coordinates, int(self.jump.any(axis=0).sum())

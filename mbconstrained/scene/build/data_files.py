@@ -53,6 +53,8 @@ class Record(Displayed):
     name: str = ""
     unit_in_file: str = ""
 
+    _has_plots = True
+
     @property
     def signal(self) -> ImpulsiveSmooth:
         """The record as a force of one row, linear between its samples (``mbconstrained.sampled``)."""
