@@ -5,23 +5,20 @@ from __future__ import annotations
 import html
 import tempfile
 import webbrowser
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from ..frequency.frequency_response import FrequencyResponse
 from ..ground.by_name import answering
 from ..ground.checks import nearest, real_number, whole_number
-from ..ground.errors import InputError, MbconstrainedError
+from ..ground.errors import InputError
 from ..mechanics.modes import Modes
 from ..mechanics.motion import Motion
 from ..mechanics.switched.switched_motion import SwitchedMotion
 from ..response.response import Response
-from ..scene.build.data_files import Record
 from ..scene.build.model import Equations
 from ..scene.build.robot_model import RobotEquations, RobotScene
 from ..scene.file import SceneName
@@ -31,7 +28,6 @@ from ..scene.run.stages import plan_of
 from ..scene.schema.entry_types import Table, validated
 from ..scene.schema.model_tables import MatricesTable
 from ..scene.schema.scene_schema import DrawingTable, InitialTable, OutputTable, SceneFile, TimeTable
-from .base import Answer
 from .run import RunAnswer
 
 if TYPE_CHECKING:
@@ -45,9 +41,6 @@ PERIODS, TIME_CONSTANTS = 8.0, 5.0
 
 #: More than so many periods of the fastest oscillation are not shown by default: curves would be bands.
 MOST_PERIODS = 200.0
-
-#: Plots and curves of one object in a notebook, and coordinates of a system whose receptances are drawn.
-MOST_PLOTS, MOST_CURVES, MOST_COORDINATES = 6, 12, 40
 
 KINDS = ("displacement", "velocity", "acceleration", "reaction", "energy", "phase", "output")
 
@@ -178,51 +171,6 @@ def plot(motion: Response, axes=None, quantity: str = "displacement", **options)
     axes.set_ylabel(" / ".join(dict.fromkeys(f"{title} ({unit})" for title, unit in zip(curves.titles, curves.units))))
     axes.legend()
     return axes
-
-
-def pictures(shown: Any) -> str:
-    """The plots of an object as SVG, for notebooks; an empty text where there is no answer to plot."""
-    try:
-        images = [image.decode() for image in _images(shown)]
-    except MbconstrainedError:
-        return ""
-    return "".join(image[image.index("<svg") :] for image in images)  # without the head of an XML file
-
-
-def _images(shown: Any) -> Iterator[bytes]:
-    """Of a scene its run, of a motion its displacements, of a mechanical system the receptances of each coordinate under its own force."""
-    from ..page.content import Curve, Plot
-    from ..page.plots import plot_image
-
-    if isinstance(shown, Scene):
-        shown = shown.unwritten().run()
-    if isinstance(shown, Response):
-        shown = result_of(shown)
-    if isinstance(shown, Answer):
-        yield from (plot_image(plot, "svg") for plot in islice(shown.plots(), MOST_PLOTS) if plot.curves or plot.cells)
-    elif isinstance(shown, Record):
-        yield plot_image(Plot(shown.name or "record", shown.unit, shown.times, (Curve(shown.name, shown.values),)), "svg")
-    elif isinstance(shown, FrequencyResponse):
-        yield _amplitudes(shown, list(product(range(len(shown.outputs)), range(len(shown.inputs)))))
-    elif not (shown.is_sparse or shown.size > MOST_COORDINATES):
-        yield _amplitudes(shown.frequency_response(), [(place, place) for place in range(shown.size)])
-
-
-def _amplitudes(H: FrequencyResponse, entries: Sequence[tuple[int, int]]) -> bytes:
-    """The amplitudes of entries of a frequency response over the frequency, by their names and units."""
-    from ..page.plots import drawn_image
-
-    def draw(figure) -> None:
-        axes = figure.add_subplot()
-        for i, j in entries[:MOST_CURVES]:
-            sizes, unit = np.abs(H.values[i, j]), H.units[i, j]
-            name = f"{H.outputs[i]} / {H.inputs[j]}{'' if unit == '1' else f' ({unit})'}"
-            axes.loglog(H.frequencies_hz, np.where(np.isfinite(sizes) & (sizes > 0), sizes, np.nan), label=name)
-        axes.set_xlabel("frequency (Hz)")
-        axes.set_ylabel(H.quantity)
-        figure.legend(loc="outside lower left", ncols=3)
-
-    return drawn_image(draw, 6.4, 3.0 + 0.2 * (min(len(entries), MOST_CURVES) // 3), "svg")
 
 
 @dataclass(frozen=True)

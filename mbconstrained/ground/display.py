@@ -11,7 +11,6 @@ from importlib import import_module
 from itertools import zip_longest
 from pathlib import Path
 from textwrap import TextWrapper
-from typing import ClassVar
 
 from .by_name import Public
 from .errors import InputError
@@ -47,17 +46,10 @@ class TextTable:
 
 
 class Displayed(Public):
-    """A public object that prints as ``Name(summary)`` and shows its plots and tables in a notebook.
+    """A public object that prints as ``Name(summary)`` and shows its tables in a notebook.
 
-    A subclass defines ``_summary`` and, for notebooks, ``_tables`` and ``_has_plots``; a dataclass needs ``repr=False``. Plots and pages
-    are made by a room above this one, which is looked up by its name when they are requested.
+    A subclass defines ``_summary`` and, for notebooks, ``_tables``; a dataclass needs ``repr=False``.
     """
-
-    _has_plots: ClassVar[bool] = False
-
-    @staticmethod
-    def _presentation():
-        return import_module(f"{__package__.partition('.')[0]}.analyses.python_models")
 
     def _summary(self) -> str:
         """The text between the parentheses: sizes and counts, no arrays."""
@@ -71,12 +63,26 @@ class Displayed(Public):
         return f"{type(self).__name__}({self._summary()})"
 
     def _repr_html_(self) -> str:
-        plots = self._presentation().pictures(self) if self._has_plots else ""
-        return f"<p>{html.escape(repr(self))}</p>" + plots + "".join(map(table_html, self._tables()))
+        return f"<p>{html.escape(repr(self))}</p>" + "".join(map(table_html, self._tables()))
+
+
+class Pictured(Displayed):
+    """A public object that a notebook shows with its plots, which are made by a room above this one."""
+
+    def _repr_html_(self) -> str:
+        notebook = import_module(f"{__package__.partition('.')[0]}.analyses.notebook")
+        return super()._repr_html_() + notebook.pictures(self)
 
 
 class Presented(Displayed):
-    """A public object with a static page."""
+    """A public object with a static page.
+
+    Pages are made by a room above this one, which is looked up by its name when a page is requested.
+    """
+
+    @staticmethod
+    def _presentation():
+        return import_module(f"{__package__.partition('.')[0]}.analyses.python_models")
 
     def write_page(self, path, **options) -> Path:
         """Write the static HTML page with animation, plots and tables.

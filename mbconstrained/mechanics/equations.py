@@ -14,7 +14,7 @@ import numpy as np
 from ..ground.by_name import answering
 from ..ground.checks import constant_zeros, counted, is_sparse, names_of, nearest, real_array, real_number
 from ..ground.coordinate_units import coordinate_units
-from ..ground.display import Displayed, TextTable, notice_table
+from ..ground.display import Pictured, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.threads import short_work
@@ -52,7 +52,7 @@ class ElementForce(NamedTuple):
 
 
 @answering
-class EquationsOfMotion(Displayed):
+class EquationsOfMotion(Pictured):
     """Data of a ``MechanicalSystem``, without the answers to questions about it.
 
     Attributes:

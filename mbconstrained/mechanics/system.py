@@ -88,7 +88,6 @@ class MechanicalSystem(EquationsOfMotion):
     (True, True)
     """
 
-    _has_plots = True
     _instead: ClassVar = {
         "eig": "modes().eigenvalues",
         "eigenvalues": "modes().eigenvalues",

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..exchange.trajectories import Exported
 from ..ground.checks import counted, listed, places_of, whole_number
-from ..ground.display import Displayed, Presented, TextTable, notice_table
+from ..ground.display import Displayed, Pictured, Presented, TextTable, notice_table
 from ..ground.errors import InputError, MbconstrainedError, within_float64
 from ..ground.named_arrays import named_array
 from ..ground.notices import Evidence, Notice
@@ -67,7 +67,7 @@ class CoordinateFunction(Displayed):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Response(Exported, Presented):
+class Response(Exported, Presented, Pictured):
     """Response: x with A(d/dt) x = f from values at 0-.
 
     ``x(t)`` is the regular part at t > 0 (t = 0 means 0+): a number gives shape (r,), times of shape (T,) give
@@ -208,8 +208,6 @@ class Response(Exported, Presented):
             InputError: an unknown quantity.
         """
         return self._presentation().plot(self, axes, quantity, **options)
-
-    _has_plots = True
 
     def _summary(self) -> str:
         names, jumps = self.polynomial_matrix.coordinates, int(self.jump.any(axis=0).sum())

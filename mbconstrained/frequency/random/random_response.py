@@ -13,7 +13,7 @@ import scipy
 from ...ground.by_name import answering
 from ...ground.checks import counted, nearest, optional_package, real_array, real_number, whole_number
 from ...ground.coordinate_units import density_unit
-from ...ground.display import Displayed, TextTable, notice_table, number_text
+from ...ground.display import Pictured, TextTable, notice_table, number_text
 from ...ground.errors import InputError
 from ...ground.named_arrays import named_array
 from ...ground.notices import Notice, NoticeKind
@@ -314,7 +314,7 @@ ALWAYS_PROVED, MOST_PROVED = 256, 2048
 
 @answering
 @dataclass(frozen=True, repr=False, eq=False)
-class RandomResponse(Displayed):
+class RandomResponse(Pictured):
     """Stationary Gaussian outputs of zero mean, with the one-sided spectra G_y = H G_u H^H per Hz.
 
         E[y y^T] = Re integral from 0 to infinity of H(2 pi i f) G_u(f) H(2 pi i f)^H df
@@ -354,7 +354,7 @@ class RandomResponse(Displayed):
             )
             for name, rms, unit, rate in zip(self.outputs, self.rms, self.units, rates)
         ]
-        return TextTable(f"Random {self.quantity}", ("output", "RMS", "zero crossings (Hz)"), tuple(rows))
+        return TextTable(f"Random {self.harmonic.quantity_of()}", ("output", "RMS", "zero crossings (Hz)"), tuple(rows))
 
     @property
     def inputs(self) -> tuple[str, ...]:

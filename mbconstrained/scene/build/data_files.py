@@ -10,7 +10,7 @@ import numpy as np
 
 from ...ground.by_name import answering
 from ...ground.checks import counted, real_number
-from ...ground.display import Displayed
+from ...ground.display import Pictured
 from ...ground.errors import InputError, named, shown
 from ...ground.quantities import (
     KINDS,
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Record(Displayed):
+class Record(Pictured):
     """Record over time, in SI.
 
     Attributes:
@@ -52,8 +52,6 @@ class Record(Displayed):
     unit: str = ""
     name: str = ""
     unit_in_file: str = ""
-
-    _has_plots = True
 
     @property
     def signal(self) -> ImpulsiveSmooth:

@@ -60,7 +60,6 @@ class Scene(SceneData):
         file_name: of the file, in messages; it knows what comes from other files.
     """
 
-    _has_plots = True
     _instead: ClassVar = {
         "eigenvalues": "system.modes().eigenvalues",
         "frequency_response": "system.frequency_response",
