@@ -49,6 +49,7 @@ STUDIES = {
     "two_masses": (("compare", "examples/two_masses_position.toml"),),
     "driveline": (("orders",),),
     "spindle": (("orders",),),
+    "washing_machine": (("orders",),),
     "quarter_car": (("locus", "--vary", "damper=500..4000 N*s/m:21"),),
 }
 

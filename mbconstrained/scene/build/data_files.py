@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...ground.checks import counted, real_number
-from ...ground.display import Displayed
+from ...ground.display import Pictured
 from ...ground.errors import InputError, named, shown
 from ...ground.quantities import (
     KINDS,
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Record(Displayed):
+class Record(Pictured):
     """Record over time, in SI.
 
     Attributes:

@@ -76,6 +76,12 @@ CASES = [  # base, what is replaced, by what, message
     ),
     ("matrices", "points = 5", '[output]\ncoordinates = ["a", "b", "a"]', r'output\.coordinates: "a" is named twice'),
     ("lumped", "[model]", "[models]", r'the file: unknown key "models"; did you mean "model"\?'),
+    (
+        "lumped",
+        "[time]",
+        '[vary]\nk = "1..3 N/m"\n[time]',
+        r"vary: unknown key \"k\"; what varies stands by its name in parameters, below \[vary.parameters\]",
+    ),
     ("lumped", "[model]\n", "[[model]]\n", r"model: there is one model only: write it with single brackets, \[model\]"),
     ("lumped", "[time]", "[[time]]", r"time: there is one table of this kind only: write it with single brackets"),
     ("lumped", '[time]\nend = "5 s"\npoints = 11', "", r'time: this table is missing: write \[time\], and below it end = "10 s"'),
