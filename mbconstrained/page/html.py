@@ -530,7 +530,7 @@ def _parts(content: PageContent) -> tuple[list[str], dict, list[str], dict[str, 
     if data:
         names += [
             *_ANIMATION,
-            *[f"{name}.js" for name in ("overlay", "posing", "switching", "orbits") if name in data["figure"]],
+            *[f"{name}.js" for name in ("overlay", "posing", "switching", "rotors") if name in data["figure"]],
             script,
         ]
         blocks["motion-data"] = data

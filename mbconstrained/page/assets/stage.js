@@ -28,7 +28,7 @@ class Stage {
     this.links = figure.links.map((link, i) => this.addLink(link, i));
     this.names = new Names(this, boxes);
     this.overlay = figure.overlay ? new Overlay(this, figure.overlay) : null; // its script is included only where needed
-    this.orbits = figure.orbits ? new Orbits(this, figure.orbits) : null;
+    this.orbits = figure.rotors ? new Orbits(this, figure.rotors) : null;
     this.addLight();
     this.addCamera();
     this.viewer.set_3d_pane_size = () => this.fit(); // instead of the viewer's own, which fills the window
