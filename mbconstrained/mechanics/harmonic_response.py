@@ -462,6 +462,10 @@ def steady_state(
         )
         H = evaluated(at_line, [omega / (2 * np.pi)])
         if H.poles_on_lines:
+            if not omega:
+                raise InputError(
+                    "force: its constant part moves a body that nothing restores away without end; there is no steady state"
+                )
             raise InputError(
                 f"force: at {number_text(omega / (2 * np.pi))} Hz it acts on an undamped motion of this frequency, which grows; "
                 "there is no steady state without damping"

@@ -327,8 +327,9 @@ MOST_EXPLAINED = 100
 
 MISSING = {
     "model": 'this table is missing: write [model], and below it kind = "lumped", "matrices", …',
-    "time": 'this table is missing: write [time], and below it end = "10 s"',
 }
+
+MISSING_TIME = 'time: this table is missing, and a motion needs it: write [time], and below it end = "10 s"'
 
 
 def validated(data: dict, file_name: str, schema: type[BaseModel]):

@@ -84,7 +84,19 @@ CASES = [  # base, what is replaced, by what, message
     ),
     ("lumped", "[model]\n", "[[model]]\n", r"model: there is one model only: write it with single brackets, \[model\]"),
     ("lumped", "[time]", "[[time]]", r"time: there is one table of this kind only: write it with single brackets"),
-    ("lumped", '[time]\nend = "5 s"\npoints = 11', "", r'time: this table is missing: write \[time\], and below it end = "10 s"'),
+    (
+        "lumped",
+        "points = 11",
+        '[[force]]\non = "cart"\nkind = "step"\nvalue = 1',
+        r'force\[1\]: unknown key "on"; did you mean "coordinate"\?',
+    ),
+    (
+        "lumped",
+        "points = 11",
+        '[[force]]\ncoordinate = "cart"\nkind = "harmonic"\namplitude = 1',
+        r'force\[1\]: unknown key "amplitude"; did you mean "value"\?',
+    ),
+    ("lumped", 'end = "5 s"\n', "", r"time\.end: this key is missing"),
     (
         "matrices",
         '[model]\nkind = "matrices"\ncoordinates = ["a", "b"]\nmass = [[1, 0], [0, 1]]\nstiffness = [[1, 0], [0, 4]]',
@@ -203,7 +215,12 @@ CASES = [  # base, what is replaced, by what, message
         '[[model.gear]]\nbetween = ["wheel", "ground"]\nteeth = [20, -30]\n[time]',
         r"model\.gear\[1\].teeth\[2\]: found -30; expected a whole number of teeth",
     ),
-    ("turning", "[time]", '[[model.gear]]\nbetween = ["wheel", "ground"]\n[time]', r"model\.gear\[1\]: give either radii"),
+    (
+        "turning",
+        "[time]",
+        '[[model.gear]]\nbetween = ["wheel", "ground"]\n[time]',
+        r"model\.gear\[1\]: .*expected both radii, both numbers of teeth, or the ratio",
+    ),
     (
         "turning",
         "[time]",
