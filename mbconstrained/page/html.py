@@ -583,7 +583,7 @@ def _magnification(animation: Animation, frames: KeyFrames) -> str:
     if animation.overlay.forces:
         texts.append(f"arrows: {animation.overlay.description}, {force_scale(animation.overlay.forces)}")
     if any(body.traced for body in drawing.bodies):
-        texts.append("orange: orbits over the last revolution")
+        texts.append("orange: orbits" + " over the last revolution" * (drawing.revolution is not None))
     levels = {level for link in drawing.links for _, level in link.states}
     texts += [", ".join(ENGAGEMENTS[level] for level in sorted(levels, reverse=True))] if levels else []
     if frames.stride > 1:
