@@ -134,8 +134,10 @@ def _marks(figure: dict, slow: bool | None) -> str:
     if slow is not None:
         boxes += f'<label><input type="checkbox" id="slow" autocomplete="off"{" checked" * slow}> slow at events</label>\n'
     return f"""<div class="controls shown further">
-{boxes}<button type="button" id="reset">Reset view</button>
+{boxes}<div class="together">
+<button type="button" id="reset">Reset view</button>
 <button type="button" id="keys" aria-label="Keyboard" title="Keyboard">?</button>
+</div>
 <div class="recordings">
 <button type="button" id="frames" hidden>Save frames</button>
 <button type="button" id="gif" hidden>Save GIF</button>
