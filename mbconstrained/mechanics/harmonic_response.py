@@ -29,8 +29,10 @@ from ..polynomial.delayed_terms import DelayedTerm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.impulsive import ExactInput, ExactRecord, ExactTerm, ImpulsiveSmooth
 from .channels import (
+    FORCES,
     MOTIONS,
     ON_GROUND,
+    REACTION,
     Channel,
     Output,
     OutputNames,
@@ -164,7 +166,9 @@ def with_outputs(
     B = np.array([channel.unknowns(system) for channel in inputs]).T
     orders = {one.order for one in outputs if not one.is_zero}
     power = orders.pop() if len(orders) == 1 and None not in orders else 0
-    C = np.array([np.concatenate([one.rows[power], -one.multipliers]) for one in outputs]).reshape(len(outputs), len(B))
+    C = np.array([np.concatenate([one.rows[power], -one.multipliers(system.rows)]) for one in outputs]).reshape(
+        len(outputs), len(B)
+    )
     further = {place: one for place, one in enumerate(outputs) if one.order != power and not one.is_zero}
     if further:
         equations = _with_unknowns(system, equations, list(further.values()), loss_factor)
@@ -182,7 +186,7 @@ def _with_unknowns(system, equations, outputs: Sequence[Output], loss_factor):
     rows[1] += balances @ (coefficients[1][:n, :n] - system.damping)  # damping of modes
     wide = np.pad(np.array(coefficients), ((0, 0), (0, count), (0, count)))
     wide[:, size:, :n], wide[0, size:, size:] = -rows, np.eye(count)
-    wide[0, size:, n:size] = [one.multipliers for one in outputs]  # the unknowns are -lambda
+    wide[0, size:, n:size] = [one.multipliers(system.rows) for one in outputs]  # the unknowns are -lambda
     if sizes is not None:
         sizes = np.maximum(np.pad(sizes, ((0, 0), (0, count), (0, count))), np.abs(wide))
     if imaginary is not None:
@@ -219,7 +223,7 @@ def _is_default(output: Output, quantity: str) -> bool:
     kind = QUANTITIES[quantity].kind
     if kind in MOTIONS:
         return output.quantity in MOTIONS and MOTIONS[output.quantity] == MOTIONS[kind]
-    return output.quantity == kind or quantity == FORCE_TRANSMISSIBILITY
+    return output.quantity == kind or (quantity == FORCE_TRANSMISSIBILITY and output.quantity in (*FORCES, REACTION))
 
 
 def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count) -> Harmonic:
@@ -254,7 +258,7 @@ def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Output]) 
         raise InputError(f'{quantity}: the input "{rows[0]}" is a prescribed motion; expected forces on coordinates')
     if not (chosen := QUANTITIES[quantity]).inverse:
         return
-    if other := next((one.name for one in outputs if one.order != chosen.order or one.multipliers.any()), None):
+    if other := next((one.name for one in outputs if one.order != chosen.order or one.reactions), None):
         raise InputError(f'{quantity}: the output "{other}" is no {chosen.kind}; expected coordinates')
     if rows or len(inputs) != len(outputs):
         raise InputError(
@@ -439,11 +443,11 @@ def steady_state(
         period, harmonics = real_number(period, "period", positive=True), whole_number(harmonics, "harmonics", minimum=1)
     n, rows = system.size, system.rows
     loads: dict[float, np.ndarray] = defaultdict(lambda: np.zeros(n + len(rows), dtype=complex))
-    for omega, amplitude in _spectrum(system._applied(force), period, harmonics):
+    for omega, amplitude in harmonics_of(system._applied(force), period, harmonics):
         loads[omega][:n] += amplitude
     for place, row in enumerate(rows, start=n):
         loads[0.0][place] += row.value
-        for omega, amplitude in _spectrum(row.signal, period, harmonics) if getattr(row, "signal", None) is not None else ():
+        for omega, amplitude in harmonics_of(row.signal, period, harmonics) if getattr(row, "signal", None) is not None else ():
             loads[omega][place] += amplitude[0]
     further = OutputNames.of(system).chosen("outputs", outputs, quantity, ()) if len(outputs) else []
     constants = np.array([one.constant for one in further])
@@ -487,6 +491,7 @@ def steady_state(
     if period is not None and not (loss_factor or system.loss_factors or system.delayed) and repeats:
         damped = system if modal_damping is None else system.with_modal_damping(modal_damping)
         motion = _periodic_motion(damped, force, period)
+        further = [OutputNames.of(damped).output(one.name, quantity) for one in further]
     units |= {one.name: one.unit for one in further}
     amplitudes = named_array(answers[:n], system.names), named_array(answers[n:count], names[n:])
     further_values = answers[count:], tuple(further)
@@ -511,7 +516,7 @@ def _periodic_motion(system: EquationsOfMotion, force: ImpulsiveSmooth | None, p
     return system.solve(start[:n], start[n:], force=force)
 
 
-def _spectrum(signal: ImpulsiveSmooth, period: float | None, harmonics: int) -> Iterator[tuple[float, np.ndarray]]:
+def harmonics_of(signal: ImpulsiveSmooth, period: float | None, harmonics: int) -> Iterator[tuple[float, np.ndarray]]:
     """Angular frequencies w and amplitudes F of f(t) = Re sum of F e^{i w t}, F of shape (r,)."""
     for part in signal.exact_parts:
         data = part.data

@@ -255,6 +255,8 @@ class Motion(SystemMotion, Response):
         values = self.reaction(real_array(times, "times", shape=(None,)))
         return (*rates, Curves("reaction", names, ("reaction",) * len(rows), units, values))
 
+    _has_common_equations = True  # K and C are those of all phases
+
     @property
     def _reaction_rows(self) -> tuple[ConstraintRow, ...]:
         """The constraint rows in the order of the multipliers."""

@@ -179,7 +179,7 @@ def peaks(motion, end: float, of: str | Sequence[str] = "displacement", combinat
     if not isinstance(of, str) or of not in QUANTITIES:
         if combinations is not None:
             raise InputError(f"of: found {of!r}; combinations are those of {', '.join(QUANTITIES)}")
-        chosen = OutputNames.of(motion.system, motion._reaction_rows).chosen("of", of, "displacement", ())
+        chosen = OutputNames.of_motion(motion).chosen("of", [] if of is None else of, "displacement", ())
         return peaks_of_outputs(motion, end, chosen)
     function, own, units, constant = _functions(motion, of)
     if combinations is not None:

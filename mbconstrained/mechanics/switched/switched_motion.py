@@ -319,6 +319,10 @@ class SwitchedMotion(Motion):
 
     # Rows of all phases.
 
+    @property
+    def _has_common_equations(self) -> bool:  # type: ignore[override]
+        return self.solution.sequence.machine.systems is None
+
     @cached_property
     def _reaction_rows(self) -> tuple[ConstraintRow, ...]:
         """The constraint rows of all phases, and the directions of forces of switches, such as elastic contacts, each once by name."""
