@@ -444,8 +444,8 @@ class OrdersTable(Table):
         None, description=f"Coordinates, springs and dampers (their forces), constraint rows (their reactions), {NAMES}; left out: all "
         "coordinates, and the [[output.quantity]] tables."
     )  # fmt: skip
-    quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force"] = Field(
-        "displacement", description="Quantity of outputs that are named alone; force: of springs and dampers."
+    quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force", "torque"] = Field(
+        "displacement", description="Quantity of outputs that are named alone; force or torque: of springs and dampers."
     )
     relative_to: Text | None = Field(
         None, description="A coordinate or prescribed motion, subtracted from the outputs of its unit."
@@ -470,8 +470,8 @@ class SteadyTable(Table):
         None, description=f"Coordinates, springs and dampers (their forces), constraint rows (their reactions), {NAMES}; left out: all "
         "coordinates, and the [[output.quantity]] tables."
     )  # fmt: skip
-    quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force"] = Field(
-        "displacement", description="Quantity of outputs that are named alone; force: of springs and dampers."
+    quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force", "torque"] = Field(
+        "displacement", description="Quantity of outputs that are named alone; force or torque: of springs and dampers."
     )
 
 
