@@ -24,6 +24,7 @@ from ..random import random_response
 
 if TYPE_CHECKING:
     from ...mechanics.switched.switched_motion import SwitchEvent
+    from ...scene.quantities.output_units import OutputUnits
     from ...scene.run.scene import Scene
 
 #: Natural frequencies that are kept, lowest first.
@@ -61,7 +62,7 @@ class Variable:
     """An array over the samples."""
 
     name: str  # in the store
-    unit: str  # in SI; "1" for a plain number
+    unit: str  # in SI; "1" for a plain number; several joined by "or"
     axis: str = ""  # the name of its second axis; an empty string for one number per sample
     labels: tuple = ()  # along that axis, texts or numbers
     source: str = (
@@ -70,6 +71,7 @@ class Variable:
     statistic: str = ""  # of a motion, or "at"
     curve: tuple[str, int] = ("", 0)  # kind of the curve and its row, of a motion
     time: float = 0.0  # of a value, in s
+    units: tuple[str, ...] = ()  # in SI, along the axis where they differ
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -100,6 +102,11 @@ class SampleFigure:
     variable: Variable  # the variable that contains it
     place: tuple[int, ...]  # in the variable
 
+    def shown(self, units: OutputUnits) -> tuple[str, float]:
+        """The unit in which it is shown, with the factor of its values."""
+        is_ratio = self.variable.source in ("response peaks", "response curves") and self.unit != "Hz"
+        return units.of_ratio(self.unit) if is_ratio else units.of(self.unit, self.name)
+
     def of(self, arrays: Mapping[str, np.ndarray]) -> np.ndarray:
         """Values from arrays of variables over samples, shape (S,)."""
         values = arrays[self.variable.name]
@@ -109,16 +116,15 @@ class SampleFigure:
 def figures_of(variables: Sequence[Variable]) -> dict[str, SampleFigure]:
     """The scalar quantities of a sample, by name."""
     pairs = ((name, one, place) for one in variables for name, place in one.figures())
-    return {name: SampleFigure(name, one.unit, one, place) for name, one, place in pairs}
+    return {name: SampleFigure(name, one.units[place[0]] if one.units else one.unit, one, place) for name, one, place in pairs}
 
 
 def limits_of(limits: Mapping[str, Any], figures: Mapping[str, SampleFigure]) -> dict[str, float]:
     """Limits in SI."""
     result = {}
     for name, limit in limits.items():
-        unit = figures[name].unit
         try:
-            result[name] = float(quantity(limit, "1" if " or " in unit else unit or "1"))
+            result[name] = float(quantity(limit, figures[name].unit or "1"))
         except InputError as problem:
             raise InputError(f'limits: "{name}": {problem}') from None
     return result
@@ -181,7 +187,8 @@ def _of_text(text: str, scene: Scene, curves: _Curves) -> Iterator[Variable]:
         yield from _responses(text, Frequency(scene))
     elif text == "random RMS":
         response = random_response(scene)
-        yield Variable("random RMS", _common(response.units), "output", response.outputs, "random RMS")
+        unit, units = _common(response.units)
+        yield Variable("random RMS", unit, "output", response.outputs, "random RMS", units=units)
     elif text == NUMBER_OF_EVENTS or EVENT_TIME.fullmatch(text) or LARGEST_IMPULSE.fullmatch(text):
         yield _of_events(text, scene, curves)
     elif (whole := next((one for one in WHOLE if text.startswith(WHOLE[one])), None)) is not None:
@@ -197,14 +204,14 @@ def _of_text(text: str, scene: Scene, curves: _Curves) -> Iterator[Variable]:
 def _responses(text: str, frequency: Frequency) -> Iterator[Variable]:
     empty = frequency.empty
     pairs = tuple(f"{output} by {name}" for output in empty.outputs for name in empty.inputs)
-    unit = _common([unit for row in empty.units for unit in row])
+    unit, units = _common([unit for row in empty.units for unit in row])
     if text == "response peaks":
-        yield Variable("response peak", unit, "response", pairs, text)
+        yield Variable("response peak", unit, "response", pairs, text, units=units)
         yield Variable("response peak frequency", "Hz", "response", pairs, text)
         return
     lines = response_lines(frequency)
-    for pair in pairs:
-        yield Variable(f"response of {pair}", unit, "frequency (Hz)", tuple(lines.tolist()), text, "curve")
+    for pair, own in zip(pairs, units or [unit] * len(pairs)):
+        yield Variable(f"response of {pair}", own, "frequency (Hz)", tuple(lines.tolist()), text, "curve")
 
 
 def response_lines(frequency: Frequency) -> np.ndarray:
@@ -312,6 +319,7 @@ def eigenvalues_of(scene: Scene) -> np.ndarray:
     return np.array([zero.value for zero in zeros for _ in range(zero.multiplicity)], dtype=complex)
 
 
-def _common(units: Sequence[str]) -> str:
-    """The common unit, or all units."""
-    return " or ".join(dict.fromkeys(units)) or "1"
+def _common(units: Sequence[str]) -> tuple[str, tuple[str, ...]]:
+    """The common unit, or all units in one text, and each where they differ."""
+    distinct = dict.fromkeys(units)
+    return " or ".join(distinct) or "1", tuple(units) if len(distinct) > 1 else ()

@@ -31,7 +31,6 @@ from .kept_quantities import SampleFigure, figure_of, figures_of
 from .sweep import study_of
 
 if TYPE_CHECKING:
-    from ...scene.quantities.output_units import OutputUnits
     from ...scene.run.scene import Scene
 
 #: Members of the population for each parameter, generations, and the spread of values relative to their mean at which they end.
@@ -98,7 +97,7 @@ class Optimum(Displayed):
         """The best values between their bounds, with the quantity around them."""
         scene, name = self.scene, self.figure.name
         shown = scene.equations.coordinates.shown
-        unit, factor = _unit(self.figure, shown)
+        unit, factor = self.figure.shown(shown)
         before, value = (with_unit(factor * each, unit) for each in (self.before, self.value))
         rows = []
         for parameter, one in self.bounds.items():
@@ -197,11 +196,6 @@ def _figure(name: str, middle: Scene, usual) -> SampleFigure:
     return figure_of(name, figures_of(usual), middle)
 
 
-def _unit(figure: SampleFigure, shown: OutputUnits) -> tuple[str, float]:
-    """Unit and factor of a figure as it is shown."""
-    return shown.of(figure.unit, figure.name) if " or " not in figure.unit else (figure.unit, 1.0)
-
-
 class _Search:
     """The quantity as a function of the parameters."""
 
@@ -223,7 +217,7 @@ class _Search:
         """The best values so far."""
         shown = self.scene.equations.coordinates.shown
         of = [(name, *shown.of(self.bounds[name].unit, name)) for name in self.best]
-        unit, factor = _unit(self.figure, shown)
+        unit, factor = self.figure.shown(shown)
         at = ", ".join(f"{name} = {with_unit(scale * self.best[name], own)}" for name, own, scale in of)
         return f"{self.figure.name} {with_unit(factor * self.sign * self.value, unit)} at {at}"
 

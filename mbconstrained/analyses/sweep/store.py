@@ -372,4 +372,4 @@ def _texts(value) -> Iterator[str]:
 
 def variable_data(variables: tuple[Variable, ...]) -> list[dict]:
     """Variables as plain data."""
-    return [asdict(one) for one in variables]
+    return [{key: value for key, value in asdict(one).items() if key != "units" or value} for one in variables]

@@ -354,7 +354,7 @@ class SweepResult(Displayed):
     def _units(self) -> dict[str, tuple[str, float]]:
         """Unit and factor of each quantity, as [output] requests."""
         shown = self.scene.equations.coordinates.shown
-        return {name: shown.of(one.unit, name) if " or " not in one.unit else (one.unit, 1.0) for name, one in self.figures.items()}
+        return {name: one.shown(shown) for name, one in self.figures.items()}
 
     def _text(self, name: str, value: float) -> str:
         unit, factor = self._units[name]

@@ -52,6 +52,9 @@ class OutputUnits:
         head, slash, below = unit.partition("/")
         if head == "m" and below.startswith("s^"):  # an acceleration, or a derivative of one
             return unit, 1.0
+        if below in ("m", "rad") and (shown := self.of(below))[1] != 1.0:  # a stiffness, by what its displacements are shown in
+            (own, factor), (per, scale) = self.of(head), shown
+            return f"{own}/{per}", factor / scale
         first, blank, further = head.partition(" ")
         for each in units if first != "1" and (blank or slash) else ():
             if _alike(each, first):

@@ -154,3 +154,31 @@ def test_a_limit_may_be_any_figure_that_can_be_kept(tmp_path):
         scene.sweep({"k": "normal(2 N/mm, 5 %)"}, limits={"largest velocity of card": 1})
     with pytest.raises(mb.InputError, match='limits: "frequencies" is several numbers; name one of frequency 1, frequency 2'):
         scene.sweep({"k": "normal(2 N/mm, 5 %)"}, limits={"frequencies": 1})
+
+
+def test_figures_of_several_units_have_each_its_own(tmp_path):
+    """The motion and the spring force by a support's motion: x / u and k (x - u) / u; peaks of a sample are those of its own response."""
+    text = SCENE.partition("[initial]")[0].replace("[[model.mass]]", '[[model.node]]\nname = "base"\n[[model.mass]]', 1)
+    text = text.replace('between = ["ground", "cart"]', 'name = "mount"\nbetween = ["base", "cart"]')
+    text += """[[motion]]
+coordinate = "base"
+name = "table"
+kind = "step"
+value = 0
+[frequency]
+inputs = ["table"]
+outputs = ["cart", "mount"]
+quantity = "transmissibility"
+[output]
+units = "mm, kN"
+"""
+    (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
+    scene = mb.read_scene(tmp_path / "scene.toml")
+    result = scene.sweep({"k": ["1 N/mm", "2 N/mm"]}, keep=["response peaks"]).run()
+    names = ("response peak cart by table", "response peak mount by table")
+    assert [result.figures[name].unit for name in names] == ["1", "N/m"]
+    assert [result.figures[name].shown(scene.equations.coordinates.shown) for name in names] == [("1", 1.0), ("kN/mm", 1e-6)]
+    assert "response peak mount by table (N/m)" in result.csv() and " or " not in result.csv().partition("\n")[0]
+    text = str(result.answer().tables[1])
+    peak = result.values("response peak mount by table").max()
+    assert f"{1e-6 * peak:.6g} kN/mm" in text

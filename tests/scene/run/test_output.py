@@ -197,6 +197,7 @@ def test_quantities_and_results_have_units_of_their_own(tmp_path):
         and shown.of("N", "cart")[0] == "kN"
     )
     assert shown.of_ratio("m/s^2/N", "cart", "spring ground-cart") == ("g/lbf", pytest.approx(4.4482216152605 / 9.80665, rel=1e-15))
+    assert shown.of("N/m") == ("kN/cm", pytest.approx(1e-5)) and shown.of("N s/m")[0] == "kN s/cm"
     assert shown.of("m/s^3") == ("m/s^3", 1.0)  # as accelerations: mm of displacements says nothing of them
 
 
