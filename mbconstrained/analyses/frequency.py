@@ -377,7 +377,7 @@ class Frequency(Analysis):
                 raise InputError("quantity: reaction is the force of a constraint row, and there are none")
             return [row.name for row in self.system.rows]
         if quantity == "force":
-            return list(elements)
+            return list(elements) or None
         if quantity == FORCE_TRANSMISSIBILITY:
             return None
         if self.is_inverse:

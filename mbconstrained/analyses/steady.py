@@ -14,7 +14,7 @@ from ..ground.coordinate_units import derivative_name, force_unit, rate_unit
 from ..ground.display import TextTable, number_text, with_unit
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind, distinct
-from ..ground.tolerances import NOT_DRAWN
+from ..ground.tolerances import NOT_DRAWN, SAME_FREQUENCY
 from ..mechanics.channels import FORCES, MOTIONS, REACTION, Output, closed_form
 from ..mechanics.harmonic_response import harmonics_of
 from ..mechanics.harmonic_sums import common_rate
@@ -306,6 +306,14 @@ class _LinearCycle(_Cycle):
             raise InputError(
                 "no load or prescribed motion varies with the time; expected a harmonic one, or a record and its period"
             )
+        self.has_record = any(load.kind == "sampled" for _, load in loads)
+        turns = (table.period or 0.0) * (base or 0.0) / (2 * np.pi)
+        if table.period is not None and not self.has_record and abs(turns - round(turns)) > SAME_FREQUENCY * max(turns, 1.0):
+            raise InputError(
+                f"period: found {table.period:g} s; the loads repeat after {number_text(2 * np.pi / base)} s; leave it out, or give a multiple"
+                if base
+                else "period: the frequencies of the loads have no common one; leave it out"
+            )
         self.motion = self.steady.motion
         self.period = self.table.period if self.motion is not None else 2 * np.pi / base if base else None
         self.length = self.period or STRETCH * 2 * np.pi / rates[rates > 0].min()
@@ -344,7 +352,7 @@ class _LinearCycle(_Cycle):
         elif not system.loss_factors and any(mode.kind == "oscillation" and not mode.eigenvalue.real for mode in modes):
             text = "an undamped free motion remains: the steady state is the part that repeats with the loads"
             yield Notice(NoticeKind.DAMPING, text)
-        if self.table.period and self.motion is None:
+        if self.has_record and self.motion is None:
             text = f"values over time are sums of {self.table.harmonics} harmonics of the record: harmonics sets another number"
             yield Notice(NoticeKind.ACCURACY, text)
         if self.period is None:

@@ -23,7 +23,7 @@ from ..ground.coordinate_units import force_unit, rate_unit, ratio_unit
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.named_arrays import named_array
-from ..ground.tolerances import SAME_FREQUENCY
+from ..ground.tolerances import EPS, SAME_FREQUENCY
 from ..linalg.arrays import full
 from ..polynomial.delayed_terms import DelayedTerm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
@@ -514,10 +514,11 @@ def _periodic_motion(system: EquationsOfMotion, force: ImpulsiveSmooth | None, p
     starts = np.concatenate([np.eye(n), np.zeros((n, n))]), np.concatenate([np.zeros((n, n)), np.eye(n)])
     several = system.solve(*starts, force=force)
     transition = np.hstack([several.displacement(period), several.velocity(period)]) - end.reshape(-1)
-    try:
-        start = np.linalg.solve(np.eye(2 * n) - transition.T, before.reshape(-1))
-    except np.linalg.LinAlgError:
+    sizes = np.repeat([1.0, 2 * np.pi / period], n)  # of displacements and velocities
+    difference = (np.eye(2 * n) - transition.T) * sizes / sizes[:, None]
+    if not np.linalg.cond(difference) < EPS**-0.5:  # a free body may be anywhere
         return None
+    start = sizes * np.linalg.solve(difference, before.reshape(-1) / sizes)
     return system.solve(start[:n], start[n:], force=force)
 
 

@@ -246,3 +246,5 @@ amplitude = [10, 0]
     W = arrays["speeds"]
     expected = np.array([np.linalg.solve([[2e4, 5 * one], [-5 * one, 2e4]], [10.0, 0.0]) for one in W]).T
     np.testing.assert_allclose(arrays["amplitudes"][0], expected, rtol=1e-10, atol=1e-16)
+    with pytest.raises(SceneError, match="no springs and dampers with names"):
+        read_scene(tmp_path / "shaft.toml").orders(quantity="force")

@@ -109,3 +109,23 @@ def test_what_has_no_steady_state_is_refused():
         spring.steady_state(mb.ramp([1.0]))
     with pytest.raises(mb.InputError, match="reach"):
         spring.steady_state(mb.sampled([0.0, 1.0], [[0.0, 1.0]]), period=0.5)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_free_bodies_under_a_record_have_a_bounded_cycle(seed):
+    """A driveline that turns freely is somewhere: without a mean torque it oscillates about 0, and differences are those of its harmonics."""
+    random = np.random.default_rng(seed)
+    J, k, c = random.uniform(1, 3, 2), random.uniform(50, 500), random.uniform(1, 5)
+    twist = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    record = mb.sampled([0, 0.1, 0.2, 0.3, 0.4], [[0, 1, 0, -1, 0], [0] * 5])
+    steady = mb.MechanicalSystem(np.diag(J), c * twist, k * twist).steady_state(record, period=0.4, harmonics=200)
+    times = np.linspace(0, 0.4, 41)
+    w = steady.angular_frequencies
+    F = (
+        8 / np.pi**2 * np.sin(np.pi * np.rint(w * 0.4 / (2 * np.pi)) / 2) / np.rint(w * 0.4 / (2 * np.pi)) ** 2
+    )  # of a triangular wave
+    drive = F * np.exp(-0.5j * np.pi) / J[0] / (-(w**2) + (k + 1j * w * c) * (1 / J[0] + 1 / J[1]))
+    twists = np.real(drive @ np.exp(1j * np.outer(w, times)))
+    values = steady.displacement(times)
+    np.testing.assert_allclose(values[0] - values[1], twists, atol=1e-6 * np.abs(twists).max())
+    assert np.abs(values).max() < 1.0
