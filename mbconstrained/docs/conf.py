@@ -1,4 +1,4 @@
-"""Configuration of Sphinx. The tables of the reference are generated from the code while the pages are read."""
+"""Configuration of Sphinx. The docstrings of the Python names are inserted while the pages are read."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from docutils.nodes import SkipNode
 from docutils.utils.math.latex2mathml import tex2mathml
-from generated import GENERATED
+from generated import api
 
 project = "mbconstrained"
 author = "the mbconstrained developers"
@@ -31,9 +31,10 @@ html_math_renderer = "mathml"  # MathJax would load a script from the network
 SECTIONS = ("Args:", "Attributes:", "Returns:", "Raises:", "Yields:", "Example:", "Examples:")
 
 
-def _insert_generated(app, name: str, source: list[str]) -> None:
-    """Replace each ``<!-- generated: NAME -->`` of a page by the table of that name."""
-    source[0] = re.sub(r"<!-- generated: (\w+) -->", lambda match: GENERATED[match[1]](), source[0])
+def _insert_docstrings(app, name: str, source: list[str]) -> None:
+    """Replace the line ``<!-- docstrings: Sphinx -->`` of the page of the Python API by its directives."""
+    if "<!-- docstrings: Sphinx -->" in source[0]:
+        source[0] = source[0].replace("<!-- docstrings: Sphinx -->", api())
 
 
 def _valid_docstring(app, what, name, obj, options, lines: list[str]) -> None:
@@ -72,5 +73,5 @@ def _display_math(translator, node) -> None:
 def setup(app) -> None:
     """Connect the hooks and the renderer of formulas."""
     app.add_html_math_renderer("mathml", (_inline_math, None), (_display_math, None))
-    app.connect("source-read", _insert_generated)
+    app.connect("source-read", _insert_docstrings)
     app.connect("autodoc-process-docstring", _valid_docstring, priority=1)

@@ -1,10 +1,17 @@
-"""The generated parts of the documentation: Python names, keys of a scene file, commands, notices and errors, and the rooms of the package, as Markdown."""
+"""The generated parts of the documentation: Python names, keys of a scene file, commands, units, notices and errors, and the rooms of the package.
+
+They stand in the pages between the lines ``<!-- generated: NAME -->`` and ``<!-- end of NAME -->``; ``python -m mbconstrained.docs.generated``
+writes them, and a test compares them with the code. Sphinx adds the full docstrings of the Python names.
+"""
 
 from __future__ import annotations
 
 import ast
 import inspect
-from collections.abc import Iterator
+import json
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -28,12 +35,27 @@ def api() -> str:
     return "\n\n".join(f"## {title}\n\n" + "\n\n".join(map(_directive, group)) for title, group in groups.items())
 
 
+def names() -> str:
+    """The public names with the first sentence of each."""
+    rows = (
+        f"| `{name}` | {_cell(_first_sentence(getattr(mb, name)))} |"
+        for name in mb.__all__
+        if not inspect.ismodule(getattr(mb, name))
+    )
+    return "| name | meaning |\n|---|---|\n" + "\n".join(rows)
+
+
+def _first_sentence(value: Any) -> str:
+    return (inspect.getdoc(value) or "").split("\n\n")[0]
+
+
 def methods() -> str:
     """The methods of a scene that answer an analysis, each with its question."""
     from mbconstrained.analyses import ANALYSES
     from mbconstrained.scene.run.scene import METHOD_NAMES
 
-    return "\n".join(f"| `{METHOD_NAMES.get(name, name)}` | {help} |" for name, (_, help) in ANALYSES.items())
+    rows = (f"| `{METHOD_NAMES.get(name, name)}` | {help} |" for name, (_, help) in ANALYSES.items())
+    return "| method | question |\n|---|---|\n" + "\n".join(rows)
 
 
 def _directive(name: str) -> str:
@@ -54,18 +76,35 @@ def exceptions() -> str:
     return "| exception | base | meaning |\n|---|---|---|\n" + "\n".join(rows)
 
 
+#: An option of more commands than this is listed once, at the top.
+FEW_COMMANDS = 5
+
+
 def commands() -> str:
-    """Every command with its help, arguments and options."""
+    """The options of many commands, then every command with its help, arguments and options."""
     from mbconstrained.cli import application
 
     group: Any = typer.main.get_command(application())
-    return "\n\n".join(_command(name, group.get_command(None, name)) for name in sorted(group.list_commands(None)))
+    commands = {name: group.get_command(None, name) for name in sorted(group.list_commands(None))}
+    rows = {name: [_option(each) for each in command.params if getattr(each, "help", None)] for name, command in commands.items()}
+    count = Counter(row for own in rows.values() for row in own)
+    common = [row for row in count if count[row] > FEW_COMMANDS]
+    sections = [f"## Arguments and options of most commands\n\n{_option_table(common)}"]
+    for name, command in commands.items():
+        also = [row.split(" | ")[0].strip("| ") for row in rows[name] if row in common]
+        own = [row for row in rows[name] if row not in common]
+        parts = [
+            f"## {name}",
+            inspect.cleandoc(command.help or ""),
+            _option_table(own) if own else "",
+            f"Also {', '.join(also)}." if also else "",
+        ]
+        sections.append("\n\n".join(part for part in parts if part))
+    return "\n\n".join(sections)
 
 
-def _command(name: str, command) -> str:
-    rows = [_option(parameter) for parameter in command.params if getattr(parameter, "help", None)]
-    text = inspect.cleandoc(command.help or "")
-    return f"## {name}\n\n{text}\n\n| argument or option | meaning |\n|---|---|\n" + "\n".join(rows)
+def _option_table(rows: list[str]) -> str:
+    return "| argument or option | meaning |\n|---|---|\n" + "\n".join(rows)
 
 
 def _option(parameter) -> str:
@@ -90,23 +129,45 @@ def robot() -> str:
 def _tables(schema: dict) -> Iterator[str]:
     """A section for each table, headed by the place at which it is written."""
     for table, place, repeats in _places(schema):
-        rows = [f"| `{key}` | {_cell(field.get('description', ''))} |" for key, field in table["properties"].items()]
+        rows = [_key(key, field, key in table.get("required", ())) for key, field in table["properties"].items()]
         title = f"`[[{place}]]`" if repeats else f"`[{place}]`" if place else "Top level"
-        yield f"## {title}\n\n{_cell(table.get('description', ''))}\n\n| key | meaning |\n|---|---|\n" + "\n".join(rows)
+        kind = table["properties"].get("kind", {}).get("const")
+        title += f', `kind = "{kind}"`' if kind else ""
+        head = "| key | unit or values | default | meaning |\n|---|---|---|---|\n"
+        yield f"## {title}\n\n{_cell(table.get('description', ''))}\n\n{head}" + "\n".join(rows)
+
+
+#: The end of a description that the column of units says shorter.
+UNIT_TEXT = re.compile(r"\s*(?:In (?:\S+), or a text with a unit of .*|A plain number\.)$")
+
+
+def _key(key: str, field: dict, required: bool) -> str:
+    values = field.get("enum") or ([field["const"]] if "const" in field else [])
+    unit = ", ".join(f'`"{value}"`' for value in values) or field.get("unit", "")
+    default = "required" if required else _default(field.get("default"))
+    return f"| `{key}` | {_cell(unit)} | {default} | {_cell(UNIT_TEXT.sub('', field.get('description', '')))} |"
+
+
+def _default(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:g}"
+    return "" if value in (None, "", []) or isinstance(value, dict) else f"`{json.dumps(value)}`"
 
 
 def _places(schema: dict) -> Iterator[tuple[dict, str, bool]]:
-    """(table, place, whether it repeats) of the top level and then of every table below it, each once."""
+    """(table, place, whether it repeats) of the top level and then of every table, each once, followed by those below it."""
     waiting, known = [(schema, "", False)], {id(schema)}
     while waiting:
         table, place, repeats = waiting.pop(0)
         yield table, place, repeats
+        entries = []
         for key, field in table["properties"].items():
             for name, below in _references(field):
                 entry = schema["$defs"][name]
                 if entry.get("properties") and id(entry) not in known:
                     known.add(id(entry))
-                    waiting.append((entry, f"{place}.{key}".strip("."), below))
+                    entries.append((entry, f"{place}.{key}".strip("."), below))
+        waiting = entries + waiting
 
 
 def _references(field, repeats: bool = False) -> Iterator[tuple[str, bool]]:
@@ -179,30 +240,43 @@ def _unit(unit) -> str:
     return f"| {unit.of} | {symbols} | {unit.prefixes.replace(' ', ', ')} | {spellings} | {definition} |"
 
 
-GENERATED = {
-    "units": units,
-    "api": api,
+GENERATED: dict[str, Callable[[], str]] = {
+    "names": names,
     "methods": methods,
-    "notices": notices,
-    "exceptions": exceptions,
-    "commands": commands,
     "scene": scene,
     "robot": robot,
+    "units": units,
+    "commands": commands,
+    "notices": notices,
+    "exceptions": exceptions,
+    "rooms": rooms,
 }
 
-#: The list of rooms and files stands in this page on disk too, between these lines.
-MAP, START, END = (
-    PACKAGE / "docs" / "development" / "map.md",
-    "<!-- rooms and files, by `python -m mbconstrained.docs.generated` -->",
-    "<!-- end of the list -->",
-)
+#: The pages with generated parts.
+PAGES = [
+    PACKAGE / "docs" / f"{page}.md"
+    for page in (
+        "reference/python",
+        "reference/scene",
+        "reference/robot",
+        "reference/units",
+        "reference/commands",
+        "reference/notices",
+        "development/map",
+    )
+]
 
 
-def current_map() -> str:
-    """The map of the package with its rooms and files as they are."""
-    head, _, rest = MAP.read_text(encoding="utf-8").partition(START)
-    return f"{head}{START}\n\n{rooms()}\n\n{END}{rest.partition(END)[2]}"
+def current(page: Path) -> str:
+    """The text of a page with its generated parts as they are now."""
+
+    def part(match: re.Match) -> str:
+        name = match[1]
+        return f"<!-- generated: {name} -->\n\n{GENERATED[name]()}\n\n<!-- end of {name} -->"
+
+    return re.sub(r"<!-- generated: (\w+) -->.*<!-- end of \1 -->", part, page.read_text(encoding="utf-8"), flags=re.DOTALL)
 
 
 if __name__ == "__main__":
-    MAP.write_text(current_map(), encoding="utf-8")
+    for page in PAGES:
+        page.write_text(current(page), encoding="utf-8")

@@ -26,7 +26,7 @@ LINES = {
     "analyses": 11115,
     "cli": 946,
     "control": 2545,
-    "docs": 284,
+    "docs": 359,
     "exact": 7336,
     "exchange": 1367,
     "frequency": 5740,

@@ -158,7 +158,7 @@ def lumped_table() -> Any:
 
     elements: dict[str, Any] = {**ELEMENTS}
     lists: dict[str, Any] = {
-        key: (list[table_of(key, element)], Field([], description=f"{element.kind.capitalize()}s."))
+        key: (list[table_of(key, element)], Field([], description=(element.__doc__ or "").split("\n")[0]))
         for key, element in elements.items()
     }
     return create_model("LumpedTable", __base__=_Lumped, __doc__=_Lumped.__doc__, **lists)
