@@ -140,7 +140,8 @@ def number_table(path: Path, header: int = 0, sheet: str | None = None, decimal:
     start, separator, texts = _first(lines, header)
     if start is None:
         expected = f"columns of numbers between {', '.join(SEPARATORS.values())}"
-        raise InputError(f"{path.name}: found no line of numbers; expected {expected}")
+        first = next((f" (the first one is {line[:40]!a})" for line in lines if line.strip()), "")
+        raise InputError(f"{path.name}: found no line of numbers{first}; expected {expected}")
     above += [(number, line) for number, line in enumerate(lines[header:start], header + 1) if line.strip()]
     columns = len(_entries(lines[start], separator))
     for number, line in above:
@@ -149,9 +150,14 @@ def number_table(path: Path, header: int = 0, sheet: str | None = None, decimal:
         if number > header and begins and len(entries) == columns and not _is_comment(line):
             raise _wrong_line(path, number, line, separator, f", and header = {number} leaves out the first {number}")
     heads = tuple(head for _, line in reversed(above) if (head := _head(line, separator, columns)))
+    if separator == "," and above and not header and not heads and columns == 2 * len(_entries(above[-1][1], separator)):
+        raise InputError(
+            f"{path.name}, line {start + 1}: found {columns} numbers under {columns // 2} names; commas that separate columns cannot begin "
+            f"decimals, too: write decimal points or semicolons, or give header = {start} if these are {columns} columns"
+        )
     if decimal is None and not texts and (quick := _plain(lines, start, separator, columns)) is not None:
         return NumberTable(path.name, *quick, heads)
-    reader = _Reader(path, separator, columns, texts, decimal)
+    reader = _RowReader(path, separator, columns, texts, decimal)
     return reader.table(lambda: ((number, line) for number, line in enumerate(lines[start:], start + 1) if line.strip()), heads)
 
 
@@ -287,7 +293,7 @@ def _stamp(entry: str) -> _Stamp | None:
     match = _STAMP.fullmatch(entry.strip(' "'))
     if match is None:
         return None
-    date = tuple(int(match[key]) for key in "abc") if match["a"] else None
+    date = (int(match["a"]), int(match["b"]), int(match["c"])) if match["a"] else None
     if date and max(len(match["a"]), len(match["c"])) != 4:
         return None  # a year of two digits may be a day
     own = "" if date else "own_"
@@ -315,7 +321,7 @@ def _value(entry: str, marks: _Marks) -> float | _Stamp | None:
     return _stamp(entry) if number is None else number
 
 
-class _Reader:
+class _RowReader:
     """The rows of a file, line by line, with all that NumPy's reader does not know."""
 
     def __init__(self, path: Path, separator: str | None, columns: int, texts: frozenset[int], decimal: str | None):

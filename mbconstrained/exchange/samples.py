@@ -69,6 +69,8 @@ def read_samples(
 
 def _samples(path: Path, column, time, step, header: int, array, decimal) -> Samples:
     suffix = path.suffix.lower()
+    if suffix in (".xls", ".xlsb", ".ods"):
+        raise InputError(f"{path.name}: {suffix} files are not read; save it as .xlsx or .csv")
     if suffix in SHEETS:
         return _from_table(number_table(path, header, array, decimal), column, time, step)
     if suffix in READERS and suffix not in TEXT:

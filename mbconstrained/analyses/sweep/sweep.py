@@ -609,7 +609,7 @@ def study_of(scene: Scene, parameters: Mapping[str, Any] | None, options: Mappin
     data, name = read_tables(scene.path)
     data.pop("vary", None)
     settings = {setting.name: setting.value for setting in scene.settings}
-    job = Job(str(scene.path), data, dict(name.origins), settings, ())
+    job = Job(str(scene.path), data, dict(name.origins), settings, (), scene.data_folders)
     middle = _middle(job, scene, samples)
     job = replace(job, variables=variables_of(table.keep, middle))
     return Sweep(scene, samples, job.variables, job, table), middle

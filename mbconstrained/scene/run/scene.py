@@ -15,7 +15,7 @@ from ...ground.quantities import count_texts
 from ...ground.units import unit_in_si
 from ..build.equations import equations_of
 from ..build.model import Equations, element_quantities
-from ..file import SceneName, at, read_tables, with_robot_file
+from ..file import SceneFolder, SceneName, at, read_tables, with_robot_file
 from ..quantities.output_units import OutputUnits
 from ..quantities.parameters import with_parameters
 from ..quantities.settings import with_settings, with_values
@@ -85,7 +85,7 @@ class Scene(SceneData):
         from ..build.symbolic_scene import scene_parameters
 
         before = {setting.name: setting.value for setting in self.settings}
-        return scene_parameters(self, lambda scene, name, value: read_scene(scene.path, {**before, name: value}))
+        return scene_parameters(self, lambda scene, name, value: read_scene(scene.path, {**before, name: value}, self.data_folders))
 
     def sensitivities(self, parameters: Sequence[str] | None = None) -> Sensitivities:
         """Derivatives of eigenvalues, motions and responses with respect to the [parameters], or to elements and entries by name.
@@ -143,7 +143,7 @@ class Scene(SceneData):
                 raise InputError("a root locus needs mass, damping and stiffness: a model of kind lumped, matrices or robot")
             return self.equations.system.root_locus(name, values)
         before = {setting.name: setting.value for setting in self.settings}
-        with_value = lru_cache(maxsize=None)(lambda value: read_scene(self.path, {**before, name: value}))
+        with_value = lru_cache(maxsize=None)(lambda value: read_scene(self.path, {**before, name: value}, self.data_folders))
 
         def slope(value: float) -> Parameter:
             return next(one for one in with_value(value).named_parameters() if one.name == name)
@@ -229,13 +229,14 @@ for _name in ANALYSES:
         setattr(Scene, METHOD_NAMES.get(_name, _name), Question(_name))
 
 
-def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> Scene:
+def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None, data_folders: Sequence[str | Path] = ()) -> Scene:
     """Read and validate a scene file, assemble its equations and check that they determine a motion, without solving.
 
     Args:
         path: a TOML file in UTF-8.
         settings: values to take instead of those in the file, numbers or texts with units: by the name of a parameter, or by
             place, such as "time.end" or "model.mass.cart.mass"; "robot.gravity" changes the robot.toml of a robot.
+        data_folders: folders from which records and matrices may be read in addition to the folder of the scene.
 
     Returns:
         The ``Scene``, ready to be planned and run.
@@ -251,9 +252,11 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
     >>> scene.title
     'Two masses with a redundant coordinate'
     """
-    path = Path(path)
-    costs = Costs()
-    scene = assembled(path, *read_tables(path), settings or {}, costs)
+    path, costs = Path(path), Costs()
+    folders = tuple(map(Path, [data_folders] if isinstance(data_folders, (str, Path)) else data_folders))
+    if missing := [folder for folder in folders if not folder.is_dir()]:
+        raise InputError(f"data_folders: there is no folder {missing[0]}")
+    scene = assembled(path, *read_tables(path), settings or {}, costs, folders)
     scene.check_drawing()
     costs.lap("assemble the model")
     try:
@@ -276,7 +279,14 @@ def _choices(equations: Equations) -> str:
     return f"\nA motion may be chosen by {choices}\n{report.summary()}" if names else ""
 
 
-def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, Any], costs: Costs | None = None) -> Scene:
+def assembled(
+    path: Path,
+    data: dict,
+    name: SceneName,
+    settings: Mapping[str, Any],
+    costs: Costs | None = None,
+    data_folders: tuple[Path, ...] = (),
+) -> Scene:
     """The scene of tables that were read; whether its equations determine a motion is not checked yet."""
     costs = costs or Costs()
     of_robot = {key: value for key, value in settings.items() if key.startswith("robot.")}
@@ -294,14 +304,14 @@ def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, An
         name = with_values(name, overrides, parameters.places)
     table = validated(data, name, SceneFile)
     costs.lap("read the scene")
-    equations = equations_of(table, path.parent, name, costs.lap)
+    equations = equations_of(table, SceneFolder(path.parent, data_folders), name, costs.lap)
     if table.output.units:
         coordinates = replace(equations.coordinates, shown=OutputUnits(table.output.units))
         equations = replace(equations, coordinates=coordinates)
     check_output(table.output, equations, name, getattr(table.model, "modal_damping", None) is not None)
     if table.time.step_domain == "discrete":
         check_discrete(table, equations, name)
-    return Scene(path, table, equations, unit_texts, costs.by_name, parameters, overrides, name)
+    return Scene(path, table, equations, unit_texts, costs.by_name, parameters, overrides, name, data_folders=data_folders)
 
 
 def check_output(output, equations: Equations, file_name: str, modal_damping: bool = False) -> None:

@@ -20,7 +20,7 @@ from ...response.choose import Method, Request, choose
 from ...response.problem import Problem
 from ..build.model import End, Equations
 from ..build.switched import never_notices, refuse_with_switches
-from ..file import SceneName
+from ..file import SceneFolder, SceneName
 from ..quantities.parameters import Parameters
 from ..quantities.settings import Setting
 from .plan import Cost
@@ -37,6 +37,7 @@ class SceneData(Displayed):
     Attributes:
         plan, named_parameters: as of ``Scene``.
         phase_notices: the phase that the equations are those of, where the model switches.
+        data_folders: folders besides its own from which data files may be read.
     """
 
     plan: ClassVar[Callable[..., Any]]
@@ -51,6 +52,7 @@ class SceneData(Displayed):
     settings: tuple[Setting, ...] = ()
     file_name: SceneName = SceneName("")
     phase_notices: tuple[Notice, ...] = ()
+    data_folders: tuple[Path, ...] = ()
 
     def _summary(self) -> str:
         return f"{self.name}: {self.title}" if self.title else self.name
@@ -59,6 +61,11 @@ class SceneData(Displayed):
     def name(self) -> str:
         """Name of the file without its ending; results are named after it."""
         return self.path.stem
+
+    @property
+    def folder(self) -> SceneFolder:
+        """Where its data files are."""
+        return SceneFolder(self.path.parent, self.data_folders)
 
     @property
     def times(self) -> np.ndarray:
@@ -152,7 +159,7 @@ def _late_loads(table) -> Iterator[Notice]:
     for number, load in enumerate(table.force, 1):
         first = getattr(load, "start", 0.0) if load.kind == "pulse" else 0.0
         times = getattr(load, "times", None)
-        begin = load.delay + (times[0] if times else first)
+        begin = load.later + (times[0] if times else first)
         if begin > table.time.end:
             text = f"it begins at {begin:g} s, after the last time, {table.time.end:g} s, and has no effect before"
             yield Notice(NoticeKind.OMITTED, f'force[{number}] on "{load.title}": {text}')

@@ -208,7 +208,7 @@ def test_the_results_of_a_scene_are_a_record_of_another(tmp_path):
         ('column = "b"', r'there is no column "b"'),
         ("column = 0", r"force\[1\]\.column"),
         ('time = "a"\ncolumn = 1', r"a\.csv, line 3: 2 m/s\^2 is followed|the unit of the time is"),
-        ('step = "1 m"', r'force\[1\]\.step: found "1 m", a length'),
+        ('step = "1 m"', r'force\[1\]: step: found "1 m"; a length belongs to a record over a distance: give speed'),
     ],
 )
 def test_units_of_a_record_are_checked(tmp_path, entry, message):
