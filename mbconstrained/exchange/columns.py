@@ -26,7 +26,7 @@ from ..ground.quantities import unit_name
 COMMENTS = ("#", "%", "!", "//")
 SEPARATORS = {";": "semicolons", "\t": "tabs", ",": "commas", None: "blanks"}
 SHEETS = (".xlsx", ".xlsm")
-_UNIT = re.compile(r"[(\[]([^()\[\]]+)[)\]]\s*$")
+_UNIT = re.compile(r"[(\[]((?:[^()\[\]]|\([^()\[\]]*\))+)[)\]]\s*$")  # also ((m/s^2)^2/Hz)
 
 
 @dataclass(frozen=True, eq=False)

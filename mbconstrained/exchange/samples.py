@@ -35,6 +35,7 @@ class Samples:
     is_scaled: bool = False  # whether the format itself fixes times in s and values in an SI unit, 1 for shares of full scale
     lines: np.ndarray | None = field(default=None, repr=False)  # the line of each sample in the file; None where it has no lines
     notes: tuple[str, ...] = ()  # how the file was read where it has another reading, and steps that differ from all others
+    of_clock: bool = False  # whether the times are seconds between dates or times of day
 
     def place(self, row: int) -> str:
         """Location of a sample in the file, for messages."""
@@ -50,8 +51,9 @@ def read_samples(
     header: int = 0,
     array: str | None = None,
     decimal: str | None = None,
+    over_time: bool = True,
 ) -> Samples:
-    """A record in a file.
+    """A record in a file; or where it is not over time the values of a column over any other one.
 
     Read are text with columns of numbers (any ending), sheets in .xlsx, recordings of ground motion in the text formats of PEER (.AT2),
     K-NET and DYNA, .wav, universal files (functions of data set 58), and arrays in .npy, .npz, .mat, .mtx and .op4.
@@ -62,7 +64,8 @@ def read_samples(
     if step is not None and time is not None:
         raise InputError(f"{path.name}: found step and time; give the step between samples, or the column of the times")
     try:
-        return _samples(path, column, time, step, header, array, decimal)
+        record = _samples(path, column, time, step, header, array, decimal)
+        return _ascending(record) if over_time and step is None else record
     except OSError as problem:
         raise InputError(f"{path.name}: the file cannot be read ({problem.strerror or problem})") from None
 
@@ -85,7 +88,7 @@ def _samples(path: Path, column, time, step, header: int, array, decimal) -> Sam
     if suffix in UNIVERSAL:
         _refuse(path, "the file has its own times", time=time, step=step, header=header)
         function = read_function(path, column)
-        return _ascending(Samples(path.name, function.times, function.values, function.name, "s", function.unit, True))
+        return Samples(path.name, function.times, function.values, function.name, "s", function.unit, True)
     if step is None and not header and decimal is None and (motion := ground_motion(path.name, text_of(path))):
         _refuse(path, "the file has its own times and one column", time=time, column=column)
         times = motion.step * np.arange(len(motion.values))
@@ -127,15 +130,15 @@ def _from_table(table: NumberTable, column, time, step, lines: bool = True) -> S
     times, values = table.checked(first, place).T
     rows = table.lines if lines else None
     name, units = table.title(place), (table.unit(first), table.unit(place))
-    record = Samples(table.file, times, values, name, *units, False, rows, table.notes)
-    return _ascending(record, "; a time of day that passes midnight needs its date" * (first in table.stamps))
+    return Samples(table.file, times, values, name, *units, False, rows, table.notes, first in table.stamps)
 
 
-def _ascending(record: Samples, hint: str = "") -> Samples:
+def _ascending(record: Samples) -> Samples:
     """The record with ascending times, and notes on steps that are missing or repeated in a record of even steps otherwise."""
     if (backwards := np.diff(record.times) < 0).any():
         row = int(np.argmax(backwards)) + 1
         before, after = record.times[row - 1 : row + 1]
+        hint = "; a time of day that passes midnight needs its date" if record.of_clock else ""
         unit = record.time_unit or "s"
         raise InputError(
             f"{record.file}, {record.place(row)}: {before:g} {unit} is followed by {after:g} {unit}; times must ascend{hint}"

@@ -357,3 +357,16 @@ def record_of(source, unit: str | None, folder: SceneFolder) -> Record:
     given = {key: getattr(source, key) for key in OF_FILE if getattr(source, key) is not None}
     offset = force_value(source.offset, unit, what="offset")
     return record_in_si(folder.data_file(source.file), unit=source.unit, expected=unit, offset=offset, **given)
+
+
+def curve_of(source, folder: SceneFolder) -> tuple[np.ndarray, np.ndarray, str | None]:
+    """Frequencies in Hz, the values at them, and the unit of these, of a table that may name a file in the place of both."""
+    if source.file is None:
+        return source.frequencies, source.values, source.unit
+    from ...exchange.samples import read_samples
+
+    given = {key: getattr(source, key) for key in ("column", "header", "array", "decimal")}
+    curve = read_samples(folder.data_file(source.file), over_time=False, **given)
+    with named(f"{curve.file}: unit of the frequencies"):
+        hertz = quantity(f"1 {_readable(curve.time_unit) or 'Hz'}", "Hz")
+    return hertz * curve.times, curve.values, source.unit or curve.unit or None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -19,6 +20,7 @@ from .entry_types import (
     QUANTITY_SCHEMA,
     Angle,
     AngularVelocity,
+    Column,
     Number,
     Ratios,
     Table,
@@ -158,7 +160,7 @@ Speed = quantity_field("m/s")
 Frequency = quantity_field("Hz")
 
 #: The kinds of spectra, one key each.
-KINDS = ("values", "white", "road", "soil")
+KINDS = ("values", "file", "white", "road", "soil")
 
 
 def _array_of(unit: str, expected: str):
@@ -191,14 +193,31 @@ class SoilTable(Table):
     damping_ratio: Number = Field(0.6, gt=0, description="Damping ratio of the soil.")
 
 
-class RandomInputTable(Table):
+class CurveTable(Table):
+    """Values over the frequency, in the scene or in a file."""
+
+    frequencies: Corners = Field(None, description="Corner frequencies of a table, ascending.")  # type: ignore[valid-type]
+    file: Text | None = Field(None, description="Instead of both a file with columns, as of a [[force]]: frequencies first.")
+    column: Column | None = Field(None, description="The column of the values, by number or by name in the header; 2 by default.")
+    header: int = Field(0, ge=0, description="So many lines at the start of the file hold no numbers.")
+    array: Text | None = Field(None, description="The name of the array, or of the sheet of an .xlsx file.")
+    decimal: Literal[".", ","] | None = Field(None, description="The decimal mark, where the numbers of the file do not tell it.")
+
+    @model_validator(mode="after")
+    def _of_file(self):
+        of_file = {"column", "header", "array", "decimal"} & self.model_fields_set
+        if self.file is None and of_file:
+            raise InputError(f"{', '.join(sorted(of_file))}: for a file only; give file, too")
+        return self
+
+
+class RandomInputTable(CurveTable):
     """A random force, or the random motion of a support."""
 
     on: Text = Field(description="A coordinate, for a force on it, or a [[motion]] or constraint row, for its motion.")
     of: Literal["force", "displacement", "velocity", "acceleration"] = Field("force", description="Quantity of the density.")
-    frequencies: Corners = Field(None, description="Corner frequencies of a table, ascending.")  # type: ignore[valid-type]
     values: Densities = Field(None, description="The one-sided density at the corners.")  # type: ignore[valid-type]
-    unit: Text | None = Field(None, description='Of the density, e.g. "g^2/Hz"; SI when left out.')
+    unit: Text | None = Field(None, description='Of the density, e.g. "g^2/Hz"; that of the file, or SI when left out.')
     interpolation: Literal["log-log", "linear", "steps"] = Field("log-log", description="Between the corners.")
     white: Number | None = Field(None, gt=0, description="Intensity of white noise, instead of a table.")
     road: RoadTable | None = Field(None, description="Road profile of ISO 8608 (displacement), instead of a table.")
@@ -210,22 +229,22 @@ class RandomInputTable(Table):
         given = [key for key in KINDS if getattr(self, key) is not None]
         if len(given) != 1:
             raise InputError(
-                f"found {' and '.join(given) or 'no spectrum'}; expected one of values (with frequencies), white, road or soil"
+                f"found {' and '.join(given) or 'no spectrum'}; expected one of values (with frequencies), file, white, road or soil"
             )
         if (self.frequencies is None) != (self.values is None):
             raise InputError("frequencies and values belong together: give both for a table")
         return self
 
-    @property
-    def spectrum(self) -> Spectrum:
-        """The one-sided density."""
+    def spectrum(self, curve: Callable) -> Spectrum:
+        """The one-sided density; a function of this table reads its file."""
         if self.white is not None:
             return white_noise(self.white, self.of, self.unit)
         if self.road is not None:
             return road_profile(self.road.road_class, self.road.speed)
         if self.soil is not None:
             return kanai_tajimi(self.soil.intensity, self.soil.frequency, self.soil.damping_ratio, self.unit)
-        return psd(self.frequencies, self.values, self.of, self.unit, self.interpolation)
+        frequencies, values, unit = curve(self)
+        return psd(frequencies, values, self.of, unit, self.interpolation)
 
 
 class RandomTable(Table):

@@ -18,6 +18,7 @@ from .entry_types import (
     QUANTITY_SCHEMA,
     Angle,
     AngularVelocity,
+    Column,
     Frequency,
     Length,
     Name,
@@ -224,9 +225,6 @@ class PulseTable(ForceBase):
     value: Quantity = Field(description="The force, or the torque on an angle.")
     start: Time = Field(0.0, description="When it begins.")
     duration: Time = Field(description="Duration of the pulse.")
-
-
-Column = Annotated[int, Field(ge=1)] | Text
 
 
 def _along(value):
