@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     from .exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix as SymbolicPolynomialMatrix
     from .exchange.matrices import read_matrix as read_matrix
     from .exchange.universal import Geometry as Geometry
+    from .frequency.fatigue import CycleCount as CycleCount
+    from .frequency.fatigue import FatigueDamageSpectrum as FatigueDamageSpectrum
+    from .frequency.fatigue import fatigue_damage_spectrum as fatigue_damage_spectrum
+    from .frequency.fatigue import rainflow as rainflow
     from .frequency.frequency_response import FrequencyResponse as FrequencyResponse
     from .frequency.frequency_response import frequency_response as frequency_response
     from .frequency.random.random_response import RandomResponse as RandomResponse
@@ -159,6 +163,7 @@ _NAMES = {
     "exact.symbolic.symbolic_matrix": "SymbolicPolynomialMatrix",
     "exchange.matrices": "read_matrix",
     "exchange.universal": "Geometry",
+    "frequency.fatigue": "CycleCount FatigueDamageSpectrum fatigue_damage_spectrum rainflow",
     "frequency.frequency_response": "FrequencyResponse frequency_response",
     "frequency.random.random_response": "RandomResponse octave_bands",
     "frequency.random.spectra": "Spectrum dryden kanai_tajimi psd rational_spectrum road_profile white_noise",

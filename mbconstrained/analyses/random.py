@@ -103,7 +103,7 @@ def random_arguments(scene: Scene, table: RandomTable | None) -> tuple[tuple, di
     delays = {entry.on: entry.delay for entry in table.input} if any(entry.delay for entry in table.input) else None
     prescribed = {coordinate for motion in scene.table.motion for coordinate, _ in motion.rows.values()}
     free = [name for name in equations.system.names if name not in prescribed]
-    outputs = table.outputs or (None if table.quantity == "reaction" else free)
+    outputs = table.outputs or (None if table.quantity in ("reaction", "force") else free)
     further = {key: getattr(table, key) for key in ("relative_to", "modal_damping", "coherence")}
     return (excitation, outputs, table.quantity), {**further, "delays": delays}
 

@@ -59,9 +59,9 @@ class Shock(Analysis):
     def solve(cls, scene: Scene, settings: ShockTable | None) -> Answer:
         """The answer of a scene with mass, damping and stiffness."""
         table, system = settings or ShockTable(), scene.equations.system
-        motions = {name: coordinate for motion in scene.table.motion for name, (coordinate, _) in motion.rows.items()}
+        motions = prescribed_rows(scene)
         with at(scene.file_name, "shock.of"):
-            excitation = _excitation(scene, table, motions)
+            excitation = excitation_of(scene, table.of, motions)
         with at(scene.file_name, "shock"):
             if system is None or system.is_sparse:
                 lacking = (
@@ -140,7 +140,7 @@ class _Spectrum:
     def of(self, quantity: str) -> ShockResponseSpectrum:
         """The spectrum of another quantity."""
         own = self.settings
-        lines = own.lines(*_range(self.signal))
+        lines = own.lines(*natural_range(self.signal))
         return shock_response_spectrum(self.signal, lines, own.damping_ratio, quantity, own.interpolation, own.quality_factor)
 
     @cached_property
@@ -223,14 +223,19 @@ class _Spectrum:
                 yield Guide(name, right, left) if is_at_left else Guide(name, left, right)
 
 
-def _excitation(scene: Scene, table: ShockTable, motions: Mapping[str, str]) -> tuple[str, str, ImpulsiveSmooth] | None:
+def prescribed_rows(scene: Scene) -> dict[str, str]:
+    """Coordinates by the names of the rows that prescribe them."""
+    return {name: coordinate for motion in scene.table.motion for name, (coordinate, _) in motion.rows.items()}
+
+
+def excitation_of(scene: Scene, of: str | None, motions: Mapping[str, str]) -> tuple[str, str, ImpulsiveSmooth] | None:
     """Name, unit of the displacement and acceleration of the support; None where the scene has none that ends."""
-    for name, coordinate in motions.items() if table.of is None else [(table.of, table.of)]:
+    for name, coordinate in motions.items() if of is None else [(of, of)]:
         row = _row(scene, name, motions)
         signal = _acceleration(row)
         if not isinstance(signal, str):
             return coordinate, row.unit, signal
-        if table.of is not None:
+        if of is not None:
             raise InputError(f'the motion "{name}" {signal}')
     return None
 
@@ -262,7 +267,7 @@ def _acceleration(row: ConstraintRow) -> ImpulsiveSmooth | str:
     return signal
 
 
-def _range(signal: ImpulsiveSmooth) -> tuple[float, float]:
+def natural_range(signal: ImpulsiveSmooth) -> tuple[float, float]:
     """The natural frequencies in Hz by default."""
     knots = np.union1d([0.0], signal.knots)
     duration, gaps = float(knots[-1]), np.diff(knots)

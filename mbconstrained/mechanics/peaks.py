@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..frequency.fatigue import CycleCount, cycles_of
 from ..frequency.shock.extrema import Extrema, extrema
 from ..frequency.shock.response_spectrum import ShockResponseSpectrum
 from ..ground.checks import counted, nearest, real_array, real_number
@@ -180,6 +181,16 @@ def peaks(motion, end: float, of: str = "displacement", combinations=None, names
         units = tuple(" or ".join(sorted({units[i] for i in np.flatnonzero(row)})) or "1" for row in matrix)
         own = tuple(names or (f"combination {i + 1}" for i in range(len(matrix))))
     return Peaks(own, units, of, extrema(function, 0.0, end).shifted(constant))
+
+
+def cycles(motion, end: float, of: str = "force") -> tuple[tuple[str, ...], tuple[str, ...], list[CycleCount]]:
+    """Names, units and cycles of the functions of a motion on [0, end], of turning points in closed form."""
+    end = real_number(end, "end", positive=True)
+    if of not in QUANTITIES:
+        raise InputError(f"of: found {of!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(of), QUANTITIES)}")
+    function, names, units, constant = _functions(motion, of)
+    counts = cycles_of(function, 0.0, end)
+    return names, units, [replace(own, means=own.means + c) for own, c in zip(counts, constant)]
 
 
 def _functions(motion, of: str) -> tuple[BohlFunction, tuple[str, ...], tuple[str, ...], np.ndarray]:

@@ -204,7 +204,7 @@ def record_in_si(
     elif baseline_fit != "record":
         raise InputError('baseline_fit: there is no baseline to be fitted; give baseline, e.g. "linear"')
     notices = tuple(Notice(NoticeKind.RECORD, f"{samples.file}: {note}") for note in notes)
-    return Record(times, values, own_unit, samples.name, notices)
+    return Record(times, values, "" if kind is None else own_unit, samples.name, notices)
 
 
 class _Abscissa:

@@ -1,4 +1,4 @@
-"""The tables of analyses in addition to a run: [frequency], [random], [shock], [campbell], [path], [vary]."""
+"""The tables of analyses in addition to a run: [frequency], [random], [shock], [fatigue], [campbell], [path], [vary]."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from .entry_types import (
     AngularVelocity,
     Column,
     Number,
+    Quantity,
     Ratios,
     Table,
     Text,
@@ -163,7 +164,7 @@ Frequency = quantity_field("Hz")
 KINDS = ("values", "file", "white", "road", "soil")
 
 
-def _array_of(unit: str, expected: str):
+def _array_of(unit: str, expected: str) -> BeforeValidator:
     """The type of an array of quantities."""
 
     def converted(value):
@@ -171,11 +172,11 @@ def _array_of(unit: str, expected: str):
             raise InputError(f"found {shown(value)}; expected an array of {expected}")
         return [quantity(entry, unit) for entry in value]
 
-    return Annotated[Any, BeforeValidator(converted), WithJsonSchema(NUMBERS_SCHEMA)]
+    return BeforeValidator(converted)
 
 
-Corners = _array_of("Hz", 'frequencies, e.g. ["10 Hz", "2000 Hz"]')
-Densities = _array_of("1", "numbers in the unit of the density")
+Corners = Annotated[Any, _array_of("Hz", 'frequencies, e.g. ["10 Hz", "2000 Hz"]'), WithJsonSchema(NUMBERS_SCHEMA)]
+Densities = Annotated[Any, _array_of("1", "numbers in the unit of the density"), WithJsonSchema(NUMBERS_SCHEMA)]
 
 
 class RoadTable(Table):
@@ -196,7 +197,7 @@ class SoilTable(Table):
 class CurveTable(Table):
     """Values over the frequency, in the scene or in a file."""
 
-    frequencies: Corners = Field(None, description="Corner frequencies of a table, ascending.")  # type: ignore[valid-type]
+    frequencies: Corners = Field(None, description="Corner frequencies of a table, ascending.")
     file: Text | None = Field(None, description="Instead of both a file with columns, as of a [[force]]: frequencies first.")
     column: Column | None = Field(None, description="The column of the values, by number or by name in the header; 2 by default.")
     header: int = Field(0, ge=0, description="So many lines at the start of the file hold no numbers.")
@@ -216,7 +217,7 @@ class RandomInputTable(CurveTable):
 
     on: Text = Field(description="A coordinate, for a force on it, or a [[motion]] or constraint row, for its motion.")
     of: Literal["force", "displacement", "velocity", "acceleration"] = Field("force", description="Quantity of the density.")
-    values: Densities = Field(None, description="The one-sided density at the corners.")  # type: ignore[valid-type]
+    values: Densities = Field(None, description="The one-sided density at the corners.")
     unit: Text | None = Field(None, description='Of the density, e.g. "g^2/Hz"; that of the file, or SI when left out.')
     interpolation: Literal["log-log", "linear", "steps"] = Field("log-log", description="Between the corners.")
     white: Number | None = Field(None, gt=0, description="Intensity of white noise, instead of a table.")
@@ -273,24 +274,18 @@ ShockQuantity = Literal[
 ]
 
 
-class ShockTable(Table):
-    """Peaks of the model, and of single oscillators on its support (the shock response spectrum)."""
+class OscillatorsTable(Table):
+    """Single oscillators on a support that moves."""
 
-    of: Text | None = Field(None, description="The [[motion]] whose acceleration is the shock; by default the first that ends.")
-    end: Time | None = Field(None, gt=0, description="Until when peaks of the model are searched; by default time.end.")
+    of: Text | None = Field(None, description="The [[motion]] whose acceleration acts on them; by default the first that ends.")
     damping_ratio: Number = Field(0.05, ge=0, description="Damping ratio of the oscillators.")
     quality_factor: Number | None = Field(None, gt=0, description="Alternatively: Q = 1 / (2 damping ratio).")
-    quantity: ShockQuantity = Field("absolute acceleration", description="Response quantity of the oscillators.")
     lowest: AnyFrequency | None = Field(
         None, alias="from", gt=0, description="The lowest natural frequency; by default a tenth of the inverse duration."
     )
     highest: AnyFrequency | None = Field(None, alias="to", gt=0, description="The highest natural frequency.")
     per_octave: int = Field(12, ge=1, le=96, description="Natural frequencies in each octave.")
     frequencies: FrequencyLines = Field(None, description="Explicit list of natural frequencies.")
-    interpolation: Literal["linear", "band-limited"] = Field("linear", description="Interpolation of a record between its samples.")
-    tripartite: bool = Field(
-        False, description="The pseudo-velocity, too, with lines of equal displacement and of equal acceleration."
-    )
 
     @model_validator(mode="after")
     def _one_of_each(self):
@@ -313,6 +308,35 @@ class ShockTable(Table):
         if not low < high:
             low, high = (low, 1e3 * low) if self.lowest else (high / 1e3, high)
         return np.geomspace(low, high, int(np.ceil(self.per_octave * np.log2(high / low))) + 1)
+
+
+class ShockTable(OscillatorsTable):
+    """Peaks of the model, and of single oscillators on its support (the shock response spectrum)."""
+
+    end: Time | None = Field(None, gt=0, description="Until when peaks of the model are searched; by default time.end.")
+    quantity: ShockQuantity = Field("absolute acceleration", description="Response quantity of the oscillators.")
+    interpolation: Literal["linear", "band-limited"] = Field("linear", description="Interpolation of a record between its samples.")
+    tripartite: bool = Field(
+        False, description="The pseudo-velocity, too, with lines of equal displacement and of equal acceleration."
+    )
+
+
+class FatigueTable(OscillatorsTable):
+    """Cycles and damage of the model, and of single oscillators on its support (the fatigue damage spectrum)."""
+
+    exponent: Number = Field(gt=0, description="k of the S-N curve: N = (strength / amplitude)^k cycles to failure.")
+    strength: Quantity | None = Field(
+        None, description='The amplitude that fails in one cycle, e.g. "40 kN"; left out: amplitudes of equal damage alone.'
+    )
+    outputs: list[Text] | None = Field(None, description="Springs and dampers, or coordinates or rows; left out: all.")
+    quantity: Literal["force", "elongation", "displacement", "velocity", "acceleration", "reaction"] = Field(
+        "force", description="Quantity whose cycles are counted; force and elongation: of springs and dampers."
+    )
+    end: Time | None = Field(None, gt=0, description="Until when cycles are counted; by default time.end.")
+    duration: Time = Field(3600.0, gt=0, description="How long the excitation of [random] acts.")
+    spectrum: ShockQuantity = Field(
+        "pseudo-velocity", description="Response quantity of the oscillators; stresses follow the velocity."
+    )
 
 
 class CampbellTable(Table):

@@ -59,7 +59,7 @@ def test_spectra_that_are_written_are_read_again(tmp_path):
     """The spectrum of the box as the input of another one: the same curve as from the arrays."""
     answer = scene_of(tmp_path, INLINE).random()
     answer.write(tmp_path, ["csv"])
-    (head, f), (name, G) = list(answer.columns()[""].items())[:2]
+    (_, f), (name, G) = list(answer.columns()[""].items())[:2]
     assert name == "box ((m/s^2)^2/Hz)"
     entry = f'file = "box.random.csv"\ncolumn = "{name}"'
     inline = f"frequencies = {f.tolist()}\nvalues = {G.tolist()}"
