@@ -279,6 +279,85 @@ def test_the_unbalance_response_of_the_rotor():
     assert sum(peak.coordinate == "A y" for peak in response.peaks) == 2  # one of each forward mode
 
 
+def test_the_driveline_of_the_examples_is_that_of_matrices_written_by_hand():
+    """Angles of engine, flywheel, pinion and load, the last two as seen from the pinion through the ratio 2."""
+    answer = read_scene(EXAMPLES / "driveline.toml").orders(points=40)
+    M = np.diag([0.15, 0.9, 0.05 + 0.4 / 4, 6.0 / 4])
+    spring = np.array([[1, -1, 0, 0], [0, 1, -1, 0], [0, 0, 1, -1]])
+    K = spring.T @ np.diag([120e3, 3e3, 60e3 / 4]) @ spring
+    C = spring.T @ np.diag([8.0, 6.0, 0.0]) @ spring + np.diag([0, 0, 0, 15.0 / 4])
+    arrays = answer.arrays()
+    W, n = arrays["speeds"], arrays["orders"]
+    np.testing.assert_array_equal(n, [0.5, 1, 2, 4, 6])
+    torque = np.array([12, 15, 180, 60, 20])[:, None] * np.exp(1j * np.radians([0, 40, 0, -30, -60]))[:, None] * np.ones(len(W))
+    torque[2] -= 25 * (W / (3000 * np.pi / 30)) ** 2
+    expected = np.zeros((5, 2, len(W)), dtype=complex)
+    for i, j in np.ndindex(5, len(W)):
+        w = n[i] * W[j]
+        x = np.linalg.solve(K - w**2 * M + 1j * w * C, torque[i, j] * np.array([1, 0, 0, 0]))
+        expected[i, :, j] = 3e3 * (x[2] - x[1]), 60e3 / 2 * (x[3] - x[2])  # the shaft turns half as far, at the wheel
+    sign = np.sign((arrays["amplitudes"][0, 1, 0] / expected[0, 1, 0]).real)  # the wheel turns backwards
+    expected[:, 1] *= sign
+    np.testing.assert_allclose(arrays["amplitudes"], expected, rtol=1e-9)
+    angle = np.linspace(0, 4 * np.pi, 20001)  # two turns of the crankshaft
+    for j in range(0, len(W), 7):
+        cycle = (expected[:, 0, j, None] * np.exp(1j * n[:, None] * angle)).sum(axis=0).real
+        assert arrays["largest"][0, j] == pytest.approx(np.abs(cycle).max(), rel=1e-6)
+        assert arrays["rms"][0, j] == pytest.approx(np.sqrt(np.mean(cycle[:-1] ** 2)), rel=1e-9)
+    state = np.block([[np.zeros((4, 4)), np.eye(4)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
+    damped = sorted({round(s.imag, 6) for s in np.linalg.eigvals(state) if s.imag > 1})
+    found = sorted({round(one["order"] * one["speed"], 6) for one in answer.data["resonances"]})
+    assert found == pytest.approx(damped, rel=1e-8)
+
+
+def spindle_matrices():
+    """M, C, K and the polar inertias of spindle.toml in one plane: displacements and slopes of shaft and tool; rows of tip and nose."""
+    places = {"rear": (0, -0.18), "front": (0, 0.12), "deep": (0, 0.13), "nose": (0, 0.2), "end": (1, -0.09), "flange": (1, -0.02)}
+    places["tip"] = (1, 0.13)
+    row = {name: np.eye(2)[body].repeat(2) * [1.0, s, 1.0, s] for name, (body, s) in places.items()}
+    springs = np.array([row["rear"], row["front"], row["deep"] - row["end"], row["nose"] - row["flange"]])
+    K, C = (springs.T @ np.diag(values) @ springs for values in ([120e6, 180e6, 150e6, 300e6], [2e3, 3e3, 1e3, 1.5e3]))
+    return np.diag([16.0, 0.28, 1.4, 0.006]), C, K, np.diag([0.0, 0.012, 0.0, 0.0008]), row["tip"], row["nose"]
+
+
+def test_the_spindle_yields_at_its_tip_as_matrices_written_by_hand():
+    """Forward and backward motion y + i z and its conjugate have (K + i w C - w^2 M +- w W G) (y, slopes) = f; at 0 Hz levers suffice."""
+    scene = read_scene(EXAMPLES / "spindle.toml")
+    M, C, K, G, tip, nose = spindle_matrices()
+    found = scene.frequency().arrays()
+    W, w = 6000 * math.pi / 30, 2 * np.pi * found["frequencies_hz"]
+
+    def compliance(row, w, W):
+        return np.array([row @ np.linalg.solve(K + 1j * one * C - one**2 * M + one * W * G, tip) for one in w])
+
+    forward, backward = ([compliance(row, w, sign * W) for row in (tip, nose)] for sign in (1, -1))
+    expected = [(forward[0] + backward[0]) / 2, (forward[1] + backward[1]) / 2, (forward[0] - backward[0]) / 2j]
+    assert found["values"][:, 0] == pytest.approx(np.array(expected), rel=1e-8, abs=1e-13)
+    static = scene.system.frequency_response([0.0], ["tip y"], ["tip y"]).values[0, 0, 0]
+    levers = (530 / 300) ** 2 / 180e6 + (230 / 300) ** 2 / 120e6 + (220 / 70) ** 2 / 300e6 + (150 / 70) ** 2 / 150e6
+    assert static == pytest.approx(levers, rel=1e-12)
+    resting = scene.equations.rotor.modes(damped=False).natural_frequencies  # each in both planes
+    assert resting == pytest.approx(np.sqrt(eigh(K, M, eigvals_only=True)).repeat(2), rel=1e-10)
+    limit = -1 / (2 * 800e6 * found["values"][0, 0].real.min())  # steel: 800 N by mm^2
+    assert 0.5e-3 < limit < 2e-3
+
+
+def test_the_spindle_over_its_speed_under_teeth_and_unbalance():
+    """Order 1 turns forward and is that of 64 g mm; of the order 4 a force along y is half a forward and half a backward one."""
+    answer = read_scene(EXAMPLES / "spindle.toml").orders(points=30, outputs=["tip y"])
+    M, C, K, G, tip, _ = spindle_matrices()
+    arrays = answer.arrays()
+    np.testing.assert_array_equal(arrays["orders"], [0, 1, 4, 8])
+
+    def response(load, w, W):
+        return tip @ np.linalg.solve(K + 1j * w * C - w**2 * M + w * W * G, load)
+
+    for speed, amplitudes in zip(arrays["speeds"][::9], arrays["amplitudes"][:, 0, ::9].T):
+        expected = [300 * response(tip, 0, 0), response([64e-6 * speed**2, 0, 0, 0], speed, speed)]
+        expected += [size * sum(response(tip, n * speed, W) for W in (speed, -speed)) / 2 for n, size in ((4, 140), (8, 30))]
+        assert amplitudes == pytest.approx(np.array(expected), rel=1e-8)
+
+
 @pytest.mark.long
 def test_the_optimum_of_the_tuned_mass_damper_is_that_of_its_scene():
     """tuned_mass_damper_optimum varies what tuned_mass_damper.toml has exactly (Nishihara and Asami 2002)."""

@@ -1,8 +1,9 @@
-"""A rotor over its speed: Campbell diagram, critical speeds, stability, unbalance response, and a waterfall of a run-up."""
+"""A model over its speed: Campbell or interference diagram, critical speeds, stability; of a rotor unbalance response and a waterfall."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -19,6 +20,7 @@ from ..mechanics.rotating import (
     UnbalanceResponse,
     campbell,
     critical_points,
+    critical_points_by_order,
     direction,
     speed_ranges,
     unbalance_response,
@@ -26,7 +28,7 @@ from ..mechanics.rotating import (
 )
 from ..page.content import Curve, Guide, Marks, Plot, axis_of, curve_with_gaps
 from ..page.figure import PALETTE
-from ..scene.schema.analysis_tables import CampbellTable
+from ..scene.schema.analysis_tables import CampbellTable, OrdersTable
 from .base import Analysis, Answer
 
 if TYPE_CHECKING:
@@ -58,8 +60,9 @@ HIDING = 2001
 class CampbellDiagram(Analysis):
     """Eigenvalues of a rotor over its speed, each mode followed through crossings; critical speeds, limits of stability, unbalance response.
 
-    Critical speeds come from one eigenproblem for each order, not from a search. The waterfall is a sequence of steady states. Writes
-    NAME.campbell.html, .png and .json.
+    Critical speeds come from one eigenproblem for each order, not from a search. The waterfall is a sequence of steady states. Of a
+    driveline or another model of which nothing depends on the speed it is the interference diagram: constant eigenfrequencies and lines of the
+    orders of [orders], or of those given. Writes NAME.campbell.html, .png and .json.
     """
 
     name = "campbell"
@@ -69,19 +72,21 @@ class CampbellDiagram(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: CampbellTable | None) -> Answer:
-        """The answer of a scene with a rotor."""
-        own = _Rotor(scene, settings or CampbellTable())
+        """The answer of a scene with a rotor, or with orders."""
+        own = SpeedDiagram(scene, settings)
         notices = list(scene.notices)
         if not own.is_stable:
             notices.append(Notice(NoticeKind.UNSTABLE, f"{own.range_text}; {own.stability_text}."))
         if any(not np.isfinite(peak.amplitude) for response in own.responses.values() for peak in response.peaks):
             text = "without damping there is no steady state at a critical speed: the amplitude has no bound"
             notices.append(Notice(NoticeKind.UNSTABLE, text))
-        facts = (("speeds", own.range_text), ("stability", own.stability_text), ("spectra", str(own.diagram.evaluations)))
+        facts = [("speeds", own.range_text), ("stability", own.stability_text)]
+        if own.diagram.system.turns:
+            facts.append(("spectra", str(own.diagram.evaluations)))
         return cls.of(
             scene,
             title=f"{scene.heading}: over the speed",
-            facts=facts,
+            facts=tuple(facts),
             tables=tuple(own.tables()),
             notices=tuple(notices),
             data={"title": scene.heading, **own.data()},
@@ -91,29 +96,40 @@ class CampbellDiagram(Analysis):
         )
 
 
-class _Rotor:
-    """A rotor at speeds of a range: its eigenvalues, and its steady states under the unbalance by order, none without unbalance."""
+class SpeedDiagram:
+    """A model at speeds of a range: its eigenvalues, and the steady states of a rotor under its unbalance by order, none without unbalance."""
 
-    def __init__(self, scene: Scene, table: CampbellTable):
-        system = scene.equations.rotor
-        if system is None:
+    def __init__(self, scene: Scene, table: CampbellTable | None, orders: Sequence[float] | None = None):
+        """At the speeds of a table; its orders are those with lines, and with critical speeds where no others are given."""
+        system = scene.equations.rotor or scene.equations.system
+        if table is None and scene.table.orders is None and (system is None or not system.turns):
             raise InputError(
                 "nothing of this model turns; give it a rotor, or a gyroscopic or circulatory matrix, below [model], to compute a "
-                "Campbell diagram"
+                "Campbell diagram, or orders of an excitation as [[orders.excitation]] or --order for an interference diagram"
             )
+        if system is None:
+            raise InputError("a diagram over the speed needs a model with mass, damping and stiffness")
+        table = _completed(table or CampbellTable(), scene.table.orders)
         self.shown, self.orders = scene.equations.coordinates.shown, table.orders
+        self._all_orders = table.orders if orders is None else orders
         speeds = np.linspace(*_speed_range(system, table), table.points)
         self.turns, self.diagram = speeds / RPM, campbell(system, speeds)
-        self.responses: dict[float, UnbalanceResponse] = {}
-        if system.unbalance is not None and system.unbalance.any():
-            for order in self.orders:
-                near = with_resonances(speeds, critical_points(system, order))
-                self.responses[order] = unbalance_response(system, near, order=order)
+
+    @cached_property
+    def responses(self) -> dict[float, UnbalanceResponse]:
+        """The steady states under the unbalance of a rotor, by order."""
+        system, speeds = self.diagram.system, self.diagram.speeds
+        if not system.turns or system.unbalance is None or not system.unbalance.any():
+            return {}
+        near = with_resonances(speeds, [point for order in self.orders for point in critical_points(system, order)])
+        return {order: unbalance_response(system, near, order=order) for order in self.orders}  # all at the same speeds
 
     @cached_property
     def critical(self) -> list[CriticalSpeed]:
         """The critical speeds of all orders within the range, by order."""
-        return [point for order in self.orders for point in self.diagram.critical_speeds(order)]
+        low, high = self.diagram.speeds[[0, -1]]
+        points = critical_points_by_order(self.diagram.system, self._all_orders)
+        return [point for point in points if low <= point.speed <= high]
 
     @property
     def range_text(self) -> str:
@@ -133,8 +149,8 @@ class _Rotor:
         if not margins.any():
             return "no motion grows, none decays"
         least = int(margins.argmin())
-        decay = f"{number_text(float(margins[least]))} 1/s, at {self.diagram.speeds[least] / RPM:.6g} rev/min"
-        return f"no motion grows; the least decay rate is {decay}"
+        where = f", at {self.diagram.speeds[least] / RPM:.6g} rev/min" if self.diagram.system.turns else ""
+        return f"no motion grows; the least decay rate is {number_text(float(margins[least]))} 1/s{where}"
 
     @property
     def is_stable(self) -> bool:
@@ -159,9 +175,12 @@ class _Rotor:
         peaks = [(order, peak) for order, response in self.responses.items() for peak in response.peaks]
         largest = [(order, peak) for order, one in self.responses.items() for peak in _largest(one)]
         heads = ("order", "coordinate", "rev/min", "amplitude")
-        every = (
+        tables = [
             TextTable("Critical speeds", ("order", "rev/min", "Hz", "whirl", "damping ratio"), critical),
             TextTable("Modes over the speed in rev/min", ("no.", "whirl", low, high, "least ratio", "least decay 1/s"), modes),
+        ]
+        every = (
+            *(tables if diagram.system.turns else map(_without_whirl, tables)),
             TextTable("Largest peaks of the unbalance response", heads, self._rows(largest)),
             TextTable(
                 "All peaks of the unbalance response", heads, self._rows(peaks if len(peaks) > MOST_PEAKS else []), folded=True
@@ -212,7 +231,7 @@ class _Rotor:
 
     def plots(self) -> Iterator[Plot]:
         """Campbell diagram, damping, unbalance response by unit, waterfall."""
-        yield self._campbell()
+        yield self.campbell_plot()
         if self.diagram.damping_ratios.any():
             limit = Guide("", (self.turns[0], 0.0), (self.turns[-1], 0.0), "limit")
             more: dict[str, Any] = {"guides": (limit,), "note": "Below 0 a motion grows.", "includes": (0.0,)}
@@ -224,25 +243,32 @@ class _Rotor:
 
     def _modes(self, title: str, unit: str, values: np.ndarray, quantity: str, **more) -> Plot:
         """A curve for each mode, with the dashes of its whirl."""
-        rounds, colors = [DASHES[whirl] for whirl in self.diagram.directions], len(PALETTE)
+        turns, colors = self.diagram.system.turns, len(PALETTE)
+        rounds = [DASHES[whirl] if turns else 0 for whirl in self.diagram.directions]
         curves = tuple(
-            Curve(f"{i + 1} {whirl}", column, i % colors + colors * rounds[i])
+            Curve(f"{i + 1} {whirl}" if turns else f"mode {i + 1}", column, i % colors + colors * rounds[i])
             for i, (whirl, column) in enumerate(zip(self.diagram.directions, values.T))
         )
         axes: dict[str, Any] = {"across_unit": "rev/min", "quantity": quantity, "variable": "speed", "shown": len(curves)}
         return Plot(title, unit, self.turns, curves, **axes, **more)
 
-    def _campbell(self) -> Plot:
+    def campbell_plot(self) -> Plot:
+        """Frequencies of the modes over the speed, with lines of the orders and marks at critical speeds."""
         frequencies = self.diagram.damped_frequencies / (2 * np.pi)
         low, high, top = self.turns[0], self.turns[-1], 10.0 * float(frequencies.max(initial=0.0)) or 1.0
         orders = (Guide(f"{order:g}×", (low, order * low / 60), (high, order * high / 60), "line") for order in self.orders)
         limits = (Guide("limit of stability", (one / RPM, 0.0), (one / RPM, top), "limit") for one in self.diagram.stability_limits)
-        points = np.reshape([(one.speed / RPM, _hz(one)) for one in self.critical], (-1, 2))
-        texts = (f"{one.speed / RPM:.6g} rev/min, {_hz(one):.5g} Hz, {direction(one.whirl)}" for one in self.critical)
-        marks = (Marks("critical speed", points, tuple(texts)),) if self.critical else ()
+        critical = [one for one in self.critical if one.order in self.orders]
+        points = np.reshape([(one.speed / RPM, _hz(one)) for one in critical], (-1, 2))
+        turns = self.diagram.system.turns
+        whirls = (f", {direction(one.whirl)}" if turns else f", order {one.order:g}" for one in critical)
+        texts = (f"{one.speed / RPM:.6g} rev/min, {_hz(one):.5g} Hz{whirl}" for one, whirl in zip(critical, whirls))
+        marks = (Marks("critical speed", points, tuple(texts)),) if critical else ()
         note = "Solid lines whirl forward, dashed ones backward, dotted ones are planar; a mode keeps its colour through crossings."
+        if not turns:
+            note = "Nothing of this model depends on the speed: an order is in resonance where its line crosses that of a mode."
         more: dict[str, Any] = {"guides": (*orders, *limits), "marks": marks, "note": note, "includes": (0.0,), "is_large": True}
-        return self._modes("Campbell diagram", "Hz", frequencies, "damped frequency", **more)
+        return self._modes(f"{'Campbell' if turns else 'Interference'} diagram", "Hz", frequencies, "damped frequency", **more)
 
     def _amplitudes(self, unit: str) -> Iterator[Plot]:
         """Amplitudes of the coordinates in m, or of those in rad."""
@@ -332,6 +358,26 @@ def _largest(response: UnbalanceResponse) -> list[UnbalancePeak]:
     return list(highest.values())[:MOST_PEAKS]
 
 
+#: Lines of orders in a diagram, at most.
+MOST_ORDERS = 12
+
+
+def _completed(table: CampbellTable, orders: OrdersTable | None) -> CampbellTable:
+    """The table with the range and the orders of [orders] where it gives none."""
+    given: dict[str, Any] = {}
+    if orders is not None:
+        own = sorted({order for one in orders.excitation for order in one.order if order > 0})
+        given = {"lowest": orders.lowest, "highest": orders.highest, "orders": own[:MOST_ORDERS]}
+    return table.model_copy(update={key: one for key, one in given.items() if key not in table.model_fields_set and one})
+
+
+def _without_whirl(table: TextTable) -> TextTable:
+    """The table without the column of the whirl."""
+    place = table.columns.index("whirl")
+    columns, *rows = ((*row[:place], *row[place + 1 :]) for row in (table.columns, *table.rows))
+    return replace(table, columns=columns, rows=tuple(rows))
+
+
 def _speed_range(system: MechanicalSystem, table: CampbellTable) -> tuple[float, float]:
     """The lowest and the highest speed in rad/s."""
     ranges = speed_ranges(system)
@@ -340,9 +386,9 @@ def _speed_range(system: MechanicalSystem, table: CampbellTable) -> tuple[float,
     low = max(ranges[0][0], 0.0) if table.lowest is None else table.lowest
     high = table.highest
     if high is None:
-        critical = [point.speed for point in critical_points(system)]
+        critical = [point.speed for point in critical_points(system, 1.0 if system.turns else min(table.orders))]
         if not critical and not np.isfinite(ranges[-1][1]):
-            raise InputError("there is no critical speed of order 1 from which a range follows; give --to or [campbell] to")
+            raise InputError("there is no critical speed of order 1 from which a range follows; give --to, or to in the table")
         high = min(BEYOND * max(critical, default=np.inf), ranges[-1][1])
     if not low < high:
         raise InputError(f"campbell: found a range from {low:g} to {high:g} rad/s; expected one that ascends")

@@ -162,7 +162,7 @@ class DiscreteRunAnswer(RunAnswer):
             )
         shown = self._coordinates.shown
         largest = [
-            (name, shown.text(row[k := int(np.abs(row).argmax())], unit), str(self.numbers[k]))
+            (name, shown.text(row[k := int(np.abs(row).argmax())], unit, name), str(self.numbers[k]))
             for name, unit, row in zip(self._coordinates.names, self._coordinates.units, self.values)
         ]
         return (
@@ -273,11 +273,17 @@ class DiscreteRunAnswer(RunAnswer):
         parts = [("", chosen)] if "displacement" in plotted or not outputs else []
         parts += [("output", list(range(own, own + outputs)))] if outputs and "output" in plotted else []
         for title, rows in parts:
-            for unit in dict.fromkeys(coordinates.units[i] for i in rows):
-                yield self._plot([i for i in rows if coordinates.units[i] == unit], unit, title)
+            for unit, shown in dict.fromkeys((coordinates.units[i], self._units[i]) for i in rows):
+                chosen = [i for i in rows if (coordinates.units[i], self._units[i]) == (unit, shown)]
+                yield self._plot(chosen, unit, shown, title)
 
-    def _plot(self, rows: list[int], unit: str, title: str = "") -> Plot:
-        shown, factor = self._coordinates.shown.of(unit)
+    @property
+    def _units(self) -> list[tuple[str, float]]:
+        """The units shown of the values, each with its factor."""
+        return list(map(self._coordinates.shown.of, self._coordinates.units, self._coordinates.names))
+
+    def _plot(self, rows: list[int], unit: str, in_unit: tuple[str, float], title: str = "") -> Plot:
+        shown, factor = in_unit
         hidden, curves, marks = np.zeros(len(self.numbers), dtype=bool), [], []
         for number, i in enumerate(rows):
             values, name = factor * self.values[i], self._coordinates.names[i]
@@ -335,7 +341,7 @@ class DiscreteRunAnswer(RunAnswer):
 
     def columns(self) -> dict[str, dict[str, np.ndarray]]:
         """Sample number, time, and values in the units of [output], as in the CSV file."""
-        units = [self._coordinates.shown.of(unit) for unit in self._coordinates.units]
+        units = self._units
         values = {
             f"{name} ({unit})": factor * row for name, (unit, factor), row in zip(self._coordinates.names, units, self.values)
         }

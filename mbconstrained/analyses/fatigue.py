@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,7 +14,6 @@ import numpy as np
 from ..frequency.fatigue import CycleCount, FatigueDamageSpectrum, fatigue_damage_spectrum, rainflow
 from ..frequency.random.spectra import Spectrum
 from ..frequency.shock.response_spectrum import UNITS
-from ..ground.checks import nearest
 from ..ground.display import TextTable, number_text
 from ..ground.errors import InputError, named
 from ..ground.notices import Notice, NoticeKind, distinct
@@ -66,9 +66,9 @@ class Fatigue(Analysis):
             if system is None or system.is_sparse:
                 raise InputError("cycles belong to models with mass, damping and stiffness, in arrays")
             end, motion = settings.end or scene.table.time.end, cast("Motion", scene.equations.solve())
-            histories = _chosen(settings, *cycles(motion, end, settings.quantity))
-        part = _Counted(settings, scene.equations.coordinates.shown, histories, end, _random(scene, settings), settings.quantity)
-        with at(scene.file_name, "fatigue"):
+            histories = _histories(scene, settings, motion, end)
+            random = _random(scene, settings, list(histories))
+            part = _Counted(settings, scene.equations.coordinates.shown, histories, end, random, settings.quantity)
             return _answer(scene.name, scene.title, scene.table.source, part, scene.heading, tuple(_spectra(scene, settings)), distinct(
                 scene.notices, scene.equations.form_notices, motion.notices
             ))  # fmt: skip
@@ -87,31 +87,45 @@ class Fatigue(Analysis):
         unit, name = record.unit or "m/s^2", record.name or path.stem
         with at(path.name, "fatigue"):
             histories = {name: (unit, rainflow(record.values))}
-            part = _Counted(table, OutputUnits(()), histories, float(np.ptp(record.times)), None, "record")
+            units = OutputUnits((record.unit_in_file,) if record.unit_in_file else ())
+            part = _Counted(table, units, histories, float(np.ptp(record.times)), None, "record")
             spectra = (_Damage(table, name, record.signal),) if is_acceleration else ()
             return _answer(path.stem, path.name, "Cycles of a record", part, "", spectra, notices)
 
 
-def _chosen(settings: FatigueTable, names, units, counts) -> dict[str, tuple[str, CycleCount]]:
-    """Units and cycles of the requested outputs by name."""
-    if not names:
+def _histories(scene: Scene, settings: FatigueTable, motion: Motion, end: float) -> dict[str, tuple[str, CycleCount]]:
+    """Units and cycles of the requested outputs; by default of all with the quantity, and of [[output.quantity]], that the strength fits."""
+    if settings.outputs is not None:
+        return cycles(motion, end, settings.quantity, settings.outputs)
+    own = cycles(motion, end, settings.quantity)
+    if scene.table.output.quantity:
+        own |= cycles(motion, end, settings.quantity, [one for one in motion.system.quantities if one not in own])
+    fitting = {name: (unit, count) for name, (unit, count) in own.items() if _fits(settings.strength, unit)}
+    if own and not fitting:
+        units = ", ".join(dict.fromkeys(unit for unit, _ in own.values()))
+        raise InputError(f"strength: found {settings.strength!r}; the outputs are in {units}")
+    if not own:
         raise InputError(
-            f'quantity: the model has nothing with the quantity "{settings.quantity}"; springs and dampers need names for force and elongation'
+            f'the model has nothing with the quantity "{settings.quantity}"; springs and dampers need names for force and elongation'
         )
-    if unknown := [name for name in settings.outputs or () if name not in names]:
-        raise InputError(f"outputs: there is no {unknown[0]!r}{nearest(unknown[0], names)}; there are {', '.join(names)}")
-    every = {name: (unit, own) for name, unit, own in zip(names, units, counts)}
-    return {name: every[name] for name in settings.outputs or names}
+    return fitting
 
 
-def _random(scene: Scene, settings: FatigueTable) -> RandomResponse | None:
-    """The response to [random] with the quantity whose cycles are counted."""
+def _fits(strength, unit: str) -> bool:
+    if strength is None:
+        return True
+    with suppress(InputError):
+        number_of(strength, unit)
+        return True
+    return False
+
+
+def _random(scene: Scene, settings: FatigueTable, outputs: list[str]) -> RandomResponse | None:
+    """The response of the outputs to [random]."""
     table = scene.table.random
     if table is None:
         return None
-    if settings.quantity == "elongation":
-        raise InputError("fatigue.quantity: elongations under [random] are not available; give force")
-    return random_response(scene, table.model_copy(update={"quantity": settings.quantity, "outputs": settings.outputs}))
+    return random_response(scene, table.model_copy(update={"quantity": settings.quantity, "outputs": outputs, "relative_to": None}))
 
 
 def _spectra(scene: Scene, settings: FatigueTable) -> Iterator[_Damage]:
@@ -204,7 +218,7 @@ class _Counted:
         """Cycles with their damage until the end, and the damage under [random]."""
         k, rows = self.settings.exponent, []
         for row in self.rows:
-            unit, factor = self.units.of(row["unit"])
+            unit, factor = self.units.of(row["unit"], row["of"])
             sizes = (f"{number_text(factor * row[key])} {unit}" for key in ("largest_range", "equivalent_amplitude"))
             rows.append((row["of"], f"{row['cycles']:g}", *sizes, *_damage(row)))
         columns = ("of", "cycles", "largest range", "equal amplitude", "damage", "life")
@@ -216,7 +230,7 @@ class _Counted:
         if self.response is not None:
             own = []
             for row in self.random_rows:
-                unit, factor = self.units.of(row["unit"])
+                unit, factor = self.units.of(row["unit"], row["of"])
                 own.append((row["of"], f"{number_text(factor * row['rms'])} {unit}", number_text(row["peaks_hz"]), *_damage(row)))
             title = f"Random {self.settings.quantity}, damage in {_duration(self.settings.duration)}, exponent {k:g}"
             yield TextTable(title, ("of", "RMS", "peaks (Hz)", "damage", "life"), tuple(own), "Dirlik's formula")
@@ -227,7 +241,7 @@ class _Counted:
             own = {name: count for name, (unit, count) in self.histories.items() if unit == own_unit and len(count.ranges)}
             if not own:
                 continue
-            unit, factor = self.units.of(own_unit)
+            unit, factor = self.units.of(own_unit, next(iter(own)))
             largest = max(count.ranges.max() for count in own.values())
             ranges = np.linspace(0.0, largest, RANGES)
             numbers = {name: count.exceedance(ranges) for name, count in own.items()}
@@ -244,7 +258,8 @@ def _damage(row: dict) -> tuple[str, str]:
     """Damage and life as texts."""
     if row["damage"] is None:
         return "–", "–"
-    return number_text(row["damage"]), _duration(row["life"]) if row["life"] else "infinite"
+    damage = number_text(row["damage"]) if np.isfinite(row["damage"]) else "infinite"
+    return damage, _duration(row["life"]) if row["life"] is not None else "infinite"
 
 
 def _duration(seconds: float) -> str:
@@ -277,13 +292,14 @@ def _answer(name, title, source, part: _Counted, heading: str, damages: tuple[_D
             files[f".{number + 1}" if number else ""] = head
         every = [(name, own, i) for name, (own, count) in part.histories.items() for i in range(len(count.ranges))]
         counts = [count for _, count in part.histories.values()]
-        factors = [part.units.of(own)[1] for _, own, _ in every]
+        shown = [part.units.of(own, name) for name, own, _ in every]
         sizes = {
             key: np.concatenate([getattr(count, key) for count in counts]) if counts else np.zeros(0)
             for key in ("ranges", "means", "counts")
         }
+        factors = np.array([factor for _, factor in shown])
         files[".cycles"] = {
-            "of": [name for name, _, _ in every], "unit": [part.units.of(own)[0] for _, own, _ in every],
+            "of": [name for name, _, _ in every], "unit": [unit for unit, _ in shown],
             "range": sizes["ranges"] * factors, "mean": sizes["means"] * factors, "count": sizes["counts"],
         }  # fmt: skip
         return files

@@ -21,6 +21,7 @@ from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind, distinct
 from ..ground.tolerances import LINE_ACCURACY
 from ..mechanics.channels import channels
+from ..mechanics.harmonic_response import FORCE_TRANSMISSIBILITY
 from ..page.animation import Deflections
 from ..page.content import Curve, Plot, Scale, TimeFunctions
 from ..scene.file import at
@@ -135,9 +136,10 @@ def frequency_plots(
         name = f"{response.outputs[i]} by {response.inputs[j]}" if len(response.inputs) > 1 else response.outputs[i]
         groups.setdefault(str(units[i, j]), []).append(_Entry(i, j, name, float(factors[i, j])))
     by = f' by "{response.inputs[0]}"' if len(response.inputs) == 1 else ""
-    for unit, entries in groups.items():
-        own = f" ({unit})" if len(groups) > 1 else ""
-        titles = f"{response.quantity}{own}{by}", response.quantity, "" if unit == "1" else unit
+    titled = [(unit, entries, response.quantity_of([entry.i for entry in entries])) for unit, entries in groups.items()]
+    for unit, entries, quantity in titled:
+        own = f" ({unit})" if [other for _, _, other in titled].count(quantity) > 1 else ""
+        titles = f"{quantity}{own}{by}", quantity, "" if unit == "1" else unit
         for kind in table.plots:
             plots += _KINDS[kind](drawn, entries, *titles)
     return tuple(plots)
@@ -285,7 +287,7 @@ class Frequency(Analysis):
         table, equations = self.table, self.scene.equations
         if self.system is not None:
             inputs, outputs = self._inputs(), self._outputs()
-            if len(inputs) * len(outputs) > MOST_RESPONSES:
+            if len(inputs) * len(outputs or ()) > MOST_RESPONSES:
                 raise InputError(
                     f"found {len(inputs)} inputs and {len(outputs)} outputs; expected at most {MOST_RESPONSES} pairs of them: "
                     "name those of interest in inputs and outputs"
@@ -339,7 +341,7 @@ class Frequency(Analysis):
         inputs = self.response.outputs if self.is_inverse else self.response.inputs
         return self._of_system(list(inputs), list(self.system.names), quantity)
 
-    def _of_system(self, inputs: list[str], outputs: list[str], quantity: str, **options) -> FrequencyResponse:
+    def _of_system(self, inputs: list[str], outputs: list[str] | None, quantity: str, **options) -> FrequencyResponse:
         damping = {"modal_damping": self.table.modal_damping, "loss_factor": self.table.loss_factor}
         return self.system.frequency_response([], inputs, outputs, quantity, **damping, **options)
 
@@ -356,7 +358,7 @@ class Frequency(Analysis):
                     "quantity: transmissibility is by a prescribed motion, and there is none: add a [[motion]] of the support"
                 )
             return motions or [row.name for row in self.system.rows]
-        if motions and not self.is_inverse:
+        if motions and not (self.is_inverse or table.quantity == FORCE_TRANSMISSIBILITY):
             return motions
         known = channels(self.system, "outputs" if self.is_inverse else "inputs")
         loaded = [load.title for load in scene.force if load.title in known]
@@ -366,25 +368,24 @@ class Frequency(Analysis):
     def _prescribed(self) -> set[str]:
         return {coordinate for motion in self.scene.table.motion for coordinate, _ in motion.rows.values()}
 
-    def _outputs(self) -> list[str]:
+    def _outputs(self) -> list[str] | None:
         if self.table.outputs is not None:
             return self.table.outputs
-        if self.table.quantity == "reaction":
+        quantity, elements = self.table.quantity, self.system.elements
+        if quantity == "reaction":
             if not self.system.rows:
                 raise InputError("quantity: reaction is the force of a constraint row, and there are none")
             return [row.name for row in self.system.rows]
-        elements = self.system.elements
-        if self.table.quantity == "force":
+        if quantity == "force":
             return list(elements)
+        if quantity == FORCE_TRANSMISSIBILITY:
+            return None
         if self.is_inverse:
             return self._inputs()
         if self.system.named_directions("outputs"):  # of a robot
             return list(self.system.named_directions("outputs"))
         moving = [name for name in self.system.names if name not in self._prescribed] or list(self.system.names)
-        if self.table.quantity not in ("receptance", "transmissibility"):
-            return moving
-        shown = [one.of for one in self.scene.table.output.quantity if one.of in elements and one.quantity in (None, "force")]
-        return [*moving, *(name for name in dict.fromkeys(shown) if name not in self.system.names)]
+        return [*moving, *(name for name in self.system.quantities if name not in self.system.names)]
 
     def _lines(self) -> np.ndarray:
         table = self.table
@@ -404,7 +405,10 @@ class Frequency(Analysis):
     def shown(self) -> tuple[np.ndarray, np.ndarray]:
         """The units of the responses on the page, in tables and in CSV, and their factors, shape (outputs, inputs) each."""
         units, response = self.scene.equations.coordinates.shown, self.response
-        pairs = [[units.of_ratio(unit) for unit in row] for row in response.units]
+        pairs = [
+            [units.of_ratio(unit, output, source) for unit, source in zip(row, response.inputs)]
+            for row, output in zip(response.units, response.outputs)
+        ]
         names, factors = (np.array([[pair[i] for pair in row] for row in pairs]) for i in (0, 1))
         return names, factors.astype(float)
 
@@ -441,18 +445,18 @@ class Frequency(Analysis):
     def to_answer(self) -> Answer:
         """The response in words, tables, plots and data."""
         scene, response = self.scene, self.response
-        zeros = self._antiresonance_table()
+        others = (*self._static_table(), *self._antiresonance_table())
         return Frequency.of(
             scene,
             facts=tuple(self._facts()),
-            tables=(self.peak_table(wide=False), *zeros),
+            tables=(self.peak_table(wide=False), *others),
             notices=self.notices,
             data=self._data(),
             plots=self._plots,
             columns=lambda: {"": dict(self._columns())},
             arrays=lambda: arrays_of(response),
             heading=scene.heading,
-            on_page=lambda: {"tables": (self.peak_table(), *zeros), "animation": self.deflections()},
+            on_page=lambda: {"tables": (self.peak_table(), *others), "animation": self.deflections()},
         )
 
     def _facts(self) -> Iterator[tuple[str, str]]:
@@ -461,7 +465,7 @@ class Frequency(Analysis):
         low, high = (f"{self.axis_factor * f:.4g}" for f in response.frequencies_hz[[0, -1]])
         how = "placed by the poles" if table.is_auto else f"{table.spacing} steps" if table.frequencies is None else "as given"
         count = counted(len(response.frequencies_hz), "frequency", "frequencies")
-        yield "quantity", response.quantity
+        yield "quantity", response.quantity_of()
         yield "inputs", ", ".join(response.inputs)
         yield "outputs", ", ".join(response.outputs)
         yield "frequencies", f"{low} to {high} {table.axis}, {count}, {how}"
@@ -486,7 +490,7 @@ class Frequency(Analysis):
         unit, rows = self.table.axis, tuple(map(self._peak_row, self.peaks))
         columns = (f"frequency ({unit})", "amplitude", f"bandwidth ({unit})", "damping ratio", "phase (°)")
         columns = columns if wide else (unit, "amplitude", "bandwidth", "damping", "phase (°)")
-        title = f"Peaks of the {self.response.quantity}"
+        title = f"Peaks of the {self.response.quantity_of()}"
         table = TextTable(title, (*self._entry("output", "input"), *columns), rows, HALF_POWER if rows else NO_PEAKS)
         return limited(table, MOST_ROWS_OF_PAGE)
 
@@ -505,6 +509,26 @@ class Frequency(Analysis):
             f"{float(np.degrees(peak.phase)) + 0.0:.1f}",
         )
 
+    @cached_property
+    def static(self) -> np.ndarray:
+        """H at 0 Hz in SI, such as static compliances, infinite where nothing restores, shape (outputs, inputs)."""
+        at_rest = self.response([0.0])
+        values = np.where(at_rest.error_estimate < 1, at_rest.values.real, 0.0)[..., 0]
+        for one in at_rest.poles_on_lines:
+            values[np.any(one.pole.residues, axis=0)] = np.inf
+        return values
+
+    def _static_table(self) -> tuple[TextTable, ...]:
+        """The values at 0 Hz; no table where all are zero, as of velocities."""
+        units, factors = self.shown
+        rows = []
+        for (i, j), value in np.ndenumerate(self.static):
+            size = f"{factors[i, j] * value:.5g}" if np.isfinite(value) else "infinite"
+            text = size if units[i, j] == "1" or size == "infinite" else f"{size} {units[i, j]}"
+            rows.append((*self._entry(self.response.outputs[i], self.response.inputs[j]), text))
+        table = TextTable("Static response (0 Hz)", (*self._entry("output", "input"), "value"), tuple(rows))
+        return (limited(table, MOST_ROWS_OF_PAGE),) if self.static.any() else ()
+
     def _antiresonance_table(self) -> tuple[TextTable, ...]:
         """Frequency and damping ratio of the antiresonances; no table where there are none."""
         rows = []
@@ -521,7 +545,9 @@ class Frequency(Analysis):
             "quantity": response.quantity,
             "inputs": response.inputs,
             "outputs": response.outputs,
+            "output_quantities": response.harmonic.output_quantities,
             "units": response.units,
+            "static": self.static,
             "frequencies": {"from": f[0], "to": f[-1], "count": len(f)},
             "peaks": [_entries(peak, "amplitude", "bandwidth_hz", "phase", "damping_ratio") for peak in self.peaks],
             "antiresonances": [_entries(zero, "damping_ratio") for zero in self.antiresonances],

@@ -67,7 +67,7 @@ def largest_table(result: Result) -> TextTable:
     """The largest value of each requested curve for summary and page, in the units of [output]."""
     shown, rows, open_ = result.scene.equations.coordinates.shown, [], 0
     for one in result.largest:
-        unit, factor = shown.of(one.unit)
+        unit, factor = shown.of(one.unit, one.name)
         is_open = one.margin > SHOWN_MARGIN * abs(one.value)
         open_ += is_open
         rows.append((one.name, one.title, f"{'≥ ' * is_open}{with_unit(factor * one.value, unit)}", f"{number_text(one.time)} s"))
@@ -78,7 +78,11 @@ def largest_table(result: Result) -> TextTable:
 def _constraint_table(constraint_rows: Sequence[ConstraintRow], shown: OutputUnits) -> TextTable:
     """The rows in force with their levels."""
     cells = tuple(
-        (row.name, row.level, shown.text(row.value, rate_unit(row.unit, row.order)) if row.signal is None else row.right_side_text)
+        (
+            row.name,
+            row.level,
+            shown.text(row.value, rate_unit(row.unit, row.order), row.name) if row.signal is None else row.right_side_text,
+        )
         for row in constraint_rows
     )
     note = "Errors at the start persist in rows at velocity or acceleration level: their eigenvalues at 0 are drift."

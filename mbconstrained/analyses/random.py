@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..exchange.trajectories import RATES
 from ..frequency.features import frequencies_by_poles
 from ..frequency.random.random_response import RandomResponse, octave_bands
+from ..ground.coordinate_units import density_unit
 from ..ground.display import TextTable
 from ..ground.errors import InputError
 from ..ground.notices import distinct
@@ -51,7 +53,7 @@ class Random(Analysis):
     def solve(cls, scene: Scene, settings: RandomTable | None) -> Answer:
         """The answer of a scene with mass, damping and stiffness."""
         response = random_response(scene, settings)
-        own = _Outputs(response, [scene.equations.coordinates.shown.of(unit) for unit in response.units])
+        own = _Outputs(response, list(map(scene.equations.coordinates.shown.of, response.units, response.outputs)))
         system = scene.equations.system
         damping = system.damping_notices(any(entry.of != "force" for entry in settings.input)) if system is not None else ()
         inputs = zip(response.inputs, response.spectra.spectra)
@@ -103,7 +105,9 @@ def random_arguments(scene: Scene, table: RandomTable | None) -> tuple[tuple, di
     delays = {entry.on: entry.delay for entry in table.input} if any(entry.delay for entry in table.input) else None
     prescribed = {coordinate for motion in scene.table.motion for coordinate, _ in motion.rows.values()}
     free = [name for name in equations.system.names if name not in prescribed]
-    outputs = table.outputs or (None if table.quantity in ("reaction", "force") else free)
+    outputs = table.outputs
+    if outputs is None and table.quantity in RATES:
+        outputs = [*free, *(name for name in equations.system.quantities if name not in free)]
     further = {key: getattr(table, key) for key in ("relative_to", "modal_damping", "coherence")}
     return (excitation, outputs, table.quantity), {**further, "delays": delays}
 
@@ -156,7 +160,7 @@ class _Outputs:
 
     def columns(self) -> dict[str, np.ndarray]:
         """The spectra by their heads."""
-        heads = (f"{name} (({unit})^2/Hz)" for name, (unit, _) in zip(self.response.outputs, self.shown))
+        heads = (f"{name} ({density_unit(unit)})" for name, (unit, _) in zip(self.response.outputs, self.shown))
         return {"frequency (Hz)": self.frequencies, **dict(zip(heads, self.spectra))}
 
     def arrays(self) -> dict[str, np.ndarray]:
@@ -178,7 +182,7 @@ class _Outputs:
         least = LEAST_SHARE * largest.max()
         visible = np.flatnonzero(largest >= least)
         own = slice(visible[0], visible[-1] + 1)
-        square = f"({unit})²/Hz" if any(sign in unit for sign in "/ ^") else f"{unit}²/Hz"
+        square = density_unit(unit).replace("^2", "²")
         title, values = f"spectrum of the {self.response.quantity}", np.maximum(self.spectra[:, own], least)
         return self._plot(title, square, self.frequencies[own], values, chosen, "density", "log")
 

@@ -87,18 +87,19 @@ class Shock(Analysis):
     def of_record(cls, path: Path, table: ShockTable, **reading) -> Answer:
         """The shock response spectrum of the acceleration in a file; column, step, unit ... as in ``record_in_si``."""
         record = record_in_si(path, expected="m/s^2", **reading)
+        units = OutputUnits((record.unit_in_file,) if record.unit_in_file else ())
         with at(path.name, "shock"):
-            part = _Spectrum(table, OutputUnits(()), record.name or path.stem, "m", record.signal)
-            notices = part.spectrum.notices
+            part = _Spectrum(table, units, record.name or path.stem, "m", record.signal)
+            notices = distinct(record.notices, part.spectrum.notices)
         if not record.unit:
             text = f"{path.name}: the unit of the values is not known; m/s² is taken: give unit"
             notices = (*notices, Notice(NoticeKind.OMITTED, text))
-        return _answer(path.stem, path.name, "Shock response spectrum", part, (), notices, (), OutputUnits(()))
+        return _answer(path.stem, path.name, "Shock response spectrum", part, (), notices, (), units)
 
 
 def _answer(name, title, source, part: _Spectrum | None, every: tuple[Peaks, ...], notices, facts, units: OutputUnits) -> Answer:
     rows = [row for peaks in every for row in peaks.rows()]
-    shown = [units.of(row["unit"]) for row in rows]
+    shown = [units.of(row["unit"], row["of"]) for row in rows]
     columns: dict[str, dict] = {} if part is None else {"": part.columns()}
     if every:
         sizes = {key: [factor * row[key] for row, (_, factor) in zip(rows, shown)] for key in ("maximum", "minimum")}

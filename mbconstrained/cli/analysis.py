@@ -54,6 +54,8 @@ RECORD = {
     "unit": ("--unit", "UNIT", 'Of a record, e.g. g or "mm/s^2"; by default that in its header.'),
     "column": ("--column", "NAME", "Of a record, by number or name; 2 by default."),
     "step": ("--step", "TIME", "Between samples of a record without times."),
+    "array": ("--sheet", "NAME", "Of a record in .xlsx with several sheets, or in a file of arrays."),
+    "baseline": ("--baseline", "DEGREE", "Remove a polynomial of time: constant, linear, quadratic or cubic."),
 }
 
 

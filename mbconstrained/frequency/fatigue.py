@@ -11,7 +11,7 @@ import numpy as np
 from ..ground.checks import counted, nearest, real_array, real_number
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
-from ..ground.tolerances import EPS
+from ..ground.tolerances import EPS, FREE_PART
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.solve import solve
 from ..signals.bohl import BohlFunction
@@ -32,8 +32,8 @@ STEP, MOST_TIMES = 0.4, 4_000_000
 #: Newton's steps from a linear start, whose error they square each.
 NEWTON = 3
 
-#: Free vibrations after a record are counted down to this share of their first amplitude, at most so many half cycles.
-FREE_SHARE, MOST_FREE = 1e-6, 1_000_000
+#: Half cycles of free vibrations after a record that are counted at most.
+MOST_FREE = 1_000_000
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -252,7 +252,7 @@ def fatigue_damage_spectrum(
     >>> import mbconstrained as mb
     >>> level = [mb.psd([20, 2000], [G, G], of="acceleration", unit="g^2/Hz") for G in (0.01, 0.02)]
     >>> D = [mb.fatigue_damage_spectrum(one, [100.0], exponent=4, duration=60.0).damage[0] for one in level]
-    >>> round(D[1] / D[0], 9)
+    >>> float(round(D[1] / D[0], 9))
     4.0
     """
     f, zeta = checked_oscillators(frequencies_hz, damping_ratio, quality_factor)
@@ -344,5 +344,5 @@ def _free(oscillator: Oscillator, output, y: float, v: float) -> np.ndarray:
     if oscillator.zeta >= 1:
         return np.array([top, 0.0])
     decay = np.pi * oscillator.zeta / np.sqrt((1 - oscillator.zeta) * (1 + oscillator.zeta))
-    count = min(int(np.log(1 / FREE_SHARE) / decay) + 2, MOST_FREE)
+    count = min(int(np.log(1 / FREE_PART) / decay) + 2, MOST_FREE)
     return top * np.exp(-decay * np.arange(count)) * (-1.0) ** np.arange(count)

@@ -101,6 +101,12 @@ class FrequencyResponse(Displayed):
         """Name of the quantity, such as receptance."""
         return self.harmonic.quantity
 
+    def quantity_of(self, outputs: Sequence[int] | None = None) -> str:
+        """The quantities of all outputs, or of some by their places, as text."""
+        own = self.harmonic.output_quantities or (self.quantity,) * len(self.outputs)
+        names = list(dict.fromkeys(own if outputs is None else (own[i] for i in outputs)))
+        return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]])) if names else self.quantity
+
     @property
     def units(self) -> np.ndarray:
         """The unit of each entry, shape (outputs, inputs)."""
@@ -341,7 +347,9 @@ def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
     if harmonic.input_delays:
         late = np.exp(-1j * phases).astype(complex)
         H, errors = H * late, errors + EPS * (1 + phases.astype(float))
-    _enclose_doubtful(harmonic, frequencies, H, errors)
+    at_rest = _singular_at_rest(harmonic, omega, H, errors)
+    errors[..., at_rest] = np.inf  # where K is singular, exactly or up to rounding errors, 0 times A^-1 B is no digit
+    _enclose_doubtful(harmonic, np.where(at_rest, np.nan, frequencies), H, errors)
     on_lines = []
     for line in np.flatnonzero(~(errors <= TRUST_LIMIT).all(axis=(0, 1))) if not harmonic.delayed else ():
         s, form = 1j * omega[line], harmonic.form
@@ -371,6 +379,15 @@ def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
     return FrequencyResponse(harmonic, frequencies, H, errors, tuple(on_lines))
 
 
+def _singular_at_rest(harmonic: Harmonic, omega: np.ndarray, H: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    """Whether a line is 0 Hz and A(0) is singular to working precision, shape (F,)."""
+    at_rest = omega == 0
+    doubtful = (errors[..., at_rest] > TRUST_LIMIT) | (H[..., at_rest] == 0)
+    if harmonic.delayed or harmonic.left_out or not doubtful.any() or not harmonic.form.is_singular_at_rest:
+        return np.zeros_like(at_rest)
+    return at_rest
+
+
 def _delayed_term(pole: Pole, delays: Sequence[float], order: int) -> np.ndarray:
     """The coefficient of 1 / (s - pole)^(order + 1) in e^(-(s - pole) delay) times the terms of the pole, shape (p, m)."""
     late = np.array(delays)
@@ -384,7 +401,7 @@ ENCLOSING = 12_500_000
 def _enclose_doubtful(harmonic: Harmonic, frequencies: np.ndarray, H: np.ndarray, errors: np.ndarray) -> None:
     """Replace inaccurate values, next to sharp peaks, by those of the exact engine, the worst first, as far as its time allows."""
     worst = errors.max(axis=(0, 1), initial=0.0)
-    doubtful = np.flatnonzero(~(worst <= 2 * LINE_ACCURACY))
+    doubtful = np.flatnonzero(~(worst <= 2 * LINE_ACCURACY) & np.isfinite(frequencies))
     if not len(doubtful) or harmonic.left_out:
         return
     size, inputs = harmonic.A.size, harmonic.inputs.shape[1]

@@ -497,6 +497,7 @@ class Harmonic:
         delayed: terms with dead time, A(s) + sum of A_j(s) e^(-s delay_j).
         input_delays: dead time of each input in s, H_j(s) e^(-s delay_j); empty for none. Poles, residues, polynomial part and the
             solver are those without it.
+        output_quantities: the quantity of each output; empty where all have that of the response.
     """
 
     A: PolynomialMatrix
@@ -513,6 +514,7 @@ class Harmonic:
     notices: tuple[Notice, ...] = ()
     delayed: tuple[DelayedTerm, ...] = ()
     input_delays: tuple[float, ...] = ()
+    output_quantities: tuple[str, ...] = ()
 
     def dead_time(self, j: int) -> float:
         """The dead time of an input in s."""

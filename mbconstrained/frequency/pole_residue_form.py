@@ -172,26 +172,42 @@ class PoleResidueForm:
         pair, value = self.pairs.finite, zero.value if zero.value.imag else zero.value.real
         at, right, J, left = self.subspace(zero, value)
         C = pair.C[:, at]
-        C_size = (
-            np.abs(C)
-            if len(at) == 1
-            else np.maximum(np.abs(C), np.abs(C).max(axis=1, keepdims=True) * NOISE_SAFETY / CLUSTER_SAFETY)
-        )
+        C_size = _at_least(C, axis=1)
+        C, C_size = C @ right, C_size @ np.abs(right)
+        unknowns, rows = self._defined
+        powers = [np.linalg.matrix_power(J, k) for k in range(len(rows))]
+        C[unknowns] = sum(row @ C @ power for row, power in zip(rows, powers))
+        C_size[unknowns] = sum(np.abs(row) @ C_size @ np.abs(power) for row, power in zip(rows, powers))
         order = max(zero.partial_multiplicities, default=1)
         front, sizes = np.linalg.matrix_power(J, self.power), []
         N, terms = J - value * np.eye(len(J)), []
         B = left @ (pair.B[at] @ self.inputs)
-        B_size = np.abs(left) @ (np.abs(pair.B[at]) @ np.abs(self.inputs))
+        B_size = np.abs(left) @ _at_least(np.abs(pair.B[at]) @ np.abs(self.inputs), axis=0)
         for _ in range(order):
-            terms.append([part @ C @ right @ front @ B for part in _parts(self.outputs)])
-            middle = np.abs(right) @ np.abs(front) @ B_size
-            sizes.append(sum(np.abs(part) @ C_size for part in _parts(self.outputs)) @ middle)
+            terms.append([part @ C @ front @ B for part in _parts(self.outputs)])
+            sizes.append(sum(np.abs(part) @ C_size for part in _parts(self.outputs)) @ np.abs(front) @ B_size)
             front = front @ N
         noise = CLUSTER_SAFETY * EPS * max(pair.coupling, 1.0) * len(pair.B) ** 0.5
         limits, shape = noise * np.array(sizes), (order, len(self.outputs), self.inputs.shape[1])
         turned = [[_joined([turn(part) for part in own]) for own in terms] for turn in (np.array, np.conj)]
         one, conjugate = (_cleaned(np.array(each).reshape(shape), limits) for each in turned)
         return one, conjugate
+
+    @cached_property
+    def _defined(self) -> tuple[np.ndarray, np.ndarray]:
+        """Unknowns y = R(s) x that only their own equation has, such as the force of a spring, shape (d,), and R_k, shape (K, d, r)."""
+        coefficients = np.array(self.pairs.polynomial_matrix.coefficients)
+        pattern: np.ndarray = np.any(coefficients, axis=0)
+        unknowns = np.flatnonzero((pattern.sum(axis=0) == 1) & ~coefficients[1:].any(axis=(0, 1)))
+        rows = pattern[:, unknowns].argmax(axis=0)
+        result = -coefficients[:, rows] / coefficients[0, rows, unknowns][:, None]
+        result[:, np.arange(len(rows)), unknowns] = 0.0
+        return unknowns, result
+
+    @property
+    def is_singular_at_rest(self) -> bool:
+        """Whether A(0) is singular to working precision."""
+        return any(zero.value == 0 for zero in self.pairs.finite.zeros)
 
     def subspace(self, zero: FiniteZero, value: complex) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """The states of the blocks that contain an eigenvalue, with its right vectors, matrix and left vectors."""
@@ -312,6 +328,11 @@ def _simple_vectors(J: np.ndarray, value: complex) -> tuple[np.ndarray, np.ndarr
 def _parts(outputs: np.ndarray) -> list[np.ndarray]:
     """A real matrix, or the real and the imaginary part of a complex one."""
     return [outputs.real, outputs.imag] if np.iscomplexobj(outputs) else [outputs]
+
+
+def _at_least(array: np.ndarray, axis: int) -> np.ndarray:
+    """Moduli with the rounding errors among the states of several blocks."""
+    return np.maximum(np.abs(array), np.abs(array).max(axis=axis, keepdims=True, initial=0.0))
 
 
 def _joined(parts: list[np.ndarray]) -> np.ndarray:

@@ -95,3 +95,14 @@ def ratio_unit(above: str, below: str) -> str:
     if below == "1":
         return above
     return f"{above}/{below}" if not any(sign in below for sign in " /") else f"{above}/({below})"
+
+
+def density_unit(unit: str) -> str:
+    """The unit of a spectral density.
+
+    >>> density_unit("g"), density_unit("m/s^2"), density_unit("1")
+    ('g^2/Hz', '(m/s^2)^2/Hz', '1/Hz')
+    """
+    if unit in ("", "1"):
+        return "1/Hz"
+    return f"({unit})^2/Hz" if any(sign in unit for sign in "/ ^*") else f"{unit}^2/Hz"

@@ -132,7 +132,8 @@ LEAST, LARGEST = 1e-100, 1e100  # in SI; squares of what lies between stay withi
 
 _FACTOR = r"[^\W\d_]+(?:\^-?[1-9])?"
 _UNIT = re.compile(rf"(?:1(?=/)|{_FACTOR}(?:\*{_FACTOR})*)(?:/{_FACTOR})*")  # a product after a division is ambiguous
-_QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*)", re.ASCII)
+_DIGITS = r"\d+(?:_\d+)*"
+_QUANTITY = re.compile(rf"([+-]?(?:{_DIGITS}\.?(?:{_DIGITS})?|\.{_DIGITS})(?:[eE][+-]?\d{{1,3}})?)\s*(\S.*)", re.ASCII)
 
 
 def quantity(value, unit: str) -> float:
@@ -151,7 +152,8 @@ def quantity(value, unit: str) -> float:
     if isinstance(value, str) and unit != "1":
         return _finite(_from_text(value, unit), value, unit)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise InputError(f"found {shown(value)}; expected {expected(unit)}")
+        hint = f"; {_how_to_write(value)}" if isinstance(value, OfParameters) else ""
+        raise InputError(f"found {shown(value)}; expected {expected(unit)}{hint}")
     return _finite(value, value, unit)
 
 
@@ -221,7 +223,7 @@ def _checked(value: Expressed, unit: str) -> Expressed:
     """An expression of parameters whose dimension, as far as it is known, is that of the unit."""
     if unit != "1" and value.dimension is not None and not same_kind(value.dimension, unit):
         kind = described(value.dimension, ANOTHER)
-        named = "; a number in an expression has no unit: give what has one a name in [parameters]"
+        named = f'; numbers in an expression may have units, as in "=2*{KINDS[unit][1].strip(chr(34))}"' if unit in KINDS else ""
         hint = advice(value.text, float(value), value.dimension, unit) or ("" if value.dimension.units else named)
         raise InputError(f"found {shown(value)}, {kind}; expected {expected(unit)}{hint}")
     return value
@@ -265,10 +267,15 @@ def _split(text: str, wanted: str) -> tuple[str, str]:
 
 def _how_to_write(text: str) -> str:
     """Hint for a text that is not a number with a unit."""
+    if isinstance(text, OfParameters):
+        what = "the name of a parameter" if text.isidentifier() else "an expression of parameters without its ="
+        return f"this is {what}: write {quoted('=' + text.strip())}"
     if re.match(r"\s*[+-]?\d+,\d", text):
         return f"decimals have a point: {quoted(text.replace(',', '.', 1))}"
-    if re.fullmatch(r"\s*[+-]?[\d.]+([eE][+-]?\d+)?\s*", text):
+    if re.fullmatch(r"\s*[+-]?[\d._]+([eE][+-]?\d+)?\s*", text):
         return "write its unit too, or the number without quotes, which is then in SI"
+    if re.match(r"\s*[+-]?[\d.]+ \d", text):
+        return "write the digits without blanks, or with _ between them, 1_000"
     return "write one number, then a unit made of names, *, / and ^, such as N*s/m or kg*m^2"
 
 
@@ -296,6 +303,10 @@ def measured(value) -> float:
     """
     number, kind = any_quantity(value)
     return Expressed(number, value, None, kind) if isinstance(value, str) else number
+
+
+class OfParameters(str):
+    """A text of a scene whose names are all those of parameters: where a quantity is expected, it lacks its "="."""
 
 
 class Expressed(float):

@@ -57,6 +57,8 @@ class EquationsOfMotion(Displayed):
         base_class: ``MechanicalSystem``, for systems that are derived from others.
         modes, solve: as of ``MechanicalSystem``.
         elements: the forces of springs and dampers by name, where they are known.
+        quantities: further outputs of the kind ``channels.Output`` by name, such as the stress of a bar.
+        has_one_axis: whether coordinates of one unit move along one axis, so that their forces add up.
         load_patterns: by name the generalized forces of a unit of a load that acts at several places, shape (n,), and the unit of the
             displacement along which it works: each is one input.
         loss_factors: eta of structural damping by the name of a spring, for harmonic motion only.
@@ -73,6 +75,8 @@ class EquationsOfMotion(Displayed):
     modes: Callable[..., Any]
     solve: Callable[..., Any]
     elements: Mapping[str, ElementForce] = MappingProxyType({})
+    quantities: Mapping[str, Any] = MappingProxyType({})
+    has_one_axis: bool = True
     load_patterns: Mapping[str, tuple[np.ndarray, str]] = MappingProxyType({})
     loss_factors: Mapping[str, float] = MappingProxyType({})
     mass_damping: Literal["absolute", "relative"] | None = None
@@ -137,6 +141,21 @@ class EquationsOfMotion(Displayed):
     def named_directions(self, side: Side) -> Mapping[str, tuple[np.ndarray, str]]:
         """Directions over the coordinates, shape (n,), with their units, by name."""
         return self.load_patterns if side == "inputs" else {}
+
+    def ground_direction(self, unit: str, what: str) -> np.ndarray:
+        """1 at the coordinates of a unit, which move along one axis; an InputError where they do not, shape (n,)."""
+        own = np.array([float(one == unit) for one in self.units.values()])
+        if not own.any():
+            raise InputError(f"{what}: no coordinate is in {unit}")
+        if not self.has_one_axis:
+            raise InputError(f"{what}: the coordinates move along several axes; name springs, dampers or constraint rows instead")
+        if unit == "rad" and not own.all():
+            raise InputError(f"{what}: it needs the arms of all forces, which are not known; expected a model of rotations alone")
+        if any((own @ part).any() for term in self.delayed for part in term.coefficients):
+            raise InputError(
+                f"{what}: not available with delayed feedback that acts on the ground; name springs and dampers instead"
+            )
+        return own
 
     def with_constraints(self, *constraints: Constraint) -> Self:
         """Return the system with further constraint rows.

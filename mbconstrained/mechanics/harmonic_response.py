@@ -1,16 +1,17 @@
 """The equations of a mechanical system under harmonic loads and prescribed motions, [P(s), A^T; A s^level, 0] (x, -lambda) = (f, b).
 
 P(s) = M s^2 + C s + K, with structural damping K + i H for w > 0. Coordinates and reactions are unknowns of one regular matrix, M singular
-or not, so that reactions have their own elimination and no difference of large forces. So are forces F of springs and dampers, F - (k + c s) a x = 0. Quantities with a prescribed motion for a load
+or not, so that reactions have their own elimination and no difference of large forces. So are forces F of springs and dampers,
+F - (k + c s) a x = 0, and other outputs that are no plain motions of one order. Quantities with a prescribed motion for a load
 (dynamic stiffness, ...) are responses of [A(s), -B; C, 0]: the forces that move the outputs by one unit each.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cache, partial
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -26,14 +27,24 @@ from ..linalg.arrays import full
 from ..polynomial.delayed_terms import DelayedTerm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.impulsive import ExactInput, ExactRecord, ExactTerm, ImpulsiveSmooth
-from .channels import Channel, channels, chosen_by_name, coordinate_channels, reference, row_channels
+from .channels import (
+    MOTIONS,
+    ON_GROUND,
+    Channel,
+    Output,
+    OutputNames,
+    channels,
+    chosen_by_name,
+    coordinate_channels,
+    reference,
+    row_channels,
+)
 from .constraints import with_multipliers
 from .element_matrix import ElementMatrix
 from .element_matrix import modal_damping as modal_damping_elements
 from .equations import EquationsOfMotion
 
 if TYPE_CHECKING:
-    from .equations import ElementForce
     from .motion import Motion
 
 
@@ -47,20 +58,27 @@ MODE_ROUNDING = 16.0
 class Quantity(NamedTuple):
     """Quantity of a frequency response."""
 
-    order: int  # order of the derivative of the outputs: 0 displacement, 1 velocity, 2 acceleration
+    kind: str  # of outputs that are named alone, as in the names of outputs
     inverse: bool = False  # whether forces by motions are given
 
+    @property
+    def order(self) -> int:
+        """Order of the derivative of the outputs: 0 displacement, 1 velocity, 2 acceleration."""
+        return MOTIONS.get(self.kind, 0)
 
+
+FORCE_TRANSMISSIBILITY = "force transmissibility"
 QUANTITIES = {
-    "receptance": Quantity(0),
-    "mobility": Quantity(1),
-    "accelerance": Quantity(2),
-    "dynamic stiffness": Quantity(0, inverse=True),
-    "impedance": Quantity(1, inverse=True),
-    "apparent mass": Quantity(2, inverse=True),
-    "transmissibility": Quantity(0),
-    "reaction": Quantity(0),
-    "force": Quantity(0),
+    "receptance": Quantity("displacement"),
+    "mobility": Quantity("velocity"),
+    "accelerance": Quantity("acceleration"),
+    "dynamic stiffness": Quantity("displacement", inverse=True),
+    "impedance": Quantity("velocity", inverse=True),
+    "apparent mass": Quantity("acceleration", inverse=True),
+    "transmissibility": Quantity("displacement"),
+    FORCE_TRANSMISSIBILITY: Quantity("force"),
+    "reaction": Quantity("reaction"),
+    "force": Quantity("force"),
 }
 
 
@@ -91,29 +109,27 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     if count is not None:
         raise InputError("count: the response of a system given by arrays has all its modes; leave count out")
     chosen, rows = QUANTITIES[quantity], system.rows
-    elements = element_channels(system)
-    default = {"reaction": row_channels(system), "force": list(elements.values())}.get(quantity, coordinate_channels(system))
     known_inputs = chosen_by_name("inputs", inputs, channels(system, "inputs"), coordinate_channels(system))
-    known = channels(system, "outputs")
-    known = known | elements if quantity == "force" else elements | known
-    known_outputs = chosen_by_name("outputs", outputs, known, default)
+    known_outputs = _outputs(system, outputs, quantity, known_inputs)
     _check(quantity, known_inputs, known_outputs)
     levels = [0 if quantity == "transmissibility" else row.order for row in rows]
     own = saddle_point(system, levels, modal_damping, loss_factor)
-    (coefficients, imaginary, sizes), B, C = with_channels(system, own, known_inputs, known_outputs, loss_factor, relative_to)
-    forces = [one.name for one in known_outputs if one.element is not None]
-    names = (*system.names, *(row.name for row in rows), *(f"force of {name}" for name in forces))
-    equations = [f"motion of {name}" for name in system.names] + [f"constraint {row.name}" for row in rows]
-    equations += [f"force of {name}" for name in forces]
+    (coefficients, imaginary, sizes), B, C, power = with_outputs(system, own, known_inputs, known_outputs, loss_factor, relative_to)
+    further = [f"output {number}" for number in range(1, len(B) - system.size - len(rows) + 1)]
+    names = (*system.names, *(row.name for row in rows), *further)
+    equations = [f"motion of {name}" for name in system.names] + [f"constraint {row.name}" for row in rows] + further
     input_names, output_names = (tuple(channel.name for channel in own) for own in (known_inputs, known_outputs))
-    unit = cache(partial(_unit, quantity=chosen, levels=tuple(levels)))
-    kinds = [[(one.unit, one.row, one.element is not None) for one in own] for own in (known_outputs, known_inputs)]
-    table = np.array([[unit(output, input) for input in kinds[1]] for output in kinds[0]])
+    below = [force_unit(one.unit) if one.row is None else rate_unit(one.unit, levels[one.row]) for one in known_inputs]
+    ratio = cache(ratio_unit)
+    table = np.array([[ratio(one.unit, other) for other in below] for one in known_outputs])
+    kinds = tuple(quantity if _is_default(one, quantity) else one.quantity for one in known_outputs)
     if not chosen.inverse:
         distinct = names if len(set(names)) == len(names) else equations
         A = PolynomialMatrix(coefficients, distinct, equations)
         delayed = delayed_unknowns(system, A.size)
-        return Harmonic(A, B, C, chosen.order, imaginary, sizes, input_names, output_names, table, quantity, delayed=delayed)
+        arrays = A, B, C, power, imaginary, sizes, input_names, output_names, table, quantity
+        return Harmonic(*arrays, delayed=delayed, output_quantities=kinds)
+    table = np.array([[ratio(other, one.unit) for other in below] for one in known_outputs])
     m, size = B.shape[1], len(B)
     wide = [np.pad(matrix, ((0, m), (0, m))) for matrix in coefficients]
     wide[0][:size, size:], wide[chosen.order][size:, :size] = -B, C
@@ -131,44 +147,75 @@ def delayed_unknowns(system: EquationsOfMotion, size: int) -> tuple[DelayedTerm,
     return tuple(replace(term, coefficients=np.pad(term.coefficients, pad)) for term in system.delayed)
 
 
-def with_channels(system, equations, inputs: Sequence[Channel], outputs: Sequence[Channel], loss_factor, relative_to):
-    """The equations, with the forces of elements among the outputs as more unknowns, B of the inputs and C of the outputs."""
-    B = np.array([channel.unknowns(system) for channel in inputs]).T
-    C = np.array([channel.unknowns(system) for channel in outputs]).reshape(len(outputs), len(B))
-    C[:, system.size :] *= -1.0  # the unknowns are -lambda
-    if forces := {one.name: one for one in outputs if one.element is not None}:
-        equations = _with_element_forces(system, equations, {name: one.element for name, one in forces.items()}, loss_factor)
-        whole = len(equations[0][0])
-        B, C = np.pad(B, ((0, len(forces)), (0, 0))), np.pad(C, ((0, 0), (0, len(forces))))
-        for place, one in enumerate(forces.values(), whole - len(forces)):
-            C[[other is one for other in outputs]] = np.eye(1, whole, place)
+def with_outputs(
+    system, equations, inputs: Sequence[Channel], outputs: Sequence[Output], loss_factor, relative_to=None
+) -> tuple[tuple, np.ndarray, np.ndarray, int]:
+    """The equations, B of the inputs, C of the outputs, and the order p of the derivative in s^p C.
+
+    Outputs that are no plain motions or reactions of this order, such as forces of springs, are further unknowns y with the equations
+    y - (rows[0] (1 + i eta) + rows[1] s + rows[2] s^2) x - multipliers lambda = 0.
+    """
     if relative_to is not None:
-        other = reference(system, relative_to)
-        moving = [one.row is None and one.element is None and one.unit == other.unit for one in outputs]
-        C[:, : system.size] -= np.outer(moving, other.direction)
-    return equations, B, C
+        outputs = [one.relative(reference(system, relative_to)) for one in outputs]
+    B = np.array([channel.unknowns(system) for channel in inputs]).T
+    orders = {one.order for one in outputs if not one.is_zero}
+    power = orders.pop() if len(orders) == 1 and None not in orders else 0
+    C = np.array([np.concatenate([one.rows[power], -one.multipliers]) for one in outputs]).reshape(len(outputs), len(B))
+    further = {place: one for place, one in enumerate(outputs) if one.order != power and not one.is_zero}
+    if further:
+        equations = _with_unknowns(system, equations, list(further.values()), loss_factor)
+        B, C = np.pad(B, ((0, len(further)), (0, 0))), np.pad(C, ((0, 0), (0, len(further))))
+        C[list(further)] = np.eye(len(further), C.shape[1], C.shape[1] - len(further))
+    return equations, B, C, power
 
 
-def element_channels(system: EquationsOfMotion) -> dict[str, Channel]:
-    return {name: Channel(name, one.elongation, one.unit, element=one) for name, one in system.elements.items()}
-
-
-def _with_element_forces(system, equations, elements: Mapping[str, ElementForce], loss_factor):
-    """Equations with the forces F of springs and dampers as more unknowns, F - (k (1 + i eta) + c s) a x = 0."""
+def _with_unknowns(system, equations, outputs: Sequence[Output], loss_factor):
+    """The equations with those of outputs that are unknowns themselves."""
     coefficients, imaginary, sizes = equations
-    n, size, count = system.size, len(coefficients[0]), len(elements)
-    rows = np.array([[one.stiffness * one.elongation for one in elements.values()]])
-    rows = np.vstack([rows, [[one.damping * one.elongation for one in elements.values()]]])
+    n, size, count = system.size, len(coefficients[0]), len(outputs)
+    rows = np.array([one.rows for one in outputs]).transpose(1, 0, 2)
+    balances = np.array([np.zeros(n) if one.balance is None else one.balance for one in outputs])
+    rows[1] += balances @ (coefficients[1][:n, :n] - system.damping)  # damping of modes
     wide = np.pad(np.array(coefficients), ((0, 0), (0, count), (0, count)))
-    wide[:2, size:, :n], wide[0, size:, size:] = -rows, np.eye(count)
+    wide[:, size:, :n], wide[0, size:, size:] = -rows, np.eye(count)
+    wide[0, size:, n:size] = [one.multipliers for one in outputs]  # the unknowns are -lambda
     if sizes is not None:
         sizes = np.maximum(np.pad(sizes, ((0, 0), (0, count), (0, count))), np.abs(wide))
     if imaginary is not None:
+        structural = balances @ imaginary[:n, :n]
+        eta = element_loss_factors(system, loss_factor)
+        for place, one in enumerate(outputs):
+            parts = ((system.elements[name], factor * eta(name)) for name, factor in one.elements.items())
+            structural[place] += sum((factor * part.stiffness * part.elongation for part, factor in parts), np.zeros(n))
         imaginary = np.pad(imaginary, (0, count))
-        given = {**system.loss_factors, **loss_factor} if isinstance(loss_factor, Mapping) else system.loss_factors
-        factors = [given.get(name, 0.0) if isinstance(loss_factor, (Mapping, type(None))) else loss_factor for name in elements]
-        imaginary[size:, :n] = -np.array(factors, dtype=float)[:, None] * rows[0]
+        imaginary[size:, :n] = -structural
     return list(wide), imaginary, sizes
+
+
+def element_loss_factors(system: EquationsOfMotion, loss_factor) -> Callable[[str], float]:
+    """eta of structural damping by the name of a spring."""
+    if loss_factor is not None and not isinstance(loss_factor, Mapping):
+        return lambda name: float(loss_factor)
+    given = {**system.loss_factors, **(loss_factor or {})}
+    return lambda name: given.get(name, 0.0)
+
+
+def _outputs(system: EquationsOfMotion, outputs, quantity: str, inputs: Sequence[Channel]) -> list[Output]:
+    """The named outputs, or those that a quantity has by default."""
+    names = OutputNames.of(system)
+    if quantity == FORCE_TRANSMISSIBILITY:
+        default = list(dict.fromkeys(ON_GROUND.get(one.unit, ON_GROUND["m"]) for one in inputs))
+    else:
+        default = list({"reaction": names.rows, "force": names.elements}.get(quantity, system.names))
+    return names.chosen("outputs", outputs, QUANTITIES[quantity].kind, default)
+
+
+def _is_default(output: Output, quantity: str) -> bool:
+    """Whether an output is of the kind that a quantity has by default."""
+    kind = QUANTITIES[quantity].kind
+    if kind in MOTIONS:
+        return output.quantity in MOTIONS and MOTIONS[output.quantity] == MOTIONS[kind]
+    return output.quantity == kind or quantity == FORCE_TRANSMISSIBILITY
 
 
 def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count) -> Harmonic:
@@ -176,7 +223,7 @@ def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, rel
     from .sparse.sparse_response import sparse_harmonic
 
     chosen = QUANTITIES[quantity]
-    if chosen.inverse or quantity in ("transmissibility", "reaction", "force"):
+    if chosen.inverse or quantity in ("transmissibility", FORCE_TRANSMISSIBILITY, "reaction", "force"):
         raise InputError(
             f"{quantity}: not available for sparse matrices, which have receptance, mobility and accelerance; give arrays, as mass.toarray()"
         )
@@ -189,36 +236,24 @@ def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, rel
     return sparse_harmonic(system, inputs, outputs, chosen.order, quantity, modal_damping, eta, number)
 
 
-def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Channel]) -> None:
+def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Output]) -> None:
     """Raise an InputError for quantities that do not fit their inputs or outputs."""
     if not inputs or not outputs:
         missing = "springs and dampers with names" if quantity == "force" else "constraint rows"
         raise InputError(f"{quantity}: this system has no {missing}")
-    loads, coordinates = ([one.name for one in some if one.row is None] for some in (inputs, outputs))
-    rows = [one.name for one in outputs if one.row is not None]
-    elements, others = ([one.name for one in outputs if (one.element is None) == none] for none in (False, True))
-    has_forces = quantity in ("force", "receptance", "transmissibility")
-    for refused, names, text in (
-        (quantity == "transmissibility", loads, 'the input "{}" is a force; expected constraint rows, whose motion is prescribed'),
-        (quantity == "reaction", coordinates, "found the coordinate {!r}; expected constraint rows"),
-        (quantity == "force", others, '"{}" is no spring or damper; a coordinate has a receptance, a constraint row a reaction'),
-        (not has_forces, elements, 'the output "{}" is a spring or damper; its force is the quantity "force"'),
-        (quantity != "reaction", rows, 'the output "{}" is a constraint row; its force is the quantity "reaction"'),
-    ):
-        if refused and names:
-            raise InputError(f"{quantity}: {text.format(names[0])}")
-    if QUANTITIES[quantity].inverse and (len(loads) < len(inputs) or len(inputs) != len(outputs)):
+    loads, rows = ([one.name for one in inputs if (one.row is None) == is_load] for is_load in (True, False))
+    if quantity == "transmissibility" and loads:
+        raise InputError(f'{quantity}: the input "{loads[0]}" is a force; expected constraint rows, whose motion is prescribed')
+    if quantity == FORCE_TRANSMISSIBILITY and rows:
+        raise InputError(f'{quantity}: the input "{rows[0]}" is a prescribed motion; expected forces on coordinates')
+    if not (chosen := QUANTITIES[quantity]).inverse:
+        return
+    if other := next((one.name for one in outputs if one.order != chosen.order or one.multipliers.any()), None):
+        raise InputError(f'{quantity}: the output "{other}" is no {chosen.kind}; expected coordinates')
+    if rows or len(inputs) != len(outputs):
         raise InputError(
             f"{quantity}: it is the inverse of a matrix of responses to forces; expected as many forces on coordinates as outputs"
         )
-
-
-def _unit(output: tuple, input: tuple, quantity: Quantity, levels: Sequence[int]) -> str:
-    """The unit of an output, or its derivative, by an input; of each the unit, the constraint row and whether it is an element."""
-    (above, row, is_element), (below, motion, _) = output, input
-    above = rate_unit(above, quantity.order) if row is None and not is_element else force_unit(above)
-    below = force_unit(below) if motion is None else rate_unit(below, levels[motion])
-    return ratio_unit(below, above) if quantity.inverse else ratio_unit(above, below)
 
 
 def saddle_point(
@@ -282,6 +317,7 @@ class SteadyState(Displayed):
         error_estimate: the largest relative error of the amplitudes at each frequency, relative to the largest of them, shape (L,).
         units: units of the coordinates and of the reactions, by name.
         period: T in s of records; None for harmonic loads.
+        outputs, output_amplitudes: names and complex amplitudes, shape (m, L), of requested outputs; their units are among ``units``.
         motion: the motion in one period in closed form, where all loads repeat with it; None where values in time are sums of harmonics.
 
     The amplitudes and phases are ``abs`` and ``numpy.angle`` of the complex ones.
@@ -302,6 +338,13 @@ class SteadyState(Displayed):
     units: dict[str, str]
     period: float | None = None
     motion: Motion | None = None
+    output_amplitudes: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), dtype=complex))
+    _outputs: tuple[Output, ...] = ()
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the requested outputs."""
+        return tuple(one.name for one in self._outputs)
 
     def _summary(self) -> str:
         lines = counted(len(self.frequencies_hz), "frequency", "frequencies")
@@ -309,7 +352,12 @@ class SteadyState(Displayed):
 
     def _tables(self) -> tuple[TextTable, ...]:
         cells = []
-        for names, amplitudes in ((self.names, self.displacement_amplitudes), (self.rows, self.reaction_amplitudes)):
+        parts = (
+            (self.names, self.displacement_amplitudes),
+            (self.rows, self.reaction_amplitudes),
+            (self.outputs, self.output_amplitudes),
+        )
+        for names, amplitudes in parts:
             for name, row in zip(names, amplitudes):
                 for f, z in zip(self.frequencies_hz, row):
                     cells.append((name, number_text(f), f"{abs(z):.6g} {self.units[name]}", f"{np.degrees(np.angle(z)):.2f}"))
@@ -331,6 +379,13 @@ class SteadyState(Displayed):
     def reaction(self, times) -> np.ndarray:
         """The reactions of the constraint rows at times in s, shape (k,) or (k, T), without their Dirac impulses."""
         return self._values("reaction", self.reaction_amplitudes, times)
+
+    def output(self, times) -> np.ndarray:
+        """The requested outputs at times in s, shape (m,) or (m, T)."""
+        if self.motion is None:
+            return self._values("", self.output_amplitudes, times)
+        since = np.mod(real_array(times, "times"), self.period)
+        return np.array([one.values(self.motion, since) for one in self._outputs])
 
     def deflection_shape(self, frequency_hz: float) -> np.ndarray:
         """The operating deflection shape at one of the frequencies: complex amplitudes of all coordinates, shape (n,).
@@ -367,6 +422,8 @@ def steady_state(
     harmonics: int = 50,
     modal_damping=None,
     loss_factor=None,
+    outputs: Sequence[str] | str = (),
+    quantity: str = "displacement",
 ) -> SteadyState:
     """``MechanicalSystem.steady_state``."""
     if system.is_sparse:
@@ -381,26 +438,36 @@ def steady_state(
         loads[0.0][place] += row.value
         for omega, amplitude in _spectrum(row.signal, period, harmonics) if getattr(row, "signal", None) is not None else ():
             loads[omega][place] += amplitude[0]
-    omegas = sorted(omega for omega, load in loads.items() if load.any())
-    coefficients, imaginary, sizes = saddle_point(system, [row.order for row in rows], modal_damping, loss_factor)
-    names = (*system.names, *(row.name for row in rows))
-    A, C = PolynomialMatrix(coefficients, names), np.diag(np.repeat([1.0, -1.0], [n, len(rows)]))
+    further = OutputNames.of(system).chosen("outputs", outputs, quantity, ()) if len(outputs) else []
+    constants = np.array([one.constant for one in further])
+    omegas = sorted({omega for omega, load in loads.items() if load.any()} | ({0.0} if constants.any() else set()))
+    own = saddle_point(system, [row.order for row in rows], modal_damping, loss_factor)
+    names, inputs = (*system.names, *(row.name for row in rows)), [*coordinate_channels(system), *row_channels(system)]
+    (coefficients, imaginary, sizes), B, of_outputs, power = with_outputs(system, own, inputs, further, loss_factor)
+    A = PolynomialMatrix(coefficients, [*names, *(f"output {number}" for number in range(1, len(B) - len(names) + 1))])
+    C = np.vstack([np.diag(np.repeat([1.0, -1.0], [n, len(rows)])) @ np.eye(len(names), len(B)), of_outputs])
     answers, errors = np.zeros((len(C), len(omegas)), dtype=complex), np.zeros(len(omegas))
     for line, omega in enumerate(omegas):
-        parts = np.stack([loads[omega].real, loads[omega].imag], axis=1)
+        parts = B @ np.stack([loads[omega].real, loads[omega].imag], axis=1)
         structural = imaginary if omega else None
-        table = np.full((len(C), 2), "")
+        table, rows_of_table = np.full((len(C), 2), ""), (*names, *(one.name for one in further))
         delayed = delayed_unknowns(system, A.size)
-        own = Harmonic(A, parts, C, 0, structural, sizes, ("real part", "imaginary part"), names, table, delayed=delayed)
-        H = evaluated(own, [omega / (2 * np.pi)])
+        at_line = Harmonic(
+            A, parts, C, 0, structural, sizes, ("real part", "imaginary part"), rows_of_table, table, delayed=delayed
+        )
+        H = evaluated(at_line, [omega / (2 * np.pi)])
         if H.poles_on_lines:
             raise InputError(
                 f"force: at {number_text(omega / (2 * np.pi))} Hz it acts on an undamped motion of this frequency, which grows; "
                 "there is no steady state without damping"
             )
         answers[:, line] = H.values[..., 0] @ [1.0, 1j]
-        size = np.abs(H.values[..., 0])
-        errors[line] = (H.error_estimate[..., 0] * size).max() / max(size.max(), np.finfo(float).tiny)
+        size = np.abs(H.values[: len(names), :, 0])
+        errors[line] = (H.error_estimate[: len(names), :, 0] * size).max() / max(size.max(), np.finfo(float).tiny)
+    count = len(names)
+    answers[count:] *= (1j * np.array(omegas)) ** power
+    if omegas and not omegas[0]:
+        answers[count:, 0] += constants
     units = {**system.units, **{row.name: force_unit(row.unit) for row in rows}}
     f = np.array(omegas) / (2 * np.pi)
     motion = None
@@ -409,7 +476,9 @@ def steady_state(
     if period is not None and not (loss_factor or system.loss_factors or system.delayed) and repeats:
         damped = system if modal_damping is None else system.with_modal_damping(modal_damping)
         motion = _periodic_motion(damped, force, period)
-    return SteadyState(system.names, names[n:], f, answers[:n], answers[n:], errors, units, period, motion)
+    units |= {one.name: one.unit for one in further}
+    further_values = answers[count:], tuple(further)
+    return SteadyState(system.names, names[n:], f, answers[:n], answers[n:count], errors, units, period, motion, *further_values)
 
 
 def _periodic_motion(system: EquationsOfMotion, force: ImpulsiveSmooth | None, period: float) -> Motion | None:

@@ -386,15 +386,19 @@ class Motion(SystemMotion, Response):
 
         return peaks(self, end, of, combinations, names)
 
-    def cycles(self, end: float, of: str = "force") -> dict[str, CycleCount]:
+    def cycles(self, end: float, of: str = "force", outputs: Sequence[str] | None = None) -> dict[str, CycleCount]:
         """Cycles on [0, end] by the rainflow method, of turning points in closed form.
 
         Args:
             end: in s.
             of: "force" or "elongation" of springs and dampers by name, "displacement", "velocity", "acceleration", "reaction".
+            outputs: names of outputs, also such as "velocity of cart" or "cart - wall"; all with the quantity by default.
 
         Returns:
             A ``CycleCount`` by name.
+
+        Raises:
+            InputError: an unknown quantity or name, an end that is not positive, a motion of too many periods.
 
         >>> from mbconstrained import MechanicalSystem
         >>> free = MechanicalSystem([[1.0]], None, [[4.0]]).solve(displacement=[1.0])  # cos 2 t
@@ -404,8 +408,7 @@ class Motion(SystemMotion, Response):
         """
         from .peaks import cycles
 
-        names, _, counts = cycles(self, end, of)
-        return dict(zip(names, counts))
+        return {name: own for name, (_, own) in cycles(self, end, of, outputs).items()}
 
     def error_estimate(self, times, of: Quantity = "displacement", *, order: int = 0) -> float:
         """Return an estimate of max |error| / max |value| over the times, for displacement, velocity, acceleration or reaction.

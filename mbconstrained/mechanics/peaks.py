@@ -16,6 +16,7 @@ from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.tolerances import STEP_AGREEMENT, noise_of
 from ..signals.bohl import BohlFunction
+from .channels import Output, OutputNames, closed_form
 from .element_matrix import check_orthogonal, mass_normalized, static_response
 from .equations import EquationsOfMotion
 
@@ -136,13 +137,13 @@ class Peaks(Displayed):
         return f"{self.quantity}, {counted(len(self.names), 'function')}"
 
     def _tables(self) -> tuple[TextTable, ...]:
-        return (self.table(lambda unit: (unit, 1.0)),)
+        return (self.table(lambda unit, name: (unit, 1.0)),)
 
-    def table(self, shown: Callable[[str], tuple[str, float]]) -> TextTable:
-        """Both extrema of each function with their times; ``shown`` maps an SI unit to the displayed unit and the factor of its values."""
+    def table(self, shown: Callable[[str, str], tuple[str, float]]) -> TextTable:
+        """Both extrema of each function with their times; ``shown`` gives the displayed unit and its factor, by SI unit and name."""
         own, texts = self.extrema, []
         for name, unit, a, ta, b, tb in zip(self.names, self.units, own.maximum, own.maximum_time, own.minimum, own.minimum_time):
-            text, factor = shown(unit)
+            text, factor = shown(unit, name)
             high, low = (f"{number_text(factor * value)} {text}" if text != "1" else number_text(value) for value in (a, b))
             texts.append((name, high, number_text(ta), low, number_text(tb)))
         return TextTable(f"Peaks of the {self.quantity}", ("of", "maximum", "at (s)", "minimum", "at (s)"), tuple(texts))
@@ -183,14 +184,17 @@ def peaks(motion, end: float, of: str = "displacement", combinations=None, names
     return Peaks(own, units, of, extrema(function, 0.0, end).shifted(constant))
 
 
-def cycles(motion, end: float, of: str = "force") -> tuple[tuple[str, ...], tuple[str, ...], list[CycleCount]]:
-    """Names, units and cycles of the functions of a motion on [0, end], of turning points in closed form."""
+def cycles(motion, end: float, of: str = "force", outputs: Sequence[str] | None = None) -> dict[str, tuple[str, CycleCount]]:
+    """Units and cycles of outputs on [0, end] by name, from turning points in closed form."""
     end = real_number(end, "end", positive=True)
     if of not in QUANTITIES:
         raise InputError(f"of: found {of!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(of), QUANTITIES)}")
-    function, names, units, constant = _functions(motion, of)
-    counts = cycles_of(function, 0.0, end)
-    return names, units, [replace(own, means=own.means + c) for own, c in zip(counts, constant)]
+    if outputs is None:
+        function, names, units, constant = _functions(motion, of)
+    else:
+        function, names, units, constant = _of_outputs(motion, OutputNames.of(motion.system).chosen("outputs", outputs, of, ()))
+    counts = cycles_of(function, 0.0, end) if names else []
+    return {name: (unit, replace(own, means=own.means + c)) for name, unit, own, c in zip(names, units, counts, constant)}
 
 
 def _functions(motion, of: str) -> tuple[BohlFunction, tuple[str, ...], tuple[str, ...], np.ndarray]:
@@ -201,18 +205,17 @@ def _functions(motion, of: str) -> tuple[BohlFunction, tuple[str, ...], tuple[st
         names, units = tuple(row.name for row in rows), tuple(force_unit(row.unit) for row in rows)
         return motion.reaction_function, names, units, np.zeros(len(rows))
     if of in ("elongation", "force"):
-        elements = list(system.elements.values())
-        directions = np.array([one.elongation for one in elements]).reshape(len(elements), system.size)
-        stiffness, damping, rest = (np.array([one[i] for one in elements]) for i in (2, 3, 1))
-        if of == "elongation":
-            return motion.function.mapped(directions), tuple(system.elements), tuple(one.unit for one in elements), rest
-        function = motion.function.mapped(stiffness[:, None] * directions)
-        if damping.any():
-            function = function + motion.derivative(1).mapped(damping[:, None] * directions)
-        return function, tuple(system.elements), tuple(force_unit(one.unit) for one in elements), stiffness * rest
+        return _of_outputs(motion, [OutputNames.of(system).output(name, of) for name in system.elements])
     order = QUANTITIES.index(of)
     units = tuple(rate_unit(system.units[name], order) for name in system.names)
     return motion.derivative(order) if order else motion.function, system.names, units, np.zeros(system.size)
+
+
+def _of_outputs(motion, outputs: Sequence[Output]) -> tuple[BohlFunction, tuple[str, ...], tuple[str, ...], np.ndarray]:
+    """The functions of outputs by name, with their constants."""
+    names, units = tuple(one.name for one in outputs), tuple(one.unit for one in outputs)
+    function = closed_form(outputs, motion) if outputs else motion.function.rows([])
+    return function, names, units, np.array([one.constant for one in outputs])
 
 
 @dataclass(frozen=True, repr=False, eq=False)

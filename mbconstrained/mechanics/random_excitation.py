@@ -11,15 +11,14 @@ from ..frequency.random.random_response import RandomResponse
 from ..frequency.random.spectra import KINDS
 from ..frequency.random.spectral_matrix import SpectralMatrix, spectral_matrix
 from ..ground.checks import nearest
-from ..ground.coordinate_units import force_unit, rate_unit
 from ..ground.errors import InputError
 from ..polynomial.polynomial_matrix import PolynomialMatrix
-from .channels import Channel, channels, chosen_by_name, coordinate_channels, row_channels
+from .channels import MOTIONS, Channel, OutputNames, channels, chosen_by_name, row_channels
 from .equations import EquationsOfMotion
-from .harmonic_response import delayed_unknowns, element_channels, saddle_point, with_channels
+from .harmonic_response import delayed_unknowns, saddle_point, with_outputs
 
-#: Quantities of outputs, and their orders of derivative of the displacements; None for forces.
-QUANTITIES = {"displacement": 0, "velocity": 1, "acceleration": 2, "reaction": None, "force": None}
+#: Quantities of outputs that are named alone.
+QUANTITIES = ("displacement", "velocity", "acceleration", "reaction", "force", "elongation")
 
 
 def random_response(
@@ -39,30 +38,33 @@ def random_response(
         raise InputError(
             f"quantity: found {quantity!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(quantity), QUANTITIES)}"
         )
-    spectra, order = spectral_matrix(excitation, coherence, delays), QUANTITIES[quantity]
+    spectra, names = spectral_matrix(excitation, coherence, delays), OutputNames.of(system)
     inputs, levels = _inputs(system, spectra)
     equations = saddle_point(system, levels, modal_damping, loss_factor)
-    if order is None and relative_to is not None:
+    if quantity not in MOTIONS and relative_to is not None:
         raise InputError("relative_to: forces are not relative; expected a displacement, velocity or acceleration")
-    chosen = _outputs(system, outputs, quantity)
-    (coefficients, imaginary, sizes), B, C = with_channels(system, equations, inputs, chosen, loss_factor, relative_to)
-    names = tuple(one.name for one in chosen)
-    units = [force_unit(one.unit) if order is None else rate_unit(one.unit, order) for one in chosen]
+    default = {"reaction": names.rows, **dict.fromkeys(("force", "elongation"), names.elements)}.get(quantity, system.names)
+    chosen = names.chosen("outputs", outputs, quantity, list(default))
+    if not chosen:
+        missing = "constraint rows" if quantity == "reaction" else "springs and dampers with names"
+        raise InputError(f"{quantity}: the system has no {missing}")
+    (coefficients, imaginary, sizes), B, C, power = with_outputs(system, equations, inputs, chosen, loss_factor, relative_to)
     unknowns = [f"x {name}" for name in system.names] + [f"reaction {row.name}" for row in system.rows]
-    A = PolynomialMatrix(coefficients, [*unknowns, *(f"force {name}" for name in names)][: len(B)])
+    A = PolynomialMatrix(coefficients, [*unknowns, *(f"output {one.name}" for one in chosen)][: len(B)])
     harmonic = Harmonic(
         A,
         B,
         C,
-        order or 0,
+        power,
         imaginary,
         sizes,
         spectra.names,
-        names,
-        np.array(units),
+        tuple(one.name for one in chosen),
+        np.array([one.unit for one in chosen]),
         quantity,
         notices=system.notices,
         delayed=delayed_unknowns(system, A.size),
+        output_quantities=tuple(one.quantity for one in chosen),
     )
     return RandomResponse(harmonic, spectra)
 
@@ -78,21 +80,6 @@ def _inputs(system: EquationsOfMotion, spectra: SpectralMatrix) -> tuple[list[Ch
             levels[channel.row] = KINDS[spectrum.of]
         inputs.append(channel)
     return inputs, levels
-
-
-def _outputs(system: EquationsOfMotion, outputs, quantity: str) -> list[Channel]:
-    if quantity == "force":
-        elements = element_channels(system)
-        if not (chosen := chosen_by_name("outputs", outputs, elements, list(elements.values()))):
-            raise InputError("force: the system has no springs and dampers with names; expected one of a lumped model or a robot")
-        return chosen
-    default = row_channels(system) if quantity == "reaction" else coordinate_channels(system)
-    chosen = chosen_by_name("outputs", outputs, channels(system, "outputs"), default)
-    for one in chosen:
-        if (one.row is not None) != (quantity == "reaction"):
-            actual, expected = ("a coordinate", "a constraint row") if one.row is None else ("a constraint row", "a coordinate")
-            raise InputError(f'{quantity}: the output "{one.name}" is {actual}; expected {expected}')
-    return chosen
 
 
 def _input(system: EquationsOfMotion, name: str, of: str) -> Channel:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import pairwise, product
 from typing import TypeVar
@@ -33,7 +33,8 @@ Rotor = TypeVar("Rotor", bound=EquationsOfMotion)
 
 def at_speed(system: Rotor, speed: float) -> Rotor:
     speed = real_number(speed, "speed")
-    check_rotor(system, speed)
+    check_rotor(system)
+    check_speeds(system, speed)
     stiffness, damping, mass = system.given
     result, rest = copy(system), (system.stiffness, system.damping)
     now, slope = rotor_matrices(system, speed)
@@ -53,14 +54,18 @@ def _parameters_at_speed(system: EquationsOfMotion, speed: Parameter) -> tuple[P
     return (*system.parameters(), speed)
 
 
-def check_rotor(system: EquationsOfMotion, *speeds: float) -> None:
-    """Raise an InputError unless the system has dense arrays and depends on a speed."""
-    system._refuse_sparse("rotation")
+def check_rotor(system: EquationsOfMotion) -> None:
+    """Raise an InputError unless the system depends on a speed."""
     if not system.turns:
         raise InputError(
             "speed: this system does not depend on a speed of rotation; give MechanicalSystem(..., gyroscopic=G) or circulatory=N, "
             "or a rotor of a lumped model"
         )
+
+
+def check_speeds(system: EquationsOfMotion, *speeds: float) -> None:
+    """Raise an InputError unless the system has dense arrays, and bearings at these speeds."""
+    system._refuse_sparse("rotation")
     for table, speed in product(system.speed_tables, speeds):
         low, high = table.speeds[[0, -1]]
         if not low <= speed <= high:
@@ -95,8 +100,10 @@ def _knots(system: EquationsOfMotion) -> np.ndarray:
 
 def rotor_family(system: EquationsOfMotion, within: float | None = None) -> tuple[MatrixFamily, np.ndarray]:
     """The equations over the speed, in coordinates that satisfy all constraint rows."""
-    check_rotor(system)
+    check_speeds(system)
     V = system.position_form().null_space
+    if not V.shape[1]:
+        raise InputError("nothing is free to vibrate: constraint rows and prescribed motions give every coordinate")
 
     def reduced(matrices: np.ndarray) -> np.ndarray:
         return np.array([V.T @ matrix @ V for matrix in matrices])
@@ -258,7 +265,7 @@ def whirl_of(system: EquationsOfMotion, shapes: np.ndarray) -> np.ndarray:
 
 def campbell(system: EquationsOfMotion, speeds) -> Campbell:
     speeds = ascending(speeds, "speeds", ", in rad/s, e.g. numpy.linspace(0, 1000, 101)")
-    check_rotor(system, *speeds[[0, -1]])
+    check_speeds(system, *speeds[[0, -1]])
     family, V = rotor_family(system)
     with short_work(2 * system.size):
         branches = followed(family, speeds)
@@ -285,7 +292,7 @@ def critical_points(system: EquationsOfMotion, order: float = 1.0) -> list[Criti
     order = real_number(order, "order", minimum=0.0)
     if not order:
         raise InputError("order: found 0; expected a positive number, 1 for unbalance")
-    check_rotor(system)
+    check_speeds(system)
     points = []
     with short_work(2 * system.size):
         for number, (low, high) in enumerate(speed_ranges(system)):
@@ -293,6 +300,14 @@ def critical_points(system: EquationsOfMotion, order: float = 1.0) -> list[Criti
             candidates = _points_within(system, order, low if system.speed_tables else None)
             points += [point for point in candidates if least < point.speed <= high + noise_of(high)]
     return sorted(points, key=lambda point: point.speed)
+
+
+def critical_points_by_order(system: EquationsOfMotion, orders: Sequence[float]) -> list[CriticalSpeed]:
+    """Critical speeds of several orders, by order; where nothing depends on the speed, they are those of order 1 divided by n."""
+    if system.turns:
+        return [point for order in orders for point in critical_points(system, order)]
+    first = critical_points(system)
+    return [replace(point, speed=point.speed / order, order=order) for order in orders for point in first]
 
 
 def _points_within(system: EquationsOfMotion, order: float, within: float | None) -> list[CriticalSpeed]:
@@ -428,7 +443,7 @@ def unbalance_response(system: EquationsOfMotion, speeds, unbalance=None, order:
     speeds = ascending(speeds, "speeds", wanted)
     if speeds[0] < 0:
         raise InputError(f"speeds: found {speeds[0]:g}; expected two or more, ascending{wanted}")
-    check_rotor(system, *speeds[[0, -1]])
+    check_speeds(system, *speeds[[0, -1]])
     steady = SteadyStates(system, _unbalance(system, unbalance), order)
     with short_work(2 * system.size):
         critical = critical_points(system, order)

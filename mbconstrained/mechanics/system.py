@@ -258,6 +258,8 @@ class MechanicalSystem(EquationsOfMotion):
         harmonics: int = 50,
         modal_damping=None,
         loss_factor=None,
+        outputs: Sequence[str] | str = (),
+        quantity: str = "displacement",
     ) -> SteadyState:
         """The motion under harmonic loads after all free motion has decayed: amplitude and phase of every coordinate and reaction.
 
@@ -268,6 +270,8 @@ class MechanicalSystem(EquationsOfMotion):
             period: T in s of records, which repeat.
             harmonics: number of harmonics of a periodic record.
             modal_damping, loss_factor: as in ``frequency_response``.
+            outputs: names of further outputs, such as springs and dampers for their forces.
+            quantity: kind of outputs that are named alone, as of ``random_response``.
 
         Returns:
             A ``SteadyState``.
@@ -283,7 +287,7 @@ class MechanicalSystem(EquationsOfMotion):
         """
         from .harmonic_response import steady_state
 
-        return steady_state(self, force, period, harmonics, modal_damping, loss_factor)
+        return steady_state(self, force, period, harmonics, modal_damping, loss_factor, outputs, quantity)
 
     to_state_space = to_state_space
     discretize = discretize
@@ -326,9 +330,10 @@ class MechanicalSystem(EquationsOfMotion):
         >>> diagram.natural_frequencies.round(12).tolist(), diagram.directions
         ([[1.0, 1.0], [0.5, 2.0]], ('backward', 'forward'))
         """
-        from .rotating import campbell
+        from .rotating import campbell, check_rotor
 
         self._refuse_delays("campbell")
+        check_rotor(self)
         return campbell(self, speeds)
 
     def critical_speeds(self, order: float = 1.0) -> np.ndarray:
@@ -355,9 +360,10 @@ class MechanicalSystem(EquationsOfMotion):
         >>> disc.critical_speeds().round(12)  # 1 / sqrt(1 +- 3/4)
         array([0.75592895, 2.        ])
         """
-        from .rotating import critical_points
+        from .rotating import check_rotor, critical_points
 
         self._refuse_delays("critical_speeds")
+        check_rotor(self)
         return np.array([point.speed for point in critical_points(self, order)])
 
     def unbalance_response(self, speeds, unbalance=None, order: float = 1.0) -> UnbalanceResponse:
@@ -385,9 +391,10 @@ class MechanicalSystem(EquationsOfMotion):
         >>> round(peak.speed, 9), round(peak.amplitude, 9)  # zeta = 0.1: 10 / sqrt(1 - 2 zeta^2), e / (2 zeta sqrt(1 - zeta^2))
         (10.101525446, 0.050251891)
         """
-        from .rotating import unbalance_response
+        from .rotating import check_rotor, unbalance_response
 
         self._refuse_delays("unbalance_response")
+        check_rotor(self)
         return unbalance_response(self, speeds, unbalance, order)
 
     def root_locus(self, parameter, values) -> RootLocus:

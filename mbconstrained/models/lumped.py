@@ -269,6 +269,7 @@ class LumpedModel(Displayed):
             delayed=self._delayed_matrices(names) or None,
         )
         if turning:
+            system.has_one_axis = False
             system.speed_tables, system.unbalance, system.whirl_matrix = turning.tables, turning.unbalance, turning.whirl
         loss_factors = {element.name: getattr(element, "loss_factor", 0.0) for element in with_parts(elements)}
         system.loss_factors = {name: factor for name, factor in loss_factors.items() if factor}

@@ -41,6 +41,15 @@ def raised(text: str) -> str:
     return _POWER.sub(lambda power: power[1] + superscript(int(power[2])), text)
 
 
+def unit_text(unit: str) -> str:
+    """A unit as it is printed.
+
+    >>> unit_text("N*m^2/rad"), unit_text("um/us")
+    ('N·m²/rad', 'µm/µs')
+    """
+    return raised(re.sub(r"\bu(?=(m|s|g|N|rad|Pa|V|A|J|W)\b)", "µ", unit)).replace("*", "·")
+
+
 def superscript(number: int) -> str:
     """A whole number as an exponent.
 
@@ -190,6 +199,25 @@ def power_label(value: float) -> str:
     return ("" if abs(factor - 1) < 1e-6 else f"{factor:.6g}·") + f"10{superscript(power)}"
 
 
+def is_power(value: float) -> bool:
+    """Whether a tick of a logarithmic axis is a power of ten.
+
+    >>> is_power(0.001), is_power(200.0)
+    (True, False)
+    """
+    power = math.log10(value)
+    return abs(power - round(power)) < NOISE_SPAN
+
+
+def scientific(text: str) -> str:
+    """A text with its number as a factor of a power of ten.
+
+    >>> scientific("1.5e-09 m"), scientific("12 m")
+    ('1.5·10⁻⁹ m', '12 m')
+    """
+    return re.sub(r"(?<=\d)e([-+]\d+)", lambda power: f"·10{superscript(int(power[1]))}", text)
+
+
 #: Shares of an axis below this are rounding errors.
 LEAST_SHARE = 1e-9
 
@@ -314,6 +342,12 @@ class Cells:
     values: np.ndarray  # shape (R, C); grey where NaN
     texts: Sequence[Sequence[str]]  # of each cell, shown where the pointer rests on it, R rows of C
     unit: str = ""  # of the values, such as "Hz"
+    at: tuple[np.ndarray, np.ndarray] | None = None  # where the values are, shapes (C,) and (R,); None for the middles of the cells
+
+    @property
+    def places(self) -> tuple[np.ndarray, np.ndarray]:
+        """Where the values are along both axes."""
+        return self.at or ((self.across[1:] + self.across[:-1]) / 2, (self.up[1:] + self.up[:-1]) / 2)
 
     @property
     def ends(self) -> tuple[float, float]:

@@ -67,6 +67,11 @@ def photograph(animation: Animation, time: float, width: int = WIDTH, height: in
         raise InputError(f"still picture, time: found {time:g} s; expected a time from {start:g} to {end:g} s")
     sizes = [whole_number(size, f"still picture, {what}", minimum=16) for size, what in ((width, "width"), (height, "height"))]
     page = page_html(PageContent("still picture", animation=animation)).replace("</head>", _STAGE_ONLY.format(time=time), 1)
+    return screenshot(page, f"#t={time!r}", sizes[0], sizes[1])
+
+
+def screenshot(page: str, anchor: str, width: int, height: int) -> bytes:
+    """The first screen of a page, at an anchor such as "#t=0.5", as PNG."""
     program = browser()
     if program is None:
         raise MbconstrainedError(f"still picture: {NONE_INSTALLED}; install one, or take a screenshot of the page")
@@ -75,8 +80,8 @@ def photograph(animation: Animation, time: float, width: int = WIDTH, height: in
         (folder / "page.html").write_text(page, encoding="utf-8")
         root = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []  # root has no sandbox
         options = [*_FLAGS, *root, f"--user-data-dir={folder / 'profile'}", f"--screenshot={picture}"]
-        options += [f"--window-size={sizes[0]},{sizes[1]}", f"--virtual-time-budget={_VIRTUAL_TIME}"]
-        last_line = _run([program, *options, (folder / "page.html").as_uri() + f"#t={time!r}"], folder)
+        options += [f"--window-size={width},{height}", f"--virtual-time-budget={_VIRTUAL_TIME}"]
+        last_line = _run([program, *options, (folder / "page.html").as_uri() + anchor], folder)
         if not picture.is_file():
             raise MbconstrainedError(f"still picture: {Path(program).name} failed: {last_line or 'no message'}")
         return picture.read_bytes()

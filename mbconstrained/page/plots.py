@@ -35,10 +35,13 @@ from .content import (
     Marks,
     Plot,
     TimeFunctions,
-    raised,
+    axis_of,
+    is_power,
+    scientific,
     shortened,
     superscript,
     typeset,
+    unit_text,
 )
 from .figure import PALETTE
 from .readings import Readings, RecordReadings, RecordSteps, linear_readings, readings_of, record_readings, record_steps
@@ -59,11 +62,17 @@ MOST_POINTS = 2400
 #: With more curves than this the names can be searched, and all be shown or hidden at once.
 FEW_CURVES = 12
 
-#: Labels along an axis that fit on a phone.
-MOST_LABELS = 5
+#: Width of a letter, space between labels, the narrowest horizontal axis on a desktop and on a phone, px.
+LETTER, SPACE, WIDTHS = 7.4, 8, (340, 260)
 
-#: Letters of a name along an axis.
-AXIS_NAME = 20
+#: The usual margin on the left, for labels of so many letters, and the height of a row with its name, px.
+MARGIN, MARGIN_LETTERS, ROW_HEIGHT = 70, 6, 34
+
+#: A label with more letters ends near the end of its axis when it is beyond this share of it.
+END, END_LETTERS = 0.98, 4
+
+#: Letters of the name of an axis, of a unit, and of a name in a legend; longer ones are shortened.
+AXIS_NAME, UNIT, LEGEND_NAME = 120, 40, 120
 
 #: Colours of curves in the style sheet, and patterns of dashes: one for each round through the colours.
 COLORS, DASHES = 6, 4
@@ -196,28 +205,50 @@ def _figure(plot: Plot, functions: PlotFunctions, wide: str) -> str:
         '<p class="note">no curves</p>',
     )
     if count or plot.cells:
-        body = f"{_svg(plot)}\n{_legend(plot, functions)}"
+        above, below = (
+            f'<p class="axis-name">{arrow} {html.escape(name)}</p>\n' if name else ""
+            for arrow, name in zip("↑→", _long_names(plot))
+        )
+        body = f"{above}{_svg(plot)}\n{below}{_legend(plot, functions)}"
     if count > plot.shown:
         note += f'\n<p class="note">{count} curves, {plot.shown} of them shown at first</p>'
     return f'<figure class="plot-figure{wide}">\n<h2>{html.escape(plot.title)}</h2>\n{body}{note}\n</figure>'
+
+
+def _height(plot: Plot) -> int:
+    """Height of the axes in px; names of rows do not lie on the marks of others."""
+    up = plot.axes[1]
+    return max(HEIGHT, round(ROW_HEIGHT * (up.high - up.low))) if up.scale == "rows" else LARGE_HEIGHT if plot.is_large else HEIGHT
+
+
+def _long_names(plot: Plot) -> tuple[str, str]:
+    """The names of the vertical and of the horizontal axis that are longer than these: paragraphs above and below the picture."""
+    across, up = plot.axes
+    right, upwards = axis_titles(plot, across.exponent, up.exponent)
+    return upwards if LETTER * len(upwards) > _height(plot) else "", right if LETTER * len(right) > WIDTHS[1] else ""
 
 
 def _svg(plot: Plot) -> str:
     """The picture alone; its data attributes describe the axes for the script."""
     times, phase = plot.times, plot.across is not None
     across, up = plot.axes
-    shown, height = plot.curves[: plot.shown], LARGE_HEIGHT if plot.is_large else HEIGHT
+    shown, height = plot.curves[: plot.shown], _height(plot)
     x, y = (
         np.array([_cells(across, plot.along(curve)) for curve in shown]).reshape(len(shown), len(times)),
         CELLS - np.array([_cells(up, curve.values) for curve in shown]).reshape(len(shown), len(times)),
     )
-    right, upwards = map(html.escape, axis_titles(plot, across.exponent, up.exponent))
+    names = zip(axis_titles(plot, across.exponent, up.exponent), reversed(_long_names(plot)))
+    right, upwards = (html.escape("" if long else name) for name, long in names)
+    letters = max(map(len, up.labels), default=0)
+    style = f"--left: {MARGIN + LETTER * (letters - MARGIN_LETTERS):.0f}px; " if letters > MARGIN_LETTERS else ""
+    style += f"height: {height}px" if height not in (HEIGHT, LARGE_HEIGHT) or up.scale == "rows" else ""
+    style = f' style="{style.rstrip("; ")}"' if style else ""
     elements = [
         f'<g class="ticks">\n{_grid(across, up, height)}\n{_guide_names(plot, across, up, height)}</g>',
         *_guides(plot, across, up),
         *_phase_band(plot, across, height),
         f'<text x="50%" y="{height + 38}" text-anchor="middle">{right}</text>',
-        f'<text transform="translate(-58 {height // 2}) rotate(-90)" text-anchor="middle">{upwards}</text>',
+        f'<text class="up-name" style="--middle: {height // 2}px" text-anchor="middle">{upwards}</text>',
     ]
     if len(times) == 1:
         elements += [
@@ -237,10 +268,12 @@ def _svg(plot: Plot) -> str:
     elements += _marks(plot, across, up, height)
     over = "phase" if phase else html.escape(plot.variable)
     variable = f' data-variable="{html.escape(plot.variable)}"' if phase and plot.variable != "time" else ""
-    variable += "" if plot.variable_unit is None else f' data-variable-unit="{html.escape(raised(plot.variable_unit))}"'
+    variable += "" if plot.variable_unit is None else f' data-variable-unit="{html.escape(unit_text(plot.variable_unit))}"'
     return (
-        f'<svg class="plot{" large" * plot.is_large}" role="img" tabindex="0" aria-label="{html.escape(_description(plot, plot.curves))}"'
+        f'<svg class="plot{" large" * plot.is_large}"{style} role="img" tabindex="0"'
+        f' aria-label="{html.escape(_description(plot, plot.curves))}"'
         f' data-start="{float(times[0])!r}" data-end="{float(times[-1])!r}" data-over="{over}"{variable}'
+        f' data-name="{html.escape(plot.across_name)}" data-up-name="{html.escape(plot.quantity or plot.title)}"'
         f" {_scale('across', across, plot.across_unit)} {_scale('up', up, plot.unit)}>\n" + "\n".join(elements) + "\n</svg>"
     )
 
@@ -258,23 +291,38 @@ def _cells(axis: Axis, values: np.ndarray) -> np.ndarray:
 def _scale(name: str, axis: Axis, unit: str) -> str:
     """Data attributes for the script: ends of the axis, the power of ten of its labels, the kind of its scale, the unit."""
     ends = f"{axis.low!r} {axis.high!r} {axis.exponent} {axis.scale}"
-    return f'data-{name}="{ends}" data-{name}-unit="{html.escape(shortened(raised(unit), AXIS_NAME))}"'
+    return f'data-{name}="{ends}" data-{name}-unit="{html.escape(shortened(unit_text(unit), UNIT))}"'
 
 
 def _grid(across: Axis, up: Axis, height: int) -> str:
-    """Lines and labels; every other horizontal label is left out where the window is narrow."""
+    """Lines and labels; horizontal labels that would meet are left out, where the window is narrow more of them."""
     lines = []
-    crowded = len(across.labels) > MOST_LABELS
+    desktop = _labelled(across, range(len(across.ticks)), WIDTHS[0])
+    phone = _labelled(across, desktop, WIDTHS[1])
     for i, (x, label) in enumerate(zip(_cells(across, np.array(across.ticks)), across.labels)):
-        place, kind = f"{100 * x / CELLS:.2f}%", ' class="second"' if crowded and i % 2 else ""
+        place, kind = f"{100 * x / CELLS:.2f}%", "" if i in phone else ' class="second"'
         lines.append(f'<line class="grid" x1="{place}" x2="{place}" y2="{height}"/>')
-        lines.append(f'<text{kind} x="{place}" y="{height + 18}" text-anchor="middle">{label}</text>')
+        if i in desktop:
+            anchor = 'dx="14" text-anchor="end"' if x > END * CELLS and len(label) > END_LETTERS else 'text-anchor="middle"'
+            lines.append(f'<text{kind} x="{place}" y="{height + 18}" {anchor}>{label}</text>')
     for tick, y, label in zip(up.ticks, _cells(up, np.array(up.ticks)), up.labels):
         down = height * (1 - y / CELLS)
         lines.append(f'<line class="{"axis" if tick == 0 else "grid"}" x2="100%" y1="{down:.1f}" y2="{down:.1f}"/>')
         lines.append(f'<text x="-8" y="{down + 4:.1f}" text-anchor="end">{label}</text>')
     lines.append(f'<line class="axis" y2="{height}"/><line class="axis" x2="100%" y1="{height}" y2="{height}"/>')
     return "\n".join(lines)
+
+
+def _labelled(axis: Axis, places: Sequence[int], width: float) -> Sequence[int]:
+    """Places of ticks whose labels do not meet on an axis of this width in px: all, powers of ten, or some at even steps."""
+    shares = axis.shares(np.array(axis.ticks))
+    decades = [i for i in places if axis.scale == "log" and is_power(axis.ticks[i])] or places
+
+    def is_clear(kept: Sequence[int]) -> bool:
+        letters = ((len(axis.labels[a]) + len(axis.labels[b])) / 2 for a, b in pairwise(kept))
+        return all(width * (shares[b] - shares[a]) >= LETTER * count + SPACE for (a, b), count in zip(pairwise(kept), letters))
+
+    return next(kept for kept in (places, *(decades[::step] for step in range(1, len(places) + 1))) if is_clear(kept))
 
 
 def _guides(plot: Plot, across: Axis, up: Axis) -> list[str]:
@@ -291,7 +339,8 @@ def _guides(plot: Plot, across: Axis, up: Axis) -> list[str]:
     lines = [*_cell_rectangles(plot.cells, across, up), *lines] if plot.cells else lines
     if not lines:
         return []
-    return [f'<svg class="guides" viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">{"".join(lines)}</svg>']
+    cells = f' data-cells="true" data-unit="{html.escape(unit_text(plot.cells.unit))}"' if plot.cells else ""
+    return [f'<svg class="guides"{cells} viewBox="0 0 {CELLS} {CELLS}" preserveAspectRatio="none">{"".join(lines)}</svg>']
 
 
 def _phase_band(plot: Plot, across: Axis, height: int) -> Iterator[str]:
@@ -323,10 +372,12 @@ def _thirds(number: int) -> int:
 def _cell_rectangles(cells: Cells, across: Axis, up: Axis) -> Iterator[str]:
     """The cells of a map, with their texts."""
     x, y = np.rint(_cells(across, cells.across)).astype(int), CELLS - np.rint(_cells(up, cells.up)).astype(int)
+    across_places, up_places = (row.tolist() for row in cells.places)
     for row, (colors, texts) in enumerate(zip(_colors(cells), cells.texts)):
         for column, (color, text) in enumerate(zip(colors, texts)):
             size = f'width="{x[column + 1] - x[column]}" height="{y[row] - y[row + 1]}"'
-            yield f'<rect x="{x[column]}" y="{y[row + 1]}" {size} fill="{color}"><title>{html.escape(text)}</title></rect>'
+            place = f"{across_places[column]!r} {up_places[row]!r} {float(cells.values[row, column])!r}"
+            yield f'<rect x="{x[column]}" y="{y[row + 1]}" {size} fill="{color}" data-at="{place}"><title>{html.escape(text)}</title></rect>'
 
 
 def _colors(cells: Cells) -> list[list[str]]:
@@ -375,11 +426,11 @@ def _mark(plot: Plot, marks: Marks, title: str = "") -> str:
 
 
 def axis_titles(plot: Plot, across: int = 0, up: int = 0) -> tuple[str, str]:
-    """The titles of the axes, such as "displacement in 10⁻³ m"; a long name is shortened, the heading has all of it."""
+    """The titles of the axes, such as "displacement in 10⁻³ m"."""
     rows = (plot.across_name, plot.across_unit, across), (plot.quantity or plot.title, plot.unit, up)
     titles = []
     for name, unit, power in rows:
-        measure = " ".join(filter(None, (f"10{superscript(power)}" if power else "", shortened(raised(unit), AXIS_NAME))))
+        measure = " ".join(filter(None, (f"10{superscript(power)}" if power else "", shortened(unit_text(unit), UNIT))))
         titles.append(" in ".join(filter(None, (shortened(name, AXIS_NAME), measure))))
     return titles[0], titles[1]
 
@@ -418,9 +469,8 @@ def _legend(plot: Plot, functions: PlotFunctions) -> str:
             f"<span>{name}</span>"
         )
         if has_lines:
-            title = f' title="{name}"' if len(curve.name) > AXIS_NAME else ""
             pressed = "true" if number < plot.shown else "false"
-            entry = f'<button type="button" aria-pressed="{pressed}"{title}>{entry}</button><span class="value"></span>'
+            entry = f'<button type="button" aria-pressed="{pressed}">{entry}</button><span class="value"></span>'
             data = f' data-function="{" ".join(f"{number} {row}" for number, row in functions.places(plot, curve))}"'
             if curve.drawn is not None:
                 ends = " ".join(f"{float(plot.times[i])!r}" for part in curve.parts for i in part)
@@ -439,7 +489,7 @@ def _legend(plot: Plot, functions: PlotFunctions) -> str:
             f'<span title="{html.escape(name)}">{html.escape(shortened(label, PHASE_NAME))}</span></li>'
         )
     if plot.cells:
-        low, high = (with_unit(end, plot.cells.unit) for end in plot.cells.ends)
+        low, high = (scientific(with_unit(end, unit_text(plot.cells.unit))) for end in plot.cells.ends)
         bar = "".join(f'<rect x="{10 * i}" width="10" height="10" fill="{color}"/>' for i, color in enumerate(CELL_COLORS))
         rows.append(
             f'<li class="of-marks">{typeset(low)} <svg width="90" height="10" aria-hidden="true">{bar}</svg> {typeset(high)}</li>'
@@ -479,8 +529,14 @@ MOST_CURVES = 24
 #: Size of an image without its legend, half a page of a report, and the height of a large one, inches.
 IMAGE_WIDTH, IMAGE_HEIGHT, LARGE_IMAGE_HEIGHT = 6.4, 3.1, 4.4
 
-#: Width of one of several panels, inches, and letters of a title, on a line of a panel and of a single plot.
-PANEL_WIDTH, PANEL_TITLE, TITLE = 3.2, 32, 80
+#: Width of one of several panels, inches; letters on a line of a title, of the names of the axes and of a legend; those of one panel.
+PANEL_WIDTH, TITLE, ACROSS_NAME, UP_NAME, LEGEND_LINE, PANEL_TITLE = 3.2, 58, 80, 38, 30, 26
+
+#: Width of the axes of a single plot, in the px in which letters have the width of those of a page.
+IMAGE_PIXELS = 480
+
+#: Height of a row with its name and of a further line of a title or of the name of an axis, inches.
+IMAGE_ROW, LINE_HEIGHT = 0.3, 0.17
 
 #: For each round through the colours another pattern of dashes, in widths of the line; the first is solid.
 _DASHES = (None, (4, 2.2), (1.2, 2.2), (5, 2.2, 1.2, 2.2))
@@ -598,25 +654,47 @@ def plot_image(plot: Plot | Sequence[Plot], kind: Literal["svg", "png"]) -> byte
     """
     panels = (plot,) if isinstance(plot, Plot) else tuple(plot)
     first, width = panels[0], IMAGE_WIDTH if len(panels) == 1 else PANEL_WIDTH * len(panels)
-    names = [
-        *(shortened(curve.name) for curve in first.curves[: _most(first)]),
-        *map(_image_label, phase_labels(first.phase_ranges).values()),
-    ]
-    columns = max(1, min(len(names), int((width - 0.3) / (_SAMPLE + _LETTER * max(map(len, names), default=0)))))
-    rows = -(-(len(names) + len({marks.name for marks in first.marks if marks.name})) // columns)
+    names = [*_legend_names(first), *dict.fromkeys(marks.name for marks in first.marks if marks.name)]
+    letters = max((len(line) for name in names for line in name.split("\n")), default=0)
+    columns = max(1, min(len(names), int((width - 0.3) / (_SAMPLE + _LETTER * letters))))
+    rows = -(-len(names) // columns)
+    lines = sum(max(name.count("\n") + 1 for name in names[row::rows]) for row in range(rows))
+    titles = max(own.count("\n") for each in panels for own in _image_titles(each, len(panels)))
 
     def draw(figure: Figure) -> None:
         axes = [figure.add_subplot(1, len(panels), number) for number in range(1, len(panels) + 1)]
-        has_names = [_draw(each, own, PANEL_TITLE if len(panels) > 1 else TITLE) for each, own in zip(axes, panels)]
+        has_names = [_draw(each, own, len(panels)) for each, own in zip(axes, panels)]
         if has_names[0]:
-            lines = axes[0].get_legend_handles_labels()
-            figure.legend(*lines, loc="outside lower left", ncols=columns, labelcolor=INK, handlelength=2.2, columnspacing=1.6)
+            handles, texts = axes[0].get_legend_handles_labels()
+            style = {"ncols": columns, "labelcolor": INK, "handlelength": 2.2, "columnspacing": 1.6}
+            figure.legend(handles, texts, loc="outside lower left", **style)
 
-    return drawn_image(draw, width, (LARGE_IMAGE_HEIGHT if first.is_large else IMAGE_HEIGHT) + _ROW * rows, kind)
+    height = max(map(_image_height, panels)) + LINE_HEIGHT * titles
+    return drawn_image(draw, width, height + _ROW * lines, kind)
 
 
-def _image_label(name: str) -> str:
-    return shortened(name, PHASE_NAME)
+def _legend_names(plot: Plot) -> list[str]:
+    """Names of curves and phases, on lines that fit."""
+    names = (*(curve.name for curve in plot.curves[: _most(plot)]), *phase_labels(plot.phase_ranges).values())
+    return [fill(shortened(name, LEGEND_NAME), LEGEND_LINE) for name in names]
+
+
+def _image_titles(plot: Plot, panels: int) -> tuple[str, str, str]:
+    """Title and names of the horizontal and the vertical axis, on lines that fit."""
+    across, up = plot.axes
+    letters = (TITLE, ACROSS_NAME, UP_NAME) if panels == 1 else (PANEL_TITLE, PANEL_TITLE, UP_NAME)
+    title, right, upwards = (
+        fill(text, own)
+        for text, own in zip((shortened(plot.title, 2 * AXIS_NAME), *axis_titles(plot, across.exponent, up.exponent)), letters)
+    )
+    return title, right, upwards
+
+
+def _image_height(plot: Plot) -> float:
+    """Height of the image of a plot without its legend, inches."""
+    up = plot.axes[1]
+    usual = LARGE_IMAGE_HEIGHT if plot.is_large else IMAGE_HEIGHT
+    return max(usual, IMAGE_ROW * (up.high - up.low) + 0.6) if up.scale == "rows" else usual
 
 
 def image_groups(plots: Iterable[Plot]) -> list[tuple[Plot, ...]]:
@@ -630,19 +708,20 @@ def _most(plot: Plot) -> int:
     return max(MOST_CURVES, plot.shown)
 
 
-def _draw(axes: Axes, plot: Plot, letters: int) -> bool:
-    """Draw a plot with so many letters on a line of its title, and return whether its legend is needed."""
-    curves, (across, up) = plot.curves[: _most(plot)], plot.axes
+def _draw(axes: Axes, plot: Plot, panels: int) -> bool:
+    """Draw a plot, one of so many panels, and return whether its legend is needed."""
+    curves, names, (across, up) = plot.curves[: _most(plot)], _legend_names(plot), plot.axes
     marker = "o" if len(plot.times) == 1 else ""
-    for curve in curves:
+    for curve, name in zip(curves, names):
         dashes = _DASHES[curve.color // len(PALETTE) % len(_DASHES)]
         values = curve.values if curve.drawn is None else np.where(curve.drawn, curve.values, np.nan)
-        (line,) = axes.plot(plot.along(curve), values, label=shortened(curve.name), marker=marker)
+        (line,) = axes.plot(plot.along(curve), values, label=name, marker=marker)
         line.set(color=PALETTE[curve.color % len(PALETTE)], linestyle="-" if dashes is None else (0, dashes))
     axes.set(xscale="log" if across.scale == "log" else "linear", yscale="log" if up.scale == "log" else "linear")
     axes.set_xlim(across.low, across.high)
     axes.set_ylim(up.low, up.high)
-    axes.set_xticks(across.ticks, across.labels)
+    kept = _labelled(across, range(len(across.ticks)), IMAGE_PIXELS / (1 if panels == 1 else 2))
+    axes.set_xticks(across.ticks, [label if i in kept else "" for i, label in enumerate(across.labels)])
     axes.set_yticks(up.ticks, up.labels)
     axes.minorticks_off()
     if plot.cells:
@@ -651,7 +730,11 @@ def _draw(axes: Axes, plot: Plot, letters: int) -> bool:
         colors = LinearSegmentedColormap.from_list("cells", CELL_COLORS)
         mesh = axes.pcolormesh(plot.cells.across, plot.cells.up, np.ma.masked_invalid(plot.cells.values), cmap=colors)
         axes.set_facecolor(LINE)
-        axes.figure.colorbar(mesh, ax=axes, label=raised(plot.cells.unit))
+        axes.grid(False)
+        levels = axis_of(*plot.cells.ends, widen=False)
+        power = f"10{superscript(levels.exponent)}" if levels.exponent else ""
+        scale = axes.figure.colorbar(mesh, ax=axes, label=" ".join(filter(None, (power, unit_text(plot.cells.unit)))))
+        scale.set_ticks(levels.ticks, labels=levels.labels)
     for guide in plot.guides:
         if ends := guide.ends(across, up):
             (line,) = axes.plot(*zip(*ends), transform=axes.transAxes, scalex=False, scaley=False)
@@ -662,12 +745,12 @@ def _draw(axes: Axes, plot: Plot, letters: int) -> bool:
             x, y = ends[1]
             text = axes.text(x, y, guide.name, color=MUTED, fontsize=6.5, transform=axes.transAxes)
             text.set(ha="left" if x < LEAST_SHARE else "right", va="bottom" if y < LEAST_SHARE else "top")
-    ranges, labels = plot.phase_ranges, phase_labels(plot.phase_ranges)
-    for number, (name, own) in enumerate(ranges.items()):
+    ranges = plot.phase_ranges
+    for number, (name, own) in enumerate(zip(names[len(curves) :], ranges.values())):
         tall = PHASE_HEIGHT * _thirds(number) / THIRDS
         widths = [(begin, end - begin) for begin, end in own]
         bar = axes.broken_barh(widths, (-PHASE_HEIGHT, tall), transform=axes.get_xaxis_transform(), clip_on=False)
-        bar.set(color=PHASE_COLORS[number % len(PHASE_COLORS)][0], linewidth=0.5, label=_image_label(labels[name]))
+        bar.set(color=PHASE_COLORS[number % len(PHASE_COLORS)][0], linewidth=0.5, label=name)
     if ranges:
         axes.tick_params(axis="x", length=0, pad=9)
     for band in plot.bands:
@@ -692,9 +775,9 @@ def _draw(axes: Axes, plot: Plot, letters: int) -> bool:
             axes.plot(*marks.points.T, color=color, markerfacecolor=color if marks.shape == "dot" else "white", **style)
     if 0.0 in up.ticks:
         axes.axhline(0.0, color=LINE, linewidth=0.8, zorder=0.9)
-    xlabel, ylabel = axis_titles(plot, across.exponent, up.exponent)
+    title, xlabel, ylabel = _image_titles(plot, panels)
     axes.set(xlabel=xlabel, ylabel=ylabel)
-    axes.set_title(fill(shortened(plot.title, TITLE), letters), loc="left", fontsize=10, fontweight="bold", color=INK)
+    axes.set_title(title, loc="left", fontsize=10, fontweight="bold", color=INK)
     if len(plot.curves) > MOST_CURVES:
         axes.set_title(f"the first {MOST_CURVES} of {len(plot.curves)} curves", loc="right", fontsize=8, color=MUTED)
     return len(curves) > 1 or plot.across is None or bool(named - {""})

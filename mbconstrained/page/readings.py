@@ -36,8 +36,8 @@ BOUNDS = {0: 1.0, 2: 1.0, 4: 2.0, 8: 2.0, 16: 2.0}
 MEETS = 0.25
 
 #: Steps in the largest value of a panel: eight digits, six where these would be many numbers, four where they would make the page
-#: too large.
-FINE, MIDDLE, COARSE = 2.0**26, 2.0**20, 2.0**15
+#: too large; nine digits of a few points.
+FINEST, FINE, MIDDLE, COARSE = 2.0**30, 2.0**26, 2.0**20, 2.0**15
 
 #: More numbers of a set of functions than the first are not stored finely, more than the second coarsely.
 MOST_FINE, MOST_MIDDLE = 40_000, 400_000
@@ -107,7 +107,7 @@ def linear_readings(times: np.ndarray, values: np.ndarray) -> Readings:
     >>> linear_readings(np.array([0.0, 1.0, 3.0]), np.array([[1.0, 2.0, 2.0]])).codes.shape
     (1, 3)
     """
-    fineness = MIDDLE if values.size <= MOST_MIDDLE else COARSE
+    fineness = FINEST if values.size <= MOST_FINE else MIDDLE if values.size <= MOST_MIDDLE else COARSE
     exponents = _exponents(np.abs(values), fineness, SMALLEST_SHARE * np.abs(values).max())
     codes = _codes(values[:, :, None], exponents, fineness)[:, :, 0]
     return Readings(np.append(times, times[-1]), np.zeros(len(times), int), exponents, codes)

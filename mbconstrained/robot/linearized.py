@@ -367,6 +367,8 @@ class LinearizedRobot(MechanicalSystem):
         self.outputs, self.output_units = self._directions("output", outputs)
         self.parameter_source = partial(robot_parameters, posture, partial(type(self), level=level, inputs={}, outputs={}))
 
+    has_one_axis = False
+
     @cached_property
     def elements(self) -> Mapping[str, ElementForce]:  # type: ignore[override]
         """Springs and dampers of joints, and springs between bodies with elongations from their rest lengths."""

@@ -5,6 +5,9 @@ import json
 import numpy as np
 import pytest
 
+from mbconstrained import read_scene
+from mbconstrained.analyses.campbell import SpeedDiagram
+from mbconstrained.scene.schema.analysis_tables import CampbellTable
 from tests.scene.build.test_rotors import ELEMENTS, MATRICES
 
 FREE = MATRICES.replace("circulatory = [[0, 5], [-5, 0]]\n", "").replace("damping = [[20, 0], [0, 20]]\n", "")
@@ -74,3 +77,16 @@ def test_errors_are_those_of_the_scene(campbell, tmp_path, text, options, messag
     code, _, errors = campbell(text, *options)
     assert code == 1 and message in errors
     assert not (tmp_path / "out").exists() or not list((tmp_path / "out").iterdir())
+
+
+def test_orders_of_different_numbers_of_critical_speeds_share_the_speeds_of_the_waterfall(campbell, tmp_path):
+    """Within 60 rad/s order 1 has no critical speed and order 3 both; the amplitudes of both orders are those of the same speeds."""
+    code, _, errors = campbell(FREE, "--from", "0", "--to", "60 rad/s", "--points", "5", "--order", "1", "--order", "3")
+    assert code == 0 and not errors
+    assert "Waterfall of a run-up" in (tmp_path / "out" / "rotor.campbell.html").read_text(encoding="utf-8")
+    own = SpeedDiagram(
+        read_scene(tmp_path / "rotor.toml"), CampbellTable.model_validate({"to": 60.0, "points": 5, "orders": [1, 3]})
+    )
+    first, second = own.responses.values()
+    np.testing.assert_array_equal(first.speeds, second.speeds)
+    assert len(first.speeds) > 5

@@ -4,6 +4,7 @@ import doctest
 import re
 import shlex
 import tomllib
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -64,12 +65,18 @@ def check_toml(text: str, folder: Path) -> None:
         mb.read_scene(folder / title)
 
 
+def check_excerpt(text: str, printed: str) -> None:
+    """A block of text after a command is a part of what it prints; lines of three dots stand for others."""
+    assert doctest.OutputChecker().check_output(f"...{text.strip()}...", printed, FLAGS), f"not printed:\n{text}\nbut\n{printed}"
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(DOCS).as_posix())
 def test_the_blocks_of_a_page_run_in_order(page, folder, command, monkeypatch):
     monkeypatch.chdir(folder)
     names: dict = {}
-    for language, text in blocks(page):
+    printed, pairs = "", blocks(page)
+    for (language, text), (following, _) in pairwise([*pairs, ("", "")]):
         assert language in LANGUAGES, f"{page.name}: a block of {language or 'no language'}"
         if language == "python":
             check_python(text, names, page.name)
@@ -78,9 +85,12 @@ def test_the_blocks_of_a_page_run_in_order(page, folder, command, monkeypatch):
         elif language == "sh":
             for line in text.splitlines():
                 program, *arguments = shlex.split(line, comments=True) or ["", ""]
-                if program == "mbconstrained" and not " ".join(arguments).startswith(ELSEWHERE):
-                    code, _, errors = command(*shortened(arguments))
+                is_quoted = following == "text"
+                if program == "mbconstrained" and (is_quoted or not " ".join(arguments).startswith(ELSEWHERE)):
+                    code, printed, errors = command(*(arguments if is_quoted else shortened(arguments)))
                     assert code == 0, f"{line}: {errors}"
+        elif language == "text" and printed:
+            check_excerpt(text, printed)
 
 
 def test_links_between_pages_and_to_files_lead_somewhere():

@@ -73,7 +73,9 @@ TIMES = STEP * np.arange(1000)
 ACCELERATION = RNG.normal(size=1000) * np.sin(np.pi * TIMES / TIMES[-1]) ** 2
 
 
-@pytest.mark.parametrize(("quantity", "weights"), [("pseudo-velocity", lambda w, z: (w, 0)), ("absolute acceleration", lambda w, z: (w**2, 2 * z * w))])
+@pytest.mark.parametrize(
+    ("quantity", "weights"), [("pseudo-velocity", lambda w, z: (w, 0)), ("absolute acceleration", lambda w, z: (w**2, 2 * z * w))]
+)
 @pytest.mark.parametrize("even", [True, False])
 def test_damage_spectra_of_records(quantity, weights, even):
     """scipy.signal.lsim, exact for linear pieces, at some hundred times of each period, until the vibration has decayed; cycles by pyyeti."""
@@ -85,7 +87,9 @@ def test_damage_spectra_of_records(quantity, weights, even):
         w = 2 * np.pi * f
         step = STEP / np.ceil(600 * f * STEP)
         t = step * np.arange(int((times[-1] + 6 / f / z / 2) / step))
-        y = lsim(([[0, 1], [-(w**2), -2 * z * w]], [[0], [1]], [weights(w, z)], [[0]]), np.interp(t, times, values, right=0.0), t)[1]
+        y = lsim(([[0, 1], [-(w**2), -2 * z * w]], [[0], [1]], [weights(w, z)], [[0]]), np.interp(t, times, values, right=0.0), t)[
+            1
+        ]
         expected = cyclecount.rainflow(turning_points(y), use_pandas=False)
         assert found == pytest.approx(expected[:, 2] @ expected[:, 0] ** k, rel=2e-4)  # (pi / 600)^2 / 2 * k of the dense times
 
@@ -96,7 +100,8 @@ def test_a_record_has_the_damage_of_the_same_closed_form():
     t = np.linspace(0, 1, 4001)
     f = [0.4, 0.8, 3.0]
     own, record = (
-        mb.fatigue_damage_spectrum(signal, f, 5.0, 0.02).damage for signal in (half + half.delayed(1.0), mb.sampled(t, [np.sin(np.pi * t)]))
+        mb.fatigue_damage_spectrum(signal, f, 5.0, 0.02).damage
+        for signal in (half + half.delayed(1.0), mb.sampled(t, [np.sin(np.pi * t)]))
     )
     assert record == pytest.approx(own, rel=1e-6)
 
@@ -134,7 +139,10 @@ def test_a_path_of_a_random_motion_has_the_damage_of_its_spectrum():
         ({"strength": -1.0}, "strength: found -1"),
         ({"duration": 3.0}, "duration: a signal has its own end"),
         ({"excitation": mb.psd([1, 2], [1, 1], of="acceleration")}, "duration: a random excitation does damage as long as it acts"),
-        ({"excitation": mb.psd([1, 2], [1, 1]), "duration": 1.0}, "found a spectrum of a force; expected that of a motion of the base"),
+        (
+            {"excitation": mb.psd([1, 2], [1, 1]), "duration": 1.0},
+            "found a spectrum of a force; expected that of a motion of the base",
+        ),
         ({"excitation": mb.step([1.0])}, "signal: it does not end"),
         ({"excitation": [1.0]}, "signal: found an object of type list"),
     ],

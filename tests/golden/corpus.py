@@ -47,6 +47,8 @@ STUDIES = {
     "arm_workspace": (("sweep",),),
     "tuned_mass_damper_optimum": (("sweep", "--samples", "20"), ("optimise", "--minimise", "response peak")),
     "two_masses": (("compare", "examples/two_masses_position.toml"),),
+    "driveline": (("orders",),),
+    "spindle": (("orders",),),
     "quarter_car": (("locus", "--vary", "damper=500..4000 N*s/m:21"),),
 }
 

@@ -121,7 +121,7 @@ def test_the_data_are_the_values():
     assert frames["times"] == {"start": 0, "end": 50, "count": 401}
 
 
-@pytest.mark.parametrize("plotted, size", [(True, 80_000), (False, 20_000)])
+@pytest.mark.parametrize("plotted, size", [(True, 95_000), (False, 24_000)])
 def test_without_an_animation_there_is_no_viewer_and_without_plots_too_no_script(plotted, size):
     page = page_html(replace(two_masses_content(), animation=None, **({} if plotted else {"plots": ()})))
     assert len(page) < size
@@ -144,7 +144,7 @@ def test_compressed_the_page_is_a_third_and_holds_the_same():
 
 def test_beside_its_viewer_a_page_holds_its_own_data_only():
     page = page_html(two_masses_content(), "separate")
-    assert len(page) < 200_000
+    assert len(page) < 225_000
     assert re.findall(r'<script src="([^"]*)"></script>', page) == [VIEWER_FILE]
     assert "script-src 'sha256-" in page_html(replace(two_masses_content(), animation=None), "separate")
 

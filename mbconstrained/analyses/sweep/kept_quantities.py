@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -37,11 +38,15 @@ STATISTICS = ("largest", "maximum", "minimum", "RMS", "curve", "peak")
 #: Possible kept quantities, for messages.
 FORMS = (
     '"frequencies", "response peaks", "response curves", "random RMS", or of a motion "largest x", "maximum x", "minimum x", "RMS x", '
-    '"curve x", "x at 2 s", with x a coordinate, "velocity of x", "reaction of x", "quantity of x" …; largest, maximum and minimum '
+    '"curve x", "x at 2 s", with x a coordinate, "velocity of x", "b - a", "force of spring", "reaction of row" …; largest, maximum and minimum '
     'are those of the closed form, none between the times is missed, and RMS its integral; of a model that switches "number of events", '
     '"time of event 3", "time of event last", "largest impulse of x"'
 )
 
+#: Beginnings of the names of figures, by the text that selects all of them.
+WHOLE = {
+    "frequencies": ("frequency ", "damping ratio "), "response peaks": ("response peak",), "random RMS": ("random RMS ",)
+}  # fmt: skip
 
 #: Figures of the events of models that switch.
 NUMBER_OF_EVENTS, EVENT_TIME, LARGEST_IMPULSE = (
@@ -165,6 +170,12 @@ def _of_text(text: str, scene: Scene, curves: _Curves) -> Iterator[Variable]:
         yield Variable("random RMS", _common(response.units), "output", response.outputs, "random RMS")
     elif text == NUMBER_OF_EVENTS or EVENT_TIME.fullmatch(text) or LARGEST_IMPULSE.fullmatch(text):
         yield _of_events(text, scene, curves)
+    elif (whole := next((one for one in WHOLE if text.startswith(WHOLE[one])), None)) is not None:
+        variables = list(_of_text(whole, scene, curves))
+        figures = figures_of(variables)
+        if text not in figures:
+            raise InputError(f'keep: there is no "{text}"{nearest(text, figures)}; there are {", ".join(list(figures)[:20])}')
+        yield figures[text].variable
     else:
         yield _of_motion(text, scene, curves)
 
@@ -266,6 +277,8 @@ class _Curves:
             if own in self.names[kind]:
                 row = self.names[kind].index(own)
                 return (kind, row), self.result.curves(kind).units[row]
+        with suppress(InputError):
+            return (name, 0), self.result.output_names.output(name).unit
         known = [each for kind in kinds for each in self.names[kind]]
         raise InputError(f'keep: "{text}": there is no curve "{own}"{nearest(own, known)}; there are {", ".join(known[:12])}')
 

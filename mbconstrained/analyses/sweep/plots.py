@@ -72,7 +72,9 @@ class SweepPlots:
 
     def column(self, name: str) -> tuple[str, np.ndarray]:
         """The unit shown of a parameter and its values in it."""
-        unit, factor = self.result.scene.equations.coordinates.shown.of(getattr(self.result.samples.variations[name], "unit", ""))
+        unit, factor = self.result.scene.equations.coordinates.shown.of(
+            getattr(self.result.samples.variations[name], "unit", ""), name
+        )
         return "" if unit == "1" else unit, factor * self.result.parameter(name)
 
     def _map(self, names: Sequence[str], figure: str) -> Plot:
@@ -87,7 +89,7 @@ class SweepPlots:
             for b, row in zip(y, grid)
             for a, value in zip(x, row)
         ]
-        cells = Cells(_edges(x), _edges(y), grid, np.reshape(texts, grid.shape).tolist(), unit)
+        cells = Cells(_edges(x), _edges(y), grid, np.reshape(texts, grid.shape).tolist(), unit, (x, y))
         missing = int((~self.result.answered).sum())
         return Plot(
             f"{figure} over {names[0]} and {names[1]}",

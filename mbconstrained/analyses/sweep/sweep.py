@@ -354,7 +354,7 @@ class SweepResult(Displayed):
     def _units(self) -> dict[str, tuple[str, float]]:
         """Unit and factor of each quantity, as [output] requests."""
         shown = self.scene.equations.coordinates.shown
-        return {name: shown.of(one.unit) if " or " not in one.unit else (one.unit, 1.0) for name, one in self.figures.items()}
+        return {name: shown.of(one.unit, name) if " or " not in one.unit else (one.unit, 1.0) for name, one in self.figures.items()}
 
     def _text(self, name: str, value: float) -> str:
         unit, factor = self._units[name]
@@ -519,7 +519,7 @@ class SweepResult(Displayed):
 
     def _parameters(self) -> TextTable:
         shown = self.scene.equations.coordinates.shown
-        rows = tuple((name, _described(one, shown)) for name, one in self.samples.variations.items())
+        rows = tuple((name, _described(one, shown, name)) for name, one in self.samples.variations.items())
         return TextTable("Parameters", ("parameter", "varied"), rows)
 
     def _statistics(self) -> TextTable:
@@ -549,7 +549,7 @@ class SweepResult(Displayed):
         shown = self.scene.equations.coordinates.shown
         row, texts = self.samples.rows(slice(sample, sample + 1))[0], []
         for name, value in row.items():
-            unit, factor = shown.of(getattr(self.samples.variations[name], "unit", ""))
+            unit, factor = shown.of(getattr(self.samples.variations[name], "unit", ""), name)
             texts.append((name, value if isinstance(value, str) else with_unit(factor * value, unit)))
         return tuple(texts)
 
@@ -707,8 +707,8 @@ def estimate_text(estimate: Estimate, factor: float = 1.0) -> str:
     return f"{value} ({factor * estimate.low:.4g} to {factor * estimate.high:.4g})"
 
 
-def _described(one: Variation, shown) -> str:
-    unit, factor = shown.of(one.unit)
+def _described(one: Variation, shown, name: str) -> str:
+    unit, factor = shown.of(one.unit, name)
     if isinstance(one, Distribution):
         ends = f", between {factor * one.low:g} and {factor * one.high:g}" if np.isfinite([one.low, one.high]).all() else ""
         words = {"uniform": "uniform from {} to {}", "normal": "normal, mean {}, standard deviation {}"}

@@ -11,6 +11,7 @@ import numpy as np
 import scipy
 
 from ...ground.checks import counted, nearest, optional_package, real_array, real_number, whole_number
+from ...ground.coordinate_units import density_unit
 from ...ground.display import Displayed, TextTable, notice_table, number_text
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
@@ -185,7 +186,7 @@ def existence(transfer: SpectralTransfer, spectra: SpectralMatrix, powers: tuple
             for output in np.flatnonzero(exponents + power >= -1).tolist():
                 if not reasons[row, output]:
                     intensity = (
-                        f"; its intensity is {number_text(white[output])} ({units[output]})^2/Hz"
+                        f"; its intensity is {number_text(white[output])} {density_unit(units[output])}"
                         if np.isfinite(white[output])
                         else ""
                     )
@@ -582,7 +583,7 @@ class RandomResponse(Displayed):
         coords = {
             "output": list(self.outputs),
             "frequency": ("frequency", np.asarray(frequencies_hz, dtype=float), {"units": "Hz"}),
-            "unit": ("output", [f"({unit})^2/Hz" for unit in self.units]),
+            "unit": ("output", list(map(density_unit, self.units))),
             "rms": ("output", self.rms),
         }
         return xarray.DataArray(values, coords, ("output", "frequency"), f"spectrum of the {self.quantity}")
@@ -632,7 +633,8 @@ class RandomResponse(Displayed):
     @property
     def irregularity(self) -> np.ndarray:
         """Upward zero crossings by maxima, m_2 / sqrt(m_0 m_4): 1 for a narrow band, shape (p,)."""
-        return _root_of_ratio(self.moment(2), self.moment(0)) / np.maximum(self.peak_rate, np.finfo(float).tiny)
+        peaks = np.maximum(self.peak_rate, np.finfo(float).tiny)
+        return np.where(np.isinf(peaks), 0.0, _root_of_ratio(self.moment(2), self.moment(0))) / peaks
 
     def expected_maximum(self, duration: float) -> np.ndarray:
         """The mean of the largest |y| over a duration, sigma (g + 0.5772 / g), g = sqrt(2 ln(2 n T)), n the rate of upward zero crossings.

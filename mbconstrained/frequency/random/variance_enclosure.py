@@ -2,8 +2,9 @@
 
 With H = N / D in lowest terms, white or filtered noise of intensity G gives a rational number: G x_(n-1) / (2 d_n), where X of degree below n is
 the solution of D(s) X(-s) + D(-s) X(s) = N(s) N(-s) (Newton, Gould and Kaiser, Analytical Design of Linear Feedback Controls, 1957, appendix E,
-by one linear system). Between corner frequencies the integral of |H|^2 G is computed by certified quadrature (Johansson, Mathematical Software,
-ICMS 2018). The variance is infinite where D, without what cancels in N, has a zero on the axis that the noise reaches, or to the right of it, and where
+by one linear system). Between corner frequencies the integral of |H|^2 G is the sum over the poles p of H(s) H(-s) of its partial fractions r / (s - p)
+times the integrals of f^a / (f - p / (2 pi i)): logarithms for whole a, else hypergeometric functions (NIST Digital Library of Mathematical Functions,
+15.6.1). Multiple poles and coherent inputs take certified quadrature (Johansson, Mathematical Software, ICMS 2018). The variance is infinite where D, without what cancels in N, has a zero on the axis that the noise reaches, or to the right of it, and where
 the degrees of N and D say so.
 """
 
@@ -19,7 +20,7 @@ from ...exact.rational import RationalMatrix, enclosed_roots, polynomial, ration
 from ...ground.checks import whole_number
 from ...ground.errors import InputError
 from ..harmonic import Harmonic
-from .spectra import PowerLaw, Rational
+from .spectra import Line, PowerLaw, Rational
 from .spectral_matrix import SpectralMatrix
 
 #: Working precision in bits beyond the digits, in turn.
@@ -30,6 +31,9 @@ ROUNDED_BITS = (256, 512, 1024, 2048, 4096)
 
 #: Evaluations of an integrand at most, for each piece.
 EVALUATIONS = 200_000
+
+#: Exponents of frequencies of at most this size have hypergeometric functions of few terms.
+STEEPEST = 100
 
 ZERO = flint.fmpq_poly([0])
 
@@ -132,7 +136,12 @@ class ExactVariance:
         return total
 
     def _integral(self, reduced, chosen, middle: float, low: float, high: float) -> flint.arb:
-        pairs, used = [(flint.acb_poly(N), flint.acb_poly(D)) for N, D in reduced], list(chosen)
+        used = list(chosen)
+        if not any(self._are_coherent(i, j) for i, j in itertools.combinations(used, 2)):
+            each = [_by_partial_fractions(reduced[i], chosen[i], low, high) for i in used]
+            if None not in each:
+                return sum(each, flint.arb(0))
+        pairs = [(flint.acb_poly(N), flint.acb_poly(D)) for N, D in reduced]
         turn = flint.acb(0, 2) * flint.acb.pi()
 
         def integrand(f, analytic):
@@ -150,6 +159,9 @@ class ExactVariance:
 
         ends = flint.acb(flint.arb(rational(low))), flint.acb(flint.arb(rational(high)))
         return flint.acb.integral(integrand, *ends, eval_limit=EVALUATIONS).real
+
+    def _are_coherent(self, i: int, j: int) -> bool:
+        return bool(self.spectra.coherence[i, j]) or (i, j) in self.spectra.cross or (j, i) in self.spectra.cross
 
     def _cross(self, i: int, j: int, own, f, middle: float, analytic):
         """S_ij and S_ji, or None where they vanish."""
@@ -292,6 +304,58 @@ def _density(piece, f: flint.acb, analytic: bool, conjugate: bool = False) -> fl
         return number(piece.intensity) * above(s) * above(-s) / (below(s) * below(-s))
     part = (f - number(piece.lower)) / (number(piece.upper) - number(piece.lower))
     return number(piece.level) * (1 - part) + number(piece.end) * part
+
+
+def _by_partial_fractions(fraction: tuple[flint.fmpq_poly, flint.fmpq_poly], piece, low: float, high: float) -> flint.arb | None:
+    """The integral of |N / D|^2 G between two frequencies; None for multiple poles, unless they are at zero, rational spectra and steep edges."""
+    N, D = fraction
+    if isinstance(piece, Rational) or abs(getattr(piece, "exponent", 0.0)) > STEEPEST:
+        return None
+    at_zero = next(k for k, coefficient in enumerate(D.coeffs()) if coefficient)
+    D = D // flint.fmpq_poly([0, 1]) ** at_zero
+    opposite, slope = _mirrored(D), D.derivative()
+    if D.gcd(slope).degree() > 0 or D.gcd(opposite).degree() > 0:
+        return None
+    turn, (a, b) = flint.acb(0, 2) * flint.acb.pi(), (flint.arb(rational(end)) for end in (low, high))
+    powers = [(c / turn.imag ** (2 * at_zero), e - 2 * at_zero) for c, e in _powers(piece)]
+    whole, rest = divmod(N * _mirrored(N), D * opposite)
+    total = flint.arb(0)
+    for k, coefficient in enumerate(whole.coeffs()):  # zero for odd k
+        total += (turn**k * coefficient).real * sum((c * _of_power(e + k, a, b) for c, e in powers), flint.arb(0))
+    above, below = flint.acb_poly(rest), flint.acb_poly(slope) * flint.acb_poly(opposite)
+    for factor in _factors(D):
+        for p in enclosed_roots(factor, flint.ctx.prec):
+            residue = above(p) / (below(p) * turn)
+            total += 2 * (residue * sum((c * _of_fraction(e, p / turn, a, b) for c, e in powers), flint.acb(0))).real
+    return total if total.is_finite() else None
+
+
+def _powers(piece: PowerLaw | Line) -> list[tuple[flint.arb, flint.fmpq]]:
+    """Coefficients c and exponents e of G = sum of c f^e."""
+    lower, level = rational(float(piece.lower)), rational(float(complex(piece.level).real))
+    if isinstance(piece, PowerLaw):
+        exponent = rational(float(piece.exponent))
+        return [(flint.arb(level) / (flint.arb(lower) ** flint.arb(exponent) if exponent else 1), exponent)]
+    slope = (rational(float(complex(piece.end).real)) - level) / (rational(float(piece.upper)) - lower)
+    return [(flint.arb(level - slope * lower), flint.fmpq(0)), (flint.arb(slope), flint.fmpq(1))]
+
+
+def _of_power(exponent: flint.fmpq, a: flint.arb, b: flint.arb) -> flint.arb:
+    """The integral of f^e from a to b."""
+    if exponent == -1:
+        return (b / a).log()
+    return (b ** flint.arb(exponent + 1) - a ** flint.arb(exponent + 1)) / flint.arb(exponent + 1)
+
+
+def _of_fraction(exponent: flint.fmpq, pole: flint.acb, a: flint.arb, b: flint.arb) -> flint.acb:
+    """The integral of f^e / (f - pole) from a to b for a pole off the way; its angle seen from the pole is below pi."""
+    if exponent.q == 1:
+        n = int(exponent.p)
+        between = sum((pole ** (n - 1 - k) * _of_power(flint.fmpq(k), a, b) for k in range(min(n, 0), max(n, 0))), flint.acb(0))
+        return pole**n * ((b - pole) / (a - pole)).log() + (between if n > 0 else -between)
+    e = flint.acb(exponent)
+    ends = [flint.acb(f) ** (e + 1) * (f / pole).hypgeom_2f1(flint.acb(1), e + 1, e + 2) for f in (a, b)]
+    return (ends[0] - ends[1]) / ((e + 1) * pole)
 
 
 def _lowest_terms(N: flint.fmpq_poly, D: flint.fmpq_poly) -> tuple[flint.fmpq_poly, flint.fmpq_poly]:

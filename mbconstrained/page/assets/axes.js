@@ -3,6 +3,9 @@ const mostSteps = 6;
 const fewDecades = 2;
 const fewestTicks = 3;
 const noiseSpan = 1e-9;
+const letter = 7.4; // width of a letter of a label, px
+const labelSpace = 8; // between two labels, px
+const [margin, marginLetters] = [70, 6]; // the usual margin on the left, px, and the letters of labels that it has room for
 
 class Axis {
   constructor(ends, unit) {
@@ -62,6 +65,18 @@ class Axis {
   ticks() {
     if (this.rows) return [];
     return this.log ? logTicks(...this.ends) : linearTicks(...this.ends, this.exponent);
+  }
+
+  // Those of some ticks whose labels do not meet on an axis of this width: all, powers of ten, or some at even steps.
+  labelled(ticks, width) {
+    const powers = this.log ? ticks.filter(([value]) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < noiseSpan) : ticks;
+    const steps = ticks.map((_, i) => (powers.length ? powers : ticks).filter((_, place) => place % (i + 1) === 0));
+    const clear = (kept) => kept.every((tick, i) => {
+      if (i === 0) return true;
+      const [before, letters] = [kept[i - 1], (kept[i - 1][1].length + tick[1].length) / 2];
+      return width * (this.share(tick[0]) - this.share(before[0])) >= letter * letters + labelSpace;
+    });
+    return [ticks, ...steps].find(clear) || [];
   }
 
   // A value to a part of a pixel, rounded to what its text shows.

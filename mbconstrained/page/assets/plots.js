@@ -1,10 +1,12 @@
 // Plots: cursors at the current time, values of the curves next to their names at the time of the pointer or else of the
 // cursor, names that show and hide their curves, and parts of the axes. On a page with an animation plots.seek(time) is called by
 // a press in a plot, and by a drag where the whole is shown; plots.pointed(time) while the pointer is over one, and with null after.
-// Their cursor is of plots.variable, which is the frequency on the page of a response.
+// Their cursor is of plots.variable, which is the frequency on the page of a response. Between two computed points of a curve there is
+// no value: the pointer takes the nearest one. What a mark or a cell of a map stands for is read next to the pointer.
 const cells = 10000; // of the square in which curves are written, as wide and as high as the axes
 const near = 14; // px from a curve to the pointer that highlights it
 const pressed = 4; // px that the pointer moves at most in a press
+const tableRows = 2001; // of a table of functions
 const scrolling = 400; // ms after the wheel has scrolled the page in which it goes on scrolling
 const plots = { all: [], sets: [], phases: null, seek: null, pointed: null, variable: "time", time: null, hover: null, over: null, scrolled: -Infinity };
 const svgNamespace = "http://www.w3.org/2000/svg";
@@ -57,6 +59,16 @@ class PlottedCurve {
     }
     const part = this.original && !this.plot.zoomed ? this.original : this.outline();
     if (this.path.getAttribute("d") !== part) this.path.setAttribute("d", part);
+  }
+
+  // Times of the part that is shown at which a table has the curve; of a function as many as there is room for, evenly along the axis.
+  timesShown() {
+    const { across, phase, start, end } = this.plot;
+    const { samples } = this.functions;
+    const at = (share) => (phase ? start + (end - start) * share : across.value(share));
+    const [from, to] = phase ? [start, end] : across.ends;
+    const times = samples ? samples.points(from, to) : Array.from({ length: tableRows }, (_, i) => at(i / (tableRows - 1)));
+    return [...new Set(times.map((time) => Math.min(end, Math.max(start, time))))].filter((time) => this.has(time));
   }
 
   outline() {
@@ -122,6 +134,10 @@ class PlottedFigure {
     this.phases = svg.querySelector(".phases");
     this.phaseNames = [...this.figure.querySelectorAll("[data-phase]")];
     this.marks = [...svg.querySelectorAll(".mark")];
+    this.notes = new Map([...svg.querySelectorAll("title")].map((title) => [title.parentNode.closest(".mark, rect"), title.textContent]));
+    this.notes.delete(null); // that of a phase remains
+    this.notes.forEach((_, part) => part.querySelector("title").remove()); // it is shown sooner, and by a touch, too
+    this.left = svg.style.getPropertyValue("--left");
     this.grid = this.ticks.innerHTML;
     this.pointers = new Map();
     this.cursor = this.add("line", { class: "cursor", y2: this.height, visibility: "hidden" });
@@ -130,7 +146,14 @@ class PlottedFigure {
     const entries = [...this.figure.querySelectorAll(".legend [data-function]")];
     const pathOf = (number) => this.paths.querySelector(`[data-number="${number}"]`);
     this.curves = entries.map((entry, i) => new PlottedCurve(this, entry, i, pathOf(i)));
-    this.reset = this.resetButton();
+    this.samples = [...new Set(this.curves.flatMap((curve) => [curve, curve.across]).filter(Boolean).map(({ functions }) => functions.samples).filter(Boolean))];
+    this.reset = this.button("whole", "Show the whole", () => this.showWhole());
+    this.reset.hidden = true;
+    this.button("csv", "CSV", () => this.save()).title = "save what is drawn as a table";
+    this.reading = document.createElement("p");
+    Object.assign(this.reading, { className: "reading", hidden: true });
+    this.reading.setAttribute("role", "status");
+    this.figure.append(this.reading);
     this.listen();
     this.choose();
   }
@@ -151,10 +174,10 @@ class PlottedFigure {
     return element;
   }
 
-  resetButton() {
+  button(name, text, act) {
     const button = document.createElement("button");
-    Object.assign(button, { type: "button", className: "whole", textContent: "Show the whole", hidden: true });
-    button.addEventListener("click", () => this.showWhole());
+    Object.assign(button, { type: "button", className: name, textContent: text });
+    button.addEventListener("click", act);
     this.figure.prepend(button);
     return button;
   }
@@ -168,7 +191,9 @@ class PlottedFigure {
       svg.addEventListener(end, (event) => {
         this.pointers.delete(event.pointerId);
         this.light(null);
-        hover(null);
+        const stays = event.pointerType === "touch" && end === "pointerleave"; // a finger that is lifted leaves what it has pointed at
+        if (!stays) this.read(null);
+        if (!stays || this.seeks) hover(null);
       });
     }
     svg.addEventListener("dblclick", () => this.showWhole());
@@ -260,7 +285,48 @@ class PlottedFigure {
     const [x, y] = this.shares(event);
     if (this.phase) return this.nearest(x, y);
     const time = this.across.value(Math.min(1, Math.max(0, x)));
-    return Math.min(this.end, Math.max(this.start, this.across.rounded(time, 2 * this.svg.clientWidth).value));
+    const computed = this.computed(time);
+    return computed === null ? Math.min(this.end, Math.max(this.start, this.across.rounded(time, 2 * this.svg.clientWidth).value)) : computed;
+  }
+
+  // The nearest of the computed points; null where all curves are functions, or are constant to the next point.
+  computed(time) {
+    if (!this.samples.length) return null;
+    let [best, least] = [null, Infinity];
+    for (const functions of this.samples) {
+      for (const at of functions.around(time)) {
+        const distance = Math.abs(this.across.share(at) - this.across.share(time));
+        if (distance < least) [best, least] = [at, distance];
+      }
+    }
+    return best;
+  }
+
+  // What the nearest mark within reach, or else the cell at the pointer, stands for.
+  read(event) {
+    const place = event && this.noteAt(event);
+    this.marks.forEach((mark) => mark.classList.toggle("lit", mark === place));
+    this.reading.hidden = !place;
+    if (!place) return;
+    this.reading.textContent = this.notes.get(place);
+    const box = this.figure.getBoundingClientRect();
+    const [x, y] = [event.clientX - box.left, event.clientY - box.top];
+    const free = box.width - this.reading.offsetWidth - 4;
+    this.reading.style.left = `${Math.min(Math.max(4, x - this.reading.offsetWidth / 2), free)}px`;
+    this.reading.style.top = `${y - this.reading.offsetHeight - 14}px`;
+  }
+
+  noteAt(event) {
+    const box = this.svg.getBoundingClientRect();
+    let [best, least] = [null, near];
+    for (const mark of this.marks) {
+      if (!this.notes.has(mark) || mark.getAttribute("visibility") === "hidden") continue;
+      const [x, y] = [(box.width * parseFloat(mark.getAttribute("x"))) / 100, Number(mark.getAttribute("y"))];
+      const distance = Math.hypot(event.clientX - box.left - x, event.clientY - box.top - y);
+      if (distance < least) [best, least] = [mark, distance];
+    }
+    if (best) return best;
+    return document.elementsFromPoint(event.clientX, event.clientY).find((part) => this.notes.has(part) && part.localName === "rect") || null;
   }
 
   // The time at which a shown phase curve is nearest to the pointer; where it crosses itself, the one nearest to now.
@@ -297,6 +363,7 @@ class PlottedFigure {
     if (event.button !== 0) return;
     this.svg.setPointerCapture(event.pointerId);
     this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY, startX: event.clientX, startY: event.clientY, moved: false });
+    plots.all.forEach((plot) => plot.read(plot === this && this.pointers.size === 1 ? event : null));
     if (this.pointers.size > 1) return;
     if (this.seeks && !this.zoomed) plots.seek(this.timeAt(event));
     hover(this.timeAt(event), this.over);
@@ -304,6 +371,7 @@ class PlottedFigure {
 
   move(event) {
     const held = this.pointers.get(event.pointerId);
+    this.read(held && (this.pointers.size === 2 || this.zoomed) ? null : event);
     if (!held) {
       this.light(this.curveAt(event));
       hover(this.timeAt(event), this.over);
@@ -398,6 +466,7 @@ class PlottedFigure {
       this.reset.hidden = !this.zoomed;
       if (this.zoomed) this.drawTicks();
       else this.ticks.innerHTML = this.grid;
+      if (!this.zoomed) this.svg.style.setProperty("--left", this.left);
       if (this.phases) this.phases.setAttribute("viewBox", [cells * this.across.view[0], 0, cells * (this.across.view[1] - this.across.view[0]), 3].join(" "));
       if (this.guides) this.guides.setAttribute("viewBox", this.part());
       this.placeMarks();
@@ -424,16 +493,69 @@ class PlottedFigure {
     }
   }
 
+  // Saves the curves and marks that are drawn, in the part that is shown, as a table.
+  save() {
+    const link = document.createElement("a");
+    const name = `${document.title} ${this.figure.querySelector("h2").textContent}`.replace(/[^\p{L}\p{N}]+/gu, "_").slice(0, 100);
+    link.href = URL.createObjectURL(new Blob([tableText(this.table())], { type: "text/csv" }));
+    link.download = `${name}.csv`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  }
+
+  // Columns: the variable, every shown curve with its marks, and what the marks stand for.
+  table() {
+    const { across, up, phase, svg } = this;
+    const { name, variableUnit } = svg.dataset;
+    const headed = (text, unit) => (unit ? `${text} (${unit})` : text);
+    const shown = this.curves.filter((curve) => curve.shown);
+    const marks = this.marks.filter((mark) => mark.getAttribute("visibility") !== "hidden");
+    const values = (mark) => mark.dataset.at.split(" ").map(Number);
+    if (up.rows) return this.tableOfRows(shown, marks, headed(name, across.unit), values);
+    if (this.guides && this.guides.dataset.cells) {
+      const rows = [...this.guides.querySelectorAll("rect[data-at]")].map(values);
+      const heads = [headed(name, across.unit), headed(svg.dataset.upName, up.unit), headed("value", this.guides.dataset.unit)];
+      return heads.map((head, i) => [head, rows.map((row) => row[i])]);
+    }
+    const noted = marks.filter((mark) => this.notes.has(mark));
+    const times = [...new Set(shown.flatMap((curve) => curve.timesShown()))].sort((one, other) => one - other);
+    const column = (curve, read, part) => [
+      ...times.map((time) => (curve && curve.has(time) ? digitsOf(...read(time)) : "")),
+      ...noted.map((mark) => (this.curves[mark.dataset.curve] === curve ? values(mark)[part] : "")),
+    ];
+    const variable = phase ? headed(this.over, variableUnit ?? (this.over === "time" ? "s" : "")) : headed(name, across.unit);
+    const columns = [[variable, [...times.map((time) => Number(time.toPrecision(12))), ...noted.map((mark) => (phase ? "" : values(mark)[0]))]]];
+    for (const curve of [...shown, ...(noted.some((mark) => mark.dataset.curve === undefined) ? [undefined] : [])]) {
+      const own = curve ? curve.button.textContent : "mark";
+      if (phase) columns.push([headed(`${own}: ${name}`, across.unit), column(curve, (time) => curve.across.functions.at(curve.across.row, time), 0)]);
+      columns.push([headed(own, up.unit), column(curve, (time) => curve.at(time), 1)]);
+    }
+    if (noted.length) columns.push(["note", [...times.map(() => ""), ...noted.map((mark) => this.notes.get(mark))]]);
+    return columns;
+  }
+
+  // A row for each name, with the values of its marks.
+  tableOfRows(shown, marks, head, values) {
+    const names = new Map(marks.filter((mark) => !this.notes.has(mark)).map((mark) => [values(mark)[1], mark.textContent]));
+    const at = (curve, row) => marks.filter((mark) => this.curves[mark.dataset.curve] === curve && values(mark)[1] === row).map((mark) => values(mark)[0])[0];
+    return [[this.svg.dataset.upName, [...names.values()]], ...shown.map((curve) => [`${curve.button.textContent}: ${head}`, [...names.keys()].map((row) => at(curve, row))])];
+  }
+
   drawTicks() {
     const { ticks, height } = this;
     ticks.textContent = "";
+    const upwards = this.up.ticks();
+    const letters = Math.max(0, ...upwards.map(([, text]) => text.length));
+    this.svg.style.setProperty("--left", letters > marginLetters ? `max(${this.left || "0px"}, ${Math.round(margin + letter * (letters - marginLetters))}px)` : this.left);
     const along = this.across.ticks();
-    along.forEach(([value, text], i) => {
-      const x = `${(100 * this.across.share(value)).toFixed(2)}%`;
+    const labelled = this.across.labelled(along, this.svg.clientWidth);
+    for (const tick of along) {
+      const x = `${(100 * this.across.share(tick[0])).toFixed(2)}%`;
       this.add("line", { class: "grid", x1: x, x2: x, y2: height }, ticks);
-      this.add("text", { class: along.length > 5 && i % 2 ? "second" : "first", x: x, y: height + 18, "text-anchor": "middle" }, ticks).textContent = text;
-    });
-    for (const [value, text] of this.up.ticks()) {
+      const end = this.across.share(tick[0]) > 0.98 && tick[1].length > 4 ? { dx: 14, "text-anchor": "end" } : { "text-anchor": "middle" };
+      if (labelled.includes(tick)) this.add("text", { x: x, y: height + 18, ...end }, ticks).textContent = tick[1];
+    }
+    for (const [value, text] of upwards) {
       const y = (height * (1 - this.up.share(value))).toFixed(1);
       this.add("line", { class: value === 0 ? "axis" : "grid", x2: "100%", y1: y, y2: y }, ticks);
       this.add("text", { x: -8, y: Number(y) + 4, "text-anchor": "end" }, ticks).textContent = text;
@@ -441,6 +563,19 @@ class PlottedFigure {
     this.add("line", { class: "axis", y2: height }, ticks);
     this.add("line", { class: "axis", x2: "100%", y1: height, y2: height }, ticks);
   }
+}
+
+// Columns with their heads as the text of a file; a comma in a name is replaced, as in the files of the commands.
+function tableText(columns) {
+  const cell = (text) => String(text).replaceAll(",", ";").replace(/\s+/g, " ");
+  const rows = columns[0][1].map((_, i) => columns.map(([, values]) => cell(values[i] ?? "")));
+  return [columns.map(([head]) => cell(head)), ...rows].map((row) => row.join(",") + "\n").join("");
+}
+
+// A number with the digits that its error leaves, at most twelve.
+function digitsOf(value, error) {
+  const digits = Math.floor(Math.log10(Math.abs(value) / (2 * error)));
+  return value === 0 || digits < 0 ? "0" : String(Number(value.toPrecision(Math.min(12, Math.max(1, digits)))));
 }
 
 // Stretches of times from a text of their ends; the whole where there is none.

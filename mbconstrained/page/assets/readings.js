@@ -11,6 +11,11 @@ class TimeFunctions {
     return part.at(row, time);
   }
 
+  // The computed points, between which there is nothing but straight lines; null for functions.
+  get samples() {
+    return this.parts.length === 1 && this.parts[0].linear ? this.parts[0] : null;
+  }
+
   // Times at which a function is drawn between two times: as close as is asked for, or those of the stored values.
   timesBetween(from, to, spacing) {
     const times = [from];
@@ -48,6 +53,24 @@ class Panels {
     this.codes = wholeNumbers(unpack(packed.codes, Uint8Array), packed.bytes);
     this.places = new Uint32Array(this.count + 1);
     this.degrees.forEach((degree, i) => (this.places[i + 1] = this.places[i] + degree + 1));
+  }
+
+  // Whether the values are points with straight lines from each to the next.
+  get linear() {
+    return this.degrees.every((degree) => degree === 0);
+  }
+
+  // The computed points on both sides of a time; none where all functions are constant between them.
+  around(time) {
+    const panel = this.panel(time);
+    const rows = Array.from({ length: this.codes.length / this.count }, (_, row) => row);
+    const value = (row, at) => this.codes[this.place(row, at)] * this.step(row, at);
+    const next = Math.min(panel + 1, this.count - 1);
+    return next > panel && rows.every((row) => value(row, panel) === value(row, next)) ? [] : [this.edges[panel], this.edges[next]];
+  }
+
+  points(from, to) {
+    return [...this.edges.subarray(0, this.count)].filter((time) => time >= from && time <= to);
   }
 
   // The panel of a time; at an edge the later one.

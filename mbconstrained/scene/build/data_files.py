@@ -47,6 +47,7 @@ class Record(Displayed):
         unit: unit of the values in SI; an empty text where it is unknown.
         name: name of the column, channel or function in the file.
         notices: how the file was read, what is missing in it, and what was corrected.
+        unit_in_file: unit of the values in the file; an empty text where it is unknown.
     """
 
     times: np.ndarray = field(repr=False)
@@ -54,6 +55,7 @@ class Record(Displayed):
     unit: str = ""
     name: str = ""
     notices: tuple[Notice, ...] = ()
+    unit_in_file: str = ""
 
     @property
     def signal(self) -> ImpulsiveSmooth:
@@ -204,7 +206,7 @@ def record_in_si(
     elif baseline_fit != "record":
         raise InputError('baseline_fit: there is no baseline to be fitted; give baseline, e.g. "linear"')
     notices = tuple(Notice(NoticeKind.RECORD, f"{samples.file}: {note}") for note in notes)
-    return Record(times, values, "" if kind is None else own_unit, samples.name, notices)
+    return Record(times, values, "" if kind is None else own_unit, samples.name, notices, unit or "")
 
 
 class _Abscissa:

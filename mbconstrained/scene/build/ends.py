@@ -109,7 +109,11 @@ class BoundaryEnd(End):
     def table(self, coordinates: Coordinates) -> TextTable:
         own = self.boundary
         given = (
-            (one.text, coordinates.shown.text(one.value, rate_unit(coordinates.units[one.coordinate], one.order)), "given")
+            (
+                one.text,
+                coordinates.text(one.value, rate_unit(coordinates.units[one.coordinate], one.order), one.coordinate),
+                "given",
+            )
             for one in own.conditions
         )
         free = len(own.undetermined)
@@ -166,7 +170,7 @@ class LeastEnergyEnd(End):
         u = self.input
         size = extrema(u.signal.smooth, 0.0, u.duration).largest
         largest = tuple(
-            (f"largest of {name}", coordinates.shown.text(float(one), unit), "largest modulus")
+            (f"largest of {name}", coordinates.shown.text(float(one), unit, name), "largest modulus")
             for name, one, unit in zip(u.inputs, size, self.units)
         )
         energy = ("energy", with_unit(u.energy, self.unit), "integral of the squared input")

@@ -339,7 +339,7 @@ def _with_free_coordinates(table, equations: Equations, folder: SceneFolder, fil
             raise InputError(
                 "in discrete time coefficients must be those of a regular system: square, with det A(z) not zero for every z"
             )
-    for key in (key for key in ("frequency", "random", "campbell") if getattr(table, key) is not None):
+    for key in (key for key in ("frequency", "random", "campbell", "orders") if getattr(table, key) is not None):
         with at(file_name, key):
             raise InputError(no_modes(key))
     if not table.motion and (report := solvability(A, equations.initial, equations.force)).freedom:

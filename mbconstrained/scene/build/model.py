@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, reduce
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from ...ground.checks import counted, nearest
-from ...ground.coordinate_units import GROUND, force_unit, rate_unit
+from ...ground.coordinate_units import GROUND
 from ...ground.display import TextTable
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
+from ...ground.quantities import Dimension, dimension, unit_of
+from ...mechanics.channels import FORCES, MOTIONS, Output, OutputNames
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...polynomial.reduced_equations import Reduction
 from ...response.events import start_of
@@ -26,6 +28,7 @@ from ..quantities.coordinates import Coordinates, beyond_noise
 from .forces import SceneForce
 
 if TYPE_CHECKING:
+    from ...mechanics.constraints import ConstraintRow
     from ...mechanics.system import MechanicalSystem
     from ...models.lumped import LumpedModel
     from ...response.solvability import Solvability
@@ -275,75 +278,68 @@ def rows_decision(rows: int, removed: int, none: str) -> Decision:
     return (True, f"{counted(rows + removed, 'row')}, {removed} of them dependent") if rows or removed else (False, none)
 
 
-RELATIVE = ("displacement", "velocity", "acceleration")
-
-
-@dataclass(frozen=True, eq=False)
-class ElementQuantity:
-    """constant + sum over i of rows[i] @ x^(i)(t)."""
-
-    # name, title and unit of the curve; the title is the quantity
-    name: str
-    title: str
-    unit: str
-    rows: np.ndarray  # rows of x, x' and x'', shape (3, n)
-    constant: float = 0.0  # in the unit
-
-    def values(self, motion, times: np.ndarray) -> np.ndarray:
-        """Over times (T,), of a motion."""
-        orders = [order for order, row in enumerate(self.rows) if row.any()]
-        parts = (self.rows[order] @ (motion.derivative(order)(times) if order else motion(times)) for order in orders)
-        return self.constant + sum(parts, np.zeros(len(times)))
-
-
-def element_quantities(tables, equations: Equations) -> Iterator[ElementQuantity]:
-    for table in tables:
-        yield _between(table, equations) if table.between else _of_element(table, equations)
-
-
-def _between(table, equations: Equations) -> ElementQuantity:
-    """The motion of the second coordinate relative to the first."""
+def output_names(equations: Equations, rows: Sequence[ConstraintRow] | None = None) -> OutputNames:
+    """The names of outputs of a model; of one that switches the rows are those of all phases."""
     coordinates = equations.coordinates
-    row, units = np.zeros(len(coordinates.names)), set()
-    for name, sign in zip(table.between, (-1.0, 1.0)):
-        if name != GROUND:
-            place = coordinates.number(name, GROUND)
-            row[place] += sign
-            units.add(coordinates.units[place])
-    if not row.any() or len(units) != 1:
-        raise InputError(
-            f"between: found {shown(table.between[0])} and {shown(table.between[1])}; expected two coordinates of one unit"
-        )
-    quantity = table.quantity or "displacement"
-    if quantity not in RELATIVE:
-        raise InputError(f"quantity: found {shown(quantity)}; between two coordinates expected {', '.join(RELATIVE)}")
-    order = RELATIVE.index(quantity)
-    rows = np.zeros((3, len(row)))
-    rows[order] = row
-    name = table.name or f"{table.between[1]} relative to {table.between[0]}"
-    return ElementQuantity(name, f"relative {quantity}", rate_unit(units.pop(), order), rows)
+    return OutputNames(dict(zip(coordinates.names, coordinates.units)), equations.system, rows)
 
 
-def _of_element(table, equations: Equations) -> ElementQuantity:
-    elements = equations.system.elements if equations.system is not None else {}
-    if table.of not in elements:
-        there = f"; there are {', '.join(elements)}" if elements else "; the model has no springs and dampers with names"
-        raise InputError(f"of: there is no spring or damper {shown(table.of)}{nearest(table.of, elements)}{there}")
-    elongation, rest, stiffness, damping, unit = elements[table.of]
-    quantity, rows = table.quantity or "force", np.zeros((3, len(elongation)))
-    if quantity == "force":
-        rows[0], rows[1] = stiffness * elongation, damping * elongation
-        return ElementQuantity(
-            table.name or table.of, "force" if unit == "m" else "torque", force_unit(unit), rows, stiffness * rest
-        )
-    if quantity not in ("elongation", "rate"):
-        raise InputError(f"quantity: found {shown(quantity)}; expected force, elongation or rate of a spring or damper")
-    rows[int(quantity == "rate")] = elongation
-    constant = rest if quantity == "elongation" else 0.0
-    return ElementQuantity(
-        table.name or table.of,
-        quantity if quantity == "elongation" else "elongation rate",
-        rate_unit(unit, int(quantity == "rate")),
-        rows,
-        constant,
-    )
+def named_quantities(tables, names: OutputNames) -> Iterator[Output]:
+    """The outputs of the tables [[output.quantity]], one by one: none refers to another."""
+    names = names.without_own
+    for table in tables:
+        one = _between(table, names) if table.between else _of_one(table, names)
+        yield reduce(_multiplied, table.multipliers, one)
+
+
+def quantities_by_name(tables, names: OutputNames) -> dict[str, Output]:
+    """The outputs of the tables by distinct names; an elongation with the name of its spring is "elongation of spring"."""
+    result: dict[str, Output] = {}
+    for table, one in zip(tables, named_quantities(tables, names)):
+        if one.name in names.without_own:
+            if one.name != table.of:
+                raise InputError(f"name: {shown(one.name)} is already the name of something else in the model; give another name")
+            kind = table.quantity or (FORCES[0] if one.elements else None)
+            one = one if kind in (None, *FORCES) else replace(one, name=f"{kind} of {one.name}")
+        if one.name in result:
+            raise InputError(f"name: {shown(one.name)} is the name of two [[output.quantity]]; give one of them another name")
+        result[one.name] = one
+    return result
+
+
+def _between(table, names: OutputNames) -> Output:
+    """The motion of the second coordinate relative to the first."""
+    first, second = table.between
+    kind = table.quantity or "displacement"
+    if kind not in MOTIONS:
+        raise InputError(f"quantity: found {shown(kind)}; between two coordinates expected displacement, velocity, acceleration")
+    for name in table.between:
+        if name != GROUND and name not in names.directions:
+            known = ", ".join(names.directions)
+            hint = nearest(name, (*names.directions, GROUND))
+            raise InputError(f"between: there is no coordinate {shown(name)}{hint}; the coordinates are {known}")
+    units = {names.directions[name][1] for name in table.between if name != GROUND}
+    if first == second or len(units) != 1:
+        raise InputError(f"between: found {shown(first)} and {shown(second)}; expected two coordinates of one unit")
+    one = names.output(f"{kind} of {second} - {first}", what="between")
+    return replace(one, name=table.name or f"{second} relative to {first}")
+
+
+def _of_one(table, names: OutputNames) -> Output:
+    """A quantity by its name; of a spring or damper that is named alone its force, or another quantity of it."""
+    is_element = table.of in names.elements and table.of not in names.own
+    if is_element and table.of not in names.directions and table.quantity in MOTIONS:
+        raise InputError(f"quantity: found {shown(table.quantity)}; expected force, elongation or rate of a spring or damper")
+    one = names.output(table.of, table.quantity or ("force" if is_element else "displacement"), "of")
+    return replace(one, name=table.name or one.name)
+
+
+def _multiplied(one: Output, multiplier: tuple[float, Dimension | None]) -> Output:
+    """A quantity times a number with its kind: a stress is a force by an area, or a moment by a section modulus."""
+    factor, kind = multiplier
+    if kind is None:
+        return one.scaled(factor)
+    product = dimension(one.unit.replace(" ", "*")).times(kind)
+    if product.units == dimension("Pa").units:
+        return one.scaled(factor, unit="Pa", quantity="stress")
+    return one.scaled(factor, unit=unit_of(product).replace("*", " "), quantity="product")

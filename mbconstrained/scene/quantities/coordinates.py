@@ -50,8 +50,12 @@ class Coordinates:
     @property
     def listed(self) -> str:
         """Names of all coordinates with their units, except the unit 1."""
-        units = (self.shown.of(unit)[0] for unit in self.units)
+        units = (self.shown.of(unit, name)[0] for unit, name in zip(self.units, self.names))
         return ", ".join(name if unit == "1" else f"{name} ({unit})" for name, unit in zip(self.names, units))
+
+    def text(self, value: float, unit: str, place: int) -> str:
+        """A value in SI of the coordinate at a place, or of a derivative of it, as a text in the unit shown."""
+        return self.shown.text(value, unit, self.names[place])
 
     def to_list(self) -> list[dict[str, str]]:
         return [{"name": name, "unit": unit} for name, unit in zip(self.names, self.units)]

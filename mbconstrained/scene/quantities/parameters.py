@@ -9,7 +9,7 @@ import ast
 import math
 import operator
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -19,14 +19,21 @@ from typing import Any
 from ...ground.checks import nearest
 from ...ground.errors import InputError, SceneError, quoted, shown
 from ...ground.notices import Notice, NoticeKind
-from ...ground.quantities import Dimension, Expressed, any_quantity, described, in_range, unit_of
+from ...ground.quantities import Dimension, Expressed, OfParameters, any_quantity, described, in_range, unit_of
+from ...ground.units import is_accepted
 from ..file import Place, place, together
 
 LONGEST_EXPRESSION = 200  # characters
 LARGEST_EXPONENT = 20
 
-_NAMES_IN_TEXT = re.compile(r"(?<![\w.])[^\W\d_]\w*")
-_NUMBER = re.compile(r"(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
+_DIGITS = r"[0-9]+(?:_[0-9]+)*"
+_NUMBER_TEXT = rf"(?:{_DIGITS}\.?(?:{_DIGITS})?|\.{_DIGITS})(?:[eE][+-]?[0-9]{{1,2}})?"
+_NUMBER = re.compile(_NUMBER_TEXT)
+_UNIT_NAME = r"[^\W\d_]+(?![\w.(])(?:\^-?[1-9](?!\d))?"
+# a name, or a number with what may be its unit
+_NAMES_IN_TEXT = re.compile(rf"(?<![\w.])(?:({_NUMBER_TEXT})\s*({_UNIT_NAME}(?:(?:\s*[*/]\s*|\s+){_UNIT_NAME})*)|[^\W\d_]\w*)")
+_UNIT_PART = re.compile(rf"(\s*[*/]\s*|\s+|^)({_UNIT_NAME})")
+_WORD = re.compile(r"[^\W\d]\w*")
 _FOREIGN = re.compile(r"[^\w\s.+\-*/^()]|(?<!\w)_")
 _BINARY: dict[Any, Any] = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
 _UNARY: dict[Any, Any] = {ast.UAdd: operator.pos, ast.USub: operator.neg}
@@ -36,12 +43,13 @@ _UNARY: dict[Any, Any] = {ast.UAdd: operator.pos, ast.USub: operator.neg}
 class Expression:
     """An expression of parameters."""
 
-    tree: ast.expr  # of Python's parser; a Name has the name of a parameter, a Constant the text of a number
+    tree: ast.expr  # of Python's parser; a Name has the name of a parameter, a Constant the text of a number in SI
 
     def value(self, number: Callable[[str], Any], names: Mapping[str, Any]) -> Any:
         def of(node: Any) -> Any:
             if isinstance(node, ast.Constant):
-                return number(str(node.value))
+                assert isinstance(node.value, str)
+                return number(node.value)
             if isinstance(node, ast.Name):
                 return names[node.id]
             if isinstance(node, ast.UnaryOp):
@@ -78,12 +86,18 @@ class Expression:
         return Expression(of(self.tree))
 
 
-def read_expression(text: str) -> Expression:
-    """Read an expression.
+class _NumberInSI(str):
+    """The text of a number in SI that has a unit in an expression, with its dimension."""
 
-    >>> expression = read_expression("2*(k1 + k2)/m^2")
+    dimension: Dimension
+
+
+def read_expression(text: str, parameters: Collection[str] = ()) -> Expression:
+    """Read an expression, whose numbers may have units; names of parameters are no units.
+
+    >>> expression = read_expression("2*(k1 + k2)/m^2 + 3 N/mm")
     >>> expression.value(float, {"k1": 1.0, "k2": 3.0, "m": 2.0}), sorted(expression.names)
-    (2.0, ['k1', 'k2', 'm'])
+    (3002.0, ['k1', 'k2', 'm'])
     """
     if len(text) > LONGEST_EXPRESSION:
         raise InputError(f"found an expression of {len(text)} characters; expected at most {LONGEST_EXPRESSION}")
@@ -92,6 +106,10 @@ def read_expression(text: str) -> Expression:
     names: list[str] = []  # stand as n0, n1, … in what Python reads: a parameter may have the name of a keyword
 
     def numbered(match: re.Match) -> str:
+        if match[1]:
+            own, rest = _number_in_si(match[1], match[2], text, parameters)
+            names.append(own)
+            return f"n{len(names) - 1}{_NAMES_IN_TEXT.sub(numbered, rest)}"
         if not match[0].isidentifier():
             raise _refusal(text, f"with {quoted(match[0])} in it")
         names.append(match[0])
@@ -105,15 +123,39 @@ def read_expression(text: str) -> Expression:
     return Expression(_admitted(tree, source, names, text))
 
 
+def _number_in_si(number: str, names: str, text: str, parameters: Collection[str]) -> tuple[_NumberInSI, str]:
+    """A number with the longest unit at the start of names that are joined by * and /, and the rest."""
+    end, divided = 0, False
+    for part in _UNIT_PART.finditer(names):
+        name, divides = part[2].partition("^")[0], part[1].strip() == "/"
+        if not is_accepted(name) or (divided and end and not divides):
+            break
+        if name in parameters:
+            other = f"({number} {names[: part.start()].strip()}){part[1].strip()}{name}" if end else f"{number}*{name}"
+            raise InputError(
+                f'found {shown("=" + text)}, where "{name}" may be the unit or the parameter: write "{other}", or the name of the unit in '
+                'full, such as "metre"'
+            )
+        end, divided = part.end(), divided or divides
+    if not end:
+        name = names.split()[0].partition("*")[0].partition("/")[0]
+        raise InputError(f'found {shown("=" + text)}; there is no unit "{name}": for a product write "{number}*{name}"')
+    value, kind = any_quantity(f"{number} {names[:end]}")
+    result = _NumberInSI(repr(value))
+    result.dimension = kind
+    return result, names[end:]
+
+
 def _admitted(node: ast.expr, source: str, names: list[str], text: str) -> ast.expr:
     """The parsed tree with the names of the parameters and the texts of the numbers."""
     if isinstance(node, ast.Name):
-        return ast.Name(names[int(node.id[1:])])
+        name = names[int(node.id[1:])]
+        return ast.Constant(name) if isinstance(name, _NumberInSI) else ast.Name(name)
     if isinstance(node, ast.Constant):
         number = ast.get_source_segment(source, node) or ""
         if not _NUMBER.fullmatch(number):
             raise _refusal(text, f"with {quoted(number)} in it")
-        return ast.Constant(number)
+        return ast.Constant(number.replace("_", ""))
     if isinstance(node, ast.UnaryOp) and type(node.op) in _UNARY:
         return ast.UnaryOp(node.op, _admitted(node.operand, source, names, text))
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
@@ -123,11 +165,15 @@ def _admitted(node: ast.expr, source: str, names: list[str], text: str) -> ast.e
         return ast.BinOp(_admitted(node.left, source, names, text), node.op, node.right)
     if isinstance(node, ast.BinOp) and type(node.op) in _BINARY:
         return ast.BinOp(_admitted(node.left, source, names, text), node.op, _admitted(node.right, source, names, text))
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+        raise _refusal(text, f"with the function {names[int(node.func.id[1:])]}(…) in it")
     raise _refusal(text, "with something else in it")
 
 
 def _refusal(text: str, what: str) -> InputError:
-    return InputError(f"found {shown('=' + text)}, {what}; an expression has numbers, names, + - * / ^ and parentheses")
+    return InputError(
+        f"found {shown('=' + text)}, {what}; an expression has numbers, perhaps with units, names, + - * / ^ and parentheses"
+    )
 
 
 MOST_BITS = 20_000  # of a numerator or denominator: more come of powers of powers
@@ -264,7 +310,7 @@ class _Substitution:
             with self._problem_at(f"parameters.{name}" if name.isprintable() else "parameters"):
                 _check_name(name)
                 if _is_expression(value):
-                    expressions[name] = read_expression(value.strip()[1:])
+                    expressions[name] = read_expression(value.strip()[1:], self.given)
                 else:
                     number, dimension = any_quantity(value)
                     self.known[name], self.depends[name] = Measured(Fraction(repr(number)), dimension), frozenset([name])
@@ -294,13 +340,17 @@ class _Substitution:
         if isinstance(value, list):
             return [self.replaced(entry, (*location, number)) for number, entry in enumerate(value)]
         if not _is_expression(value):
-            return value
+            return OfParameters(value) if isinstance(value, str) and self._has_only_parameters(value) else value
         with self._problem_at(place(location, self.data)):
             return self._expressed(value.strip(), location)
         return 1.0
 
+    def _has_only_parameters(self, text: str) -> bool:
+        names = {*_WORD.findall(text)}
+        return bool(names) and names <= self.given.keys()
+
     def _expressed(self, text: str, location: tuple) -> Expressed:
-        expression = read_expression(text[1:])
+        expression = read_expression(text[1:], self.given)
         value, names = self._value(text, expression), self._dependencies(expression)
         self.used |= names
         self.places[tuple(part + 1 if isinstance(part, int) else part for part in location)] = names
@@ -310,7 +360,7 @@ class _Substitution:
         for name in expression.names:
             self._check(name, text)
         try:
-            value = expression.value(lambda number: Measured(Fraction(number), None, True), {**self.known, **_PI})
+            value = expression.value(_measured, {**self.known, **_PI})
         except InputError as problem:
             raise InputError(f"found {shown(text)}: {problem}") from None
         in_range(value.value, text)
@@ -336,6 +386,12 @@ class _Substitution:
         raise InputError(
             f'found {shown(text)}, but there is no parameter "{name}"{nearest(name, self.known)}; there are {", ".join(self.known)}'
         )
+
+
+def _measured(number: str) -> Measured:
+    """A number of an expression."""
+    dimension = getattr(number, "dimension", None)
+    return Measured(Fraction(number), dimension, dimension is None)
 
 
 def _has_expressions(value) -> bool:

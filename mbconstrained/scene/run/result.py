@@ -27,13 +27,14 @@ from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import NOT_DRAWN
 from ...linalg.blocks import block_slices, zeros_of
 from ...mechanics.boundary import BoundaryResponse
+from ...mechanics.channels import Output, OutputNames, closed_form
 from ...mechanics.modes import Conservation, Mode, Modes, cleaned, kind_of
 from ...mechanics.motion import DELTAS
 from ...polynomial.reduced_equations import Reduction
 from ...response.estimate import error_estimate
 from ...response.events import Event
 from ...response.response_notices import first_and_count, kink_notices, sides, without_kinks
-from ..build.model import element_quantities
+from ..build.model import named_quantities, output_names
 from ..build.switched import final_notices
 from ..quantities.coordinates import Coordinates, beyond_noise
 from ..quantities.output_units import OutputUnits
@@ -91,7 +92,7 @@ def jumps_of(
             before, after = sides(motion, event, order) if known is None else (known[order] - row, known[order])
         for i in places:
             unit = rate_unit(coordinates.units[i], order)
-            texts = (coordinates.shown.text(value, unit) for value in (before[i], after[i], row[i]))
+            texts = (coordinates.text(value, unit, i) for value in (before[i], after[i], row[i]))
             jumps.append(ReportedJump(coordinates.names[i], derivative_name(coordinates.units[i], order), *texts))
     return jumps
 
@@ -99,7 +100,7 @@ def jumps_of(
 def impulses_of(impulses: Sequence, coordinates: Coordinates) -> list[ReportedImpulse]:
     """The impulses that are not zero."""
     return [
-        ReportedImpulse(coordinates.names[i], order, coordinates.shown.text(row[i], impulse_unit(coordinates.units[i], order)))
+        ReportedImpulse(coordinates.names[i], order, coordinates.text(row[i], impulse_unit(coordinates.units[i], order), i))
         for order, row in enumerate(impulses)
         for i in row.nonzero()[0]
     ]
@@ -121,7 +122,7 @@ def with_units(response: Response, coordinates: Coordinates) -> tuple[Notice, ..
 
 def _kink_text(coordinates: Coordinates, number: int, order: int, size: float) -> str:
     unit = coordinates.units[number]
-    size_text = coordinates.shown.text(size, rate_unit(unit, order))
+    size_text = coordinates.text(size, rate_unit(unit, order), number)
     return f"{derivative_name(unit, order)} of {coordinates.names[number]} by {size_text}"
 
 
@@ -307,7 +308,7 @@ def _visible_frequency(scene: SceneData, motion: Motion, descending: list[float]
         if visible_parts.any():
             fastest = int(np.argmax(visible_parts))
             place = int(np.argmax(amplitudes[fastest] / scale[:, 0]))
-            text = coordinates.shown.text(float(f"{amplitudes[fastest, place]:.3g}"), coordinates.units[place])
+            text = coordinates.text(float(f"{amplitudes[fastest, place]:.3g}"), coordinates.units[place], place)
             return kept[fastest], coordinates.names[place], text
     return None
 
@@ -472,7 +473,7 @@ class Result:
         return [kind for kind in dict.fromkeys(requested) if available.get(kind, True)]
 
     def curves(self, kind: str) -> Curves:
-        """Trajectories of a kind: displacement, velocity, acceleration, reaction, energy or output."""
+        """Trajectories of a kind: displacement, velocity, acceleration, reaction, energy or output; or of a quantity by its name."""
         if kind not in self._curves:
             own = self._kind(kind)
             self._curves[kind] = Curves(kind, own.names, own.titles or (kind,) * len(own.names), own.units, own.values(self.times))
@@ -503,18 +504,27 @@ class Result:
                 equations.outputs.names, equations.outputs.units, of_outputs, lambda: equations.output_closed_form(motion)
             )
         if kind == "quantity":
-            quantities = tuple(element_quantities(self.scene.table.output.quantity, equations))
-            names, titles, units = zip(*((each.name, each.title, each.unit) for each in quantities))
-            matrices = np.array([each.rows for each in quantities]).transpose(1, 0, 2)
-            of_elements = lambda times: np.array([each.values(motion, times) for each in quantities])  # noqa: E731
-            constants = np.array([each.constant for each in quantities])
-            return KindOfCurves(names, units, of_elements, lambda: motion.function.differential(*matrices), constants, titles)
+            return self._linear(list(named_quantities(self.scene.table.output.quantity, self.output_names)))
         if kind == "ground_reaction":
             return self._connection_forces()
         if kind == "force":
             return _forces(equations)
+        if kind != "energy":
+            return self._linear([self.output_names.output(kind, what="curves")])
         energies = lambda times: np.array([getattr(motion.energy(times), name) for name in ENERGIES])  # noqa: E731
         return KindOfCurves(ENERGIES, ("J",) * len(ENERGIES), energies)
+
+    @cached_property
+    def output_names(self) -> OutputNames:
+        """The names of all quantities that are linear in the motion."""
+        return output_names(self.scene.equations, None if self.scene.equations.switching is None else self.rows)
+
+    def _linear(self, outputs: Sequence[Output]) -> KindOfCurves:
+        """Curves of quantities that are linear in the motion."""
+        names, titles, units = zip(*((each.name, each.quantity, each.unit) for each in outputs))
+        values = lambda times: np.array([each.values(self.motion, times) for each in outputs])  # noqa: E731
+        constants = np.array([each.constant for each in outputs])
+        return KindOfCurves(names, units, values, lambda: closed_form(outputs, self.motion), constants, titles)
 
     def _connection_forces(self) -> KindOfCurves:
         """Forces of loops, springs and bushings of a robot."""
@@ -550,8 +560,8 @@ class Result:
 
             estimates = [self.error_estimates.get(part, 0.0) for part in (kind, *PARTS.get(kind, (kind,)))]
             noise = min(max(LEAST_NOISE, *estimates), MOST_NOISE)
-            values, shown = self.drawn_functions(kind), self.scene.equations.coordinates.shown
-            factors = np.array([[shown.of(unit)[1]] for unit in self.curves(kind).units])
+            values, curves, shown = self.drawn_functions(kind), self.curves(kind), self.scene.equations.coordinates.shown
+            factors = np.array([[shown.of(unit, name)[1]] for unit, name in zip(curves.units, curves.names)])
             self._functions[kind] = TimeFunctions(lambda times: factors * values(times), self._breaks, noise, self.record_response)
         return self._functions[kind]
 
@@ -725,10 +735,10 @@ def _forces(equations: Equations) -> KindOfCurves:
 
 def in_units(curves: Curves, units: OutputUnits) -> Curves:
     """Curves in the units of page and CSV."""
-    if not units.units:
+    if units == OutputUnits():
         return curves
-    names, factors = zip(*map(units.of, curves.units))
-    return replace(curves, units=names, values=np.array(factors)[:, None] * curves.values)
+    own, factors = zip(*map(units.of, curves.units, curves.names))
+    return replace(curves, units=own, values=np.array(factors)[:, None] * curves.values)
 
 
 def _meaning_of(value: complex, multiplicity: int) -> str:

@@ -10,14 +10,15 @@ from types import MethodType
 from typing import TYPE_CHECKING, Any
 
 from ...analyses import ANALYSES, load
-from ...ground.errors import InputError, SingularPolynomialMatrix
+from ...ground.checks import nearest
+from ...ground.errors import InputError, SingularPolynomialMatrix, shown
 from ...ground.quantities import count_texts
 from ...ground.units import unit_in_si
 from ..build.equations import equations_of
-from ..build.model import Equations, element_quantities
+from ..build.model import Equations, named_quantities, output_names, quantities_by_name
 from ..file import SceneFolder, SceneName, at, read_tables, with_robot_file
-from ..quantities.output_units import OutputUnits
-from ..quantities.parameters import with_parameters
+from ..quantities.output_units import QUANTITIES, OutputUnits
+from ..quantities.parameters import Parameters, with_parameters
 from ..quantities.settings import with_settings, with_values
 from ..schema.entry_types import validated
 from ..schema.scene_schema import SceneFile
@@ -305,13 +306,42 @@ def assembled(
     table = validated(data, name, SceneFile)
     costs.lap("read the scene")
     equations = equations_of(table, SceneFolder(path.parent, data_folders), name, costs.lap)
-    if table.output.units:
-        coordinates = replace(equations.coordinates, shown=OutputUnits(table.output.units))
+    if table.output.units != OutputUnits():
+        coordinates = replace(equations.coordinates, shown=table.output.units)
         equations = replace(equations, coordinates=coordinates)
+    if table.output.units.named:
+        with at(name, "output.units"):
+            _check_results(table.output, equations, parameters)
     check_output(table.output, equations, name, getattr(table.model, "modal_damping", None) is not None)
+    for system in (equations.system, equations.rotor) if table.output.quantity else ():
+        if system is not None:
+            system.quantities = quantities_by_name(table.output.quantity, output_names(equations))
     if table.time.step_domain == "discrete":
         check_discrete(table, equations, name)
     return Scene(path, table, equations, unit_texts, costs.by_name, parameters, overrides, name, data_folders=data_folders)
+
+
+def _check_results(output, equations: Equations, parameters: Parameters) -> None:
+    """Check that what has a unit of its own is a result or a parameter."""
+    known = [*equations.coordinates.names, *parameters.values, *(load.name for load in equations.loads)]
+    for several in (
+        equations.outputs,
+        equations.control and equations.control.inputs,
+        equations.control and equations.control.outputs,
+    ):
+        known += several.names if several else ()
+    if (system := equations.system) is not None:
+        known += [*(row.name for row in system.rows), *system.elements, *system.named_directions("outputs")]
+    if equations.has_connections:
+        known += equations.robot_scene.system.connection_forces.names
+    known += [one.name for one in named_quantities(output.quantity, output_names(equations))]
+    for name, _ in output.units.named:
+        if name not in known:
+            hint = nearest(name, (*QUANTITIES, *known))
+            raise InputError(
+                f"there is no quantity or result {shown(name)}{hint}; quantities are {', '.join(QUANTITIES)}; "
+                f"results are {', '.join(dict.fromkeys(known))}"
+            )
 
 
 def check_output(output, equations: Equations, file_name: str, modal_damping: bool = False) -> None:
@@ -321,7 +351,10 @@ def check_output(output, equations: Equations, file_name: str, modal_damping: bo
             equations.coordinates.number(name)
     for number, table in enumerate(output.quantity, 1):
         with at(file_name, f"output.quantity[{number}]"):
-            list(element_quantities([table], equations))
+            list(named_quantities([table], output_names(equations)))
+    if output.quantity:
+        with at(file_name, "output.quantity"):
+            quantities_by_name(output.quantity, output_names(equations))
     with at(file_name, "output.coordinates"):
         for name in output.coordinates or ():
             equations.coordinates.number(name)

@@ -1,4 +1,4 @@
-"""The tables of analyses in addition to a run: [frequency], [random], [shock], [fatigue], [campbell], [path], [vary]."""
+"""The tables of analyses in addition to a run: [frequency], [random], [shock], [fatigue], [campbell], [orders], [steady], [path], [vary]."""
 
 from __future__ import annotations
 
@@ -39,10 +39,14 @@ ResponseQuantity = Literal[
     "impedance",
     "apparent mass",
     "transmissibility",
+    "force transmissibility",
     "reaction",
     "force",
 ]
 ResponsePlot = Literal["bode", "parts", "nyquist"]
+
+#: Further names of outputs, for descriptions.
+NAMES = '"velocity of x", "b - a", "elongation of spring", "force on ground" …'
 
 
 def _loss_factors(value):
@@ -92,10 +96,13 @@ class FrequencyTable(Table):
         "or else the loaded coordinates."
     )  # fmt: skip
     outputs: list[Text] | None = Field(
-        None, description="Coordinates, of reactions constraint rows, of forces springs and dampers; left out: all, and the springs and "
-        "dampers of [[output.quantity]]."
+        None, description=f"Coordinates, springs and dampers (their forces), constraint rows (their reactions), {NAMES}; left out: all "
+        "coordinates, and the [[output.quantity]] tables."
     )  # fmt: skip
-    quantity: ResponseQuantity = Field("receptance", description="Kind of response: receptance (displacement / force), …")
+    quantity: ResponseQuantity = Field(
+        "receptance", description="Kind of response of outputs that are named alone: receptance (displacement / force), … force "
+        "transmissibility: what springs, dampers and constraint rows pass to the ground by the force that acts."
+    )  # fmt: skip
     relative_to: Text | None = Field(
         None, description="A coordinate or prescribed motion, subtracted from the outputs of its unit."
     )
@@ -253,10 +260,11 @@ class RandomTable(Table):
 
     input: list[RandomInputTable] = Field(min_length=1, description="The random inputs, [[random.input]].")
     outputs: list[Text] | None = Field(
-        None, description="Coordinates; constraint rows for reactions, springs and dampers for forces; left out: all."
-    )
-    quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force"] = Field(
-        "displacement", description="Quantity of the outputs; force: of springs and dampers."
+        None, description=f"Coordinates, springs and dampers (their forces), constraint rows (their reactions), {NAMES}; left out: all "
+        "that have the quantity, and the [[output.quantity]] tables."
+    )  # fmt: skip
+    quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force", "elongation"] = Field(
+        "displacement", description="Quantity of outputs that are named alone; force and elongation: of springs and dampers."
     )
     relative_to: Text | None = Field(None, description="A coordinate or prescribed motion, subtracted from the outputs.")
     coherence: Number | None = Field(
@@ -357,6 +365,100 @@ class CampbellTable(Table):
             raise InputError(f"from is {self.lowest:g} rad/s and to {self.highest:g} rad/s; expected a range that ascends")
         if len(set(self.orders)) < len(self.orders):
             raise InputError("orders: one is given twice; give each once")
+        return self
+
+
+def _one_or_several(convert: Callable[[Any], Any]):
+    """A function that converts an entry to a list: a value of its own, or an array of several."""
+    return lambda value: [convert(entry) for entry in value] if isinstance(value, list) else [convert(value)]
+
+
+def _order(value) -> float:
+    order = quantity(value, "1")
+    if order < 0:
+        raise InputError(f"found {order:g}; expected orders of at least 0, multiples of the speed")
+    return order
+
+
+def _amount(value):
+    """A quantity whose unit depends on where it acts."""
+    return value if isinstance(value, str) else quantity(value, "1")
+
+
+SEVERAL_SCHEMA = WithJsonSchema({"anyOf": [*NUMBER_SCHEMA["anyOf"], NUMBERS_SCHEMA]})
+OneOrSeveral = Annotated[Any, BeforeValidator(_one_or_several(_amount)), SEVERAL_SCHEMA]
+
+
+class OrderExcitationTable(Table):
+    """A force or a prescribed motion of some orders: amplitude cos(n W t + phase) at the speed W, or unbalance W^2 cos(n W t + phase)."""
+
+    on: Text = Field(description="A coordinate, for a force on it, or a [[motion]] or constraint row, for its motion.")
+    order: Annotated[Any, BeforeValidator(_one_or_several(_order)), SEVERAL_SCHEMA] = Field(
+        description="n, a multiple of the speed, or several, e.g. [0.5, 1, 1.5]; 0 is a mean value."
+    )
+    amplitude: OneOrSeveral = Field(None, description='One for each order, e.g. ["20 N*m", "150 N*m"].')
+    unbalance: OneOrSeveral = Field(
+        None,
+        description='Instead of amplitude: mass times eccentricity, e.g. "5 g*mm", or for a torque in kg m²; the force is that times W².',
+    )
+    phase: Annotated[Any, BeforeValidator(_one_or_several(lambda value: quantity(value, "rad"))), SEVERAL_SCHEMA] = Field(
+        [0.0], description="Phase of the cosine: one for all orders, or one for each."
+    )
+    law: Literal["constant", "speed^2"] = Field(
+        "constant",
+        description='Of the amplitude over the speed: "speed^2" grows as inertia forces do, and equals amplitude at the speed at.',
+    )
+    at: AngularVelocity | None = Field(
+        None, gt=0, description='With law = "speed^2": the speed at which the amplitudes are those given.'
+    )
+
+    @model_validator(mode="after")
+    def _as_many(self):
+        if (self.amplitude is None) == (self.unbalance is None):
+            raise InputError("give either amplitude or unbalance: how large is the excitation?")
+        key = "amplitude" if self.unbalance is None else "unbalance"
+        for name, values in ((key, getattr(self, key)), ("phase", self.phase)):
+            if len(values) != len(self.order) and not (name == "phase" and len(values) == 1):
+                raise InputError(f"found {len(self.order)} in order and {len(values)} in {name}; expected as many of both")
+        if twice := [order for order in self.order if self.order.count(order) > 1]:
+            raise InputError(
+                f"order: {twice[0]:g} is given twice; give each once, or another [[orders.excitation]], which is added"
+            )
+        if self.unbalance is not None and "law" in self.model_fields_set and self.law == "constant":
+            raise InputError("unbalance has a force that grows with the square of the speed; leave law out, or give amplitude")
+        if self.unbalance is None and (self.law == "speed^2") != (self.at is not None):
+            raise InputError(
+                'law = "speed^2" and at belong together, e.g. at = "3000 rpm": the speed at which the amplitudes are those given'
+            )
+        if self.unbalance is not None and self.at is not None:
+            raise InputError("at belongs to amplitudes; an unbalance has its force at every speed, leave at out")
+        return self
+
+
+class OrdersTable(Table):
+    """The steady response to excitations that are multiples of a speed, over the speed."""
+
+    lowest: AngularVelocity | None = Field(None, alias="from", ge=0, description="The lowest speed; 0 by default.")
+    highest: AngularVelocity | None = Field(
+        None, alias="to", gt=0, description="The highest speed; by default beyond the resonances of the lowest order."
+    )
+    points: int = Field(201, ge=2, le=10_001, description="Number of speeds, both ends included, besides those near resonances.")
+    excitation: list[OrderExcitationTable] = Field([], description="The excitations, [[orders.excitation]].")
+    outputs: list[Text] | None = Field(
+        None, description=f"Coordinates, springs and dampers (their forces), constraint rows (their reactions), {NAMES}; left out: all "
+        "coordinates, and the [[output.quantity]] tables."
+    )  # fmt: skip
+    quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force"] = Field(
+        "displacement", description="Quantity of outputs that are named alone; force: of springs and dampers."
+    )
+    relative_to: Text | None = Field(
+        None, description="A coordinate or prescribed motion, subtracted from the outputs of its unit."
+    )
+
+    @model_validator(mode="after")
+    def _ascending(self):
+        if self.lowest is not None and self.highest is not None and self.lowest >= self.highest:
+            raise InputError(f"from is {self.lowest:g} rad/s and to {self.highest:g} rad/s; expected a range that ascends")
         return self
 
 

@@ -140,7 +140,7 @@ def _with_names(schema: Any, *, is_named: bool = False) -> Any:
 EXPRESSION_SCHEMA = {"type": "string", "pattern": r"^\s*=.+$", "title": '"=" and an expression of parameters'}
 QUANTITY_SCHEMA = {
     "type": "string",
-    "pattern": r"^\s*(=.+|[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,3})?\s*(1/|[^\s0-9.,;=+*/()<>-]).*)$",
+    "pattern": r"^\s*(=.+|[+-]?([0-9]+(_[0-9]+)*\.?([0-9]+(_[0-9]+)*)?|\.[0-9]+(_[0-9]+)*)([eE][+-]?[0-9]{1,3})?\s*(1/|[^\s0-9.,;=+*/()<>-]).*)$",
     "title": 'a number and a unit, or "=" and an expression of parameters',
 }
 NUMBER_SCHEMA = {"anyOf": [{"type": "number"}, QUANTITY_SCHEMA]}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Iterator
 from functools import partial
 from importlib import import_module
 from typing import Annotated, Any, ClassVar, Literal
@@ -14,11 +15,11 @@ from pydantic import BaseModel, BeforeValidator, Field, SkipValidation, WithJson
 
 from ...ground.checks import nearest
 from ...ground.errors import InputError, shown
-from ...ground.quantities import KINDS
+from ...ground.quantities import KINDS, Dimension, any_quantity
 from ...ground.tolerances import noise_of
 from ..file import EntryError
 from ..quantities.coordinates import DERIVATIVES
-from ..quantities.output_units import output_units
+from ..quantities.output_units import QUANTITIES, OutputUnits, output_units
 from .entry_types import (
     NUMBER_SCHEMA,
     SIGNALS,
@@ -318,20 +319,50 @@ def _flag_or_names(value):
 
 
 class QuantityTable(Table):
-    """A force or elongation of a spring or damper, or the motion of one coordinate relative to another, over time."""
+    """A force, elongation, reaction, relative motion or stress, by a name that all analyses know."""
 
     name: Name | None = Field(None, description="Name; by default that of the element, or of both coordinates.")
-    of: Text | None = Field(None, description="A spring or damper by its name, of a robot a spring or a joint; or else between.")
+    of: Text | None = Field(
+        None, description='A spring or damper by its name, of a robot a spring or a joint; or another quantity, e.g. "velocity of x", '
+        '"reaction of pin", "force on ground"; or else between.'
+    )  # fmt: skip
     between: Pair | None = Field(None, description='Two coordinates, e.g. ["wheel", "body"]: the second relative to the first.')
     quantity: Literal["force", "elongation", "rate", "displacement", "velocity", "acceleration"] | None = Field(
-        None, description="Force (default), elongation or rate of an element; displacement (default) … between coordinates."
+        None, description="Force (default), elongation or rate of an element; displacement (default) … of and between coordinates."
     )
+    factor: Quantity | None = Field(None, description='A factor, e.g. "0.2 m" for the moment of a force with this arm.')
+    divided_by: Quantity | None = Field(
+        None, description='Alternatively or in addition, a divisor: an area or a section modulus for a stress, e.g. "40 mm^2".'
+    )
+
+    @property
+    def multipliers(self) -> Iterator[tuple[float, Dimension | None]]:
+        """The factor and the inverse of the divisor in SI, each with its kind."""
+        if self.factor is not None:
+            yield any_quantity(self.factor)
+        if self.divided_by is not None:
+            value, kind = any_quantity(self.divided_by)
+            if not value:
+                raise InputError("divided_by: found 0; expected another number")
+            yield 1 / value, None if kind is None else kind.power(-1)
 
     @model_validator(mode="after")
     def _one_source(self):
         if (self.of is None) == (self.between is None):
             raise InputError('give either of, the name of a spring or damper, or between, e.g. ["wheel", "body"]')
+        if self.name is None and (self.factor, self.divided_by) != (None, None):
+            raise InputError('name: missing; a quantity with a factor or a divisor needs one, such as "stress of the bar"')
         return self
+
+
+_UNITS = {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}
+_UNITS_SCHEMA = {
+    "examples": ["mm, deg, rpm, kN, g"],
+    "anyOf": [
+        *_UNITS["anyOf"],
+        {"type": "object", "properties": dict.fromkeys(QUANTITIES, _UNITS), "additionalProperties": _UNITS},
+    ],
+}
 
 
 class OutputTable(Table):
@@ -355,11 +386,11 @@ class OutputTable(Table):
     reactions: bool = Field(False, description="Forces of constraints, and of a robot's springs, in files.")
     arrows: list[Literal["reaction"]] = Field([], description="Forces that the animation shows as arrows.")
     slow_events: bool = Field(False, description="true: the animation is slower around jumps, impulses and switches.")
-    units: Annotated[
-        tuple[str, ...], BeforeValidator(output_units), WithJsonSchema({"type": "string", "examples": ["mm, deg, rpm, kN"]})
-    ] = Field(
-        (),
-        description='Units of page, tables and CSV, e.g. "mm, deg, rpm, kN"; accelerations in m/s^2, or g or mm/s^2 given here; SI when left out, and in the npz file.',
+    units: Annotated[OutputUnits, BeforeValidator(output_units), WithJsonSchema(_UNITS_SCHEMA)] = Field(
+        OutputUnits(),
+        description='Units of page, tables and CSV, e.g. "mm, deg, rpm, kN, g", or by quantity and result, e.g. '
+        '{ displacement = "mm", acceleration = "g", "force of clutch" = "kN" }. Velocities and products follow; accelerations are in m/s^2 '
+        "unless they have a unit of their own. SI when left out, and always in the npz file and the JSON.",
     )
     plot_images: bool = Field(False, description="The plots as pictures too, SVG and PNG, for reports.")
     still: Time | None = Field(None, description="A picture of the model at this time as PNG, taken by an installed Chromium.")
@@ -424,6 +455,7 @@ Vary = Annotated[Any, _late("VaryTable")]
 Boundary = Annotated[Any, _late("BoundaryTable", ".force_tables")]
 LeastEnergy = Annotated[Any, _late("LeastEnergyTable", ".force_tables")]
 Campbell = Annotated[Any, _late("CampbellTable")]
+Orders = Annotated[Any, _late("OrdersTable")]
 RobotPath = Annotated[Any, _late("PathTable")]
 
 
@@ -452,6 +484,9 @@ class SceneFile(Table):
     fatigue: Fatigue | None = Field(None, description="Cycles and damage, by the command fatigue; left out: none.")
     vary: Vary | None = Field(None, description="Parameters that the commands sweep and optimise vary; left out: named there.")
     campbell: Campbell | None = Field(None, description="Speeds and orders of the command campbell; left out: the defaults.")
+    orders: Orders | None = Field(
+        None, description="Excitations by orders of a speed, for the commands orders and campbell; left out: none."
+    )
     path: RobotPath | None = Field(None, description="Path of a point of a robot, along which the command path computes its modes.")
     output: OutputTable = Field(OutputTable.model_construct(), description="Files to write, and contents of the page.")
     drawing: DrawingTable | None = Field(None, description="Drawing of the model; automatic by default.")

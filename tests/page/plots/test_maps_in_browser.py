@@ -7,6 +7,7 @@ from mbconstrained.analyses.sweep.plots import row_plot
 from mbconstrained.page.content import Cells, Curve, Marks, PageContent, Plot
 from mbconstrained.page.html import write_page
 from tests.page.browser import needs_chromium
+from tests.page.plots.in_browser import pointed, tables
 from tests.page.plots.test_zoom_in_browser import wheel
 
 pytestmark = needs_chromium
@@ -28,12 +29,13 @@ def opened(browser, tmp_path_factory):
     return browser.open(write_page(tmp_path_factory.mktemp("maps") / "page.html", PageContent("t", plots=plots)))
 
 
-def test_a_map_has_its_cells_and_texts_and_is_zoomed(opened):
-    texts = opened.evaluate("[...document.querySelectorAll('.guides rect title')].map(title => title.textContent)")
-    assert texts == ["a", "b", "c", "d <e>"]
+def test_a_map_has_its_cells_and_is_zoomed(opened):
+    assert opened.evaluate("document.querySelectorAll('.guides rect').length") == 4
     before = opened.evaluate("document.querySelector('.guides rect').getBoundingClientRect().width")
     wheel(opened, 0, 0.25, 0.25, -200)
     assert opened.evaluate("document.querySelector('.guides rect').getBoundingClientRect().width") > 1.2 * before
+    opened.evaluate("document.querySelector('.whole').click()")
+    opened.wait(0.1)
     assert opened.messages == []
 
 
@@ -55,3 +57,36 @@ def test_rows_have_names_and_no_numbers_also_when_zoomed(opened):
     assert opened.evaluate(ticks) == 0 and opened.evaluate(names) == ["stiffness", "mass"]
     wheel(opened, 2, 0.5, 0.5, -200)
     assert opened.evaluate(ticks) == 0 and opened.messages == []
+    opened.evaluate("document.querySelectorAll('.whole')[2].click()")
+    opened.wait(0.1)
+
+
+def test_the_cell_and_the_mark_at_the_pointer_are_read(opened):
+    reading = "document.querySelector('.reading:not([hidden])')?.textContent"
+    for place, text in (((0.25, 0.25), "a"), ((0.75, 0.25), "b"), ((0.75, 0.75), "d <e>")):
+        pointed(opened, 0, *place)
+        assert opened.evaluate(reading) == text
+    pointed(opened, 1, 0.01, 0.02)  # near the first point, not on it
+    assert opened.evaluate(reading) == "p"
+    pointed(opened, 1, 0.5, 0.2)
+    assert opened.evaluate(reading) is None
+    rows = "[...document.querySelectorAll('svg.plot')[2].querySelectorAll('.mark')].map(m => [parseFloat(m.getAttribute('x')) / 100, m.getAttribute('y')])"
+    (x, y), height = opened.evaluate(rows)[0], opened.evaluate("document.querySelectorAll('svg.plot')[2].clientHeight")
+    pointed(opened, 2, x, 1 - float(y) / height)
+    assert opened.evaluate(reading) == "stiffness, low: -1" and opened.messages == []
+
+
+def test_what_is_drawn_is_saved_as_a_table(opened):
+    cells, points, rows = tables(opened)
+    assert cells.splitlines() == ["across (m),up (m),value (Hz)", "0.5,0.5,1", "1.5,0.5,NaN", "0.5,1.5,3", "1.5,1.5,4"]
+    assert points.splitlines() == ["across (s),f (m),note", "0,0,p", "1,1,q"]
+    assert rows.splitlines() == ["parameter,low: change,high: change", "stiffness,-1,1", "mass,2,-0.5"]
+
+
+def test_a_finger_leaves_what_it_has_pointed_at(opened):
+    box = opened.box("svg.plot")
+    place = [{"x": box[0] + 0.25 * box[2], "y": box[1] + 0.25 * box[3]}]
+    opened.call("Input.dispatchTouchEvent", type="touchStart", touchPoints=place)
+    opened.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+    opened.wait(0.05)
+    assert opened.evaluate("document.querySelector('.reading:not([hidden])')?.textContent") == "c"

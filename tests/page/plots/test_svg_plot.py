@@ -118,7 +118,7 @@ def test_texts_are_escaped(text):
     assert figure.find("h2").text == text
     assert figure.find("ul/li/button/span").text == text
     assert {element.tag for element in figure.iter()} <= {
-        "figure", "h2", "svg", "g", "line", "text", "path", "ul", "li", "button", "span",
+        "figure", "h2", "svg", "g", "line", "text", "path", "ul", "li", "button", "span", "p",
     }  # fmt: skip
 
 

@@ -67,6 +67,35 @@ def test_signs_and_the_order_of_operations(text, known):
     assert value(text) == known
 
 
+@pytest.mark.parametrize(
+    ("text", "known"),
+    [
+        ("3 N/mm", 3000),
+        ("2*k*1.5 kN", 6000),
+        ("1_000.5 mm + k", Fraction("3.0005")),
+        ("100 N / 2 mm", 50000),  # each number has its own unit
+        ("5 N/mm*k", 10000),  # k is no unit
+        ("5 N/mm/k", 2500),
+        ("2 kg m^2/k", 1),
+        ("-3 mm^2", Fraction("-0.000003")),
+        ("2 m^-1*k", 4),
+        ("1e3 g", 1),
+        ("2 s^2", 2),
+        ("2*1 m/(4 s)*k", 1),
+    ],
+)
+def test_numbers_may_have_units(text, known):
+    """Hand: the sizes of the units in SI."""
+    assert value(text, {"k": Fraction(2)}) == known
+
+
+@pytest.mark.parametrize(("text", "other"), [("2 k m", "2*m"), ("2 m", "2*m"), ("5 kg*m", "(5 kg)*m"), ("5 N/m", "(5 N)/m")])
+def test_a_unit_that_is_also_a_parameter_is_ambiguous(text, other):
+    with pytest.raises(InputError) as problem:
+        read_expression(text, ("m",))
+    assert ("there is no unit" if " k " in text else f'"m" may be the unit or the parameter: write "{other}"') in str(problem.value)
+
+
 @pytest.mark.parametrize("name", ["lambda", "if", "µ", "n0"])
 def test_a_parameter_may_have_any_name(name):
     assert value(f"2*{name} + k", {**NAMES, name: Fraction(3)}) == 8
@@ -75,14 +104,18 @@ def test_a_parameter_may_have_any_name(name):
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("", "which cannot be read; an expression has numbers, names, + - * / ^ and parentheses"),
-        *((text, "which cannot be read") for text in ("k +", "(k", "k)", "2 k", "k if m", "5k", "0777")),
+        ("", "which cannot be read; an expression has numbers, perhaps with units, names, + - * / ^ and parentheses"),
+        *((text, "which cannot be read") for text in ("k +", "(k", "k)", "k if m", "0777")),
+        *((text, f'there is no unit "k": for a product write "{text[0]}*k"') for text in ("2 k", "5k", "2 k*m")),
         *((f"k^{exponent}", "expected a whole number up to 20 behind ^") for exponent in ("m", "2.5", "99", "2^2")),
-        *((text, "with something else in it") for text in ("k.real", "sqrt(k)", "k//2")),
+        *((text, "with something else in it") for text in ("k.real", "k//2", "k(2)(m)")),
+        ("sqrt(k)", "with the function sqrt(…) in it"),
+        ("3 N/mm + k 2", "which cannot be read"),
+        ("2 kg*m*", "which cannot be read"),
         ("__import__('os')", 'with "_" in it'),
         ("k; m", 'with ";" in it'),
         ("k\n#", 'with "#" in it'),
-        ("1_000", 'with "1_000" in it'),
+        ("1__000", "which cannot be read"),
         ("1j", 'with "1j" in it'),
         ("²", 'with "²" in it'),
         ("k+" * 200 + "k", "found an expression of 401 characters"),

@@ -124,9 +124,28 @@ def test_parameters_in_matrices_are_of_the_right_kind(tmp_path):
     assert 'model.mass[1][1]: found "=k", a stiffness; expected a mass' in problem_of(tmp_path, text)
 
 
-def test_numbers_in_expressions_have_no_unit(tmp_path):
-    text = WITH.replace('"=x0"', '"=0.1*k/k"')
-    assert "a number in an expression has no unit" in problem_of(tmp_path, text)
+def test_numbers_in_expressions_have_the_kind_of_their_unit(tmp_path):
+    message = problem_of(tmp_path, WITH.replace('"=x0"', '"=0.1*k/k"'))
+    assert 'found "=0.1*k/k", a plain number; expected a length' in message and 'may have units, as in "=2*0.2 m"' in message
+    assert "it adds a length and a force" in problem_of(tmp_path, WITH.replace('"=x0"', '"=3 mm*k/k + 3 N"'))
+    scene = scene_of(tmp_path, WITH.replace('"=x0"', '"=100 mm*k/k"'))
+    assert scene.run().motion.displacement(0.0)[0] == pytest.approx(0.1, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (
+            ('"=k"', '"k"'),
+            'found "k"; expected a stiffness, e.g. "3 N/mm", or a number in N/m; this is the name of a parameter: write "=k"',
+        ),
+        (('"=k"', '"2*k"'), 'this is an expression of parameters without its =: write "=2*k"'),
+    ],
+)
+def test_a_parameter_without_its_sign_is_recognized(tmp_path, change, says):
+    assert says in problem_of(tmp_path, WITH.replace(*change))
+    matrices = '[parameters]\nk = "3 N/m"\n' + MATRICES.replace("mass = [[1,", f"mass = [[{change[1]},")
+    assert says.partition("; this is ")[2] in problem_of(tmp_path, matrices)
 
 
 def test_an_unused_parameter_is_a_notice(tmp_path):

@@ -180,9 +180,40 @@ def test_derivatives_and_products_follow(unit, name, factor):
 )
 def test_accelerations_have_the_unit_that_is_meant_for_them(units, shown):
     """1 g = 9.80665 m/s^2 (3rd General Conference on Weights and Measures, 1901); a gram is no unit of any result of a motion."""
-    chosen = OutputUnits(output_units(units))
+    chosen = output_units(units)
     assert chosen.of("m/s^2") == (shown[0], pytest.approx(shown[1], rel=1e-15)) and chosen.of("m")[0] == "mm"
     assert chosen.of("kg") == ("kg", 1.0)
+
+
+def test_quantities_and_results_have_units_of_their_own(tmp_path):
+    """Hand: 0.1 m is 10 cm and 3.937 in; an acceleration of -k x / m = -40 m/s^2 is -4.0789 g of 9.80665 m/s^2."""
+    units = '{ displacement = "cm", acceleration = "g", force = "kN", "velocity of cart" = "in/s", "force of spring ground-cart" = "lbf" }'
+    text = OSCILLATOR + OUTPUT.format("X").replace('"X"', units)
+    shown = scene_of(tmp_path, text).equations.coordinates.shown
+    assert shown.of("m", "cart") == ("cm", 100.0) and shown.of("m/s", "cart") == ("in/s", pytest.approx(1 / 0.0254, rel=1e-15))
+    assert shown.of("m/s^2", "cart") == ("g", pytest.approx(1 / 9.80665, rel=1e-15)) and shown.of("m/s", "other")[0] == "cm/s"
+    assert (
+        shown.of("N", "spring ground-cart") == ("lbf", pytest.approx(1 / 4.4482216152605, rel=1e-15))
+        and shown.of("N", "cart")[0] == "kN"
+    )
+    assert shown.of_ratio("m/s^2/N", "cart", "spring ground-cart") == ("g/lbf", pytest.approx(4.4482216152605 / 9.80665, rel=1e-15))
+    assert shown.of("m/s^3") == ("m/s^3", 1.0)  # as accelerations: mm of displacements says nothing of them
+
+
+@pytest.mark.parametrize(
+    ("units", "message"),
+    [
+        ('{ acceleration = "mm" }', 'acceleration: found "mm"; expected a unit of acceleration'),
+        ('{ accelaration = "g" }', 'there is no quantity or result "accelaration"; did you mean "acceleration"?'),
+        ('{ displacement = "mm", length = "cm" }', 'found "mm" and "cm", which measure the same'),
+        ('{ cart = "mm, cm" }', 'cart: found "mm" and "cm", which measure the same'),
+        ('{ "force of nobody" = "kN" }', 'there is no quantity or result "nobody"'),
+        ("{ force = 2 }", "force: found 2; expected units"),
+    ],
+)
+def test_units_of_nothing_are_refused(tmp_path, units, message):
+    with pytest.raises(SceneError, match=re.escape(message)):
+        scene_of(tmp_path, OSCILLATOR + OUTPUT.format("X").replace('"X"', units))
 
 
 @pytest.mark.parametrize(

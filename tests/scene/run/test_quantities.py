@@ -99,7 +99,7 @@ def test_the_tension_of_a_spring_between_bodies_of_a_robot_is_that_of_its_ends(t
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        ('of = "suspensio"', 'of: there is no spring or damper "suspensio"; did you mean "suspension"'),
+        ('of = "suspensio"', 'of: there is no "suspensio"; did you mean "suspension"'),
         ('of = "tyre"\nquantity = "velocity"', 'quantity: found "velocity"; expected force, elongation or rate'),
         (
             'between = ["wheel", "body"]\nquantity = "force"',

@@ -1,0 +1,58 @@
+"""The pictures of the documentation are small, shown, and those that the commands in the pages draw today."""
+
+from __future__ import annotations
+
+import re
+import shutil
+
+import matplotlib
+import numpy as np
+import pytest
+
+from mbconstrained.docs.pictures import FOLDER, PAGES, drawn, pictures
+
+#: Bytes of a picture, and of all.
+LARGEST, ALL = 40_000, 1_200_000
+
+#: Difference of two drawings of one curve, pt: a rounding of the last printed digit and what a processor adds to it.
+NEAR = 0.05
+
+SHOWN = {file: page for page in PAGES for _, file in pictures(page)}
+WITH_PICTURES = [page for page in PAGES if any(pictures(page))]
+
+
+def texts(svg: str) -> list[str]:
+    return re.findall(r"<text[^>]*>([^<]*)</text>", svg)
+
+
+def curves(svg: str) -> list[np.ndarray]:
+    """Numbers of all paths and places."""
+    return [
+        np.array(re.findall(r"-?[\d.]+(?:e-?\d+)?", data), dtype=float)
+        for data in re.findall(r'(?:\bd|transform|[xy])="([^"]*)"', svg)
+    ]
+
+
+def version(svg: str) -> str:
+    return "".join(re.findall(r"Matplotlib v([\w.]+)", svg))
+
+
+def test_every_picture_is_shown_once_and_small():
+    files = {path.name: path.stat().st_size for path in FOLDER.iterdir()}
+    assert set(files) == set(SHOWN), "write them by: python -m mbconstrained.docs.pictures"
+    assert max(files.values()) < LARGEST and sum(files.values()) < ALL
+    assert len(SHOWN) == sum(len(list(pictures(page))) for page in PAGES), "two pages show one file, which each would write"
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("page", WITH_PICTURES, ids=lambda page: page.name)
+def test_pictures_are_current(page):
+    if not shutil.which("chromium") and any(file.endswith(".png") for _, file in pictures(page)):
+        pytest.skip("pictures of models need Chromium")
+    for file, content in drawn(page):
+        if file.endswith(".svg"):
+            now, before = content.decode(), (FOLDER / file).read_text(encoding="utf-8")
+            assert texts(now) == texts(before), f"{file}: python -m mbconstrained.docs.pictures"
+            if version(before) == matplotlib.__version__:  # another version lays out the axes otherwise
+                assert [a.shape for a in curves(now)] == [b.shape for b in curves(before)]
+                assert max(np.abs(a - b).max(initial=0.0) for a, b in zip(curves(now), curves(before))) < NEAR, file
