@@ -5,7 +5,7 @@ import pytest
 import scipy.sparse
 
 import mbconstrained as mb
-from mbconstrained.ground.checks import names_of, nearest, real_array, real_number, whole_number
+from mbconstrained.ground.checks import _mistakes, names_of, nearest, real_array, real_number, whole_number
 
 
 @pytest.mark.parametrize(
@@ -70,6 +70,15 @@ def test_what_is_no_whole_number_is_refused(value):
 def test_names_must_be_one_each_and_differ(names, text):
     with pytest.raises(mb.InputError, match=text):
         names_of(names, 2, "coordinates", "x")
+
+
+@pytest.mark.parametrize(
+    ("word", "known", "mistakes"),
+    [("ratio", "radii", 2), ("kitten", "sitting", 3), ("crat", "cart", 1), ("Mass", "mass", 0), ("", "ab", 2), ("cvs", "csv", 1)],
+)
+def test_mistakes_are_counted_as_by_damerau(word, known, mistakes):
+    """Damerau 1964; kitten and sitting are the example of every textbook."""
+    assert _mistakes(word, known) == _mistakes(known, word) == mistakes
 
 
 def test_the_nearest_known_name_is_offered_only_when_it_is_near():

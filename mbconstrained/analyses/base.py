@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from inspect import Parameter, Signature, getdoc, signature
 from keyword import iskeyword
@@ -60,6 +60,7 @@ class Answer(Displayed):
         most_rows: rows of each table on the terminal; None for all.
         on_page: parts of the page that differ or are not here, such as a motion or shapes to draw, a function as the plots.
         keys: parts of the plain data besides title and data.
+        machine: processor and packages, on the page, and on the terminal with all that ``verbose`` shows.
         text: the whole answer as a text of its own, such as source code, in the place of files.
     """
 
@@ -79,6 +80,7 @@ class Answer(Displayed):
     most_rows: int | None = MOST_ROWS
     on_page: Callable[[], Mapping[str, Any]] = dict
     keys: tuple[str, ...] = ("notices", "trusted", "files")
+    machine: Mapping[str, str] = field(default_factory=dict)
     text: str = ""
 
     @property
@@ -86,12 +88,21 @@ class Answer(Displayed):
         """False where a notice warns that values may be wrong."""
         return not any(notice.doubtful for notice in self.notices)
 
-    def blocks(self, files: Sequence[Path] = ()) -> list[str | TextTable]:
-        """Texts and tables for a terminal of 80 columns, with the files that were written; folded tables are for the page."""
+    def blocks(self, files: Sequence[Path] = (), *, verbose: bool = False) -> list[str | TextTable]:
+        """Texts and tables for a terminal of 80 columns.
+
+        Args:
+            files: the files that were written, to be listed.
+            verbose: with the tables that are folded on the page, all rows, and the machine.
+
+        Returns:
+            Texts and tables in their order.
+        """
         head = "\n".join(line for text in (self.heading or self.title, self.source) for line in wrap(text, WIDTH))
-        about = "\n".join(_indented(f"{label}: {text}", "") for label, text in self.facts)
+        facts = (*self.facts, *(self.machine.items() if verbose else ()))
+        about = "\n".join(_indented(f"{label}: {text}", "") for label, text in facts)
         lists = {"Notices": [_indented(str(notice), "  ") for notice in self.notices], "Written": [f"  {path}" for path in files]}
-        shown = [limited(table, self.most_rows) for table in self.tables if not table.folded]
+        shown = [limited(table, None if verbose else self.most_rows) for table in self.tables if verbose or not table.folded]
         return [
             head,
             *filter(None, [about]),
@@ -141,6 +152,7 @@ class Answer(Displayed):
 
         own: dict[str, Any] = {"tables": self.tables, "plots": tuple(self.plots()), "notices": self.notices, "facts": self.facts}
         own |= self.on_page()
+        own["facts"] = (*own["facts"], *self.machine.items())
         own["tables"] = tuple(limited(table, MOST_ROWS_OF_PAGE) for table in own["tables"])
         return PageContent(self.title, self.source, **own)
 

@@ -157,7 +157,7 @@ class FormulaOptions(Table):
 
     language: Literal["text", "latex", "python", "c", "json"] = Field("text", alias="as", description="Output format.")
     numbers: bool = Field(False, description="Insert the default values of the parameters, write decimals.")
-    digits: int | None = Field(None, ge=2, le=30, description="Digits of decimals with --numbers; 6.")
+    digits: int | None = Field(None, ge=2, le=30, description="Digits of decimals with --numbers; 6 by default.")
     coordinates: Annotated[list[str], BeforeValidator(_names)] = Field([], description="Only these coordinates, A,B.")
     seconds: float = Field(SECONDS, ge=1.0, le=LONGEST_WORK, description="Time limit in s.")
 

@@ -107,13 +107,13 @@ class ModeLine:
         meaning = self.cells["meaning"]
         facts = tuple((label, text) for label, text in self.cells.items() if label not in ("kind", "meaning"))
         if self.shape is None:
-            return ModePicture(self.cells["kind"] + self.among, facts, note=meaning)
+            return ModePicture(self.cells["kind"] + self.among, facts, note=meaning, is_zero=not self.value)
         if not self.value.imag:
             meaning += "; drawn as if its shape swung"
         elif self.value.real:
             meaning += f"; drawn without {'growth' if self.value.real > 0 else 'decay'}"
         shape = tuple(shape_cells(self.shape, coordinates))
-        return self.picture(swinging, facts, shares=self._shares_by_part(), shape=shape, note=meaning)
+        return self.picture(swinging, facts, shares=self._shares_by_part(), shape=shape, note=meaning, is_zero=not self.value)
 
     def _shares_by_part(self) -> tuple[Share, ...]:
         """(part, kinetic share, strain share) of every part with either, in descending order; None for a missing one."""

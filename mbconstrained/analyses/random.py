@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -48,6 +48,7 @@ class Random(Analysis):
     name = "random"
     handles_delays = True
     settings = RandomTable
+    options: ClassVar = {"outputs": "--output"}
 
     @classmethod
     def solve(cls, scene: Scene, settings: RandomTable | None) -> Answer:

@@ -209,7 +209,7 @@ class RunAnswer(Result, Answer):
         """The answer in words and tables, as it is printed."""
         return _printed(self.blocks())
 
-    def blocks(self, files: Sequence[Path] = ()) -> list[str | TextTable]:
+    def blocks(self, files: Sequence[Path] = (), *, verbose: bool = True) -> list[str | TextTable]:
         """The parts of the summary: texts, and tables that a terminal may lay out itself."""
         parts = [("Notices", self.table_notices), ("Written", self.files)]
         lists = ["\n".join([title, *(f"  {line}" for line in lines)]) for title, lines in parts if lines]

@@ -41,7 +41,7 @@ TIMES, LONGER = 2001, 1.2
 
 
 class Shock(Analysis):
-    """Peaks with their times of every coordinate, reaction and force of an element, and the shock response spectrum of a support.
+    """Peaks with their times of every coordinate, reaction, force of an element and named quantity, and the shock response spectrum of a support.
 
     Peaks are those of the closed-form motion, none is missed between samples. Of a record, a file with columns of times and
     accelerations, the spectrum alone. Writes NAME.shock.html, .csv, .peaks.csv and .npz.
@@ -50,7 +50,7 @@ class Shock(Analysis):
     name = "shock"
     settings = ShockTable
     switches = "all"
-    options: ClassVar = {"damping_ratio": "--damping", "quality_factor": "--quality"}
+    options: ClassVar = {"damping_ratio": "--damping", "quality_factor": "--quality", "outputs": "--output"}
     replaced: ClassVar = {
         "damping_ratio": ("quality_factor",), "quality_factor": ("damping_ratio",), "from": ("frequencies",), "to": ("frequencies",)
     }  # fmt: skip
@@ -72,6 +72,8 @@ class Shock(Analysis):
                 raise InputError(f"peaks {lacking}{'' if system is None else '; give arrays'}")
             motion, end = cast("Motion", scene.equations.solve()), table.end or scene.table.time.end
             every = tuple(one for one in (motion.peaks(end, of) for of in QUANTITIES) if one.names)
+            if outputs := list(system.quantities) if table.outputs is None else table.outputs:
+                every += (motion.peaks(end, outputs),)
             part = None if excitation is None else _Spectrum(table, scene.equations.coordinates.shown, *excitation)
         own: tuple[Notice, ...] = () if part is None else part.spectrum.notices
         if part is None and motions:

@@ -28,9 +28,12 @@ from .answer import (
     ScenePath,
     Settings,
     SharedViewer,
+    Verbose,
     answer,
+    claim,
     leave,
     read,
+    results_folder,
     setting,
     several_values,
     viewer_of,
@@ -102,6 +105,7 @@ def command(analysis: type[Analysis]):
         compress=False,
         page=None,
         plots=False,
+        verbose=False,
         **given,
     ) -> None:
         if out and page is False:
@@ -109,15 +113,19 @@ def command(analysis: type[Analysis]):
         reading = {key: given[key] or None for key in RECORD} if reads_records else {}
         chosen = {key: _value(given[f"{key}_"], *entry[:2]) for key, entry in entries.items() if _is_given(given[f"{key}_"])}
         json = json or (analysis.formats == TEXT and "json" in chosen.values())
-        writing = _Writing(analysis, out, json, viewer_of(shared_viewer, compress), page, plots)
+        writing = _Writing(analysis, out, json, viewer_of(shared_viewer, compress), page, plots, verbose)
 
         def work(scene) -> int:
             if analysis.progress and analysis.formats != TEXT:
-                _check_writable(writing.folder(scene.name if scene else "gallery"))  # before hours of computation
+                _check_writable(writing.folder(scene.path if scene else None))  # before hours of computation
             with _progress(analysis.progress) as progress:
                 answer_of = partial(analysis.answer, scene) if scene else analysis.answer_without_scene
                 one = answer_of(progress, **chosen)
-            return writing.text(one, scene) if analysis.formats == TEXT else writing.files(one, scene and scene.table.output)
+            return (
+                writing.text(one, scene)
+                if analysis.formats == TEXT
+                else writing.files(one, scene and scene.path, scene and scene.table.output)
+            )
 
         if not source:
             if settings:
@@ -153,19 +161,22 @@ class _Writing:
     viewer: str
     page: bool | None  # None for analyses that write without being asked
     plots: bool
+    verbose: bool
 
-    def folder(self, name: str) -> Path:
-        return Path(self.out or Path("results") / name)
+    def folder(self, source: Path | None) -> Path:
+        return Path(self.out) if self.out else results_folder(source)
 
-    def files(self, one: Answer, output: OutputTable | None) -> int:
+    def files(self, one: Answer, source: Path | None, output: OutputTable | None) -> int:
         from ..analyses.base import formats_of
         from .printing import show
 
         usual = {*(self.analysis.formats or formats_of(output)), *(["pictures"] if self.plots else [])}
         formats = usual if self.page is None else {"page"} if self.page else set()
         viewer: Any = self.viewer or (output.viewer if output else "inside")
-        files = one.write(self.folder(one.name), formats, viewer) if formats else []
-        show(self.json, lambda: one.to_dict(files), lambda: one.blocks(files))
+        files = one.write(self.folder(source), formats, viewer) if formats else []
+        if files and not self.out:
+            claim(files[0].parent, source)
+        show(self.json, lambda: one.to_dict(files), lambda: one.blocks(files, verbose=self.verbose))
         return FINE if one.is_trusted else NOT_TRUSTED
 
     def text(self, one: Answer, scene) -> int:
@@ -194,7 +205,12 @@ def _parameters(analysis: type[Analysis], entries: dict) -> dict[str, tuple[Any,
     if analysis.writes:
         result["plots"] = (Plots, False)
     result |= {"shared_viewer": (SharedViewer, False), "compress": (Compress, False)}
-    return result | {"settings": (Settings, None), "data_folder": (DataFolders, None), "json": (Json, False)}
+    return result | {
+        "verbose": (Verbose, False),
+        "settings": (Settings, None),
+        "data_folder": (DataFolders, None),
+        "json": (Json, False),
+    }
 
 
 def _entries(analysis: type[Analysis]):
@@ -211,14 +227,28 @@ def _entries(analysis: type[Analysis]):
         flag = analysis.options.get(key, None if several or Any in kinds else f"--{key.replace('_', '-')}")
         if flag is not None:
             bounds = {end: getattr(one, name) for one in field.metadata for name, end in _BOUNDS.items() if hasattr(one, name)}
-            is_number = len(bounds) == len(field.metadata)  # others are texts with units
+            bounds = {end: bound for end, bound in bounds.items() if bound <= LARGEST_BOUND}
+            is_number = all(any(hasattr(one, name) for name in _BOUNDS) for one in field.metadata)  # others are texts with units
             items = (typing.get_args(one)[0] for one in (*kinds, field.annotation) if typing.get_origin(one) is list)
             names = tuple if any(str in (item, *typing.get_args(item)) for item in items) else None
             choice = field.annotation if typing.get_origin(field.annotation) is Literal else None
             kind = names or several or choice or next((one for one in (bool, int, float) if kinds == {one} and is_number), str)
             checked = bounds if kind in (int, float) and analysis.name not in SceneFile.model_fields else {}
-            yield key, (flag, kind, field.description or "", checked)
+            yield key, (flag, kind, _with_default(field), checked)
 
+
+def _with_default(field) -> str:
+    """The help of an option, with the value that it has where nothing gives it unless the text has that."""
+    text, default = field.description or "", field.default
+    states_it = re.search(r"\bdefault|left out\b", text)
+    if states_it or isinstance(default, bool) or not isinstance(default, (int, float, str)) or default == "":
+        return text
+    unit = next((f" {schema['unit']}" for one in field.metadata if "unit" in (schema := getattr(one, "json_schema", {}))), "")
+    return f"{text.removesuffix('.')}; {f'{default:g}' if isinstance(default, float) else default}{unit.removesuffix(' 1')} by default."
+
+
+#: Largest bound that stands in a help text; larger ones are those of the numbers of a computer.
+LARGEST_BOUND = 10**9
 
 #: Bounds of numbers, as pydantic and typer name them.
 _BOUNDS = {"ge": "min", "le": "max"}
@@ -282,7 +312,7 @@ def _of_record(analysis, path: Path, chosen: dict, reading: dict):
 
     column, step = reading["column"], reading["step"]
     own = {**reading, "step": quantity(step, "s") if step else None, "column": int(column) if (column or "").isdigit() else column}
-    return analysis.of_record(path, analysis.changed(None, chosen, path.name), **own), OutputTable()
+    return analysis.of_record(path, analysis.changed(None, chosen, path.name), **own), path, OutputTable()
 
 
 def _write(path: Path, text: str, scene: Path) -> None:

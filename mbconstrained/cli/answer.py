@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from json import dumps, loads
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -26,9 +27,13 @@ SharedViewer = Annotated[
     bool, typer.Option("--shared-viewer", help="Write the 3-D viewer once next to the pages of a folder, not into each.")
 ]
 Compress = Annotated[bool, typer.Option("--compress", help="Compress the scripts in the page; needs a recent browser.")]
+Verbose = Annotated[bool, typer.Option("--verbose", help="Print all tables and rows, and the machine.")]
 Out = Annotated[str, typer.Option("--out", metavar="DIR", help="Folder to write into; results/NAME_OF_SCENE by default.")]
 
 _NUMBER = re.compile(r"[-+]?\.?\d")
+
+#: Where results are written, and the file there that notes of which scene each folder is.
+RESULTS, OWNERS = Path("results"), ".scenes.json"
 
 FINE, SCENE_WRONG, COMMAND_WRONG, NOT_TRUSTED = 0, 1, 2, 3
 
@@ -56,6 +61,40 @@ def answer(
             raise typer.BadParameter(f'"{name}" is set twice; give it one value', param_hint="--set")
         values[name] = value
     leave(Path(path).name, json, lambda: work(read(path, values, data_folders or ())))
+
+
+def results_folder(source: Path | None) -> Path:
+    """The folder of the results of a scene or record, None for none: results/NAME, or with a number where that has those of another file."""
+    name = source.stem if source else "gallery"
+    owners, number = _owners(), 1
+    while source and (owner := owners.get(_numbered(name, number))) and Path(owner) != source.absolute() and Path(owner).exists():
+        number += 1
+    if number > 1:
+        typer.echo(f"results/{name} has the results of {owners[name]}; these are in results/{_numbered(name, number)}", err=True)
+    return RESULTS / _numbered(name, number)
+
+
+def claim(folder: Path, source: Path | None) -> None:
+    """Note whose results a folder has."""
+    from ..ground.files import replacing
+
+    if source is None or (owners := _owners()).get(folder.name) == str(source.absolute()):
+        return
+    with replacing(RESULTS / OWNERS) as temporary:
+        temporary.write_text(dumps({**owners, folder.name: str(source.absolute())}, indent=2) + "\n", encoding="utf-8")
+
+
+def _owners() -> dict[str, str]:
+    """The files whose results are in the folders of results, by the names of the folders."""
+    try:
+        owners = loads((RESULTS / OWNERS).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return {name: path for name, path in owners.items() if isinstance(path, str)} if isinstance(owners, dict) else {}
+
+
+def _numbered(name: str, number: int) -> str:
+    return name if number == 1 else f"{name}-{number}"
 
 
 def setting(text: str, option: str = "--set") -> tuple[str, Any]:

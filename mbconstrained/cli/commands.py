@@ -20,8 +20,11 @@ from .answer import (
     ScenePath,
     Settings,
     SharedViewer,
+    Verbose,
     answer,
+    claim,
     leave,
+    results_folder,
     viewer_of,
 )
 
@@ -95,7 +98,7 @@ def _run(
     still: Annotated[str, typer.Option("--still", metavar="TIME", help="Write a picture of the model then too, as PNG.")] = "",
     shared_viewer: SharedViewer = False,
     compress: Compress = False,
-    verbose: Annotated[bool, typer.Option("--verbose", help="Print all tables and notices, not only a screen of them.")] = False,
+    verbose: Verbose = False,
     settings: Settings = None,
     data_folder: DataFolders = None,
     json: Json = False,
@@ -115,7 +118,9 @@ def _run(
         loaded = loaded.with_plot_images() if plots else loaded
         loaded = loaded if moment is None else loaded.with_still(moment)
         with stage_progress() as progress:
-            result = loaded.run(Path(out or Path("results") / loaded.name), progress)
+            result = loaded.run(Path(out) if out else results_folder(loaded.path), progress)
+        if result.files and not out:
+            claim(result.files[0].parent, loaded.path)
         show(json, result.to_dict, lambda: result.blocks() if verbose else overview(result, line_width()))
         return FINE if result.is_trusted else NOT_TRUSTED
 

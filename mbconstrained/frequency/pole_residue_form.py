@@ -187,7 +187,9 @@ class PoleResidueForm:
             terms.append([part @ C @ front @ B for part in _parts(self.outputs)])
             sizes.append(sum(np.abs(part) @ C_size for part in _parts(self.outputs)) @ np.abs(front) @ B_size)
             front = front @ N
-        noise = CLUSTER_SAFETY * EPS * max(pair.coupling, 1.0) * len(pair.B) ** 0.5
+        noise = (
+            EPS * max(pair.coupling, 1.0) * len(pair.B) ** 0.5 * max(CLUSTER_SAFETY, NOISE_SAFETY * self._sensitivity(zero, order))
+        )
         limits, shape = noise * np.array(sizes), (order, len(self.outputs), self.inputs.shape[1])
         turned = [[_joined([turn(part) for part in own]) for own in terms] for turn in (np.array, np.conj)]
         one, conjugate = (_cleaned(np.array(each).reshape(shape), limits) for each in turned)
@@ -197,8 +199,8 @@ class PoleResidueForm:
     def _defined(self) -> tuple[np.ndarray, np.ndarray]:
         """Unknowns y = R(s) x that only their own equation has, such as the force of a spring, shape (d,), and R_k, shape (K, d, r)."""
         coefficients = np.array(self.pairs.polynomial_matrix.coefficients)
-        pattern: np.ndarray = np.any(coefficients, axis=0)
-        unknowns = np.flatnonzero((pattern.sum(axis=0) == 1) & ~coefficients[1:].any(axis=(0, 1)))
+        pattern = np.any(coefficients, axis=0)
+        unknowns = np.flatnonzero((pattern.sum(axis=0) == 1) & ~np.any(coefficients[1:], axis=(0, 1)))
         rows = pattern[:, unknowns].argmax(axis=0)
         result = -coefficients[:, rows] / coefficients[0, rows, unknowns][:, None]
         result[:, np.arange(len(rows)), unknowns] = 0.0
@@ -216,6 +218,16 @@ class PoleResidueForm:
         J = pair.blocks[chosen[0]] if len(chosen) == 1 else block_diag(*(pair.blocks[i] for i in chosen))
         return at, *invariant_vectors(J, value, zero.multiplicity)
 
+    def _sensitivity(self, zero: FiniteZero, order: int) -> float:
+        """The growth of errors in the vectors of a chain: a power of its distance from the next zero, in the unit of time."""
+        others = np.delete(np.abs(self._eigenvalues[0] - zero.value), self._nearest(zero))
+        with np.errstate(divide="ignore"):
+            ratio = self.pairs.form.companion.scaling.time / others.min(initial=np.inf)
+        return ratio**order if order > 1 else 1.0
+
+    def _nearest(self, zero: FiniteZero) -> np.ndarray:
+        return np.argsort(np.abs(self._eigenvalues[0] - zero.value), kind="stable")[: zero.multiplicity]
+
     @cached_property
     def _slices(self) -> list[slice]:
         return block_slices(self.pairs.finite.blocks)
@@ -228,8 +240,7 @@ class PoleResidueForm:
         return values, np.repeat(np.arange(len(blocks)), [len(block) for block in blocks])
 
     def _blocks_of(self, zero: FiniteZero) -> np.ndarray:
-        values, owner = self._eigenvalues
-        return np.unique(owner[np.argsort(np.abs(values - zero.value), kind="stable")[: zero.multiplicity]])
+        return np.unique(self._eigenvalues[1][self._nearest(zero)])
 
     # Values as sums.
 

@@ -24,13 +24,29 @@ OF_FUNCTION = "; an input is made of a function of time by mb.approximated(funct
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """The closest known name as a hint to append to a message, or an empty string.
+    """The closest known name as a hint to append to a message, or an empty string; a word of the same letters alone is not near.
 
-    >>> nearest("stifness", ["stiffness", "damping"])
-    '; did you mean "stiffness"?'
+    >>> nearest("stifness", ["stiffness", "damping"]), nearest("ratio", ["radii"])
+    ('; did you mean "stiffness"?', '')
     """
-    match = difflib.get_close_matches(str(word), [str(k) for k in known], n=1, cutoff=0.6)
-    return f'; did you mean "{match[0]}"?' if match else ""
+    word = str(word)
+    similar = difflib.get_close_matches(word, [str(k) for k in known], n=3, cutoff=0.6)
+    match = next((one for one in similar if _mistakes(word, one) <= (len(word) > 5) + (len(word) > 9) + 1), "")
+    return f'; did you mean "{match}"?' if match else ""
+
+
+def _mistakes(word: str, other: str) -> int:
+    """The number of letters that are added, left out, replaced or exchanged with the next one (Damerau 1964), capitals aside."""
+    word, other = word.casefold(), other.casefold()
+    before, last = [0] * (len(other) + 1), list(range(len(other) + 1))
+    for i, letter in enumerate(word):
+        row = [i + 1]
+        for j, its in enumerate(other):
+            row.append(min(last[j + 1] + 1, row[j] + 1, last[j] + (letter != its)))
+            if i and j and (letter, word[i - 1]) == (other[j - 1], its):
+                row[-1] = min(row[-1], before[j - 1] + 1)
+        before, last = last, row
+    return last[-1]
 
 
 def optional_package(name: str, what_for: str) -> ModuleType:

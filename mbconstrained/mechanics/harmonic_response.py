@@ -243,7 +243,9 @@ def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Output]) 
         raise InputError(f"{quantity}: this system has no {missing}")
     loads, rows = ([one.name for one in inputs if (one.row is None) == is_load] for is_load in (True, False))
     if quantity == "transmissibility" and loads:
-        raise InputError(f'{quantity}: the input "{loads[0]}" is a force; expected constraint rows, whose motion is prescribed')
+        raise InputError(
+            f'{quantity}: the input "{loads[0]}" is a force; expected supports, whose motion a constraint row prescribes, in scenes [[motion]]'
+        )
     if quantity == FORCE_TRANSMISSIBILITY and rows:
         raise InputError(f'{quantity}: the input "{rows[0]}" is a prescribed motion; expected forces on coordinates')
     if not (chosen := QUANTITIES[quantity]).inverse:

@@ -366,12 +366,13 @@ class Motion(SystemMotion, Response):
             return self._exact_reaction.enclose(times, digits, order=order)
         return super().enclose(times, digits, order=own + order)
 
-    def peaks(self, end: float, of: str = "displacement", combinations=None, names=None) -> Peaks:
+    def peaks(self, end: float, of: str | Sequence[str] = "displacement", combinations=None, names=None) -> Peaks:
         """Exact extrema on [0, end] with their times.
 
         Args:
             end: in s.
-            of: "displacement", "velocity", "acceleration", "reaction", or "elongation" or "force" of springs and dampers by name.
+            of: "displacement", "velocity", "acceleration", "reaction", or "elongation" or "force" of springs and dampers by name; or a
+                name or names of quantities, such as ["b - a", "force of spring", "velocity of x"].
             combinations: a matrix (p, r) of what is combined, such as the elongation of a spring.
             names: names of the combinations.
 

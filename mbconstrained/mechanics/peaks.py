@@ -124,14 +124,16 @@ class Peaks(Displayed):
     Attributes:
         names: of the functions.
         units: of the functions, in SI.
-        quantity: "displacement", "velocity", "acceleration", "reaction", "elongation" or "force".
+        quantity: "displacement", "velocity", "acceleration", "reaction", "elongation" or "force"; of functions by name "quantities".
         extrema: values and times.
+        kinds: of functions by name the quantity of each.
     """
 
     names: tuple[str, ...]
     units: tuple[str, ...]
     quantity: str
     extrema: Extrema
+    kinds: tuple[str, ...] = ()
 
     def _summary(self) -> str:
         return f"{self.quantity}, {counted(len(self.names), 'function')}"
@@ -151,8 +153,9 @@ class Peaks(Displayed):
     def rows(self) -> list[dict]:
         """The extrema as plain data, one row for each function, in SI."""
         keys = ("maximum", "maximum_time", "minimum", "minimum_time")
-        each = zip(self.names, self.units, *(getattr(self.extrema, key).tolist() for key in keys))
-        return [{"quantity": self.quantity, "of": name, "unit": unit, **dict(zip(keys, own))} for name, unit, *own in each]
+        kinds = self.kinds or (self.quantity,) * len(self.names)
+        each = zip(kinds, self.names, self.units, *(getattr(self.extrema, key).tolist() for key in keys))
+        return [{"quantity": kind, "of": name, "unit": unit, **dict(zip(keys, own))} for kind, name, unit, *own in each]
 
     @property
     def maximum(self) -> np.ndarray:
@@ -170,11 +173,14 @@ class Peaks(Displayed):
         return self.extrema.largest
 
 
-def peaks(motion, end: float, of: str = "displacement", combinations=None, names: Sequence[str] | None = None) -> Peaks:
+def peaks(motion, end: float, of: str | Sequence[str] = "displacement", combinations=None, names=None) -> Peaks:
     """Exact extrema of a motion on [0, end], none missed: branch and bound over the closed form (``frequency.shock.extrema``)."""
     end = real_number(end, "end", positive=True)
-    if of not in QUANTITIES:
-        raise InputError(f"of: found {of!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(of), QUANTITIES)}")
+    if not isinstance(of, str) or of not in QUANTITIES:
+        if combinations is not None:
+            raise InputError(f"of: found {of!r}; combinations are those of {', '.join(QUANTITIES)}")
+        chosen = OutputNames.of(motion.system, motion._reaction_rows).chosen("of", of, "displacement", ())
+        return peaks_of_outputs(motion, end, chosen)
     function, own, units, constant = _functions(motion, of)
     if combinations is not None:
         matrix = real_array(combinations, "combinations", shape=(None, len(own)))
@@ -192,9 +198,16 @@ def cycles(motion, end: float, of: str = "force", outputs: Sequence[str] | None 
     if outputs is None:
         function, names, units, constant = _functions(motion, of)
     else:
-        function, names, units, constant = _of_outputs(motion, OutputNames.of(motion.system).chosen("outputs", outputs, of, ()))
+        function, names, units, constant = _closed_forms(motion, OutputNames.of(motion.system).chosen("outputs", outputs, of, ()))
     counts = cycles_of(function, 0.0, end) if names else []
     return {name: (unit, replace(own, means=own.means + c)) for name, unit, own, c in zip(names, units, counts, constant)}
+
+
+def peaks_of_outputs(motion, end: float, outputs: Sequence[Output]) -> Peaks:
+    """Exact extrema of outputs on [0, end]."""
+    names, units, kinds = zip(*((one.name, one.unit, one.quantity) for one in outputs))
+    own = extrema(closed_form(outputs, motion), 0.0, end).shifted(np.array([one.constant for one in outputs]))
+    return Peaks(names, units, "quantities", own, kinds)
 
 
 def _functions(motion, of: str) -> tuple[BohlFunction, tuple[str, ...], tuple[str, ...], np.ndarray]:
@@ -205,16 +218,15 @@ def _functions(motion, of: str) -> tuple[BohlFunction, tuple[str, ...], tuple[st
         names, units = tuple(row.name for row in rows), tuple(force_unit(row.unit) for row in rows)
         return motion.reaction_function, names, units, np.zeros(len(rows))
     if of in ("elongation", "force"):
-        return _of_outputs(motion, [OutputNames.of(system).output(name, of) for name in system.elements])
+        return _closed_forms(motion, OutputNames.of(system).chosen("of", list(system.elements) or None, of, ()))
     order = QUANTITIES.index(of)
     units = tuple(rate_unit(system.units[name], order) for name in system.names)
     return motion.derivative(order) if order else motion.function, system.names, units, np.zeros(system.size)
 
 
-def _of_outputs(motion, outputs: Sequence[Output]) -> tuple[BohlFunction, tuple[str, ...], tuple[str, ...], np.ndarray]:
-    """The functions of outputs by name, with their constants."""
-    names, units = tuple(one.name for one in outputs), tuple(one.unit for one in outputs)
+def _closed_forms(motion, outputs: Sequence[Output]) -> tuple[BohlFunction, tuple[str, ...], tuple[str, ...], np.ndarray]:
     function = closed_form(outputs, motion) if outputs else motion.function.rows([])
+    names, units = tuple(one.name for one in outputs), tuple(one.unit for one in outputs)
     return function, names, units, np.array([one.constant for one in outputs])
 
 

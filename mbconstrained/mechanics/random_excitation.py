@@ -96,6 +96,6 @@ def _input(system: EquationsOfMotion, name: str, of: str) -> Channel:
     rows = [row for row in row_channels(system) if (row.direction == channel.direction).all()]
     if not rows:
         raise InputError(
-            f'excitation of "{name}": no constraint row prescribes its motion; expected a spectrum of="force", or a row such as mb.Constraint({{"{name}": 1}})'
+            f'excitation of "{name}": nothing prescribes its motion; expected a spectrum of="force", or a row such as mb.Constraint({{"{name}": 1}}), in a scene [[motion]] with coordinate = "{name}"'
         )
     return rows[0]

@@ -575,14 +575,30 @@ class Lever(TwoEndedTie):
 class Gear(TwoEndedTie):
     """Two gear wheels in mesh: start_radius q_start + end_radius q_end = 0; the multiplier is the torque on the start."""
 
-    start_radius: Annotated[Real, Numeric("m", "Radius of the one wheel, or its number of teeth: their ratio counts.", "positive")]
-    end_radius: Annotated[Real, Numeric("m", "Radius of the other wheel, or its number of teeth.", "positive")]
+    start_radius: Annotated[
+        Real, Numeric("m", "Radius of the one wheel, or its number of teeth: their ratio counts.", "positive")
+    ] = None
+    end_radius: Annotated[Real, Numeric("m", "Radius of the other wheel, or its number of teeth.", "positive")] = None
     internal: Annotated[bool, "true where one wheel runs inside the other; both then turn in the same direction."] = False
+    ratio: Annotated[Real, Numeric("1", "In place of radii: turns of the start for one turn of the end.", "positive")] = None
 
     axis, symbol = "rad", "gear"
     spellings: ClassVar = {**Link.spellings, "radii": ("start_radius", "end_radius"), "teeth": ("start_radius", "end_radius")}
-    sizes = property(lambda self: (self.start_radius, self.end_radius))
-    row = property(lambda self: {self.start: 1.0, self.end: (-1 if self.internal else 1) * self.end_radius / self.start_radius})
+
+    def __post_init__(self):
+        super().__post_init__()
+        if [self.start_radius is None, self.end_radius is None] != [self.ratio is not None] * 2:
+            raise InputError(f"{self.label}: expected both radii, both numbers of teeth, or the ratio of their speeds")
+
+    @property
+    def sizes(self) -> tuple[float, float]:
+        """Radii, or numbers that are proportional to them."""
+        return (self.start_radius, self.end_radius) if self.ratio is None else (1.0, self.ratio)
+
+    @property
+    def row(self) -> dict[str, float]:
+        ratio = self.end_radius / self.start_radius if self.ratio is None else self.ratio
+        return {self.start: 1.0, self.end: -ratio if self.internal else ratio}
 
 
 @dataclass(frozen=True)

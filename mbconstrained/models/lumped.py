@@ -306,8 +306,10 @@ class LumpedModel(Displayed):
             element, parts, ends = settled, settled.parts, settled.ends
         for name, unit in ends.items():
             if unit and name != GROUND and self._units[name] != unit:
+                of_angles = f"torsion_{element.kind}" if f"torsion_{element.kind}" in ELEMENTS else ""
                 raise InputError(
                     f'{element.label}: "{name}" {STATES[self._units[name]]}, but a {element.kind} needs a body that {STATES[unit]}'
+                    + (f"; for bodies that turn there is {of_angles}" if of_angles else "")
                 )
         if len(ends) < element.end_count:
             raise InputError(f"{element.label}: two of its ends are on the same body; give different ones")

@@ -373,6 +373,7 @@ class ModePicture:
         scale: magnification of the values, in addition to that of the drawing; paths are already magnified.
         note: a sentence, such as the reason why a mode does not move.
         shape: for each coordinate that moves its name and its amplitude, with its phase where it has one; texts.
+        is_zero: whether its eigenvalue is zero, a rigid-body motion or a drift: the page folds these.
     """
 
     name: str
@@ -384,6 +385,7 @@ class ModePicture:
     scale: float = 1.0
     note: str = ""
     shape: tuple[tuple[str, str], ...] = ()
+    is_zero: bool = False
 
     def frames(self, drawing: Drawing, names: tuple[str, ...]) -> KeyFrames:
         """One cycle of the mode as key frames."""

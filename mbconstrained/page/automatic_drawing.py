@@ -224,26 +224,34 @@ SLAB, STOREY, COLUMN = (3.6, 1.8, 0.24), 1.3, 1.5
 #: Distance of a further connection from the one in front of it, drawing units.
 BEHIND = 0.4
 
-_NAME = re.compile(r"(ground |top |roof |\d+(st|nd|rd|th) )?(floor|storey|story|roof|slab)[ _-]?\d*", re.IGNORECASE)
+_ORDINAL = r"\d+(st|nd|rd|th)|first|second|third|fourth|fifth|sixth|seventh|eighth|ninth|tenth"
+_NAME = re.compile(rf"((ground|top|roof|{_ORDINAL}) )?(floor|storey|story|roof|slab)[ _-]?\d*", re.IGNORECASE)
+_SOIL = re.compile("soil|base|basement|foundation", re.IGNORECASE)
 
 
 def are_storeys(names: Sequence[str]) -> bool:
-    """Whether these are names of storeys, at least two.
+    """Whether these are names of storeys, at least two, and at most one of what they stand on.
 
-    >>> are_storeys(["floor 1", "floor_2", "roof"]), are_storeys(["floor 1", "cart"])
+    >>> are_storeys(["soil", "first floor", "roof"]), are_storeys(["floor 1", "floor_2", "cart"])
     (True, False)
     """
-    return len(names) > 1 and all(_NAME.fullmatch(name) for name in names)
+    others = [name for name in names if not _NAME.fullmatch(name)]
+    return len(names) - len(others) > 1 and len(others) < 2 and all(map(_SOIL.fullmatch, others))
 
 
 def storeys(order: Sequence[str], joints: Sequence[DrawnJoint]) -> Piece:
     """The piece of a building.
 
-    A spring or rod is two columns, which lean as it is stretched, a damper is a brace.
+    A spring or rod is two columns, which lean as it is stretched, a damper is a brace. Where nothing connects the storeys to the
+    ground the first one is the moving ground.
     """
-    levels = {GROUND: 0.0} | {name: STOREY * (number + 1) for number, name in enumerate(order)}
-    base = DrawnBody("ground", "base", (0.0, 0.0, -SLAB[2] / 2), size=(SLAB[0] + 1.0, SLAB[1] + 0.6, 0.1))
-    slabs = [DrawnBody(name, "box", (0.0, 0.0, levels[name]), {name: (1.0, 0.0, 0.0)}, size=SLAB) for name in order]
+    footing = (SLAB[0] + 1.0, SLAB[1] + 0.6, 0.1)
+    fixed = [GROUND] * any(joint.ends <= {GROUND, *order} and GROUND in joint.ends for joint in joints)
+    levels = {name: STOREY * number for number, name in enumerate([*fixed, *order])}
+    slabs = [DrawnBody("ground", "base", (0.0, 0.0, -SLAB[2] / 2), size=footing) for _ in fixed]
+    for name in order:
+        size = SLAB if levels[name] else footing
+        slabs.append(DrawnBody(name, "box", (0.0, 0.0, levels[name] or -SLAB[2] / 2), {name: (1.0, 0.0, 0.0)}, size=size))
     links: list[DrawnLink] = []
     drawn: Counter[tuple[str, str]] = Counter()
     for joint in joints:
@@ -251,13 +259,13 @@ def storeys(order: Sequence[str], joints: Sequence[DrawnJoint]) -> Piece:
             low, high = sorted((joint.start, joint.end), key=lambda name: levels[name])
             far, back = levels[high] - levels[low] > 1.5 * STOREY, BEHIND * drawn[low, high]
             drawn[low, high] += 1
-            bottom, top = (0.05 if low == GROUND else SLAB[2] / 2), -SLAB[2] / 2
+            bottom, top = SLAB[2] / 2 if levels[low] else footing[2] / 2, -SLAB[2] / 2
             kind: LinkKind = "rod" if joint.kind in ("spring", "rod") and not far else joint.kind
             lines = [(-COLUMN, -COLUMN), (COLUMN, COLUMN)] if kind == "rod" else [(-0.7 * COLUMN, 0.7 * COLUMN)]
             for name, (left, right) in zip((joint.name, f"{joint.name}, right"), lines):
                 ends = {"start_point": (left, back, bottom), "end_point": (right, back, top)}
                 links.append(DrawnLink(name, kind, low, high, **ends))
-    return Piece((base, *slabs), tuple(links))
+    return Piece(tuple(slabs), tuple(links))
 
 
 def columns(order: Sequence[str]) -> list[DrawnJoint]:
@@ -271,8 +279,14 @@ BAR_LENGTH, CLOSEST, LONGEST_BAR = 5.0, 1.5, 14.0
 #: Height and depth of a bar, its overhang at its ends, and the distance to the bar above, drawing units.
 HEIGHT, DEPTH, OVERHANG, BAR_STOREY = 0.4, 0.6, 0.45, 2.4
 
-#: Radius and width of the disc at the centre of mass of a rotor, and the distance between rotors on one axis, drawing units.
+#: Radius and width of the disc of a rotor without moments of inertia, and the distance between rotors on one axis, drawing units.
 DISC, WIDTH, BETWEEN = 0.7, 0.3, 1.6
+
+#: Limits of the radius of a disc, drawing units.
+DISCS = (0.5, 1.1)
+
+#: Radius and width of the race of a bearing and of the ring in it, drawing units.
+RACE, RING = (0.36, 0.18), (0.29, 0.26)
 
 #: Directions of the displacements of rotors by the names of their planes, bars moving upwards, and from a point to its attachment.
 DIRECTIONS: dict[str, Vector] = {"y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -292,6 +306,7 @@ class Bar:
     rows: frozenset[str]
     rotor: str | None = None  # the name of the rotor whose bar in one plane it is
     plane: str = "z"  # "y" or "z", that of its displacements
+    cylinder: tuple[float, float] | None = None  # radius and length in m of the cylinder with its mass and moments of inertia
 
     @property
     def places(self) -> dict[str, float]:
@@ -326,7 +341,15 @@ def _planes(rotor: Rotor) -> Iterable[Bar]:
     angles = rotor.tilts if rotor.diametral_inertia is not None else (None, None)
     for name, plane, angle in zip(in_planes(rotor.name), PLANES, angles):
         points = {in_planes(point)[PLANES.index(plane)]: distance for point, distance in rotor.points.items()}
-        yield Bar(name, angle, points, rows, rotor.name, plane)
+        yield Bar(name, angle, points, rows, rotor.name, plane, _cylinder(rotor))
+
+
+def _cylinder(rotor: Rotor) -> tuple[float, float] | None:
+    """Radius and length of the uniform cylinder J_p = m r^2 / 2, J_d = m (3 r^2 + l^2) / 12; None without moments of inertia."""
+    if not rotor.polar_inertia or rotor.diametral_inertia is None:
+        return None
+    square = 2 * rotor.polar_inertia / rotor.mass
+    return math.sqrt(square), math.sqrt(max(0.0, 12 * rotor.diametral_inertia / rotor.mass - 3 * square))
 
 
 def _bar(angle: str, rows: list[Relation], name: str | None, masses, units) -> Bar | None:
@@ -383,7 +406,10 @@ class _Layout:
         wholes: dict[str, list[Bar]] = {}
         for bar in self.bars:
             wholes.setdefault(bar.rotor or bar.name, []).append(bar)
-        bodies, links = [self._shaft(own) if own[0].rotor else self._drawn(own[0]) for own in wholes.values()], []
+        bodies = [self._rotor(own) if own[0].rotor else self._drawn(own[0]) for own in wholes.values()]
+        links = self._shafts()
+        flexible = {name for link in links for name in (link.name, *link.shown)}
+        self.joints = [joint for joint in self.joints if joint.name not in flexible]
         for part in self.parts:
             points = [name for name in part if name in self.rigid]
             chain = self._chain(part, points[0]) if len(points) == 1 else self._between(part)
@@ -462,11 +488,24 @@ class _Layout:
             solids=(box,),
         )
 
-    def _shaft(self, bars: Sequence[Bar]) -> DrawnBody:
-        """A shaft over all points of a rotor with a disc at its centre of mass, for its bars in both planes."""
+    def _disc(self, bar: Bar) -> tuple[float, float]:
+        """Radius and width of the disc of a rotor: of its cylinder, between the points next to its centre of mass."""
+        if bar.cylinder is None:
+            return DISC, WIDTH
+        gap = min((abs(self.unit * distance) for distance in bar.points.values() if distance), default=BAR_LENGTH)
+        radius, width = (self.unit * one for one in bar.cylinder)
+        return min(max(radius, DISCS[0]), DISCS[1]), min(max(width, WIDTH), max(WIDTH, 2 * gap - 2.2))
+
+    def _rotor(self, bars: Sequence[Bar]) -> DrawnBody:
+        """The disc of a rotor at its centre of mass and its bearings, for its bars in both planes."""
         left, right = self._ends(bars[0])
-        placement = _LYING.copy()
-        placement[0, 3] = (left + right) / 2
+        radius, width = self._disc(bars[0])
+        solids = [Solid("cylinder", (radius, width), _LYING)]
+        borne = [self.unit * bars[0].places[point] for point in self._borne(bars)]
+        for place in borne:
+            placement = _LYING.copy()
+            placement[0, 3] = place
+            solids += [Solid("cylinder", size, placement, tone) for size, tone in ((RACE, "#56646f"), (RING, "#cdd5dc"))]
         tilts = {bar.angle: np.cross((self.turn, 0.0, 0.0), DIRECTIONS[bar.plane]) for bar in bars if bar.angle}
         return DrawnBody(
             str(bars[0].rotor),
@@ -474,15 +513,54 @@ class _Layout:
             as_tuple(self.places[bars[0].name]),
             moves={bar.name: DIRECTIONS[bar.plane] for bar in bars},
             turns={angle: as_tuple(tilt) for angle, tilt in tilts.items()},
-            size=(2 * max(-left, right), 2 * DISC, 2 * DISC),
-            solids=(Solid("cylinder", (HEIGHT / 2, right - left), placement), Solid("cylinder", (DISC, WIDTH), _LYING)),
+            size=(2 * max(-left, right), 2 * radius, 2 * radius),
+            solids=tuple(solids),
+            traced=tuple((place, 0.0, 0.0) for place in dict.fromkeys((0.0, *borne))),
         )
+
+    def _borne(self, bars: Sequence[Bar]) -> list[str]:
+        """The points of a rotor, in the first of its planes, that something but a shaft is attached to."""
+        attached = {end for joint in self.joints if not self._is_flexible(joint) for end in joint.ends}
+        pairs = zip(*(bar.points for bar in bars))
+        return [first for first, second in pairs if attached & {first, second}]
+
+    def _is_flexible(self, joint: DrawnJoint) -> bool:
+        """Whether it is a part of a shaft: between two rotors."""
+        ends = [self.rigid[end] for end in joint.ends if end in self.rigid]
+        return len({bar.rotor for bar in ends if bar.rotor}) == 2
+
+    def _shafts(self) -> list[DrawnLink]:
+        """The shafts, each through all points of rotors that are joined by flexible parts."""
+        flexible = [joint for joint in self.joints if self._is_flexible(joint)]
+        own: dict[str, Bar] = {}
+        for bar in self.bars:
+            if bar.rotor and bar.plane == PLANES[0]:
+                own[bar.rotor] = bar
+        pairs = [tuple({self.rigid[end].rotor for end in joint.ends}) for joint in flexible]
+        shafts = []
+        for names in groups([*own], pairs):
+            stations = [
+                (self.places[own[name].name][0] + self.unit * distance, name, self.unit * distance)
+                for name in names
+                for distance in {*own[name].places.values()}
+            ]
+            stations.sort()
+            first, last = (self._ends(own[name]) for _, name, _ in (stations[0], stations[-1]))
+            stations = [(0.0, stations[0][1], first[0]), *stations, (0.0, stations[-1][1], last[1])]
+            points = tuple((name, (distance, 0.0, 0.0), own[name].angle is not None) for _, name, distance in stations)
+            parts = [joint.name for joint in flexible if {self.rigid[end].rotor for end in joint.ends} <= {*names}]
+            name, *others = parts or [f"shaft of {names[0]}"]
+            ends = {"start_point": points[0][1], "end_point": points[-1][1]}
+            shafts.append(DrawnLink(name, "shaft", points[0][0], points[-1][0], **ends, stations=points, shown=tuple(others)))
+        return shafts
 
     def _surface(self, point: str) -> np.ndarray:
         """The position of a point at the side of its bar that faces its attachment: the lower one, in the plane y the far one."""
         bar = self.rigid[point]
-        in_disc = bar.rotor and abs(self.unit * bar.places[point]) < (WIDTH + BALL) / 2
-        return self.places[point] + OUTWARDS[bar.plane] * ((DISC if in_disc else HEIGHT / 2) + BALL / 2)
+        radius, width = self._disc(bar)
+        in_disc = bar.rotor and abs(self.unit * bar.places[point]) < (width + BALL) / 2
+        edge = radius if in_disc else RACE[0] if bar.rotor else HEIGHT / 2
+        return self.places[point] + OUTWARDS[bar.plane] * (edge + BALL / 2)
 
     def _chain(self, part: list[str], point: str) -> Piece:
         """The bodies between the ground and a point, or suspended from it, upwards; in the plane y those behind a point."""
@@ -769,7 +847,9 @@ def lumped_drawing(
     rows = groups([name for name in sliding if name not in barred], (joint.ends for joint in slides))
     upright = {tuple(group) for group in rows if stack == "vertical" or (stack is None and are_storeys(group))}
     chains = [
-        storeys(walk(group, slides), slides) if tuple(group) in upright else _chain(group, slides, massless, pulleys, spots)
+        storeys(walk(group, slides, next(filter(_SOIL.fullmatch, group), None)), slides)
+        if tuple(group) in upright
+        else _chain(group, slides, massless, pulleys, spots)
         for group in rows
     ]
     trains = groups(wheels, [*(joint.ends for joint in twists), *meshing])
@@ -793,7 +873,7 @@ def lumped_drawing(
     magnified = (f"relative angle of {name} drawn {factor:g} × as large" for name, factor in plays.items() if factor != 1)
     notes = (
         *magnified,
-        _not_drawn(elements, {link.name for link in links}.union(*(bar.rows for bar in bars))),
+        _not_drawn(elements, {name for link in links for name in (link.name, *link.shown)}.union(*(bar.rows for bar in bars))),
         _askew(drawn, slides + twists),
     )
     return Drawing(tuple(drawn), links, scale, turn_scale, " · ".join(filter(None, notes)))

@@ -136,6 +136,7 @@ LinkKind = Literal[
     "play",
     "clutch",
     "brake",
+    "shaft",
 ]
 Vector = tuple[float, float, float]
 
@@ -229,6 +230,7 @@ class DrawnBody:
     # placement (4, 4) of a unit sphere, column by column, that makes it a uniform ellipsoid with centre of mass and inertia of the
     # body; None where there is no mass
     ellipsoid: tuple[float, ...] | None = None
+    traced: tuple[Vector, ...] = ()  # points in its frame whose paths the page draws: over one revolution, or one cycle of a mode
 
     def __post_init__(self):
         label = "" if self.shape in _UNNAMED else self.name
@@ -266,7 +268,8 @@ class DrawnLink:
     # "spring", "damper", "strut" (a spring around a damper), "rod", "bushing" (a soft block), "loop" (a ball on the end's body in a
     # socket on the start's, so that a gap is visible), "torsion spring", "torsion damper" or "belt"; with several states "stop" (a plate
     # on a rod that the end's body meets), "slot" (a tongue between two plates), "cable", "friction" (a pad on a strip), "pad" (below a body), "latch",
-    # and between bodies that turn "play" (a tongue between two fingers), "clutch" (two discs) or "brake" (a shoe on the rim)
+    # and between bodies that turn "play" (a tongue between two fingers), "clutch" (two discs) or "brake" (a shoe on the rim); "shaft"
+    # (a bar that bends, through its stations)
     kind: LinkKind
     # names of the bodies. Between wheels on one axis a torsion spring is a helix, otherwise a spiral from its start to the hub at
     # its end.
@@ -289,6 +292,9 @@ class DrawnLink:
     magnification: float = 1.0  # of the relative angle of a play, in addition to that of the drawing
     # times in s at which its engagement changes: 0 without force, 1 slipping, 2 closed, stuck or taut; empty where it has no states
     states: tuple[tuple[float, int], ...] = ()
+    # of a shaft: in their order along it, a body, a point in its frame, and whether the shaft has the direction of the body's x axis there
+    stations: tuple[tuple[str, Vector, bool], ...] = ()
+    shown: tuple[str, ...] = ()  # names of further elements that it stands for
 
     def __post_init__(self):
         end_offset = self.offset if self.end_offset is None else self.end_offset
@@ -334,6 +340,7 @@ class Drawing:
     view: View | None = None  # the point of view, or None for one that shows most
     turn: Vector = (0.0, 0.0, 0.0)  # rotation vector (rad) of the whole drawing, applied last
     posing: SliderPosing | None = None  # by sliders, of a robot, or None
+    revolution: float | None = None  # duration of a revolution of the rotors in s, or None
 
     def __post_init__(self):
         for name, count in Counter(body.name for body in self.bodies).items():

@@ -188,6 +188,8 @@ def figure_data(drawing: Drawing, takes: Sequence[KeyFrames], overlay: Overlay =
     }
     if overlay:
         data["overlay"] = overlay_entries
+    if traced := [[i, list(point)] for i, body in enumerate(drawing.bodies) for point in body.traced]:
+        data["orbits"] = {"points": traced, "window": drawing.revolution}
     if any(link.states or link.kind in SWITCHING for link in drawing.links):
         data["switching"] = True
     if drawing.posing and drawing.posing.names:
@@ -363,6 +365,7 @@ def _link_data(link: DrawnLink, drawing: Drawing, index: dict[str, int], poses: 
         "coaxial": bool(np.argmax(np.abs(gap[:, 0])) == 1),
         "radius": over.size[0] / 2 if over else 0.5,
         "turn": quaternions_of(np.array(link.turn)[:, None]).ravel().tolist() if any(link.turn) else None,
+        **({"stations": [[index[name], *rest] for name, *rest in link.stations]} if link.stations else {}),
         **({"limits": limits, "magnification": link.magnification} if link.kind in SWITCHING else {}),
         **({"states": {"begins": packed(np.array(begins), "<f8"), "levels": list(levels)}} if link.states else {}),
     }

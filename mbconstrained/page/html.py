@@ -133,8 +133,10 @@ def _marks(figure: dict, slow: bool | None) -> str:
     )
     if slow is not None:
         boxes += f'<label><input type="checkbox" id="slow" autocomplete="off"{" checked" * slow}> slow at events</label>\n'
-    return f"""<div class="controls shown">
-{boxes}<div class="recordings">
+    return f"""<div class="controls shown further">
+{boxes}<button type="button" id="reset">Reset view</button>
+<button type="button" id="keys" aria-label="Keyboard" title="Keyboard">?</button>
+<div class="recordings">
 <button type="button" id="frames" hidden>Save frames</button>
 <button type="button" id="gif" hidden>Save GIF</button>
 <button type="button" id="record" hidden>Record</button>
@@ -155,7 +157,7 @@ def _posing(figure: dict) -> str:
         len(figure["posing"]["columns"]) > len(figure["posing"]["sliders"])
     )
     return f"""
-<details class="joints"><summary>Joints</summary>
+<details class="joints further"><summary>Joints</summary>
 <p class="note">Small motions from the posture, not magnified.{closed}</p>
 <div class="sliders">
 {sliders}
@@ -178,7 +180,7 @@ def stage_section(
     slow: bool | None = None,
 ) -> str:
     """The animation: the stage, the controls below it, and the keyboard shortcuts as a closed dialog."""
-    loop_button = '\n<button type="button" id="loop" aria-pressed="true">Loop</button>' if loop else ""
+    loop_button = '\n<button type="button" id="loop" class="further" aria-pressed="true">Loop</button>' if loop else ""
     fixed = " disabled" if end == start else ""
     options = "".join(f'<option value="{speed!r}"{" selected" if speed == usual else ""}>× {speed:g}</option>' for speed in speeds)
     keys = "".join(f"<dt><kbd>{key}</kbd></dt><dd>{does}</dd>" for key, does in _KEYS if loop or key != "L")
@@ -195,11 +197,10 @@ title="drag to rotate, drag with the right button to pan, turn the wheel with th
 <input type="range" id="time" min="{start!r}" max="{end!r}" step="any" value="{start!r}"
  aria-label="{time[0]}" aria-valuetext="{start:g} {time[1]}"{fixed}>
 <span id="clock">{start:g} {time[1]}</span>
-<label>speed <select id="speed">{options}</select></label>{loop_button}
-<button type="button" id="reset">Reset view</button>
-<button type="button" id="keys" aria-label="Keyboard" title="Keyboard">?</button>
-</div>
-{_marks(figure, slow)}{_posing(figure)}{further}
+<label class="further">speed <select id="speed">{options}</select></label>{loop_button}
+<button type="button" id="more" aria-expanded="false">More</button>
+</div>{further}
+{_marks(figure, slow)}{_posing(figure)}
 <p class="visually-hidden" id="announcement" role="status"></p>
 <dialog id="help" aria-label="Keyboard">
 <h2>Keyboard</h2>
@@ -235,18 +236,20 @@ def mode_sections(content: PageContent, shapes: Shapes, functions: PlotFunctions
     if not cycles:
         return ['<section><p class="note">no modes</p></section>'], {}
     moves = [len(frames.times) > 1 for frames in cycles]
-    first = moves.index(True) if any(moves) else 0
+    elastic = [moves[i] and mode.period is not None and not mode.is_zero for i, mode in enumerate(modes)]
+    first = next((own.index(True) for own in (elastic, moves) if any(own)), 0)
     notes = [_scale_note(shapes.drawing, *each) for each in zip(modes, moves)]
     figure = figure_data(shapes.drawing, cycles)
     slider = ""
     if shapes.word != MODE and len(modes) > 1:  # through a list of other things than modes
         slider = _slider(shapes.word, "choice", "chosen", len(modes), first, html.escape(modes[first].name))
     picture = stage_section(figure, 0.0, float(any(moves)), notes[first], _TIME, SPEEDS, 1.0, loop=False, further=slider)
+    details = ""
     if any(mode.shares or mode.shape or mode.note for mode in modes):
         # without scripts the details of all modes are visible
         visible = "<noscript><style>.details section[hidden] { display: block; }</style></noscript>"
         details = "\n".join(_details(i, mode, i == first) for i, mode in enumerate(modes))
-        picture = f'<div class="picture">\n{picture}\n<div class="details">{visible}\n{details}\n</div>\n</div>'
+        details = f'\n<div class="details">{visible}\n{details}\n</div>'
     data = {
         "figure": figure,
         "names": list(names),
@@ -261,9 +264,11 @@ def mode_sections(content: PageContent, shapes: Shapes, functions: PlotFunctions
     labels = list(dict.fromkeys(label for own in facts for label in own))
     rows = [(mode.name, *(own.get(label, "") for label in labels)) for mode, own in zip(modes, facts)]
     table = TextTable(f"{shapes.word.capitalize()}s", (shapes.word, *labels), tuple(rows))
-    listed = _list("modes", table, shapes.word, "mode", [f'data-mode="{i}"' for i in range(len(modes))], first)
+    marks = [f'data-mode="{i}"' for i in range(len(modes))]
+    listed = _list("modes", table, shapes.word, "mode", marks, first, folded=[mode.is_zero for mode in modes])
     plots = plot_figures(content.plots, functions) if content.plots else ""
-    return [picture, listed, plots, *map(table_section, content.tables)], data
+    together = f'<div class="picture">\n{picture}\n<div class="aside">\n{listed}{details}\n</div>\n</div>'
+    return [together, plots, *map(table_section, content.tables)], data
 
 
 def deflection_sections(content: PageContent, shapes: Deflections, functions: PlotFunctions) -> tuple[list[str], dict]:
@@ -299,8 +304,13 @@ def deflection_sections(content: PageContent, shapes: Deflections, functions: Pl
     return [together, listed, *map(table_section, tables)], data
 
 
-def _list(kind: str, table: TextTable, word: str, group: str, data: Sequence[str], first: int, note: str = "") -> str:
-    """A table with a group of radio buttons in its first column, so that the arrow keys move from row to row."""
+def _list(
+    kind: str, table: TextTable, word: str, group: str, data: Sequence[str], first: int, note: str = "", folded: Sequence[bool] = ()
+) -> str:
+    """A table with a group of radio buttons in its first column, so that the arrow keys move from row to row.
+
+    Rows that are folded are in a second table, which is closed unless there are no others.
+    """
     cells = [' class="number"' * (any(column) and all(map(is_number, column))) for column in list(zip(*table.rows))[1:]]
     head = "".join(f'<th scope="col"{number}>{typeset(text)}</th>' for number, text in zip(cells, table.columns[1:]))
     lines = []
@@ -309,11 +319,16 @@ def _list(kind: str, table: TextTable, word: str, group: str, data: Sequence[str
         others = "".join(f"<td{number}>{typeset(cell)}</td>" for number, cell in zip(cells, row[1:]))
         name = f"<td><label>{button}<span>{typeset(row[0])}</span></label></td>"
         lines.append(f'<tr {own}{" class=selected" * (i == first)}><td class="number">{i + 1}</td>{name}{others}</tr>')
+    head = f'<thead><tr><th scope="col" class="number">no.</th><th scope="col">{typeset(table.columns[0])}</th>{head}</tr></thead>'
+    shown, hidden = ([line for line, away in zip_longest(lines, folded) if bool(away) is own] for own in (False, True))
+    texts = [f"<table>\n{head}\n<tbody>\n{chr(10).join(own)}\n</tbody>\n</table>" if own else "" for own in (shown, hidden)]
+    if hidden:
+        names = ", ".join(dict.fromkeys(row[0] for row, away in zip(table.rows, folded) if away))
+        summary = f"{counted(len(hidden), 'zero eigenvalue')}: {typeset(shortened(names, LONGEST_LABEL))}"
+        texts[1] = f"<details{'' if shown else ' open'}><summary>{summary}</summary>\n{texts[1]}</details>"
     return (
         f'<section class="{kind}">\n<h2>{html.escape(table.title)}</h2>\n'
-        f'<div class="scroll" role="radiogroup" aria-label="selected {word}"><table>\n'
-        f'<thead><tr><th scope="col" class="number">no.</th><th scope="col">{typeset(table.columns[0])}</th>{head}</tr></thead>\n'
-        f"<tbody>\n{chr(10).join(lines)}\n</tbody>\n</table></div>{note}\n</section>"
+        f'<div class="scroll" role="radiogroup" aria-label="selected {word}">{"".join(texts)}</div>{note}\n</section>'
     )
 
 
@@ -500,7 +515,11 @@ def _parts(content: PageContent) -> tuple[list[str], dict, list[str], dict[str, 
     if functions.needed:
         blocks["plot-data"], names = functions.as_data(), list(_PLOTS)
     if data:
-        names += [*_ANIMATION, *[f"{name}.js" for name in ("overlay", "posing", "switching") if name in data["figure"]], script]
+        names += [
+            *_ANIMATION,
+            *[f"{name}.js" for name in ("overlay", "posing", "switching", "orbits") if name in data["figure"]],
+            script,
+        ]
         blocks["motion-data"] = data
     if names:
         names = ["theme.js", "numbers.js", *names]
@@ -521,13 +540,14 @@ def _run_sections(content: PageContent, animation: Animation | None, functions: 
         speeds = [usual * factor for factor in (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0)]  # 1 shows the motion in 3 to 90 s
         text, slow = _magnification(animation, frames), animation.overlay.slow if animation.overlay.events else None
         stage = stage_section(figure, start, end, text, ("time in seconds", "s"), speeds, usual, slow=slow)
-    frequencies = table_section(content.frequencies, "frequencies") if content.frequencies else ""
-    if stage and frequencies:
-        frequencies, stage = "", f'<div class="overview">\n{frequencies}\n{stage}\n</div>'
+    frequencies, plots = table_section(content.frequencies, "frequencies") if content.frequencies else "", content.plots
+    if stage and (frequencies or plots):  # the motion next to the first plot
+        first, plots = plot_figures(plots[:1], functions, with_help=len(plots) == 1), plots[1:]
+        frequencies, stage = "", f'<div class="overview">\n{stage}\n<div class="aside">\n{first}\n{frequencies}\n</div>\n</div>'
     return [
         frequencies,
         stage,
-        plot_figures(content.plots, functions),
+        plot_figures(plots, functions),
         formula_section(content.formulas) if content.formulas else "",
         *map(table_section, content.tables),
     ], data
@@ -549,6 +569,8 @@ def _magnification(animation: Animation, frames: KeyFrames) -> str:
         texts.append(f"angles drawn {drawing.turn_scale:g} × as large")
     if animation.overlay.forces:
         texts.append(f"arrows: {animation.overlay.description}, {force_scale(animation.overlay.forces)}")
+    if any(body.traced for body in drawing.bodies):
+        texts.append("orange: orbits over the last revolution")
     levels = {level for link in drawing.links for _, level in link.states}
     texts += [", ".join(ENGAGEMENTS[level] for level in sorted(levels, reverse=True))] if levels else []
     if frames.stride > 1:
@@ -606,8 +628,8 @@ def _asset(name: str) -> str:
 
 
 def _script(name: str) -> str:
-    """A script without the lines of its comments, which are a tenth of it."""
-    return re.sub(r"^ *//.*\n", "", _asset(name), flags=re.MULTILINE)
+    """A script without indentation and the lines of its comments, which are a sixth of it; no text of a script is longer than a line."""
+    return re.sub(r"^ *(//.*\n)?", "", _asset(name), flags=re.MULTILINE)
 
 
 def viewer_script() -> str:

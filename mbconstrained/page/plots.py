@@ -186,7 +186,7 @@ def _selected(functions: TimeFunctions, rows: list[int]) -> TimeFunctions:
     return replace(functions, at=lambda times: functions.at(times)[rows])
 
 
-def plot_figures(plots: tuple[Plot, ...], functions: PlotFunctions | None = None) -> str:
+def plot_figures(plots: tuple[Plot, ...], functions: PlotFunctions | None = None, *, with_help: bool = True) -> str:
     """All plots, in pairs side by side where the window is wide enough; large ones and those without a neighbour have the full width."""
     functions, texts = functions or PlotFunctions(plots), []
     for is_large, group in groupby(plots, lambda plot: plot.is_large):
@@ -194,7 +194,7 @@ def plot_figures(plots: tuple[Plot, ...], functions: PlotFunctions | None = None
         paired = 0 if is_large else len(own) - len(own) % 2
         texts += [_figure(plot, functions, " wide" if i >= paired else "") for i, plot in enumerate(own)]
     figures = "\n".join(texts)
-    note = f'\n<p class="note plot-help">{HELP}</p>' if functions.needed else ""
+    note = f'\n<p class="note plot-help">{HELP}</p>' if functions.needed and with_help else ""
     return f'<div class="plots">\n{figures}\n</div>{note}' if plots else ""
 
 

@@ -18,7 +18,7 @@ from ..ground.checks import counted, nearest, real_array, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
-from .connections import Attached, BodySpring, Connection, Loop
+from .connections import Attached, BodySpring, Connection, LinkFrames, Loop
 from .description.meshes import MeshFiles, MissingMesh, Texture
 from .description.mjcf import geom_kind, pose
 from .description.urdf import ModelFile, numbers, place_of
@@ -145,6 +145,44 @@ def _ellipsoid(radii: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _elements(description: ElementTree.Element, tag: str = "visual"):
     return ((str(link.get("name")), element) for link in description.findall("link") for element in link.findall(tag))
+
+
+#: Radii of the bones and joints of a robot without shapes, as shares of its longest bone.
+BONE, JOINT = 0.035, 0.06
+
+
+def bones_of(model, links: LinkFrames) -> tuple[Visual, ...]:
+    """Cylinders from the joint of each link to those behind it, and balls at the joints, of a robot whose links have no shapes.
+
+    The last link of a chain reaches as far beyond its centre of mass as a uniform rod with its moment of inertia would.
+    """
+    heaviest = links.heaviest_links()
+    ends: dict[int, list[np.ndarray]] = {joint: [] for joint in heaviest}
+    for joint in range(1, model.njoints):
+        if (parent := int(model.parents[joint])) in ends:
+            ends[parent].append(np.array(model.jointPlacements[joint].translation))
+    for anchor in map(links.link, links.names):
+        ends[anchor.joint].append(anchor.point)
+    for joint, own in ends.items():
+        inertia, lever = model.inertias[joint], np.array(model.inertias[joint].lever)
+        if joint and inertia.mass > 0 and not any(map(np.any, own)) and lever.any():
+            beyond = np.sqrt(3 * np.linalg.eigvalsh(inertia.inertia)[-1] / inertia.mass) / np.linalg.norm(lever)
+            own.append((1 + min(1.0, beyond)) * lever)
+    longest = max((float(np.linalg.norm(end)) for own in ends.values() for end in own), default=0.0)
+    visuals = []
+    for joint, name in heaviest.items():
+        link = links.link(name)
+        pose = np.eye(4)
+        pose[:3, 3] = -link.rotation.T @ link.point
+        visuals.append(Visual(name, "sphere", (JOINT * longest,), pose.copy(), None))
+        for end in ends[joint]:
+            if length := float(np.linalg.norm(end)):
+                axis = link.rotation.T @ (end / length)
+                pose[:3, :3] = np.column_stack([*scipy.linalg.null_space(axis[None]).T, axis])
+                pose[:3, 0] *= np.sign(np.linalg.det(pose[:3, :3]))
+                pose[:3, 3] = link.rotation.T @ (end / 2 - link.point)
+                visuals.append(Visual(name, "cylinder", (BONE * longest, length), pose.copy(), None))
+    return tuple(visuals) if longest else ()
 
 
 def mesh_notices(description: ElementTree.Element, files: MeshFiles) -> tuple[Notice, ...]:

@@ -54,7 +54,7 @@ def test_every_answer_has_all_forms(scene, ask, tmp_path):
 
 def test_runs_are_compared_without_files(scene):
     other = mb.read_scene(DAMPER, {"zeta": 0.2})
-    assert set(scene.compare(others=[other]).to_dict()["runs"]) == {"tuned_mass_damper 1", "tuned_mass_damper 2"}
+    assert set(scene.compare(others=[other]).to_dict()["runs"]) == {"tuned_mass_damper", "tuned_mass_damper.zeta=0.2"}
 
 
 def test_natural_guesses_are_answered(scene):

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from mbconstrained.analyses import ANALYSES
 from mbconstrained.analyses.run import RunAnswer
 from mbconstrained.ground.notices import Notice
 
@@ -379,3 +380,79 @@ def test_a_formula_follows_links_and_leaves_devices(command, tmp_path):
 @pytest.mark.parametrize("seconds", ["inf", "1e300", "nan", "0"])
 def test_a_limit_of_time_is_a_number_of_seconds(command, seconds):
     assert command("formula", str(EXAMPLES / "two_masses_formula.toml"), "--seconds", seconds)[0] == 2
+
+
+OSCILLATOR = """
+[model]
+kind = "lumped"
+mass = [{ name = "cart", mass = "2 kg" }]
+spring = [{ between = ["ground", "cart"], stiffness = "=k" }]
+[parameters]
+k = "8 N/m"
+[initial]
+displacement = { cart = 0.1 }
+[time]
+end = 1
+[output]
+animation = false
+"""
+
+
+def two_of_one_name(folder):
+    """Scenes of one name in two folders."""
+    paths = [folder / name / "cart.toml" for name in ("one", "two")]
+    for path in paths:
+        path.parent.mkdir()
+        path.write_text(OSCILLATOR, encoding="utf-8")
+    return paths
+
+
+def test_results_of_two_scenes_of_one_name_do_not_overwrite_each_other(command, tmp_path):
+    one, two = two_of_one_name(tmp_path)
+    assert command("run", one)[::2] == (0, "")
+    first = (tmp_path / "results" / "cart" / "cart.npz").read_bytes()
+    code, out, err = command("run", two)
+    assert code == 0 and "results/cart-2" in out
+    assert err == f"results/cart has the results of {one}; these are in results/cart-2\n"
+    assert (tmp_path / "results" / "cart" / "cart.npz").read_bytes() == first
+    assert command("run", one)[::2] == (0, "") and "results/cart-2" in command("modes", two, "--page")[1]
+    one.unlink()  # a scene that is there no more owns nothing
+    (tmp_path / "results" / "cart-2").rename(tmp_path / "old")
+    code, out, err = command("run", two)
+    assert (code, err) == (0, "") and "results/cart/cart.html" in out
+
+
+@pytest.mark.parametrize("content", ["", "[1]", '{"cart": 3}', "{"])
+def test_a_damaged_note_of_owners_is_made_again(command, tmp_path, content):
+    one, _ = two_of_one_name(tmp_path)
+    (tmp_path / "results").mkdir()
+    (tmp_path / "results" / ".scenes.json").write_text(content, encoding="utf-8")
+    assert command("run", one)[::2] == (0, "")
+    assert json.loads((tmp_path / "results" / ".scenes.json").read_text()) == {"cart": str(one)}
+
+
+def test_a_run_with_other_values_has_files_of_its_own(command, tmp_path):
+    one, _ = two_of_one_name(tmp_path)
+    assert command("run", one)[0] == command("run", one, "--set", "k=18 N/m")[0] == 0
+    assert command("run", one, "--set", "k=18 N/m", "--set", "title=" + 90 * "x")[0] == 0
+    names = {path.name for path in (tmp_path / "results" / "cart").glob("*.npz")}
+    assert {"cart.npz", "cart.k=18_N_m.npz"} < names and len(names) == 3 and max(map(len, names)) < 100
+
+
+def test_the_machine_is_named_with_verbose_only(command, tmp_path):
+    one, _ = two_of_one_name(tmp_path)
+    arguments = ("sweep", one, "--vary", "k=7..9 N/m:3", "--keep", "frequencies", "--out", "out")
+    assert "processor" not in command(*arguments)[1] and "numpy" not in command(*arguments)[1]
+    assert "processor" in command(*arguments, "--verbose")[1]
+    assert "processor" in (tmp_path / "out" / "cart.sweep.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", ["", *ANALYSES, "plan", "check", "new", "schema"])
+def test_no_help_states_two_defaults_of_one_option(command, name):
+    code, out, _ = command(*filter(None, [name]), "--help")
+    options = re.split(r"\n  (?=-)", out.partition("Options:")[2].partition("Examples:")[0])
+    assert code == 0 and len(options) > 1
+    for option in options:
+        text = " ".join(option.split())
+        assert len(re.findall(r"default|left out: ", text)) <= 1, text
+        assert "None" not in text and "9223372036854775807" not in text

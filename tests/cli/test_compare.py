@@ -35,13 +35,13 @@ def test_several_values_make_a_run_each(command, carts):
     assert code == 0 and list(data["runs"]) == ["model.spring_1_.stiffness=8_N_m", "model.spring_1_.stiffness=18_N_m"]
     frequencies = [run["eigenvalues"][0]["imaginary"] for run in data["runs"].values()]
     assert frequencies == pytest.approx([2.0, 3.0])
-    assert all((carts / "both" / label / "soft.npz").exists() for label in data["runs"])
+    assert all((carts / "both" / label / f"soft.{label}.npz").exists() for label in data["runs"])
 
 
 @pytest.mark.long
 def test_runs_are_compared_at_the_times_of_the_first(command, carts):
     assert command("compare", "soft.toml", "--set", "time.end=1,2")[0] == 0
-    one, two = ((carts / "results" / "compare" / f"time.end={end}" / "soft.csv").read_text() for end in (1, 2))
+    one, two = ((carts / "results" / "compare" / f"time.end={end}" / f"soft.time.end={end}.csv").read_text() for end in (1, 2))
     assert one == two
 
 

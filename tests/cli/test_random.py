@@ -1,5 +1,7 @@
 """The command random: its table on 80 columns, its files, and messages for what is wrong in [random]."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -70,3 +72,13 @@ def test_what_is_wrong_is_named_with_its_place(command, tmp_path):
         assert message in str(problem.value), text
     code, out, err = command("random", scene(tmp_path, ""))
     assert (code, out) == (1, "") and err.strip().startswith("machine.toml: random: the scene has no table [random]")
+
+
+def test_outputs_are_chosen_on_the_command_line(command, tmp_path):
+    """White force of density G on a damped oscillator: E[v^2] = G / (4 c m)."""
+    code, out, _ = command("random", scene(tmp_path), "--output", "machine", "--quantity", "velocity", "--json")
+    data = json.loads(out)
+    assert code == 0 and (data["outputs"], data["quantity"]) == (["machine"], "velocity")
+    assert data["rms"] == pytest.approx([np.sqrt(3 / (4 * 4 * 2))], rel=1e-12)
+    code, _, problem = command("random", scene(tmp_path), "--output", "machin")
+    assert code == 1 and 'did you mean "machine"' in problem

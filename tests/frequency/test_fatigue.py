@@ -124,11 +124,11 @@ def test_damage_of_white_noise_is_that_of_rayleigh_amplitudes():
 
 
 def test_a_path_of_a_random_motion_has_the_damage_of_its_spectrum():
-    """Rainflow cycles of 400 s of a sample path of an oscillator: Dirlik's formula within its scatter."""
+    """Rainflow cycles of 150 s of a sample path of an oscillator: Dirlik's formula within its scatter."""
     system = mb.MechanicalSystem([[1.0]], [[2 * 0.3 * 10]], [[100.0]])
     R = system.random_response({"x1": mb.psd([0.2, 4.0], [1.0, 1.0])})
-    path = R.sample(np.arange(0, 400, 0.02), seed=3)[0]
-    assert mb.rainflow(path).damage(3.0) / 400 == pytest.approx(R.damage_rate(3.0)[0], rel=0.15)
+    path = R.sample(np.arange(0, 150, 0.05), seed=3)[0]
+    assert mb.rainflow(path).damage(3.0) / 150 == pytest.approx(R.damage_rate(3.0)[0], rel=0.25)
 
 
 @pytest.mark.parametrize(

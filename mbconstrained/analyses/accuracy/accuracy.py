@@ -104,7 +104,7 @@ class AccuracyReport:
 
     @property
     def facts(self) -> tuple[tuple[str, str], ...]:
-        """Problem, closed form, reference solution and machine."""
+        """Problem, closed form and reference solution."""
         times, A, force = self.problem.times, self.problem.polynomial_matrix, self.problem.force
         states, changes = len(A.jordan_pairs().finite.J), len(force.knots) - 1
         changing = f"a force that changes {counted(changes, 'time')}" if changes else "a force"
@@ -113,7 +113,6 @@ class AccuracyReport:
             ("problem", f"{size}, {len(times)} times from {times[0]:g} s to {times[-1]:g} s"),
             ("closed form", self.closed_form_method),
             ("reference solution", self.reference.source),
-            *self.machine.items(),
         )
 
     @property
@@ -164,6 +163,7 @@ class AccuracyReport:
             title=title,
             source=source,
             facts=self.facts,
+            machine=self.machine,
             tables=tables,
             notices=doubts,
             data=data,

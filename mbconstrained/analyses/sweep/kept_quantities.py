@@ -116,16 +116,28 @@ def limits_of(limits: Mapping[str, Any], figures: Mapping[str, SampleFigure]) ->
     """Limits in SI."""
     result = {}
     for name, limit in limits.items():
-        if name not in figures:
-            raise InputError(
-                f'limits: there is no figure "{name}"{nearest(name, figures)}; there are {", ".join(list(figures)[:20])}'
-            )
         unit = figures[name].unit
         try:
             result[name] = float(quantity(limit, "1" if " or " in unit else unit or "1"))
         except InputError as problem:
             raise InputError(f'limits: "{name}": {problem}') from None
     return result
+
+
+def figure_of(name: str, known: Mapping[str, SampleFigure], scene: Scene) -> SampleFigure:
+    """The scalar quantity of this name: one that is known, or any other that can be kept."""
+    figures = known
+    if name not in figures:
+        try:
+            figures = figures_of(variables_of([name], scene))
+        except InputError:
+            there = ", ".join(list(known)[:20])
+            raise InputError(
+                f'there is no figure "{name}"{nearest(name, known)}; there are {there}, or all that can be kept, as "largest x", "x at 2 s" …'
+            ) from None
+    if name not in figures and len(figures) != 1:
+        raise InputError(f'"{name}" is several numbers; name one of {", ".join(list(figures or known)[:20])}')
+    return figures.get(name) or next(iter(figures.values()))
 
 
 def variables_of(keep: Sequence[str] | None, scene: Scene) -> tuple[Variable, ...]:

@@ -7,13 +7,15 @@ a peak of a response that is least often has a kink there, where two peaks are e
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+from pydantic import Field
 
-from ...ground.checks import nearest
 from ...ground.display import Displayed, TextTable, number_text, with_unit
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
@@ -21,13 +23,15 @@ from ...ground.tolerances import SIMPLEX_SIZE
 from ...page.content import Curve, Plot
 from ...scene.quantities.variations import Distribution
 from ...scene.schema.analysis_tables import VaryTable
+from ...scene.schema.entry_types import Text
 from ..base import Analysis, Answer
 from ..timing import machine
 from .evaluation import Job, evaluate
-from .kept_quantities import SampleFigure, figures_of, variables_of
+from .kept_quantities import SampleFigure, figure_of, figures_of
 from .sweep import study_of
 
 if TYPE_CHECKING:
+    from ...scene.quantities.output_units import OutputUnits
     from ...scene.run.scene import Scene
 
 #: Members of the population for each parameter, generations, and the spread of values relative to their mean at which they end.
@@ -41,6 +45,8 @@ SLICE, MOST_SLICES = 41, 4
 
 #: A value nearer to a bound than this share of the range is at it.
 AT_BOUND = 1e-6
+
+INTERRUPTED = "interrupted after {} samples: these are the best values until then, not those of a finished search"
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -57,6 +63,7 @@ class Optimum(Displayed):
         before: of the figure in the file.
         evaluations: number of samples.
         history: the best value after each generation.
+        interrupted: whether the search was interrupted, so that these are the best values until then.
         job: makes the scene of a sample.
     """
 
@@ -70,6 +77,7 @@ class Optimum(Displayed):
     evaluations: int
     history: tuple[float, ...]
     job: Job = field(repr=False)
+    interrupted: bool = False
 
     def _summary(self) -> str:
         values = ", ".join(f"{name} = {number_text(value)}" for name, value in self.parameters.items())
@@ -90,12 +98,13 @@ class Optimum(Displayed):
         """The best values between their bounds, with the quantity around them."""
         scene, name = self.scene, self.figure.name
         shown = scene.equations.coordinates.shown
-        unit, factor = shown.of(self.figure.unit) if " or " not in self.figure.unit else (self.figure.unit, 1.0)
+        unit, factor = _unit(self.figure, shown)
         before, value = (with_unit(factor * each, unit) for each in (self.before, self.value))
         rows = []
         for parameter, one in self.bounds.items():
             own, scale = shown.of(one.unit)
             rows.append((parameter, *(with_unit(scale * each, own) for each in (self.parameters[parameter], *one.ends))))
+        notices = (Notice(NoticeKind.ACCURACY, INTERRUPTED.format(self.evaluations), doubtful=True),) if self.interrupted else ()
         texts = [f"{parameter} is at its bound: a wider range may have a better value" for parameter in self.at_bounds]
         texts.append("the optimum is the best of all samples; that there is no better one far from them is not proved")
         data = {
@@ -110,13 +119,15 @@ class Optimum(Displayed):
             "at_bounds": self.at_bounds,
             "evaluations": self.evaluations,
             "history": self.history,
+            "interrupted": self.interrupted,
         }
         return Optimisation.of(
             scene,
             title=f"{scene.title}: {name} {'minimised' if self.sign > 0 else 'maximised'}",
-            facts=((name, f"{value}, instead of {before} in the file, by {self.evaluations} samples"), *machine().items()),
+            facts=((name, f"{value}, instead of {before} in the file, by {self.evaluations} samples"),),
+            machine=machine(),
             tables=(TextTable("Best values", ("parameter", "best", "from", "to"), tuple(rows)),),
-            notices=(*scene.notices, *(Notice(NoticeKind.ACCURACY, text) for text in texts)),
+            notices=(*scene.notices, *notices, *(Notice(NoticeKind.ACCURACY, text) for text in texts)),
             data=data,
             plots=lambda: _plots(self, "" if unit == "1" else unit, factor),
         )
@@ -135,8 +146,24 @@ def optimise(
     maximise: str | None = None,
     seed: int | None = None,
     progress: Callable[[int, int], None] | None = None,
+    message: Callable[[str], None] | None = None,
 ) -> Optimum:
-    """Minimise or maximise a scalar quantity over values between bounds."""
+    """Minimise or maximise a scalar quantity over values between bounds.
+
+    Args:
+        scene: the scene.
+        parameters: ranges by name, in addition to those of [vary].
+        minimise, maximise: name of the figure, one of both.
+        seed: of the random numbers.
+        progress: called with the number of generations that are done, and of all.
+        message: called with the best values so far.
+
+    Returns:
+        The ``Optimum``; where the user interrupts the search, the best values so far.
+
+    Raises:
+        InputError: no range, no such figure, no sample with an answer.
+    """
     given = {} if seed is None else {"seed": seed}
     table = scene.table.vary
     if minimise is None and maximise is None and table is not None:
@@ -151,99 +178,132 @@ def optimise(
         bounds[name] = one
     figure = _figure(minimise or maximise, middle, study.variables)
     job = replace(study.job, variables=(figure.variable,))
-    search = _Search(job, figure, -1 if maximise else 1, list(bounds))
+    search = _Search(scene, job, figure, -1 if maximise else 1, bounds)
     before = search.values([{}])[0] * search.sign
-    best, value, history = search.run([one.ends for one in bounds.values()], study.table.seed, progress)
-    values = dict(zip(bounds, map(float, best)))
-    return Optimum(scene, figure, search.sign, bounds, values, search.sign * value, before, search.count, history, job)
+    is_interrupted = search.run(study.table.seed, progress, message)
+    value, count, history = search.sign * search.value, search.count, tuple(search.history)
+    return Optimum(scene, figure, search.sign, bounds, search.best, value, before, count, history, job, is_interrupted)
 
 
 def _figure(name: str, middle: Scene, usual) -> SampleFigure:
     """The quantity of this name, among the default ones or separately."""
-    figures = figures_of(usual)
-    if name not in figures:
-        try:
-            figures |= figures_of(variables_of([name], middle))
-        except InputError:
-            if isinstance(name, str) and any(sign in name for sign in "^*+("):
-                raise InputError(
-                    f'found "{name}"; expected the name of one figure, no formula. To fit measured values, sweep the parameters with '
-                    "keep = frequencies, or minimise your own sum with scipy.optimize.least_squares over scenes of read_scene(path, settings)"
-                ) from None
-            hint = nearest(name, figures)
-            raise InputError(
-                f'there is no figure "{name}"{hint}; there are {", ".join(list(figures)[:20])}, or "largest x", "x at 2 s" …'
-            ) from None
-    if name not in figures:
-        raise InputError(f'"{name}" is several numbers; name one of {", ".join(list(figures)[:20])}')
-    return figures[name]
+    if isinstance(name, str) and any(sign in name for sign in "^*+("):
+        with suppress(InputError):
+            return figure_of(name, figures_of(usual), middle)
+        raise InputError(
+            f'found "{name}"; expected the name of one figure, no formula. To fit measured values, sweep the parameters with '
+            "keep = frequencies, or minimise your own sum with scipy.optimize.least_squares over scenes of read_scene(path, settings)"
+        )
+    return figure_of(name, figures_of(usual), middle)
+
+
+def _unit(figure: SampleFigure, shown: OutputUnits) -> tuple[str, float]:
+    """Unit and factor of a figure as it is shown."""
+    return shown.of(figure.unit, figure.name) if " or " not in figure.unit else (figure.unit, 1.0)
 
 
 class _Search:
     """The quantity as a function of the parameters."""
 
-    def __init__(self, job: Job, figure: SampleFigure, sign: int, names: list[str]):
-        self.job, self.figure, self.sign, self.names = job, figure, sign, names
-        self.count = 0
-        self.reason = ""
+    def __init__(self, scene: Scene, job: Job, figure: SampleFigure, sign: int, bounds: Mapping[str, Distribution]):
+        self.scene, self.job, self.figure, self.sign, self.bounds = scene, job, figure, sign, bounds
+        self.count, self.value, self.reason = 0, np.inf, ""
+        self.best: dict[str, float] = {}  # the parameters with the least value so far
+        self.history: list[float] = []
 
     def values(self, rows: list[dict]) -> np.ndarray:
         """The objective for some samples, to be minimised; infinite without an answer."""
-        self.count += len(rows)
         answer = evaluate(self.job, rows)
+        self.count += len(rows)
         self.reason = next((str(reason) for reason in answer["reason"] if reason), self.reason)
         values = self.sign * self.figure.of(answer)
         return np.where(np.isnan(values), np.inf, values)
 
+    def text(self) -> str:
+        """The best values so far."""
+        shown = self.scene.equations.coordinates.shown
+        of = [(name, *shown.of(self.bounds[name].unit, name)) for name in self.best]
+        unit, factor = _unit(self.figure, shown)
+        at = ", ".join(f"{name} = {with_unit(scale * self.best[name], own)}" for name, own, scale in of)
+        return f"{self.figure.name} {with_unit(factor * self.sign * self.value, unit)} at {at}"
+
     def at(self, points: np.ndarray) -> np.ndarray:
         """The objective at points of the unit cube, shape (d, S) or (d,)."""
         rows = (self.low + self.width * np.clip(np.atleast_2d(points.T), 0.0, 1.0)).tolist()
-        values = self.values([dict(zip(self.names, row)) for row in rows])
+        samples = [dict(zip(self.bounds, row)) for row in rows]
+        values = self.values(samples)
+        if values[least := int(np.argmin(values))] < self.value:
+            self.value, self.best = float(values[least]), samples[least]
         return values if points.ndim > 1 else values[0]
 
-    def run(self, bounds, seed: int, progress) -> tuple[np.ndarray, float, tuple[float, ...]]:
-        """The best parameters, their value, and the best value after each generation."""
+    def run(self, seed: int, progress, message) -> bool:
+        """Search for the best parameters; whether the user interrupted it."""
         from scipy.optimize import differential_evolution, minimize
 
-        ends = np.array(bounds)
+        ends = np.array([one.ends for one in self.bounds.values()])
         self.low, self.width = ends[:, 0], np.ptp(ends, axis=1)
-        unit, history = [(0.0, 1.0)] * len(ends), []
+        unit = [(0.0, 1.0)] * len(ends)
+
+        def report(stage: str, number: int) -> None:
+            if message and number & (number - 1) == 0:  # 1, 2, 4, …
+                message(f"{stage} {number}: {self.text()}")
 
         def generation(intermediate_result) -> None:
-            history.append(self.sign * float(intermediate_result.fun))
+            self.history.append(self.sign * float(intermediate_result.fun))
+            report(f"generation (of at most {GENERATIONS})", len(self.history))
             if progress:
-                progress(len(history), GENERATIONS)
+                progress(len(self.history), GENERATIONS)
 
-        population = differential_evolution(
-            self.at,
-            unit,
-            vectorized=True,
-            updating="deferred",
-            popsize=MEMBERS,
-            maxiter=GENERATIONS,
-            tol=SPREAD,
-            init="sobol",
-            polish=False,
-            callback=generation,
-            rng=np.random.default_rng(seed),
-        )
-        if not np.isfinite(population.fun):
-            raise InputError(f"no sample between the bounds has an answer: {self.reason or 'the figure is not finite'}")
-        options = {"xatol": SIMPLEX_SIZE, "fatol": SIMPLEX_SIZE * abs(population.fun), "maxfev": SIMPLEX_STEPS * len(unit)}
-        refined = minimize(self.at, population.x, method="Nelder-Mead", bounds=unit, options=options)
-        best = refined if refined.fun <= population.fun else population
-        return self.low + self.width * best.x, float(best.fun), tuple(history)
+        def step(x) -> None:
+            steps.append(len(steps) + 1)
+            report("step of the refinement", len(steps))
+
+        steps: list[int] = []
+        try:
+            population = differential_evolution(
+                self.at,
+                unit,
+                vectorized=True,
+                updating="deferred",
+                popsize=MEMBERS,
+                maxiter=GENERATIONS,
+                tol=SPREAD,
+                init="sobol",
+                polish=False,
+                callback=generation,
+                rng=np.random.default_rng(seed),
+            )
+            if not np.isfinite(population.fun):
+                raise InputError(f"no sample between the bounds has an answer: {self.reason or 'the figure is not finite'}")
+            options = {"xatol": SIMPLEX_SIZE, "fatol": SIMPLEX_SIZE * abs(population.fun), "maxfev": SIMPLEX_STEPS * len(unit)}
+            minimize(self.at, population.x, method="Nelder-Mead", bounds=unit, options=options, callback=step)
+        except KeyboardInterrupt:
+            if not self.best:
+                raise
+            return True
+        return False
+
+
+class Ranges(VaryTable):
+    """Ranges of parameters, and the figure that shall be least or largest."""
+
+    parameters: dict[str, Any] = Field(
+        {}, description='A range, by the name of a parameter or by place as for --set: "k=1..3 N/mm".'
+    )
+    minimise: Text | None = Field(None, description='The figure to make least, such as "response peak" or "largest x", as in keep.')
+    maximise: Text | None = Field(None, description="The figure to make largest instead.")
 
 
 class Optimisation(Analysis):
-    """Find the values of parameters within ranges, those of the table [vary] and of --vary, that make a figure of the scene least.
+    """Find the values of parameters within ranges, those of the table [vary] and of --vary, that make a figure least or largest.
 
-    A population of samples finds the region, a simplex refines the best of them. Writes NAME.optimise.html, .png and .json."""
+    A population of samples finds the region, a simplex refines the best of them. Ctrl-C ends the search with the best values so far.
+    Writes NAME.optimise.html, .png and .json."""
 
     name = "optimise"
     handles_choices = True
     switches = "all"
-    settings = VaryTable
+    settings = Ranges
     options: ClassVar = {
         "parameters": "--vary", "method": None, "samples": None, "chunk": None
     }  # fmt: skip
@@ -254,13 +314,14 @@ class Optimisation(Analysis):
     @classmethod
     def answer(cls, scene: Scene, progress: Callable | None = None, **given) -> Answer:
         """The answer of a scene with some settings in the place of those in [vary], and parameters in addition to them."""
-        return optimise(scene, given.pop("parameters", None), **given, progress=progress).answer()
+        message = None if sys.stderr.isatty() else lambda text: print(text, file=sys.stderr, flush=True)
+        return optimise(scene, given.pop("parameters", None), **given, progress=progress, message=message).answer()
 
 
 def _plots(optimum: Optimum, unit: str, factor: float) -> Iterator[Plot]:
     """The quantity over each parameter, the others at their best values, and the best value of each generation."""
     name = optimum.figure.name
-    for parameter in list(optimum.bounds)[:MOST_SLICES]:
+    for parameter in [] if optimum.interrupted else list(optimum.bounds)[:MOST_SLICES]:  # they take a while
         shown, scale = optimum.scene.equations.coordinates.shown.of(optimum.bounds[parameter].unit)
         values, own = optimum.along(parameter)
         if np.isfinite(own).all():

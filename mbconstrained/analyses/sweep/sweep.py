@@ -20,7 +20,7 @@ from pydantic import Field
 from ...exchange.trajectories import csv_of
 from ...ground.checks import counted, nearest, optional_package, real_number, whole_number
 from ...ground.display import Displayed, TextTable, number_text, with_unit
-from ...ground.errors import InputError, MbconstrainedError, SceneError
+from ...ground.errors import InputError, MbconstrainedError, SceneError, named
 from ...ground.notices import Notice, NoticeKind
 from ...page.content import PageContent, Plot
 from ...scene.file import read_tables, shown
@@ -32,7 +32,7 @@ from ..modes import variants_content
 from ..timing import machine, version_of
 from .evaluation import ANSWERED, Job, is_stacked
 from .execution import by_dask, by_processes, hashes, in_process
-from .kept_quantities import SampleFigure, Variable, figures_of, limits_of, variables_of
+from .kept_quantities import SampleFigure, Variable, figure_of, figures_of, limits_of, variables_of
 from .plots import SweepPlots, row_plot
 from .samples import (
     QUANTILES,
@@ -373,8 +373,8 @@ class SweepResult(Displayed):
 
     @cached_property
     def _facts(self) -> tuple[tuple[str, str], ...]:
-        """The sampling, the scene and the machine."""
-        return ("samples", self._sampling()), ("scene", self.scene.path.name), *machine().items()
+        """The sampling and the scene."""
+        return ("samples", self._sampling()), ("scene", self.scene.path.name)
 
     def _sampling(self) -> str:
         """The number of samples, their sampling, and the number without an answer."""
@@ -508,6 +508,7 @@ class SweepResult(Displayed):
             scene,
             title=f"{scene.title}: {counted(len(self), 'sample')}",
             facts=self._facts,
+            machine=machine(),
             tables=self._tables(),
             notices=self._notices(strict),
             data=data,
@@ -611,7 +612,15 @@ def study_of(scene: Scene, parameters: Mapping[str, Any] | None, options: Mappin
     settings = {setting.name: setting.value for setting in scene.settings}
     job = Job(str(scene.path), data, dict(name.origins), settings, (), scene.data_folders)
     middle = _middle(job, scene, samples)
-    job = replace(job, variables=variables_of(table.keep, middle))
+    variables = variables_of(table.keep, middle)
+    limits: dict[str, Any] = {}
+    for name, limit in table.limits.items():
+        with named("limits"):
+            figure = figure_of(name, figures_of(variables), middle)
+        limits[figure.name] = limit
+        variables = tuple(dict.fromkeys((*variables, figure.variable)))
+    table = table.model_copy(update={"limits": limits})
+    job = replace(job, variables=variables)
     return Sweep(scene, samples, job.variables, job, table), middle
 
 

@@ -28,6 +28,8 @@ const page = {
 
 const motions = data.modes.map(() => null); // unpacked when first shown
 
+const rowsOfModes = document.querySelectorAll("tr[data-mode]"); // those of zero eigenvalues are the last
+
 function motionOf(mode) {
   motions[mode] = motions[mode] || new Motion(Object.assign({ names: data.names }, data.modes[mode].frames));
   return motions[mode];
@@ -38,10 +40,12 @@ function select(mode) {
   player.motion = motionOf(mode);
   const isStill = player.motion.end === player.motion.start;
   for (const id of ["play", "time"]) control(id).disabled = isStill;
-  document.querySelectorAll("tr[data-mode]").forEach((row, i) => {
-    row.classList.toggle("selected", i === mode);
-    row.querySelector("input").checked = i === mode;
-  });
+  for (const row of rowsOfModes) {
+    const isHere = Number(row.dataset.mode) === mode;
+    row.classList.toggle("selected", isHere);
+    row.querySelector("input").checked = isHere;
+    if (isHere && row.closest("details")) row.closest("details").open = true;
+  }
   document.querySelectorAll(".details section").forEach((section, i) => (section.hidden = i !== mode));
   if (control("choice")) {
     control("choice").value = mode;
@@ -74,15 +78,15 @@ function selectAndPlay(mode) {
 
 control("speed").addEventListener("change", showNote);
 if (control("choice")) control("choice").addEventListener("input", (event) => selectAndPlay(Number(event.target.value)));
-document.querySelectorAll("tr[data-mode]").forEach((row, i) => {
-  const button = row.querySelector("input");
+for (const row of rowsOfModes) {
+  const [button, i] = [row.querySelector("input"), Number(row.dataset.mode)];
   button.addEventListener("change", () => selectAndPlay(i));
   row.addEventListener("click", (event) => {
     if (event.target.closest("label")) return; // the label activates the button itself
     button.focus();
     selectAndPlay(i);
   });
-});
+}
 
 open(motionOf(data.first));
 select(page.mode);

@@ -50,13 +50,14 @@ class Names {
     return { x: x, y: y, across: half[0], up: half[1] };
   }
 
-  // The boxes in which the name of a body may be, in pixels: above it, to its right, to its left, below it.
+  // The boxes in which the name of a body may be, in pixels: above it, to its right, to its left, below it; on a solid one, or a line
+  // higher or lower there.
   places(i) {
     const [width, height] = this.sizes[i];
     const box = (x, y) => ({ left: x - width / 2, right: x + width / 2, top: y - height, bottom: y });
     if (this.boxes[i]) {
       const [x, top] = this.onSolid(i);
-      return [box(x, top - 4)];
+      return [0, -height, height].map((shift) => box(x, top - 4 + shift));
     }
     const { x, y, across, up } = this.outline(i);
     const [aside, level] = [across + width / 2 + 4, y + height / 2];
@@ -65,7 +66,6 @@ class Names {
 
   // The first of these places in which a name covers no link, no other body and no other name; else the first.
   side(i, places, occupied) {
-    if (places.length === 1) return 0;
     const [width, height] = this.stage.size;
     const others = this.drawn.flatMap(({ shape }, k) => {
       if (k === i || this.boxes[k] || shape === "rail" || shape === "base") return [];
@@ -73,7 +73,9 @@ class Names {
       return [{ left: x - across, right: x + across, top: y - up, bottom: y + up }];
     });
     const isInside = (box) => box.left > 0 && box.right < width && box.top > 0 && box.bottom < height;
-    const isClear = (box) => isFree(box, occupied) && isFree(box, others) && this.lines.every((line) => !crosses(box, line));
+    const near = Math.max(8, this.stage.pixelsOf(0.25)); // a little more than half the width of a spring
+    const besides = (box) => isFree(box, others) && this.lines.every((line) => !crosses(box, line, near));
+    const isClear = (box) => isFree(box, occupied) && (this.boxes[i] || besides(box));
     return Math.max(places.findIndex((box) => isInside(box) && isClear(box)), 0);
   }
 
@@ -116,12 +118,32 @@ class Names {
     for (const i of this.order()) {
       const [label, places] = [this.labels[i], this.places(i)];
       if (!chosen && label.textContent) this.sides[i] = this.side(i, places, occupied);
-      const box = places[this.sides[i]];
+      const box = this.inside(places[this.sides[i]]);
       label.style.transform = `translate(${box.left.toFixed(1)}px, ${box.top.toFixed(1)}px)`;
       const shown = isFree(box, occupied) && !this.hidden[i];
       label.style.visibility = shown ? "visible" : "hidden";
       if (shown && label.textContent) occupied.push(box);
     }
+  }
+
+  // The text over the picture, where no name may be.
+  caption() {
+    const text = this.stage.pane.querySelector(".magnification");
+    const state = [text.textContent, ...this.stage.size].join();
+    if (state === this.captionState) return this.captionBoxes;
+    const range = document.createRange();
+    range.selectNodeContents(text);
+    const [{ left, right, top, bottom, width }, corner] = [range, this.stage.pane].map((part) => part.getBoundingClientRect());
+    const box = { left: left - corner.left, right: right - corner.left, top: top - corner.top, bottom: bottom - corner.top };
+    return Object.assign(this, { captionState: state, captionBoxes: width ? [box] : [] }).captionBoxes;
+  }
+
+  // A box that is partly outside of the picture, moved into it.
+  inside(box) {
+    const [width, height] = this.stage.size;
+    const shift = (low, high, end) => (high < 0 || low > end ? 0 : low < 0 ? -low : Math.min(0, end - high));
+    const [x, y] = [shift(box.left, box.right, width), shift(box.top, box.bottom, height)];
+    return { left: box.left + x, right: box.right + x, top: box.top + y, bottom: box.bottom + y };
   }
 
   // The order in which names are placed: bodies of solids the nearest first, the others in their order.
@@ -137,9 +159,8 @@ function isFree(box, occupied) {
   return occupied.every((b) => box.right < b.left || box.left > b.right || box.bottom < b.top || box.top > b.bottom);
 }
 
-// Whether a line comes nearer to a box than half the width of a spring, in pixels.
-function crosses(box, [[x0, y0], [x1, y1]]) {
-  const near = 8;
+// Whether a line comes nearer to a box than a distance, in pixels.
+function crosses(box, [[x0, y0], [x1, y1]], near) {
   let [first, last] = [0, 1]; // the part of the line that is within the sides so far
   for (const [start, end, low, high] of [[x0, x1, box.left - near, box.right + near], [y0, y1, box.top - near, box.bottom + near]]) {
     if (start === end && (start < low || start > high)) return false;

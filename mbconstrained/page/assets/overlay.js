@@ -207,13 +207,11 @@ class Overlay {
     return turned(pose, point).add(new THREE.Vector3(...pose.position)).divideScalar(this.stage.figure.unit);
   }
 
-  // Places all labels, those of impulses first; returns their boxes in pixels.
-  placeLabels() {
-    const occupied = [];
+  // Places all labels, those of impulses first, and adds their boxes, in pixels, to the occupied ones.
+  placeLabels(occupied) {
     for (const layer of this.layers.slice().reverse()) {
       for (const arrow of layer.all) if (arrow.label.textContent) arrow.placeLabel(occupied);
     }
-    return occupied;
   }
 }
 

@@ -108,6 +108,10 @@ function listen() {
   control("play").addEventListener("click", toggle);
   control("time").addEventListener("input", (event) => seek(event.target.value));
   control("reset").addEventListener("click", () => player.stage && player.stage.reset());
+  control("more").addEventListener("click", () => {
+    const all = document.querySelector(".motion").classList.toggle("all");
+    control("more").setAttribute("aria-expanded", all);
+  });
   window.addEventListener("hashchange", () => page.follow(location.hash));
   window.addEventListener("themechange", () => player.stage && player.stage.setTheme(theme.dark));
   if (player.stage) listenToMarks(player.stage);

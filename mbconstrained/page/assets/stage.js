@@ -28,6 +28,7 @@ class Stage {
     this.links = figure.links.map((link, i) => this.addLink(link, i));
     this.names = new Names(this, boxes);
     this.overlay = figure.overlay ? new Overlay(this, figure.overlay) : null; // its script is included only where needed
+    this.orbits = figure.orbits ? new Orbits(this, figure.orbits) : null;
     this.addLight();
     this.addCamera();
     this.viewer.set_3d_pane_size = () => this.fit(); // instead of the viewer's own, which fills the window
@@ -159,6 +160,13 @@ class Stage {
     return z > 1 ? [-1e6, -1e6] : [((x + 1) / 2) * width, ((1 - y) / 2) * height];
   }
 
+  // How long a distance across the view is in the picture, in pixels.
+  pixelsOf(distance) {
+    const middle = this.viewer.controls.target;
+    const aside = new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, 0).multiplyScalar(distance).add(middle);
+    return this.pixels(aside)[0] - this.pixels(middle)[0];
+  }
+
   updateNames() {
     this.names.viewChanged();
     this.draw();
@@ -218,9 +226,11 @@ class Stage {
       const from = this.end(poses[link.start], link.start_point, link.start_turns, link.back);
       const to = this.end(poses[link.end], link.end_point, link.end_turns, link.back);
       if (link.states) showEngagement(link, engagementAt(link.states, time)); // their script is included only where needed
-      link.drawn.update(from, to, over);
+      const stations = link.stations && link.stations.map((station) => this.station(poses, station));
+      link.drawn.update(from, to, over, stations);
       link.ends = [from.position, to.position];
     }
+    if (this.orbits) this.orbits.show(motion, time);
     if (this.overlay) this.overlay.show(poses, coordinates, time, motion);
     this.viewer.renderer.shadowMap.needsUpdate = true;
     this.draw();
@@ -235,9 +245,17 @@ class Stage {
     return { position: back ? place.applyQuaternion(back) : place, angle: angle };
   }
 
+  // A station of a shaft with its direction there, or null where its body does not tilt.
+  station(poses, [body, point, tilts]) {
+    const slope = tilts ? along().applyQuaternion(new THREE.Quaternion(...poses[body].quaternion)) : null;
+    return Object.assign(this.end(poses[body], point, true), { slope: slope });
+  }
+
   draw() {
     this.viewer.render();
-    this.names.place(this.overlay ? this.overlay.placeLabels() : []);
+    const occupied = [...this.names.caption()];
+    if (this.overlay) this.overlay.placeLabels(occupied);
+    this.names.place(occupied);
   }
 
   drawIfNeeded() {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import reduce
 from operator import add
@@ -130,10 +131,26 @@ def prescribed_motions(
                 else:
                     index = coordinates.number(name, *outputs)
                     coefficients, unit = np.eye(len(coordinates.names))[index], coordinates.units[index]
-                unit_of_value = with_time(unit, -LEVELS.index(table.level))
-                signal = float(factor) * _signal(table, unit_of_value, folder, shapers.get(number))
+                signal = float(factor) * _motion_signal(table, unit, folder, shapers.get(number))
                 constraints.append(Constraint(coefficients, level=table.level, value=signal, names=row, unit=unit))
     return constraints
+
+
+def _motion_signal(table, unit: str, folder: SceneFolder, shaper: InputShaper | None) -> signals.ImpulsiveSmooth:
+    """The signal of a [[motion]] table in the unit of its level; another level that the values fit is named."""
+
+    def of_level(level: str) -> signals.ImpulsiveSmooth:
+        return _signal(table, with_time(unit, -LEVELS.index(level)), folder, shaper)
+
+    try:
+        return of_level(table.level)
+    except InputError as problem:
+        fitting = []
+        for level in LEVELS:
+            with suppress(InputError):
+                of_level(level)
+                fitting.append(f'; with level = "{level}" it fits')
+        raise InputError(f"{problem}{''.join(fitting)}") from None
 
 
 def force_of(loads: Sequence[SceneForce]) -> signals.ImpulsiveSmooth | None:

@@ -27,7 +27,7 @@ LONGEST_EXPRESSION = 200  # characters
 LARGEST_EXPONENT = 20
 
 _DIGITS = r"[0-9]+(?:_[0-9]+)*"
-_NUMBER_TEXT = rf"(?:{_DIGITS}\.?(?:{_DIGITS})?|\.{_DIGITS})(?:[eE][+-]?[0-9]{{1,2}})?"
+_NUMBER_TEXT = rf"(?>(?:{_DIGITS}\.?(?:{_DIGITS})?|\.{_DIGITS})(?:[eE][+-]?[0-9]{{1,2}})?)"  # atomic: 1e-3 is no unit e
 _NUMBER = re.compile(_NUMBER_TEXT)
 _UNIT_NAME = r"[^\W\d_]+(?![\w.(])(?:\^-?[1-9](?!\d))?"
 # a name, or a number with what may be its unit

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
+from zlib import crc32
 
 from ...ground.checks import nearest
 from ...ground.errors import InputError, quoted, shown
@@ -14,6 +16,7 @@ from ...ground.quantities import any_quantity, described, unit_of
 from ..file import ORIGIN, Place, SceneName, at, parts_of, written
 
 TEXTS = ("title", "source")  # what stands above all tables
+LONGEST_PART = 80  # characters of the name of a file; of more the end is a check sum
 PLACES = "time.end, model.mass[1].mass or model.mass.cart.mass"
 
 
@@ -33,6 +36,17 @@ class Setting:
 
     def __str__(self) -> str:
         return f"{self.name} = {_plainly(self.value)}"
+
+
+def file_part(settings: Sequence[Setting]) -> str:
+    """The part of the name of a file for values that were set.
+
+    >>> file_part([Setting("k", "3 N/mm"), Setting("time.end", 2)])
+    'k=3_N_mm,time.end=2'
+    """
+    text = ",".join(f"{one.name}={one.value}" for one in settings)
+    part = re.sub(r"[^\w.=+,-]+", "_", text)
+    return part if len(part) <= LONGEST_PART else f"{part[: LONGEST_PART - 9]}_{crc32(text.encode()):08x}"
 
 
 def value_of(text: str):

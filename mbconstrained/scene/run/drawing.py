@@ -31,8 +31,11 @@ TALLEST = 8.0
 
 def drawing_of(scene: SceneData, values=None, **scales: float) -> Drawing:
     """The drawing of a scene whose coordinates are positions, given or automatic."""
-    model = scene.equations.model
-    return own_drawing(scene) or automatic_drawing(scene, model and model.elements, values, **scales)
+    model, speed = scene.equations.model, getattr(scene.table.model, "speed", None)
+    drawing = own_drawing(scene) or automatic_drawing(scene, model and model.elements, values, **scales)
+    if speed:
+        return replace(drawing, revolution=2 * np.pi / abs(speed))
+    return replace(drawing, bodies=tuple(replace(body, traced=()) for body in drawing.bodies))
 
 
 def own_drawing(scene: SceneData) -> Drawing | None:
@@ -407,14 +410,18 @@ class RobotPicture:
     """
 
     def __init__(self, scene: RobotScene, table: DrawingTable | None = None):
+        from ...robot.visualization import bones_of
+
         self.scene = scene
         self._full = full = table is not None and table.full_meshes
         with at(scene.data.urdf_place):
             own = scene.robot.visuals()
-            self._visuals = visuals = own or scene.robot.visuals(collision=True)
+            shapes = own or scene.robot.visuals(collision=True)
+            self._visuals = visuals = shapes or bones_of(scene.robot.model, scene.robot.link_frames)
         large = {id(item.vertices) for item in visuals if item.triangles > MOST_TRIANGLES}
         missing = dict.fromkeys(item.note for item in visuals if item.note)
-        notes = ["links drawn as their collision geometry"] * bool(visuals and not own)
+        notes = ["links drawn as their collision geometry"] * bool(shapes and not own)
+        notes += ["links drawn as bones between their joints"] * bool(visuals and not shapes)
         notes += [f"{counted(len(large), 'mesh', 'meshes')} drawn with fewer triangles"] * bool(large and not full)
         notes += [f"textures not drawn: {', '.join(missing)}"] * bool(missing)
         self.note = ", ".join(notes)
@@ -546,7 +553,7 @@ class ShapeDrawing:
         drawing, entries = self.drawing, dict(zip(self.names, _clean(shape)))
         moves = {body.name: drawing.scale * _sum(body.moves, entries) for body in drawing.bodies}
         turns = [drawing.turn_scale * _sum(body.turns, entries) for body in drawing.bodies]
-        between = [moves[link.end] - moves[link.start] for link in drawing.links]
+        between = [moves[link.end] - moves[link.start] for link in drawing.links if link.kind != "shaft"]
         limits = ((ABSOLUTE, moves.values()), (NEIGHBOURS, between), (WIDEST_ANGLE, turns))
         furthest = [(limit, float(max(map(np.linalg.norm, vectors), default=0.0))) for limit, vectors in limits]
         return two_digits(min((limit / size for limit, size in furthest if size), default=1.0))

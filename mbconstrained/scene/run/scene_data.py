@@ -22,7 +22,7 @@ from ..build.model import End, Equations
 from ..build.switched import never_notices, refuse_with_switches
 from ..file import SceneFolder, SceneName
 from ..quantities.parameters import Parameters
-from ..quantities.settings import Setting
+from ..quantities.settings import Setting, file_part
 from .plan import Cost
 
 if TYPE_CHECKING:
@@ -59,8 +59,8 @@ class SceneData(Displayed):
 
     @property
     def name(self) -> str:
-        """Name of the file without its ending; results are named after it."""
-        return self.path.stem
+        """Name of the file without its ending, with the values set from outside; results are named after it."""
+        return ".".join([self.path.stem, *([file_part(self.settings)] if self.settings else [])])
 
     @property
     def folder(self) -> SceneFolder:
@@ -75,7 +75,7 @@ class SceneData(Displayed):
     @property
     def title(self) -> str:
         """Title in the file, by default the name."""
-        return self.table.title or self.name
+        return self.table.title or self.path.stem
 
     @property
     def heading(self) -> str:

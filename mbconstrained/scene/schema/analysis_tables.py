@@ -322,6 +322,9 @@ class ShockTable(OscillatorsTable):
     """Peaks of the model, and of single oscillators on its support (the shock response spectrum)."""
 
     end: Time | None = Field(None, gt=0, description="Until when peaks of the model are searched; by default time.end.")
+    outputs: list[Text] | None = Field(
+        None, description=f"Further quantities whose peaks are searched: {NAMES}; left out: the [[output.quantity]] tables."
+    )
     quantity: ShockQuantity = Field("absolute acceleration", description="Response quantity of the oscillators.")
     interpolation: Literal["linear", "band-limited"] = Field("linear", description="Interpolation of a record between its samples.")
     tripartite: bool = Field(
@@ -336,7 +339,9 @@ class FatigueTable(OscillatorsTable):
     strength: Quantity | None = Field(
         None, description='The amplitude that fails in one cycle, e.g. "40 kN"; left out: amplitudes of equal damage alone.'
     )
-    outputs: list[Text] | None = Field(None, description="Springs and dampers, or coordinates or rows; left out: all.")
+    outputs: list[Text] | None = Field(
+        None, description=f"{NAMES}; left out: all with the quantity, and [[output.quantity]], that the strength fits."
+    )
     quantity: Literal["force", "elongation", "displacement", "velocity", "acceleration", "reaction"] = Field(
         "force", description="Quantity whose cycles are counted; force and elongation: of springs and dampers."
     )

@@ -36,7 +36,7 @@ MEANT = {  # what people write: what a scene calls it
     "position": "displacement", "speed": "velocity", "start": "initial", "duration": "end", "stop": "end", "steps": "points",
     "step": "points", "type": "kind", "body": "coordinate", "amplitude": "value", "ends": "between", "bodies": "between",
     "friction": "dry_friction", "unilateral": "contact", "gap": "contact", "bumper": "contact", "rope": "cable", "play": "backlash",
-    "k": "stiffness", "c": "damping", "m": "mass", "weight": "mass", "length": "rest_length", "options": "output",
+    "k": "stiffness", "c": "damping", "m": "mass", "weight": "mass", "length": "rest_length", "options": "output", "on": "coordinate", "node": "coordinate",
 }  # fmt: skip
 
 
@@ -45,7 +45,7 @@ class UnknownKey(EntryError):
 
     def __init__(self, key: str, known: Iterable[str], hint: str = ""):
         known = list(known)
-        hint = hint or nearest(key, known) or (f'; did you mean "{MEANT[key]}"?' if MEANT.get(key) in known else "")
+        hint = hint or (f'; did you mean "{MEANT[key]}"?' if MEANT.get(key) in known else nearest(key, known))
         if key in ABOVE:
             hint = f"; {key} = … stands at the top of the file, above the first [table]"
         super().__init__(f"unknown key {shown(key)}{hint}; known here are {', '.join(known)}", key)
@@ -97,7 +97,9 @@ class LateTable:
 class TablesByKind:
     """The type of a table whose class depends on its key kind, and is created when a scene has one of it."""
 
-    def __init__(self, **create: Callable[[], type[BaseModel]]):
+    def __init__(self, *default: str, **create: Callable[[], type[BaseModel]]):
+        """Tables without a kind are of the default kind, where there is one."""
+        self._default = default
         self._create = {kind.replace("_", "-"): one for kind, one in create.items()}
         self._adapter = cache(self._new_adapter)
 
@@ -108,6 +110,8 @@ class TablesByKind:
         return TypeAdapter(Annotated[Any, GetPydanticSchema(union)])
 
     def _validated(self, value):
+        if isinstance(value, dict) and "kind" not in value and self._default:
+            value = {**value, "kind": self._default[0]}
         kind = value.get("kind") if isinstance(value, dict) else None
         kinds = (kind,) if isinstance(kind, str) and kind in self._create else tuple(self._create)
         return self._adapter(*kinds).validate_python(value)

@@ -9,6 +9,7 @@ from functools import cache
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, create_model, model_validator
+from pydantic.fields import FieldInfo
 
 from ...ground.errors import InputError, shown
 from ...ground.quantities import quantity
@@ -335,11 +336,29 @@ _FORCES = (StepTable, RampTable, PowerTable, ImpulseTable, HarmonicTable, TermTa
 FORCES: dict[str, type[ForceBase]] = {get_args(table.model_fields["kind"].annotation)[0]: table for table in _FORCES}
 
 
+#: What the values of signals are in prescribed motions, where "level" says of what.
+_VALUES = {
+    "step": "The displacement, velocity or acceleration; 0 by default: a support at rest, whose motion may be random or any frequency.",
+    "ramp": 'Its rate, e.g. "2 mm/s" of a displacement.',
+    "impulse": 'The impulse, e.g. "3 mm*s" of a displacement.',
+    "pulse": "The largest displacement, velocity or acceleration.",
+    "values": "The displacement, velocity or acceleration at each of the times.",
+}
+
+
 @cache
 def motion_table(kind: str) -> Any:
-    return create_model(
-        f"{kind.capitalize()}Motion", __base__=(MotionBase, FORCES[kind]), __doc__=f'A prescribed motion of the kind "{kind}".'
-    )
+    """The table of prescribed motions of a kind; a step of 0 where nothing is given."""
+    fields: dict[str, Any] = {}
+    for key, of in (("value", kind), ("values", "values")):
+        if key in FORCES[kind].model_fields and of in _VALUES:
+            own = FORCES[kind].model_fields[key]
+            default = 0.0 if kind == "step" else own.default
+            fields[key] = own.annotation, FieldInfo.merge_field_infos(own, description=_VALUES[of], default=default)
+    if kind == "step":
+        fields["kind"] = Literal["step"], Field("step", description="Constant from t = 0 on.")
+    name, text = f"{kind.capitalize()}Motion", f'A prescribed motion of the kind "{kind}".'
+    return create_model(name, __base__=(MotionBase, FORCES[kind]), __doc__=text, **fields)
 
 
 # [boundary] and [least_energy].

@@ -436,7 +436,7 @@ def _motion_table(kind: str) -> Any:
 
 
 ForceTable = Annotated[Any, TablesByKind(**{kind: partial(_force_table, kind) for kind in SIGNALS})]
-MotionTable = Annotated[Any, TablesByKind(**{kind: partial(_motion_table, kind) for kind in SIGNALS})]
+MotionTable = Annotated[Any, TablesByKind("step", **{kind: partial(_motion_table, kind) for kind in SIGNALS})]
 
 _MODELS = {
     "lumped": _lumped_table,

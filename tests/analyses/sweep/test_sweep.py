@@ -139,3 +139,18 @@ def test_the_page_animates_samples_at_quantiles(tmp_path):
     assert {name for name, _ in content.modes[0].facts} == {*result.samples.variations, "frequency 1"}
     # one sample cannot be chosen from, and coefficients have no shapes
     assert scene.sweep(samples=1).run().answer().page().animation is None
+
+
+def test_a_limit_may_be_any_figure_that_can_be_kept(tmp_path):
+    """The velocity of a sample of a normal stiffness: the limit keeps its own figure; "response peaks" are a figure where there is one."""
+    (tmp_path / "scene.toml").write_text(SCENE, encoding="utf-8")
+    scene = mb.read_scene(tmp_path / "scene.toml")
+    options = {"keep": ["frequencies"], "samples": 16, "limits": {"largest velocity of cart": "1 mm/s", "frequency 2": "900 Hz"}}
+    result = scene.sweep({"k": "normal(2 N/mm, 5 %)"}, **options).run()
+    assert result.limits == {"largest velocity of cart": 1e-3, "frequency 2": 900.0}
+    assert (result.values("largest velocity of cart") > 1e-3).all()
+    assert [result.exceedance(name, limit).value for name, limit in result.limits.items()] == [1.0, 0.0]
+    with pytest.raises(mb.InputError, match='limits: there is no figure "largest velocity of card"'):
+        scene.sweep({"k": "normal(2 N/mm, 5 %)"}, limits={"largest velocity of card": 1})
+    with pytest.raises(mb.InputError, match='limits: "frequencies" is several numbers; name one of frequency 1, frequency 2'):
+        scene.sweep({"k": "normal(2 N/mm, 5 %)"}, limits={"frequencies": 1})

@@ -94,3 +94,38 @@ def test_a_rotor_is_one_shaft_that_stays_on_its_points_in_both_planes(common):
     )
     grounds = np.array([body.rest for body in drawing.bodies if body.shape == "ground"]) - rotor.rest
     assert ((grounds[:, 1] > 1) != (grounds[:, 2] < -1)).all() and len(grounds) == 2 * (1 if common else 2)
+
+
+def test_rotors_on_flexible_parts_are_one_bent_shaft_through_all_their_points():
+    model = shaft()
+    drawing = lumped_drawing(model.elements, model.coordinates, np.zeros((len(model.coordinates), 1)))
+    drawn = {body.name: body for body in drawing.bodies}
+    (bent,) = [link for link in drawing.links if link.kind == "shaft"]
+    places = [drawn[body].rest[0] + point[0] for body, point, _ in bent.stations]
+    assert places == sorted(places)
+    through = [drawn[f"{name} z"].rest[0] for name in ("left", "inner", "disc", "near", "right")]
+    assert set(np.round(through, 9)) <= set(np.round(places, 9))
+    assert {body for body, _, tilts in bent.stations if not tilts} == {"disc"}  # it has no diametral inertia
+    assert places[0] < drawn["left z"].rest[0] and places[-1] > drawn["right z"].rest[0]
+    rotors = ("compressor", "disc", "turbine")
+    assert not [link for link in drawing.links if link is not bent and "ground" not in link.start + link.end]
+    assert {name for name, body in drawn.items() if body.traced} == set(rotors) and not drawing.note
+    assert [point[0] for point in drawn["compressor"].traced] == pytest.approx(
+        [0, drawn["left z"].rest[0] - drawn["compressor"].rest[0]]
+    )
+
+
+def test_the_disc_of_a_rotor_is_the_cylinder_with_its_moments_of_inertia():
+    """A steel cylinder of 0.2 m radius and 0.3 m length between bearings at -0.5 m and 0.5 m: J_p = m r^2 / 2."""
+    mass, radius, length = 30.0, 0.2, 0.3
+    model = mb.LumpedModel()
+    inertias = {"polar_inertia": mass * radius**2 / 2, "diametral_inertia": mass * (3 * radius**2 + length**2) / 12}
+    model.rotor("rotor", mass, **inertias, points={"A": -0.5, "B": 0.5})
+    for point in ("A", "B"):
+        model.bearing("ground", point, stiffness=1e6)
+    drawing = lumped_drawing(model.elements, model.coordinates, np.zeros((len(model.coordinates), 1)))
+    drawn = {body.name: body for body in drawing.bodies}
+    scale = (drawn["B z"].rest[0] - drawn["A z"].rest[0]) / 1.0
+    disc, *bearings = drawn["rotor"].solids
+    assert disc.size == pytest.approx((radius * scale, length * scale))
+    assert sorted({round(solid.placement[0, 3] / scale, 9) for solid in bearings}) == [-0.5, 0.5]

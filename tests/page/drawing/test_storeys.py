@@ -39,6 +39,24 @@ def test_storeys_are_known_by_their_names_and_move_sideways():
     assert not drawing.note
 
 
+def test_storeys_stand_on_the_soil_that_moves_them():
+    model = mb.LumpedModel()
+    names = ["roof", "first floor", "second floor", "soil"]
+    for name in names[:3]:
+        model.mass(name, 2.0)
+    model.node("soil")
+    for low, high in (("soil", "first floor"), ("first floor", "second floor"), ("second floor", "roof")):
+        model.spring(low, high, 4.0)
+    drawing = lumped_drawing(model.elements, model.coordinates, np.ones((4, 2)))
+    height = heights(drawing)
+    assert sorted(height, key=height.get) == ["soil", "first floor", "second floor", "roof"]
+    soil, *slabs = sorted(drawing.bodies, key=lambda body: body.rest[2])
+    assert soil.moves == {"soil": (1.0, 0.0, 0.0)} and soil.size[0] > slabs[0].size[0]
+    for link in drawing.links:
+        low = next(body for body in drawing.bodies if body.name == link.start)
+        assert link.start_point[2] == pytest.approx(low.size[2] / 2) and link.kind == "rod"
+
+
 def test_a_scene_requests_it(tmp_path):
     scene = """[model]
 kind = "matrices"

@@ -61,7 +61,7 @@ def test_a_record_is_read_from_a_file(tmp_path, name, column, scale):
         ("0,1\n1,2,3\n", r"force\[1\]: record\.csv, line 2: it has another number of columns"),
         ("0\n1\n", r"force\[1\]: record\.csv: found 1 column; expected the times in s in column 1 and the values in column 2"),
         ("0,1\n", r"force\[1\]: record\.csv: times: found 1; a record needs at least two samples"),
-        ("-1,1\n1,1\n", r"force\[1\]: record\.csv: times: the first is -1 s"),
+        ("-1,1\n1,1\n", r"force\[1\]: record\.csv: it begins at -1 s; give start"),
         ("", r"force\[1\]: record\.csv: the file is empty"),
     ],
 )

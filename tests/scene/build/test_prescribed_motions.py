@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import mbconstrained as mb
 from mbconstrained.ground.errors import SceneError
 from tests.scene.scenes import scene_of
 
@@ -50,6 +51,16 @@ def test_the_unit_of_the_value_is_that_of_the_level(tmp_path, level, value, orde
     expected = {0: 0.01, 1: 10.0, 2: 2.0, 3: 0.3 * 9.80665}[order]
     assert motion.derivative(min(order, 2))(1.0)[0] == pytest.approx(expected, rel=1e-15)
     assert {row.name for row in motion.system.rows} == {"road", "motion of right"}
+
+
+def test_a_motion_without_a_kind_is_a_support_at_rest(tmp_path):
+    rest = "".join(f'[[motion]]\ncoordinate = "{name}"\n' for name in ("left", "right"))
+    still = "[initial]\ndisplacement = { car = 0.1 }\n"
+    motion = scene_of(tmp_path, CAR + rest + still).equations.solve()
+    assert not motion([0.0, 1.0, 3.0])[:2].any()
+    assert motion(1.0)[2] == pytest.approx(mb.MechanicalSystem([[2.0]], [[0.5]], [[8.0]]).solve([0.1])(1.0)[0], rel=1e-13)
+    with pytest.raises(SceneError, match=r'found "3 m/s\^2", an acceleration; .*; with level = "acceleration" it fits$'):
+        scene_of(tmp_path, CAR + rest + 'value = "3 m/s^2"\n')
 
 
 def test_a_record_of_a_file_moves_the_support(tmp_path):

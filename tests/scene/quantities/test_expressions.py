@@ -17,7 +17,7 @@ def value(text, names=NAMES):
     return read_expression(text).value(Fraction, names)
 
 
-atoms = st.sampled_from(["k", "m", "ω1", "2", "0.5", "3e2", ".25"])
+atoms = st.sampled_from(["k", "m", "ω1", "2", "0.5", "3e2", ".25", "5e-1"])
 
 
 def joined(inner):
@@ -36,7 +36,7 @@ def test_the_value_is_that_of_python(text):
     import re
 
     python = re.sub(
-        r"(?<![\w.])(\d*\.?\d+(?:e\d+)?)(?![\w.])", r"Fraction('\1')", re.sub(r"\^(-?\d+)", lambda p: f"**({p[1]})", text)
+        r"(?<![\w.])(\d*\.?\d+(?:e-?\d+)?)(?![\w.])", r"Fraction('\1')", re.sub(r"\^(-?\d+)", lambda p: f"**({p[1]})", text)
     )
     python = re.sub(
         r"\*\*\(Fraction\('(\d+)'\)\)|\*\*\(-Fraction\('(\d+)'\)\)", lambda p: f"**{p[1]}" if p[1] else f"**-{p[2]}", python

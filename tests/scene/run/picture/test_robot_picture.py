@@ -1,18 +1,21 @@
 """How robots are drawn in a run and on a page of modes: the same parts, the same size, no motion too far to look right."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+import mbconstrained as mb
 from mbconstrained.analyses.modes import ModalAnalysis
 from mbconstrained.ground.errors import SceneError
+from mbconstrained.robot.visualization import bones_of
 from mbconstrained.scene.run.drawing import BASE_PLATE, MOST_TRIANGLES, TURN, VISIBLE, RobotPicture, ShapeDrawing
 from mbconstrained.scene.run.scene import read_scene
 from mbconstrained.scene.schema.scene_schema import DrawingTable
 from tests.page.drawing.test_robot_layout import sphere
 from tests.page.robots import Seen
-from tests.scene.robots import SCENE, TOML, URDF, press
+from tests.scene.robots import ROBOTS, SCENE, TOML, URDF, press
 from tests.scene.run.picture.test_robot_drawing import path_point
 from tests.scene.scenes import EXAMPLES, scene_of
 
@@ -122,3 +125,26 @@ def test_a_robot_without_visuals_is_drawn_as_its_collision_geometry(tmp_path):
         kinds = {body.name: [solid.kind for solid in body.solids] for body in drawing.bodies if body.shape == "solids"}
         assert (kinds["base"], kinds["crank"]) == (["box"], ["box"]) and not any(body.collision for body in drawing.bodies)
         assert "links drawn as their collision geometry" in drawing.note
+
+
+def test_a_robot_without_shapes_is_drawn_as_bones_between_its_joints():
+    """The second bar of the URDF is a uniform one of 0.3 m that begins at its joint; nothing but its inertia tells where it ends."""
+    urdf = (ROBOTS / "double_pendulum" / "double_pendulum.urdf").read_text()
+    bare = re.sub(r"<(visual|collision)\b.*?</\1>", "", urdf, flags=re.DOTALL)
+    robot = mb.Robot(bare)
+    bones = bones_of(robot.model, robot.link_frames)
+    ends = {}
+    for bone in bones:
+        if bone.kind == "cylinder":
+            half = bone.size[1] / 2 * bone.placement[:3, 2]
+            ends[bone.link] = sorted(np.round([bone.placement[:3, 3] + side * half for side in (1, -1)], 12).tolist())
+    assert ends == {"upper": [[0, -0.02, -0.4], [0, 0, 0]], "lower": [[0, 0, -0.3], [0, 0, 0]]}
+    assert all(np.linalg.det(bone.placement[:3, :3]) == pytest.approx(1, rel=1e-12) for bone in bones)
+    assert [bone.link for bone in bones if bone.kind == "sphere"] == ["base", "upper", "lower"]
+
+
+def test_bones_are_drawn_where_there_is_no_other_shape_and_the_page_reports_them(tmp_path):
+    press(tmp_path, TOML, re.sub("<visual>.*?</visual>", "", URDF))
+    for drawing in both_drawings(scene_of(tmp_path, SCENE)):
+        kinds = {body.name: [solid.kind for solid in body.solids] for body in drawing.bodies if body.shape == "solids"}
+        assert kinds["crank"] == ["sphere", "cylinder"] and "links drawn as bones between their joints" in drawing.note

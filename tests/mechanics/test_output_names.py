@@ -1,0 +1,169 @@
+"""Quantities by name in every analysis, against (K - w^2 M + i w C) x = f solved by NumPy and forces written out by hand."""
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+
+HERTZ = np.array([0.0, 0.3, 1.7, 2.4, 9.0])
+
+
+def machine(**further):
+    """A machine on springs, on a frame on the ground."""
+    model = mb.LumpedModel()
+    model.mass("frame", 3.0)
+    model.mass("machine", 2.0)
+    model.spring("ground", "frame", stiffness=900.0, name="feet", **further)
+    model.damper("ground", "frame", damping=7.0, name="rubber")
+    model.spring("frame", "machine", stiffness=300.0, name="mount")
+    model.damper("frame", "machine", damping=2.0, name="absorber")
+    return model.assemble()
+
+
+def motion_of(system, load, stiffness=None):
+    """Complex amplitudes under a unit load at each frequency, shape (n, F)."""
+    K = system.stiffness if stiffness is None else stiffness
+    each = (2 * np.pi * HERTZ)[:, None, None]
+    return np.linalg.solve(K - each**2 * system.mass + 1j * each * system.damping, np.array(load, dtype=float)).T
+
+
+def test_one_response_has_quantities_of_all_kinds():
+    system, s = machine(), 2j * np.pi * HERTZ
+    frame, top = motion_of(system, [0.0, 1.0])
+    wanted = {
+        "machine": top,
+        "velocity of machine": s * top,
+        "acceleration of frame": s**2 * frame,
+        "machine - frame": top - frame,
+        "machine relative to frame": top - frame,
+        "velocity of machine - frame": s * (top - frame),
+        "acceleration of frame - ground": s**2 * frame,
+        "mount": 300 * (top - frame),
+        "force of absorber": 2 * s * (top - frame),
+        "elongation of mount": top - frame,
+        "rate of mount": s * (top - frame),
+        "force on ground": (900 + 7 * s) * frame,
+    }
+    H = system.frequency_response(HERTZ, ["machine"], list(wanted))
+    for place, (name, right) in enumerate(wanted.items()):
+        np.testing.assert_allclose(H.values[place, 0], right, rtol=1e-11, atol=1e-16, err_msg=name)
+    units = ["m/N", "m/s/N", "m/s^2/N", "m/N", "m/N", "m/s/N", "m/s^2/N", "1", "1", "m/N", "m/s/N", "1"]
+    assert H.units[:, 0].tolist() == units
+    assert H.harmonic.output_quantities[:4] == ("receptance", "velocity", "acceleration", "relative displacement")
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [("machine", "displacement"), ("velocity of machine", "velocity"), ("force of mount", "force"), ("machine - frame", "")],
+)
+def test_alone_and_among_others_a_quantity_has_the_same_values(name, kind):
+    """Plain motions of one order are no further unknowns; next to others they are."""
+    system = machine()
+    alone = system.frequency_response(HERTZ, ["machine"], [name])
+    among = system.frequency_response(HERTZ, ["machine"], ["force on ground", "acceleration of frame", name])
+    np.testing.assert_allclose(alone.values[0], among.values[2], rtol=1e-12, atol=0)
+    assert not kind or among.harmonic.output_quantities[2] in (kind, "receptance")
+
+
+def test_force_transmissibility_with_structural_and_modal_damping():
+    """What the ground feels by the force on a mass: 1 at 0 Hz; with structural damping k (1 + i eta) of the feet; with modal damping of
+    free masses on one spring (k + 2 zeta w0 m s) x, since the modal damper stands on the ground as the spring does."""
+    system = machine()
+    losses = {"feet": 0.3}
+    K = system.stiffness + 0.3j * np.diag([900.0, 0.0]) * (HERTZ > 0)[:, None, None]
+    frame, _ = motion_of(system, [0.0, 1.0], K)
+    H = system.frequency_response(HERTZ, ["machine"], quantity="force transmissibility", loss_factor=losses)
+    assert H.outputs == ("force on ground",) and H.units.tolist() == [["1"]]
+    right = (900 * (1 + 0.3j * (HERTZ > 0)) + 7 * 2j * np.pi * HERTZ) * frame
+    np.testing.assert_allclose(H.values[0, 0], right, rtol=1e-12)
+    assert H.values[0, 0, 0] == pytest.approx(1.0, rel=1e-14)
+
+    model = mb.LumpedModel()
+    model.mass("m", 2.0)
+    model.spring("ground", "m", stiffness=50.0, name="k")
+    s = 2j * np.pi * HERTZ
+    T = model.assemble().frequency_response(HERTZ, ["m"], quantity="force transmissibility", modal_damping=0.1).values[0, 0]
+    np.testing.assert_allclose(T, (50 + 2 * s) / (2 * s**2 + 2 * s + 50), rtol=1e-12)  # 2 zeta w0 m = 2 * 0.1 * 5 * 2
+
+
+def test_torques_on_the_ground_and_pinned_points():
+    """A shaft between a driven disc and a clamped end: the clamp carries what the shaft does."""
+    model = mb.LumpedModel()
+    model.inertia("disc", 0.5)
+    model.inertia("end", 0.1)
+    model.torsion_spring("disc", "end", stiffness=200.0, name="shaft")
+    model.torsion_damper("ground", "disc", damping=0.4, name="bearing")
+    model.prescribe("end", mb.step(0.0), name="clamp")
+    system = model.assemble()
+    H = system.frequency_response(HERTZ, ["disc"], ["torque on ground", "reaction of clamp"])
+    s = 2j * np.pi * HERTZ
+    x = 1 / (0.5 * s**2 + 0.4 * s + 200)
+    np.testing.assert_allclose(H.values[:, 0], [(200 + 0.4 * s) * x, -200 * x], rtol=1e-12)
+    with pytest.raises(mb.InputError, match="force on ground: no coordinate is in m"):
+        system.frequency_response([1.0], ["disc"], ["force on ground"])
+
+
+def test_free_bodies_at_rest():
+    """A chain that nothing holds, pushed at its first body: all accelerate with 1/M, and each spring carries the mass behind it."""
+    rng = np.random.default_rng(1)
+    masses, model = rng.uniform(0.1, 30, 6), mb.LumpedModel()
+    for i, mass in enumerate(masses):
+        model.mass(f"b{i}", mass)
+    for i, stiffness in enumerate(10 ** rng.uniform(2, 7, 5)):
+        model.spring(f"b{i}", f"b{i + 1}", stiffness=stiffness, name=f"k{i}")
+        model.damper(f"b{i}", f"b{i + 1}", damping=20.0, name=f"c{i}")
+    forces = [f"force of k{i}" for i in range(5)]
+    names = [*forces, "acceleration of b3", "force on ground", "force of c2", "b4", "velocity of b3"]
+    H = model.assemble().frequency_response([0.0], ["b0"], names)
+    carried = -np.cumsum(masses[::-1])[::-1][1:] / masses.sum()
+    np.testing.assert_allclose(H.values[:7, 0, 0], [*carried, 1 / masses.sum(), 0], rtol=1e-11, atol=1e-14)
+    assert np.isinf(H.error_estimate[8:, 0, 0]).all() and (H.error_estimate[:6, 0, 0] < 1e-11).all()
+    assert not H.poles_on_lines[0].pole.residues[:, :8].any()
+    alone = model.assemble().frequency_response([0.0], ["b0"], ["b1", "b5"], "accelerance")
+    np.testing.assert_allclose(alone.values[:, 0, 0], 1 / masses.sum(), rtol=1e-11)
+    assert not alone.poles_on_lines
+
+
+def test_motions_and_random_vibration_know_the_same_names():
+    system = machine()
+    names = ["force on ground", "velocity of machine - frame", "mount", "acceleration of machine"]
+    motion = system.solve([0.0, 0.01], force=mb.step([0.0, 5.0]))
+    peaks, t = motion.peaks(6.0, names), np.linspace(0.0, 6.0, 60_001)
+    x, v, a = motion(t), motion.derivative(1)(t), motion.derivative(2)(t)
+    curves = [900 * x[0] + 7 * v[0], v[1] - v[0], 300 * (x[1] - x[0]), a[1]]
+    np.testing.assert_allclose(peaks.maximum, np.max(curves, axis=1), rtol=1e-6)
+    np.testing.assert_allclose(peaks.minimum, np.min(curves, axis=1), rtol=1e-6)
+    assert [row["quantity"] for row in peaks.rows()] == ["force", "relative velocity", "force", "acceleration"]
+    noise = system.random_response({"machine": mb.psd([0.1, 50.0], [3.0, 3.0])}, names)
+    lines = np.linspace(0.1, 50.0, 50_001)
+    H = system.frequency_response(lines, ["machine"], names).values[:, 0]
+    assert list(noise.units) == ["N", "m/s", "N", "m/s^2"]
+    np.testing.assert_allclose(noise.rms, np.sqrt(np.trapezoid(3.0 * np.abs(H) ** 2, lines, axis=1)), rtol=1e-5)
+
+
+def test_rest_lengths_count_in_motions():
+    """A force of a spring is k (x - its rest length); at rest the ground carries both loads, whatever that length is."""
+    motion = machine(rest_length=0.2).solve(force=mb.step([30.0, 20.0]))
+    feet, t = motion.peaks(2.0, ["force of feet", "force on ground"]), np.linspace(0.0, 2.0, 80_001)
+    x, v = motion(t)[0], motion.derivative(1)(t)[0]
+    np.testing.assert_allclose(feet.maximum, [(900 * (x - 0.2)).max(), (900 * (x - 0.2) + 7 * v).max()], rtol=1e-6)
+    assert 900 * (motion([400.0])[0, 0] - 0.2) == pytest.approx(50.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("machin", 'did you mean "machine"'),
+        ("velocity of machin", 'did you mean "velocity of machine"'),
+        ("force of mout", 'did you mean "force of mount"'),
+        ("force on grond", 'did you mean "force on ground"'),
+        ("torque on ground", "no coordinate is in rad"),
+        ("elongation of frame", 'there is no "elongation of frame"'),
+        ("reaction of mount", 'there is no "reaction of mount"'),
+        ("something else", 'known are, among others, .*"velocity of x"'),
+        ("", 'there is no ""'),
+    ],
+)
+def test_names_that_are_none(name, message):
+    with pytest.raises(mb.InputError, match=message):
+        machine().frequency_response([1.0], ["machine"], [name])
