@@ -1,11 +1,14 @@
-"""The README is true and short: its Python runs as printed, and its first two commands are what sets the project up."""
+"""The README is true and short: its Python runs as printed, its first commands set the project up, and each command of it runs."""
 
 import re
+import shlex
 from pathlib import Path
+
+import pytest
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-LARGEST = 8_000  # bytes
+LARGEST = 10_000  # bytes
 
 
 def blocks(language: str) -> list[str]:
@@ -22,10 +25,25 @@ def test_the_python_block_runs_and_has_the_shapes_of_its_comments():
     assert motion.error_estimate([0.0, 0.5, 1000.0]) < 1e-12
 
 
-def test_set_up_is_exactly_two_commands():
-    commands = blocks("sh")
-    assert len(commands) == 2 and all(len(command.splitlines()) == 1 for command in commands)
-    assert "mbconstrained run examples/two_masses.toml" in commands[0] and "pytest" in commands[1]
+def test_set_up_activates_its_environment_before_the_first_command():
+    set_up, tests = blocks("sh")
+    assert set_up.splitlines() == [
+        "python3 -m venv .venv",
+        ". .venv/bin/activate",
+        "pip install .",
+        "mbconstrained run examples/quarter_car.toml",
+    ]
+    assert tests.splitlines()[0] == "pip install '.[test]'" and tests.splitlines()[1].startswith("python -m pytest")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("line", sorted(set(re.findall(r"`mbconstrained (\w+ examples/[^`]+)`", README))))
+def test_each_command_runs(line, command, tmp_path):
+    for name in ("examples", "robots"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    code, _, errors = command(*shlex.split(line), *(["--samples", "16"] if line.startswith("sweep") else []))
+    assert code == 0, errors
+    assert list(tmp_path.glob("results/*/*.html"))
 
 
 def test_every_file_that_is_named_exists():

@@ -310,6 +310,34 @@ def test_the_driveline_of_the_examples_is_that_of_matrices_written_by_hand():
     assert found == pytest.approx(damped, rel=1e-8)
 
 
+def test_the_floor_feels_a_washing_machine_as_the_formula_says():
+    """Cramer's rule for tub and cabinet: F = f kf ks / D and tub - cabinet = f (kf - mc W^2) / D, k with i W c, D = a b - ks^2."""
+
+    def by_hand(W):
+        suspension, feet = 10e3 + 220j * W, 400e3 + 600j * W
+        determinant = (suspension - 45 * W**2) * (suspension + feet - 30 * W**2) - suspension**2
+        return np.array([feet * suspension, feet - 30 * W**2, suspension]) / determinant
+
+    scene = read_scene(EXAMPLES / "washing_machine.toml")
+    response = Frequency(scene).response
+    np.testing.assert_allclose(response.values[0, 0], by_hand(2 * np.pi * response.frequencies_hz)[0], rtol=1e-11)
+    answer = scene.orders(points=60)
+    arrays, unbalance = answer.arrays(), 0.35 * 0.24
+    expected = unbalance * arrays["speeds"] ** 2 * by_hand(arrays["speeds"])
+    np.testing.assert_allclose(arrays["amplitudes"][0], expected, rtol=1e-11)
+    dense = np.linspace(30, 1400, 100_001) * np.pi / 30
+    top = np.abs(unbalance * dense**2 * by_hand(dense)).max(axis=1)
+    assert [one["value"] for one in answer.data["largest"]] == pytest.approx(top, rel=1e-8)
+    assert [one["output"] for one in answer.data["largest"]] == ["force on ground", "travel of the tub", "cabinet"]
+    result, W = scene.run(), 1000 * np.pi / 30  # the free motion decays with 2.3 1/s and 13.7 1/s
+    late = result.scene.equations.solve()
+    times = 12 + np.linspace(0, 2 * np.pi / W, 50)
+    steady = (unbalance * W**2 * by_hand(np.array([W]))[:2] * np.exp(1j * W * times)).real
+    curves = np.array([one.values(late, times) for one in scene.system.quantities.values()])
+    np.testing.assert_allclose(curves, steady, atol=1e-9 * np.abs(steady).max())
+    assert list(scene.system.quantities) == list(result.curves("quantity").names) == ["force on ground", "travel of the tub"]
+
+
 def spindle_matrices():
     """M, C, K and the polar inertias of spindle.toml in one plane: displacements and slopes of shaft and tool; rows of tip and nose."""
     places = {"rear": (0, -0.18), "front": (0, 0.12), "deep": (0, 0.13), "nose": (0, 0.2), "end": (1, -0.09), "flange": (1, -0.02)}
@@ -387,6 +415,16 @@ def test_chatter_grows_between_two_lobes_and_decays_on_one():
     ]
     root = next(mode.eigenvalue for mode in growing.modes if mode.eigenvalue.real > 0)
     assert ratios[0] == pytest.approx(-root.real / abs(root), rel=0.01) and ratios[1] > 0  # the peak of a motion that grows
+
+
+def test_the_bicycle_steers_itself_between_the_published_speeds():
+    """Meijaard et al. (2007): speeds of double root, weave and capsize (section 6), eigenvalues at 5 m/s (table 2)."""
+    locus = read_scene(EXAMPLES / "bicycle.toml").root_locus("v", np.linspace(0.0, 8.0, 81))
+    assert [one.parameter for one in locus.break_points] == pytest.approx([0.68428307889246], rel=1e-12)
+    assert locus.stability_limits == pytest.approx([4.29238253634111, 6.02426201538837], rel=1e-12)
+    published = [-14.07838969279822, -0.77534188219585 + 4.46486771378823j, -0.32286642900409]
+    values = [mode.eigenvalue for mode in read_scene(EXAMPLES / "bicycle.toml").run().modes]
+    assert sorted(values, key=lambda value: value.real) == pytest.approx(published, rel=1e-13)
 
 
 def test_the_crane_with_a_shaper_stops_without_swing_and_the_other_one_swings_as_its_closed_form():

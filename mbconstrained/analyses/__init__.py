@@ -22,6 +22,7 @@ ANALYSES = {
     "mac": ("mac", "Which modes of two scenes are the same: modal assurance criterion."),
     "campbell": ("campbell", "Critical speeds, whirl, stability and unbalance of a rotor; interference diagrams."),
     "orders": ("orders", "Response to orders of a speed: torques of a driveline, a run-up."),
+    "steady": ("steady", "Steady state: the cycle under harmonic loads, a repeated record, or of a switched model."),
     "locus": ("locus", "Root locus: eigenvalues over a parameter, with break points."),
     "path": ("path", "Frequencies of a robot along a path of one of its points."),
     "formula": ("formula", "The formula of each coordinate, with parameters as symbols."),

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..exchange.trajectories import csv_of, write_arrays
 from ..ground.checks import nearest, optional_package
-from ..ground.display import WIDTH, Displayed, TextTable, finite_or_none
+from ..ground.display import WIDTH, Pictured, TextTable, finite_or_none
 from ..ground.errors import InputError
 from ..ground.files import Replacements
 from ..ground.notices import Notice
@@ -41,7 +41,7 @@ PICTURES: tuple[Literal["svg", "png"], ...] = ("svg", "png")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Answer(Displayed):
+class Answer(Pictured):
     """The answer to one question.
 
     Attributes:

@@ -136,7 +136,7 @@ def frequency_plots(
         name = f"{response.outputs[i]} by {response.inputs[j]}" if len(response.inputs) > 1 else response.outputs[i]
         groups.setdefault(str(units[i, j]), []).append(_Entry(i, j, name, float(factors[i, j])))
     by = f' by "{response.inputs[0]}"' if len(response.inputs) == 1 else ""
-    titled = [(unit, entries, response.quantity_of([entry.i for entry in entries])) for unit, entries in groups.items()]
+    titled = [(unit, entries, response.harmonic.quantity_of([entry.i for entry in entries])) for unit, entries in groups.items()]
     for unit, entries, quantity in titled:
         own = f" ({unit})" if [other for _, _, other in titled].count(quantity) > 1 else ""
         titles = f"{quantity}{own}{by}", quantity, "" if unit == "1" else unit
@@ -465,7 +465,7 @@ class Frequency(Analysis):
         low, high = (f"{self.axis_factor * f:.4g}" for f in response.frequencies_hz[[0, -1]])
         how = "placed by the poles" if table.is_auto else f"{table.spacing} steps" if table.frequencies is None else "as given"
         count = counted(len(response.frequencies_hz), "frequency", "frequencies")
-        yield "quantity", response.quantity_of()
+        yield "quantity", response.harmonic.quantity_of()
         yield "inputs", ", ".join(response.inputs)
         yield "outputs", ", ".join(response.outputs)
         yield "frequencies", f"{low} to {high} {table.axis}, {count}, {how}"
@@ -490,7 +490,7 @@ class Frequency(Analysis):
         unit, rows = self.table.axis, tuple(map(self._peak_row, self.peaks))
         columns = (f"frequency ({unit})", "amplitude", f"bandwidth ({unit})", "damping ratio", "phase (°)")
         columns = columns if wide else (unit, "amplitude", "bandwidth", "damping", "phase (°)")
-        title = f"Peaks of the {self.response.quantity_of()}"
+        title = f"Peaks of the {self.response.harmonic.quantity_of()}"
         table = TextTable(title, (*self._entry("output", "input"), *columns), rows, HALF_POWER if rows else NO_PEAKS)
         return limited(table, MOST_ROWS_OF_PAGE)
 

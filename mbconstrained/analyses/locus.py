@@ -77,7 +77,7 @@ class Locus(Analysis):
             facts=tuple(facts),
             tables=(*([locus.table()] if locus.break_points else []), _branches(locus)),
             data=data,
-            plots=lambda: (_plot(locus, low, high),),
+            plots=lambda: (locus_plot(locus, low, high),),
             most_rows=None,
             keys=(),
         )
@@ -115,7 +115,7 @@ def _complex(value: complex) -> str:
     return f"{real} {'-' if value.imag < 0 else '+'} {imaginary} i" if value.imag else real
 
 
-def _plot(locus: RootLocus, low: str, high: str) -> Plot:
+def locus_plot(locus: RootLocus, low: str, high: str) -> Plot:
     """The branches in the complex plane, with lines of equal damping."""
     values = np.union1d(locus.values, [point.parameter for point in locus.break_points])
     s = np.array([np.interp(values, locus.values, column) for column in locus.eigenvalues.T])
@@ -129,8 +129,14 @@ def _plot(locus: RootLocus, low: str, high: str) -> Plot:
     curves = tuple(Curve(f"branch {number}", row.imag, along=row.real) for number, row in enumerate(s, 1))
     ends: tuple[tuple[int, str, Shape], ...] = ((0, low, "cross"), (-1, high, "circle"))
     marks = [
-        Marks(name, np.array([[row[place].real, row[place].imag]]), (f"{name}: {_complex(row[place])} 1/s",), shape, number)
-        for place, name, shape in ends
+        Marks(
+            f"{locus.name} = {end}",
+            np.array([[row[place].real, row[place].imag]]),
+            (f"{end}: {_complex(row[place])} 1/s",),
+            shape,
+            number,
+        )
+        for place, end, shape in ends
         for number, row in enumerate(s)
     ]
     if locus.break_points:

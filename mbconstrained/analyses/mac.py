@@ -11,7 +11,7 @@ from pydantic import Field
 from ..ground.display import TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind, distinct
-from ..page.content import Curve, Plot
+from ..page.content import Cells, Plot
 from ..scene.file import at
 from ..scene.run.scene import read_scene
 from ..scene.schema.entry_types import Table, Text
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 #: Modes with a criterion below this are not the same mode (Ewins, Modal Testing, section 5.3.2).
 SAME_MODE = 0.9
 
-#: Modes of the first scene in the plot.
-MOST_CURVES = 8
+#: Modes of either scene in the plot.
+MOST_MODES = 40
 
 
 class ModesOfTwoScenes(Table):
@@ -68,14 +68,15 @@ class ModalAssurance(Analysis):
         own = (Notice(NoticeKind.ACCURACY, text),) if doubts else ()
 
         def plots() -> Iterator[Plot]:
-            numbers = np.arange(1, len(g) + 1)
-            # a step for each mode, next to the following one
-            edges = np.array([numbers - 0.5, np.nextafter(numbers + 0.5, 0.0)]).T.ravel()
-            curves = (
-                Curve(f"mode {i + 1}, {number_text(f[i])} Hz", np.repeat(mac[i], 2), i) for i in range(min(len(f), MOST_CURVES))
-            )
-            title = f"modal assurance criterion with the modes of {other.name}"
-            yield Plot(title, "", edges, tuple(curves), across_unit="", quantity="MAC", variable="mode number")
+            shown, texts = mac[:MOST_MODES, :MOST_MODES], []
+            for i, row in enumerate(shown):
+                name = f"mode {i + 1} ({number_text(f[i])} Hz)"
+                texts.append([f"{name} and {j + 1} ({number_text(g[j])} Hz): {value:.4f}" for j, value in enumerate(row)])
+            across, up = (np.arange(count + 1) + 0.5 for count in shown.shape[::-1])
+            yield Plot(
+                f"modal assurance criterion with the modes of {other.name}", "", across, (), across_unit="", variable=f"mode of {other.name}",
+                quantity=f"mode of {scene.name}", cells=Cells(across, up, shown, texts), is_large=True,
+            )  # fmt: skip
 
         arrays = {"frequencies_hz": f, "other_frequencies_hz": g, "mac": mac, "coordinates": np.array(common)}
         shapes = {f"{other.name}, {number_text(g[j])} Hz, mode {j + 1}": mac[:, j] for j in range(len(g))}

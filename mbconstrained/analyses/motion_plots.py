@@ -27,7 +27,9 @@ def plots_of(result: Result) -> tuple[Plot, ...]:
     output = result.scene.table.output
     kinds = [*output.plots, *(["quantity"] if output.quantity else [])]
     plots = [
-        plot for kind in kinds for plot in (_phase_planes(result) if kind == "phase" else _plots(result, result.shown_curves(kind)))
+        plot
+        for kind in kinds
+        for plot in (_phase_planes(result) if kind == "phase" else plots_of_kind(result, result.shown_curves(kind)))
     ]
     count = Counter(plot.title for plot in plots)
     return tuple(_with_unit(plot) if count[plot.title] > 1 else plot for plot in plots)
@@ -39,7 +41,7 @@ def _with_unit(plot: Plot) -> Plot:
     return replace(plot, title=f"{plot.title} ({source})", quantity=plot.quantity or plot.title)
 
 
-def _plots(result: Result, curves: Curves) -> list[Plot]:
+def plots_of_kind(result: Result, curves: Curves) -> list[Plot]:
     """One plot for each unit: curves in m and in rad share no axis."""
     groups: dict[tuple[str, str], list[Curve]] = {}
     functions = result.time_functions(curves.kind)

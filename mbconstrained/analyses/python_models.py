@@ -169,15 +169,6 @@ def plot(motion: Response, axes=None, quantity: str = "displacement", **options)
     return axes
 
 
-def picture(motion: Response) -> str:
-    """The displacements as SVG, for notebooks."""
-    from ..page.plots import plot_image
-    from .motion_plots import plots_of
-
-    images = (plot_image(each, "svg").decode() for each in plots_of(result_of(motion)))
-    return "".join(image[image.index("<svg") :] for image in images)  # without the head of an XML file
-
-
 @dataclass(frozen=True)
 class PageView:
     """A static page inside a notebook."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
@@ -11,11 +12,13 @@ import numpy as np
 from ..exchange.trajectories import RATES
 from ..frequency.features import frequencies_by_poles
 from ..frequency.random.random_response import RandomResponse, octave_bands
-from ..ground.coordinate_units import density_unit
+from ..frequency.random.spectra import KINDS, Spectrum
+from ..ground.coordinate_units import density_unit, force_unit, rate_unit
 from ..ground.display import TextTable
 from ..ground.errors import InputError
 from ..ground.notices import distinct
-from ..page.content import Curve, Plot, Scale
+from ..mechanics.channels import channels
+from ..page.content import Curve, Plot, Scale, curve_with_gaps
 from ..scene.build.data_files import curve_of
 from ..scene.file import at
 from ..scene.schema.analysis_tables import RandomInputTable, RandomTable
@@ -33,6 +36,9 @@ BEYOND = 10.0
 
 #: Spectra are plotted where they are at least this share of their largest value.
 LEAST_SHARE = 1e-12
+
+#: The first colour of the inputs, which are dashed.
+COLORED = 8
 
 #: Cycles of the median frequency of an output that its path on the page has, and the number of its times.
 CYCLES, PATH_TIMES = 24, 1201
@@ -54,8 +60,10 @@ class Random(Analysis):
     def solve(cls, scene: Scene, settings: RandomTable | None) -> Answer:
         """The answer of a scene with mass, damping and stiffness."""
         response = random_response(scene, settings)
-        own = _Outputs(response, list(map(scene.equations.coordinates.shown.of, response.units, response.outputs)))
-        system = scene.equations.system
+        shown, system = scene.equations.coordinates.shown, scene.equations.system
+        known = channels(system, "inputs")
+        excitation = [_Input(name, one, known[name].unit) for name, one in zip(response.inputs, response.spectra.spectra)]
+        own = _Outputs(response, list(map(shown.of, response.units, response.outputs)), excitation, shown.of)
         damping = system.damping_notices(any(entry.of != "force" for entry in settings.input)) if system is not None else ()
         inputs = zip(response.inputs, response.spectra.spectra)
         return cls.of(
@@ -118,11 +126,46 @@ def _spectrum(scene: Scene, number: int, entry: RandomInputTable) -> Spectrum:
         return entry.spectrum(lambda table: curve_of(table, scene.folder))
 
 
-class _Outputs:
-    """The outputs of a random response in the units shown."""
+def response_plots(response: RandomResponse) -> Iterator[Plot]:
+    """The plots of a response in SI."""
+    return _Outputs(response, [(str(unit), 1.0) for unit in response.units]).plots()
 
-    def __init__(self, response: RandomResponse, shown: list[tuple[str, float]]):
-        self.response, self.shown = response, shown
+
+@dataclass(frozen=True, eq=False)
+class _Input:
+    """A random input, with the unit of the displacement of its point."""
+
+    name: str
+    spectrum: Spectrum
+    place_unit: str
+
+    @property
+    def unit(self) -> str:
+        """Unit in SI."""
+        order = KINDS[self.spectrum.of]
+        return force_unit(self.place_unit) if order is None else rate_unit(self.place_unit, order)
+
+    def density(self, unit: str, f: np.ndarray) -> np.ndarray | None:
+        """Density in a unit, of a motion that of a higher derivative; None in others, NaN where it is zero."""
+        order, values = KINDS[self.spectrum.of], np.asarray(self.spectrum(f))
+        later = () if order is None else [k for k in range(order + 1, 3) if rate_unit(self.place_unit, k) == unit]
+        if unit != self.unit and not later:
+            return None
+        values = values * (2 * np.pi * f) ** (2 * (later[0] - order)) if unit != self.unit else values
+        return np.where(values > 0, values, np.nan)
+
+
+class _Outputs:
+    """The outputs of a random response in the units shown, and its inputs."""
+
+    def __init__(
+        self,
+        response: RandomResponse,
+        shown: list[tuple[str, float]],
+        inputs: Sequence[_Input] = (),
+        units: Callable[[str], tuple[str, float]] = lambda unit: (unit, 1.0),
+    ):
+        self.response, self.shown, self.inputs, self.units = response, shown, inputs, units
 
     def table(self, duration: float) -> TextTable:
         """RMS, rates and the expected largest value of each output."""
@@ -138,7 +181,9 @@ class _Outputs:
             size = f"{factor * rms:.5g} {unit}" if finite else "infinite"
             rows.append((name, size, crossings, f"{factor * top:.4g} {unit}" if np.isfinite(top) else "–"))
         columns = ("output", "RMS", "zero crossings (Hz)", f"largest in {duration:g} s")
-        return TextTable(f"Random {response.quantity}", columns, tuple(rows), "largest: mean of the largest modulus (Davenport)")
+        return TextTable(
+            f"Random {response.harmonic.quantity_of()}", columns, tuple(rows), "largest: mean of the largest modulus (Davenport)"
+        )
 
     @cached_property
     def frequencies(self) -> np.ndarray:
@@ -170,22 +215,47 @@ class _Outputs:
         return {**own, "covariance": self.response.covariance, "outputs": np.array(self.response.outputs)}
 
     def plots(self) -> Iterator[Plot]:
-        """Spectral densities, RMS values of octaves and up to each frequency by unit, and a sample path of the first output."""
+        """Spectral densities with those of the inputs, RMS values of octaves and up to each frequency by unit, and a sample path of
+        the first output."""
+        left = list(self.inputs)
         for unit in dict.fromkeys(unit for unit, _ in self.shown):
             chosen = [i for i, (own, _) in enumerate(self.shown) if own == unit]
             if self.spectra[chosen].max() > 0:
-                yield self._density(unit, chosen)
+                plot, drawn = self._density(unit, chosen)
+                left = [one for one in left if one not in drawn]
+                yield plot
                 yield from self._sums(unit, chosen)
                 yield from self._path(unit, chosen)
+        for unit in dict.fromkeys(one.unit for one in left):
+            yield self._input_plot(unit, [one for one in left if one.unit == unit])
 
-    def _density(self, unit: str, chosen: list[int]) -> Plot:
+    def _input_plot(self, unit: str, inputs: list[_Input]) -> Plot:
+        """The spectra of inputs that have no unit in common with the outputs."""
+        shown, factor = self.units(unit)
+        rows = [factor**2 * one.density(unit, self.frequencies) for one in inputs]
+        curves = tuple(curve_with_gaps(one.name, row, COLORED + i) for i, (one, row) in enumerate(zip(inputs, rows)))
+        title = f"spectrum of the input, {', '.join(dict.fromkeys(one.spectrum.of for one in inputs))}"
+        square = density_unit(shown).replace("^2", "²")
+        axes: dict = {"quantity": "density", "variable": "frequency", "scales": ("log", "log")}
+        return Plot(title, square, self.frequencies, curves, across_unit="Hz", **axes)
+
+    def _density(self, unit: str, chosen: list[int]) -> tuple[Plot, list[_Input]]:
+        """The spectra of outputs of one unit, and the inputs that stand in the plot with them."""
         largest = self.spectra[chosen].max(axis=0)
         least = LEAST_SHARE * largest.max()
         visible = np.flatnonzero(largest >= least)
         own = slice(visible[0], visible[-1] + 1)
         square = density_unit(unit).replace("^2", "²")
         title, values = f"spectrum of the {self.response.quantity}", np.maximum(self.spectra[:, own], least)
-        return self._plot(title, square, self.frequencies[own], values, chosen, "density", "log")
+        plot = self._plot(title, square, self.frequencies[own], values, chosen, "density", "log")
+        factor = self.shown[chosen[0]][1]
+        rows = [(one, one.density(str(self.response.units[chosen[0]]), plot.times)) for one in self.inputs]
+        drawn = [(one, factor**2 * row) for one, row in rows if row is not None and np.isfinite(row).any()]
+        curves = (
+            curve_with_gaps(f"input: {one.name}", np.where(row >= least, row, np.nan), COLORED + i)
+            for i, (one, row) in enumerate(drawn)
+        )
+        return replace(plot, curves=(*plot.curves, *curves)), [one for one, _ in drawn]
 
     def _sums(self, unit: str, chosen: list[int]) -> Iterator[Plot]:
         """RMS values of octaves as steps, and up to each frequency, of outputs for which they are finite."""

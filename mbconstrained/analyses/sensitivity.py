@@ -7,20 +7,27 @@ from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
+import numpy as np
 from pydantic import Field
 
 from ..ground.checks import nearest
-from ..ground.display import TextTable
+from ..ground.display import TextTable, number_text
 from ..ground.errors import InputError
+from ..ground.tolerances import SHOWN_INFLUENCE
 from ..mechanics.parameter import Parameter
 from ..mechanics.sensitivities import Sensitivities
 from ..scene.schema.entry_types import Table, Text
 from .base import Analysis, Answer
+from .sweep.plots import row_plot
 
 if TYPE_CHECKING:
+    from ..page.content import Plot
     from ..scene.run.scene_data import SceneData
 
 NO_INFLUENCE = "No oscillating mode depends on {}; --json has the derivatives of all eigenvalues."
+
+#: Modes and parameters of a tornado plot.
+MOST_MODES, MOST_PARAMETERS = 6, 16
 
 #: Coordinates up to which the page of the modes has these tables, within about a second, and rows above which it folds them.
 MOST_COORDINATES, MOST_ROWS = 48, 8
@@ -66,7 +73,13 @@ class Sensitivity(Analysis):
         """The answer of a scene with a mechanical system."""
         self = cls(scene, (settings and settings.to) or ())
         return cls.of(
-            scene, tables=tuple(self.tables()), data=self._data(), heading=scene.heading, most_rows=None, keys=("notices",)
+            scene,
+            tables=tuple(self.tables()),
+            data=self._data(),
+            plots=self.plots,
+            heading=scene.heading,
+            most_rows=None,
+            keys=("notices",),
         )
 
     @cached_property
@@ -85,6 +98,23 @@ class Sensitivity(Analysis):
         if rows := tuple((str(one.mode + 1), one.text) for one in self.sensitivities.defective):
             note = "of an eigenvalue with fewer shapes than its multiplicity there is no derivative; e is a small change"
             yield TextTable("Defective eigenvalues", ("mode", "how it splits"), rows, note)
+
+    def plots(self) -> Iterator[Plot]:
+        """Tornado plots of the lowest modes: changes of frequencies and of damping ratios by 1 % more of each parameter or element."""
+        d, names = self.sensitivities, self.sensitivities.names
+        values = np.array([[one.value] for one in d.parameters])
+        kinds = (("natural frequency", "%", d.logarithmic), ("damping ratio", "", d.damping_ratios * values / 100))
+        for quantity, unit, changes in kinds:
+            changes = np.nan_to_num(changes[:, :MOST_MODES])
+            influence = np.abs(changes).max(axis=1, initial=0.0)
+            order = np.argsort(-influence, kind="stable")[:MOST_PARAMETERS]
+            order = order[influence[order] > SHOWN_INFLUENCE * influence.max(initial=0.0)]
+            modes = [f"mode {k + 1}, {number_text(f)} Hz" for k, f in enumerate(d.modes.frequencies_hz[:MOST_MODES])]
+            if len(order):
+                groups = dict(zip(modes, changes[order].T))
+                yield row_plot(
+                    f"{quantity} by 1 % more of a parameter", [names[i] for i in order], groups, f"change of the {quantity}", unit
+                )
 
     def _data(self) -> dict:
         """Derivatives by parameter; complex numbers as pairs."""

@@ -21,6 +21,7 @@ from ..page.content import Curve, Guide, Plot, Scale, power_label, raised
 from ..scene.build.data_files import record_in_si
 from ..scene.file import at
 from ..scene.quantities.output_units import OutputUnits
+from ..scene.run.result import Result
 from ..scene.schema.analysis_tables import ShockTable
 from ..signals.impulsive import ImpulsiveSmooth
 from .base import Analysis, Answer
@@ -83,7 +84,7 @@ class Shock(Analysis):
         facts = (("peaks", f"from 0 to {end:g} s, none missed, limits from the left included"),)
         own_units = scene.equations.coordinates.shown
         answer = _answer(scene.name, scene.title, scene.table.source, part, every, notices, facts, own_units)
-        return replace(answer, heading=scene.heading)
+        return replace(answer, heading=scene.heading, plots=lambda: _plots_with_answer(scene, part))
 
     @classmethod
     def of_record(cls, path: Path, table: ShockTable, **reading) -> Answer:
@@ -128,6 +129,18 @@ def _answer(name, title, source, part: _Spectrum | None, every: tuple[Peaks, ...
         columns=lambda: columns,
         arrays=lambda: arrays,
     )
+
+
+def _plots_with_answer(scene: Scene, part: _Spectrum | None) -> Iterator[Plot]:
+    """The spectrum of the shock, and the shock over time in one plot with the accelerations that answer it."""
+    from .motion_plots import plots_of_kind
+
+    result = Result(scene)
+    answers = plots_of_kind(result, result.shown_curves("acceleration"))
+    for plot in () if part is None else part.plots():
+        if plot.variable != "time" or part.name not in [curve.name for one in answers for curve in one.curves]:
+            yield plot
+    yield from answers
 
 
 @dataclass(frozen=True, eq=False)

@@ -172,14 +172,18 @@ def _check(scene: ScenePath, settings: Settings = None, data_folder: DataFolders
     def work(loaded: Scene) -> None:
         from ..scene.run.result import start_notices
 
-        names, count = loaded.equations.coordinates.names, len(loaded.plan().needed)
+        names = loaded.equations.coordinates.names
+        count = len(loaded.plan().needed) if loaded.table.time.is_given else None
         notices = [str(notice) for notice in (*loaded.notices, *start_notices(loaded.equations))]
-        size = f"{counted(len(names), 'coordinate')} ({', '.join(names)}), {counted(count, 'stage')} to run"
+        size = f"{counted(len(names), 'coordinate')} ({', '.join(names)}), {counted(count, 'stage') + ' to run' if count else WITHOUT_TIME}"
         lines = [f"{loaded.path.name} is fine: {loaded.title}", size, *notices]
         data = {"title": loaded.title, "coordinates": list(names), "stages": count, "notices": notices}
         show(json, lambda: data, lambda: ["\n".join(lines)])
 
     answer(scene, json, work, settings, data_folder)
+
+
+WITHOUT_TIME = "without [time], which a run needs; modes and frequency responses do not"
 
 
 def _moment(still: str) -> float | None:

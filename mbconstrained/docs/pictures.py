@@ -3,7 +3,8 @@
     python -m mbconstrained.docs.pictures [PAGE ...]
 
 A page has a picture by the lines ``<!-- picture: COMMAND -->`` and ``![TEXT](../pictures/FILE)``: FILE is what ``mbconstrained COMMAND --plots``
-writes. NAME.still.png shows the model, by ``--still``, and NAME.page.png the first screen of NAME.html; both need Chromium.
+writes, or of the command ``python`` the blocks of Python of the page. NAME.still.png shows the model, by ``--still``, and NAME.page.png the first
+screen of NAME.html; both need Chromium.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ import shlex
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import chdir, redirect_stderr, redirect_stdout
+from contextlib import chdir, nullcontext, redirect_stderr, redirect_stdout, suppress
+from doctest import DocTestParser
 from pathlib import Path
 from unittest.mock import patch
 
@@ -23,8 +25,8 @@ DOCS = Path(__file__).resolve().parent
 ROOT = DOCS.parents[1]
 FOLDER = DOCS / "pictures"
 
-#: Size of a screen, width of a picture of it or of a model, px, and the number of its colours.
-SCREEN, WIDTH, COLORS = (1000, 900), 720, 200
+#: Size of a screen, width of a picture of it or of a model, px, the number of its colours, and what stays empty below, px.
+SCREEN, WIDTH, COLORS, MARGIN = (1000, 860), 720, 200, 20
 
 
 def pictures(page: Path) -> Iterator[tuple[str, str]]:
@@ -45,9 +47,13 @@ def drawn(page: Path) -> Iterator[tuple[str, bytes]]:
         for title, scene in re.findall(r"^```toml\n# (\w+\.toml)\n(.*?)^```$", page.read_text(encoding="utf-8"), re.M | re.S):
             Path(title).write_text(scene, encoding="utf-8")
         for number, (command, files) in enumerate(wanted.items()):
-            _run([*shlex.split(command), "--plots", "--out", f"out{number}"])
+            out = "" if command == "python" else f"out{number}"
+            if out:
+                _run([*shlex.split(command), *["--plots"] * any(file.endswith(".svg") for file in files), "--out", out])
+            else:
+                _execute(page.read_text(encoding="utf-8"))
             for file in files:
-                yield file, _picture(Path(f"out{number}", file), _anchor(command))
+                yield file, _picture(Path(out, file), _anchor(command))
 
 
 def _anchor(command: str) -> str:
@@ -63,9 +69,12 @@ def _picture(file: Path, anchor: str) -> bytes:
         return _small(screenshot(page, anchor, *SCREEN))
     if file.suffix == ".png":
         return _small(file.read_bytes())
-    return re.sub(
-        rb' d="[^"]*"', lambda path: re.sub(rb"(\.\d\d)\d+", rb"\1", path[0]), file.read_bytes()
-    )  # hundredths of a point are enough
+    return re.sub(rb' d="[^"]*"', _in_hundredths, file.read_bytes())
+
+
+def _in_hundredths(path: re.Match[bytes]) -> bytes:
+    """A path of an SVG in hundredths of a point, which are enough."""
+    return re.sub(rb"(\.\d\d)\d+", rb"\1", path[0])
 
 
 def _run(arguments: list[str]) -> None:
@@ -80,12 +89,28 @@ def _run(arguments: list[str]) -> None:
                 raise RuntimeError(f"mbconstrained {shlex.join(arguments)}: {printed.getvalue()}") from None
 
 
+def _execute(text: str) -> None:
+    """Run the blocks of Python of a page; the same plot is the same file at any time."""
+    from ..page.plots import page_style
+
+    names: dict = {}
+    style: dict[str, object] = {"figure.figsize": (7.0, 3.0), "figure.constrained_layout.use": True, "text.parse_math": True}
+    undated = patch.dict(os.environ, SOURCE_DATE_EPOCH="0")
+    with page_style(**style), undated, redirect_stdout(io.StringIO()):
+        for example in DocTestParser().get_examples(text):
+            with suppress(Exception) if example.exc_msg else nullcontext():
+                exec(compile(example.source, "page", "single"), names)  # our own text, not a user's
+
+
 def _small(content: bytes) -> bytes:
-    """A PNG of a page's width with few colours."""
-    from PIL import Image
+    """A PNG of a page's width with few colours, without what is empty below."""
+    from PIL import Image, ImageChops
 
     picture, file = Image.open(io.BytesIO(content)).convert("RGB"), io.BytesIO()
-    picture.thumbnail((WIDTH, WIDTH), Image.Resampling.LANCZOS)
+    empty = Image.new("RGB", picture.size, picture.getpixel((0, picture.height - 1)))
+    _, _, _, last = ImageChops.difference(picture, empty).getbbox() or (0, 0, 0, 0)
+    picture = picture.crop((0, 0, picture.width, min(last + MARGIN, picture.height)))
+    picture.thumbnail((WIDTH, 2 * WIDTH), Image.Resampling.LANCZOS)
     picture.quantize(COLORS).save(file, format="png", optimize=True)
     return file.getvalue()
 

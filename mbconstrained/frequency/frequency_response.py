@@ -14,7 +14,7 @@ import numpy as np
 from ..exchange.trajectories import csv_of, write_arrays
 from ..exchange.universal import UNIVERSAL, Geometry, write_frequency_responses
 from ..ground.checks import counted, names_of, optional_package, places_of, real_array, real_number
-from ..ground.display import Displayed, TextTable, notice_table, number_text
+from ..ground.display import Pictured, TextTable, notice_table, number_text
 from ..ground.errors import InputError, MbconstrainedError
 from ..ground.files import replacing
 from ..ground.notices import Notice, NoticeKind
@@ -52,7 +52,7 @@ COMPARED = 16
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class FrequencyResponse(Displayed):
+class FrequencyResponse(Pictured):
     """Frequency response H(i w): a load Re(f e^{+i w t}) has the steady-state response Re(H(i w) f e^{+i w t}).
 
     H(s) = C (s I - J)^-1 B + sum of D_k s^k, from the finite and the infinite Jordan pair of the equations (Moysis et al., Theorem
@@ -100,12 +100,6 @@ class FrequencyResponse(Displayed):
     def quantity(self) -> str:
         """Name of the quantity, such as receptance."""
         return self.harmonic.quantity
-
-    def quantity_of(self, outputs: Sequence[int] | None = None) -> str:
-        """The quantities of all outputs, or of some by their places, as text."""
-        own = self.harmonic.output_quantities or (self.quantity,) * len(self.outputs)
-        names = list(dict.fromkeys(own if outputs is None else (own[i] for i in outputs)))
-        return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]])) if names else self.quantity
 
     @property
     def units(self) -> np.ndarray:

@@ -516,6 +516,12 @@ class Harmonic:
     input_delays: tuple[float, ...] = ()
     output_quantities: tuple[str, ...] = ()
 
+    def quantity_of(self, outputs: Sequence[int] | None = None) -> str:
+        """The quantities of all outputs, or of some by their places, as text."""
+        own = self.output_quantities or (self.quantity,) * len(self.output_names)
+        names = list(dict.fromkeys(own if outputs is None else (own[i] for i in outputs)))
+        return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]])) if names else self.quantity
+
     def dead_time(self, j: int) -> float:
         """The dead time of an input in s."""
         return self.input_delays[j] if self.input_delays else 0.0

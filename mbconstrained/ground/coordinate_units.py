@@ -1,4 +1,4 @@
-"""Units of the rates, forces and impulses of a coordinate in metres, radians or without unit."""
+"""Units of the rates, forces and impulses of a coordinate in metres, radians, electrical units or without unit."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ GROUND = "ground"
 
 DERIVATIVES = ("displacement", "velocity", "acceleration", "jerk")
 
-_FORCES = {"m": "N", "rad": "N m", "1": "J"}
+#: Of a coordinate. The equation of a charge or a current is a sum of voltages around a mesh, that of a voltage one of currents at a node.
+_FORCES = {"m": "N", "rad": "N m", "1": "J", "C": "V", "A": "V", "V": "A"}
 
 
 def coordinate_units(units, names: Sequence[str]) -> dict[str, str]:
@@ -36,7 +37,7 @@ def coordinate_units(units, names: Sequence[str]) -> dict[str, str]:
 def check_unit(unit, what: str) -> str:
     """The unit, if it is one that a coordinate or a constraint row may have."""
     if unit not in _FORCES:
-        raise InputError(f'{what}: found {unit!r}; expected "m", "rad" or "1"{nearest(unit, _FORCES)}')
+        raise InputError(f'{what}: found {unit!r}; expected "m", "rad", "1", or "C", "A", "V" of circuits{nearest(unit, _FORCES)}')
     return unit
 
 
@@ -65,8 +66,8 @@ def derivative_name(unit: str, order: int) -> str:
 def force_unit(unit: str) -> str:
     """The unit of the force along a quantity of this unit.
 
-    >>> force_unit("rad")
-    'N m'
+    >>> force_unit("rad"), force_unit("C")
+    ('N m', 'V')
     """
     return _FORCES.get(unit, f"J/{unit}")
 

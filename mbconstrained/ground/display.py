@@ -65,6 +65,14 @@ class Displayed:
         return f"<p>{html.escape(repr(self))}</p>" + "".join(map(table_html, self._tables()))
 
 
+class Pictured(Displayed):
+    """A public object that a notebook shows with its plots, which are made by a room above this one."""
+
+    def _repr_html_(self) -> str:
+        notebook = import_module(f"{__package__.partition('.')[0]}.analyses.notebook")
+        return super()._repr_html_() + notebook.pictures(self)
+
+
 class Presented(Displayed):
     """A public object with a static page.
 

@@ -111,6 +111,9 @@ def advice(text: str, number: float, kind: Dimension, unit: str) -> str:
     >>> advice("3 Hz", 3.0, dimension("Hz"), "rad/s")
     '; an angular frequency is 2 pi times the frequency: write "18.8496 rad/s", or frequency = "3 Hz"'
     """
+    if text.startswith("=") and (unit, unit_of(kind)) in (("Hz", "rad/s"), ("rad/s", "Hz")):
+        inside = text[1:].strip() if text[1:].strip().isidentifier() else f"({text[1:].strip()})"
+        return f'; a cycle is a turn of 2 pi: write "={inside}{"/" if unit == "Hz" else "*"}(1 rev)"'
     if unit == "rad/s" and kind == dimension("Hz"):
         angular = f"{2 * math.pi * number:.6g} rad/s"
         return f'; an angular frequency is 2 pi times the frequency: write "{angular}", or frequency = "{text}"'
@@ -121,8 +124,13 @@ def advice(text: str, number: float, kind: Dimension, unit: str) -> str:
         return '; the standard acceleration of gravity is gn, or g alone: write "0.3 gn"'
     if unit == "N" and kind == dimension("kg"):
         return "; the weight of a mass is given in N, lbf or kgf"
+    if "A" in dict(kind.units) and "A" not in dict(dimension(unit).units):
+        return '; of a circuit, the coordinates of matrices have their unit in units below [model], e.g. units = { charge = "C" }'
     return ""
 
+
+#: Units that count turns, so that a frequency of rotation may have them.
+COUNTS_TURNS = frozenset(["rpm", "rev", "revs", "revolution", "revolutions", "turn", "turns"])
 
 LONGEST_QUANTITY = 60  # characters; "-0.123456789012345678e-10 N*m*s/rad" has 36
 
@@ -139,11 +147,11 @@ _QUANTITY = re.compile(rf"([+-]?(?:{_DIGITS}\.?(?:{_DIGITS})?|\.{_DIGITS})(?:[eE
 def quantity(value, unit: str) -> float:
     """The value in the given SI unit: a finite number, or a text with a unit of the same kind.
 
-    Angles count as a kind of their own, so "2 Hz" is no angular velocity and "300 rpm" no frequency: the factor
-    2 pi between them is never guessed.
+    Angles count as a kind of their own, so "2 Hz" is no angular velocity and "3 rad/s" no frequency: the factor 2 pi between them is
+    never guessed. A number of turns leaves no doubt: "300 rpm" is the frequency of 5 Hz, and the angular velocity of 31.4 rad/s.
 
-    >>> quantity("3 N/mm", "N/m")
-    3000.0
+    >>> quantity("3 N/mm", "N/m"), quantity("300 rpm", "Hz")
+    (3000.0, 5.0)
     >>> quantity(0.5, "m")
     0.5
     """
@@ -234,6 +242,8 @@ def _from_text(text: str, unit: str) -> float:
     _check_known(text, unit_text, expected(unit))
     unit_text = meant(unit_text, unit)
     kind = dimension(unit_text)
+    if unit == "Hz" and kind == dimension("rad/s") and any(name in COUNTS_TURNS for name in re.split(r"[*/^]", unit_text)):
+        return float(number) * float(unit_in_si(unit_text)[0] / unit_in_si("rev")[0])
     if not same_kind(kind, unit):
         hint = advice(text, _in_si(number, unit_text), kind, unit) or _other_case(number, unit_text, unit)
         raise InputError(f"found {shown(text)}, {described(kind, ANOTHER)}; expected {expected(unit)}{hint}")

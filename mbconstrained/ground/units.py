@@ -39,6 +39,8 @@ UNITS = (
     Unit("time", "d", "86400 * s", names="day"),
     Unit("angle", "rad", "[]", "u m", "radian"),
     Unit("angle", "deg", "3.141592653589793 / 180 * rad", names="degree"),
+    Unit("angle", "arcmin", "deg / 60", names="arcminute"),
+    Unit("angle", "arcsec", "deg / 3600", "m", "arcsecond"),
     Unit("angle", "rev", "2 * 3.141592653589793 * rad", names="revolution turn"),
     Unit("frequency", "Hz", "1 / s", "m k M G", "hertz"),
     Unit("angular velocity", "rpm", "rev / min"),

@@ -71,6 +71,12 @@ def row_channels(system: EquationsOfMotion) -> list[Channel]:
     return [Channel(row.name, row.coefficients, row.unit, place) for place, row in enumerate(system.rows)]
 
 
+def support_of(system: EquationsOfMotion, channel: Channel) -> Channel:
+    """The constraint row that prescribes the motion of a channel, by the name of the channel; the channel itself where none does."""
+    rows = [row for row in row_channels(system) if (row.direction == channel.direction).all()]
+    return rows[0]._replace(name=channel.name) if rows and channel.row is None else channel
+
+
 def names_given(what: str, chosen, known: Sequence[str]) -> list[str]:
     """A name or a list of distinct names that a user gives."""
     names = [chosen] if isinstance(chosen, str) else list(chosen) if isinstance(chosen, (Sequence, np.ndarray)) else None

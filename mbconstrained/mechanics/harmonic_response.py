@@ -38,6 +38,7 @@ from .channels import (
     coordinate_channels,
     reference,
     row_channels,
+    support_of,
 )
 from .constraints import with_multipliers
 from .element_matrix import ElementMatrix
@@ -110,6 +111,8 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
         raise InputError("count: the response of a system given by arrays has all its modes; leave count out")
     chosen, rows = QUANTITIES[quantity], system.rows
     known_inputs = chosen_by_name("inputs", inputs, channels(system, "inputs"), coordinate_channels(system))
+    if inputs is not None:  # a force on a support moves nothing
+        known_inputs = [support_of(system, one) for one in known_inputs]
     known_outputs = _outputs(system, outputs, quantity, known_inputs)
     _check(quantity, known_inputs, known_outputs)
     levels = [0 if quantity == "transmissibility" else row.order for row in rows]
@@ -459,6 +462,10 @@ def steady_state(
         )
         H = evaluated(at_line, [omega / (2 * np.pi)])
         if H.poles_on_lines:
+            if not omega:
+                raise InputError(
+                    "force: its constant part moves a body that nothing restores away without end; there is no steady state"
+                )
             raise InputError(
                 f"force: at {number_text(omega / (2 * np.pi))} Hz it acts on an undamped motion of this frequency, which grows; "
                 "there is no steady state without damping"

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 
 from ..ground.checks import counted
-from ..ground.display import Displayed, TextTable, number_text
+from ..ground.display import Pictured, TextTable, number_text
 from ..ground.errors import InputError, named
 from ..ground.threads import short_work
 from ..ground.tolerances import NEWTON_STEP, noise_of
@@ -22,7 +22,7 @@ INNER = (0.29, 0.53, 0.83)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class RootLocus(Displayed):
+class RootLocus(Pictured):
     """The eigenvalues over a parameter p; a column belongs to one branch.
 
     Attributes:

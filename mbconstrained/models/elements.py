@@ -610,6 +610,7 @@ class Rack(Tie):
     radius: Annotated[Real, Numeric("m", "The pitch radius of the pinion; negative where it turns the other way.", "nonzero")]
 
     symbol = "rack"
+    spellings: ClassVar = {"between": ("gear", "rack")}
     row = property(lambda self: {self.rack: 1.0, self.gear: -self.radius})
 
     def settled(self, units: Mapping[str, str]) -> Self:

@@ -439,9 +439,20 @@ class Plot:
     def axes(self) -> tuple[Axis, Axis]:
         """The horizontal and the vertical axis; of a plot with at least one curve."""
         across, up = (_range(values, scale) for values, scale in zip(self._drawn_values(), self.scales))
-        return axis_of(*across, widen=self.across is not None, scale=self.scales[0]), axis_of(
-            *up, widen=self.cells is None, scale=self.scales[1]
+        axes = (
+            axis_of(*across, widen=self.across is not None, scale=self.scales[0]),
+            axis_of(*up, widen=self.cells is None, scale=self.scales[1]),
         )
+        if self.cells is None:
+            return axes
+        first, second = (_whole(axis) if (own == own.round()).all() else axis for axis, own in zip(axes, self.cells.places))
+        return first, second
+
+
+def _whole(axis: Axis) -> Axis:
+    """An axis of numbers that count: with those of its ticks that are whole, where there are any."""
+    kept = tuple(tick for tick in axis.ticks if tick == round(tick))
+    return replace(axis, ticks=kept, labels=tuple(f"{tick:g}" for tick in kept)) if kept and not axis.exponent else axis
 
 
 def _range(values: np.ndarray, scale: Scale) -> tuple[float, float]:

@@ -219,6 +219,9 @@ MOST_ENTRIES = 30
 #: Smaller energy shares are rounding errors, and shown as 0.
 SMALLEST_SHARE = 1e-9
 
+#: Columns of facts in the list of modes next to the picture, and those that phones have, too; further facts are in the details.
+MOST_FACTS, FACTS_ON_PHONES = 3, 2
+
 #: Factors of the speed menu.
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0)
 
@@ -244,11 +247,13 @@ def mode_sections(content: PageContent, shapes: Shapes, functions: PlotFunctions
     if shapes.word != MODE and len(modes) > 1:  # through a list of other things than modes
         slider = _slider(shapes.word, "choice", "chosen", len(modes), first, html.escape(modes[first].name))
     picture = stage_section(figure, 0.0, float(any(moves)), notes[first], _TIME, SPEEDS, 1.0, loop=False, further=slider)
-    details = ""
+    facts = [dict(mode.facts) for mode in modes]
+    labels, details = list(dict.fromkeys(label for own in facts for label in own)), ""
     if any(mode.shares or mode.shape or mode.note for mode in modes):
         # without scripts the details of all modes are visible
         visible = "<noscript><style>.details section[hidden] { display: block; }</style></noscript>"
-        details = "\n".join(_details(i, mode, i == first) for i, mode in enumerate(modes))
+        labels, further = labels[:MOST_FACTS], labels[FACTS_ON_PHONES:]
+        details = "\n".join(_details(i, mode, further, i == first) for i, mode in enumerate(modes))
         details = f'\n<div class="details">{visible}\n{details}\n</div>'
     data = {
         "figure": figure,
@@ -260,8 +265,6 @@ def mode_sections(content: PageContent, shapes: Shapes, functions: PlotFunctions
         "first": first,
         **_CLOCK,
     }
-    facts = [dict(mode.facts) for mode in modes]
-    labels = list(dict.fromkeys(label for own in facts for label in own))
     rows = [(mode.name, *(own.get(label, "") for label in labels)) for mode, own in zip(modes, facts)]
     table = TextTable(f"{shapes.word.capitalize()}s", (shapes.word, *labels), tuple(rows))
     marks = [f'data-mode="{i}"' for i in range(len(modes))]
@@ -323,7 +326,7 @@ def _list(
     shown, hidden = ([line for line, away in zip_longest(lines, folded) if bool(away) is own] for own in (False, True))
     texts = [f"<table>\n{head}\n<tbody>\n{chr(10).join(own)}\n</tbody>\n</table>" if own else "" for own in (shown, hidden)]
     if hidden:
-        names = ", ".join(dict.fromkeys(row[0] for row, away in zip(table.rows, folded) if away))
+        names = ", ".join(dict.fromkeys(row[0].split(" (")[0] for row, away in zip(table.rows, folded) if away))
         summary = f"{counted(len(hidden), 'zero eigenvalue')}: {typeset(shortened(names, LONGEST_LABEL))}"
         texts[1] = f"<details{'' if shown else ' open'}><summary>{summary}</summary>\n{texts[1]}</details>"
     return (
@@ -369,9 +372,10 @@ def _bounding(shapes: Deflections, lines: list[int]):
     return [ModePicture("", values=cycle(shapes.shapes[place])).frames(shapes.drawing, shapes.names) for place in chosen]
 
 
-def _details(number: int, mode: ModePicture, shown: bool) -> str:
-    """Note, shares and shape of a mode; visible where it is selected."""
-    blocks = [f'<p class="note">{typeset(mode.note)}</p>'] if mode.note else []
+def _details(number: int, mode: ModePicture, labels: Sequence[str], shown: bool) -> str:
+    """Note, further facts, shares and shape of a mode; visible where it is selected."""
+    facts = ", ".join(f"{label}: {text}" for label, text in mode.facts if label in labels and text)
+    blocks = [f'<p class="note">{typeset(text)}</p>' for text in (mode.note, facts) if text]
     if mode.shares:  # a bar for each share, without empty columns
         names, kinetic, strain = zip(*mode.shares)
         columns = {"kinetic energy": kinetic, "strain energy": strain}
@@ -403,8 +407,8 @@ def _bar(share: float | None) -> str:
     if 0 < abs(share) < 0.0005:
         percent = "< 0.1" if share > 0 else "> −0.1"
     kind = "bar negative" if share < 0 else "bar"
-    bar = f'<span class="{kind}" style="width: {100 * min(1.0, abs(share)):.1f}%"></span>' if share else ""
-    return f'<td>{bar}<span class="percent">{html.escape(percent)} %</span></td>'
+    bar = f'<span class="{kind}" style="--share: {min(1.0, abs(share)):.3f}"></span>' if share else ""
+    return f'<td><span class="share"><span class="percent">{html.escape(percent)} %</span>{bar}</span></td>'
 
 
 #: Location of the 3-D viewer: in the page, in a file shared by many pages, or in the page and compressed with all scripts.

@@ -43,7 +43,7 @@ _FLAGS = (
 
 #: The stage fills the window, without the rest of the page.
 _STAGE_ONLY = """<style>
-header, footer, .controls {{ display: none !important; }}
+header, footer, .controls, details {{ display: none !important; }}
 main {{ max-width: none; padding: 0; }}
 section {{ border: 0; border-radius: 0; margin: 0; display: flex; flex-direction: column; height: 100vh; }}
 #stage {{ flex: 1; min-height: 0; }}

@@ -71,8 +71,14 @@ MARGIN, MARGIN_LETTERS, ROW_HEIGHT = 70, 6, 34
 #: A label with more letters ends near the end of its axis when it is beyond this share of it.
 END, END_LETTERS = 0.98, 4
 
+#: Beyond this share of an axis there is no room for the name of a line.
+NEAR_END = 0.9
+
 #: Letters of the name of an axis, of a unit, and of a name in a legend; longer ones are shortened.
 AXIS_NAME, UNIT, LEGEND_NAME = 120, 40, 120
+
+#: Names of curves with at most so many letters stand in two columns on a phone.
+SHORT = 13
 
 #: Colours of curves in the style sheet, and patterns of dashes: one for each round through the colours.
 COLORS, DASHES = 6, 4
@@ -394,13 +400,15 @@ def _colors(cells: Cells) -> list[list[str]]:
 
 
 def _guide_names(plot: Plot, across: Axis, up: Axis, height: int) -> str:
-    """Names at the ends of the lines, below the point, at the lower edge above it."""
+    """Names next to the ends of the lines, where the lines themselves do not pass."""
     texts = []
     for guide in plot.guides:
         if guide.name and (ends := guide.ends(across, up)):
-            x, y = ends[1]
-            down, (anchor, away) = min(height * (1 - y) + 11, height - 3), ("start", 4) if x < LEAST_SHARE else ("end", -4)
-            place = f'x="{100 * x:.2f}%" y="{down:.1f}" dx="{away}" text-anchor="{anchor}"'
+            (x, y), rises = ends[1], ends[1][1] > ends[0][1]
+            is_at_side, is_right_of_line = not LEAST_SHARE < x < 1 - LEAST_SHARE, ends[0][0] < x < NEAR_END and y > 1 - LEAST_SHARE
+            down = height * (1 - y) + (-4 if rises and is_at_side and y < NEAR_END else 11)
+            anchor, away = ("start", 4) if x < LEAST_SHARE or is_right_of_line else ("end", -4)
+            place = f'x="{100 * x:.2f}%" y="{min(down, height - 3):.1f}" dx="{away}" text-anchor="{anchor}"'
             texts.append(f'<text class="guide-name" {place}>{html.escape(guide.name)}</text>\n')
     return "".join(texts)
 
@@ -462,12 +470,13 @@ def _path(number: int, curve: Curve, parts: list[np.ndarray], twin: bool) -> str
 def _legend(plot: Plot, functions: PlotFunctions) -> str:
     """Names, of lines as buttons that show and hide them, each with space for its value; of many curves with a search."""
     rows, has_lines, curves = [], len(plot.times) > 1, plot.curves if len(plot.times) > 1 else plot.curves[: plot.shown]
+    own_marks = {marks.curve: marks for marks in plot.marks}
     for number, curve in enumerate(curves):
         name, data = html.escape(curve.name), ""
-        entry = (
-            f'<svg width="26" height="8" aria-hidden="true"><path class="{_classes(curve.color)}" d="M1 4H25"/></svg>'
-            f"<span>{name}</span>"
-        )
+        sample = f'height="8"><path class="{_classes(curve.color)}" d="M1 4H25"/>'
+        if not curve.parts and number in own_marks:  # nothing but marks
+            sample = f'height="12" viewBox="-13 -6 26 12"><g class="mark">{_mark(plot, own_marks[number])}</g>'
+        entry = f'<svg width="26" aria-hidden="true" {sample}</svg><span>{name}</span>'
         if has_lines:
             pressed = "true" if number < plot.shown else "false"
             entry = f'<button type="button" aria-pressed="{pressed}">{entry}</button><span class="value"></span>'
@@ -500,7 +509,8 @@ def _legend(plot: Plot, functions: PlotFunctions) -> str:
             '<div class="choice"><input type="search" placeholder="find a name" aria-label="find a name">'
             '<button type="button" data-choice="all">Show all</button><button type="button" data-choice="none">Hide all</button></div>\n'
         )
-    return f'{choice}<ul class="legend{" many" if choice else ""}">{"".join(rows)}</ul>'
+    kinds = " many" * bool(choice) + " short" * (has_lines and 0 < max((len(curve.name) for curve in curves), default=0) <= SHORT)
+    return f'{choice}<ul class="legend{kinds}">{"".join(rows)}</ul>'
 
 
 def _classes(number: int) -> str:
@@ -619,11 +629,11 @@ def drawn_image(draw: Callable[[Figure], None], width: float, height: float, kin
 
 
 @contextmanager
-def page_style() -> Iterator[None]:
-    """The style of the page as matplotlib's settings, whatever the user has set; restored afterwards."""
+def page_style(**others: object) -> Iterator[None]:
+    """The style of the page, and others, as matplotlib's settings, whatever the user has set; restored afterwards."""
     import matplotlib.style
 
-    with matplotlib.style.context(_STYLE, after_reset=True), warnings.catch_warnings():
+    with matplotlib.style.context({**_STYLE, **others}, after_reset=True), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing from")  # a box in the file; the page has the browser's fonts
         yield
 

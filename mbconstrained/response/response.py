@@ -11,7 +11,7 @@ import numpy as np
 
 from ..exchange.trajectories import Exported
 from ..ground.checks import counted, places_of, whole_number
-from ..ground.display import Presented, TextTable, notice_table
+from ..ground.display import Pictured, Presented, TextTable, notice_table
 from ..ground.errors import MbconstrainedError, within_float64
 from ..ground.notices import Evidence, Notice
 from ..ground.threads import short_work
@@ -41,7 +41,7 @@ MOST_NAMES = 6
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Response(Exported, Presented):
+class Response(Exported, Presented, Pictured):
     """Response: x with A(d/dt) x = f from values at 0-.
 
     ``x(t)`` is the regular part at t > 0 (t = 0 means 0+): a number gives shape (r,), times of shape (T,) give
@@ -182,9 +182,6 @@ class Response(Exported, Presented):
             InputError: an unknown quantity.
         """
         return self._presentation().plot(self, axes, quantity, **options)
-
-    def _repr_html_(self) -> str:
-        return super()._repr_html_() + self._presentation().picture(self)
 
     def _summary(self) -> str:
         names, jumps = self.polynomial_matrix.coordinates, int(self.jump.any(axis=0).sum())

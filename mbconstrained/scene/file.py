@@ -194,7 +194,7 @@ class FileKind(NamedTuple):
 
 
 SCENE = FileKind(
-    "a scene has at least [model] and [time]", "which is no scene; keep large matrices in files (.npz, .mat, .mtx, .csv) next to it"
+    "a scene has at least [model]", "which is no scene; keep large matrices in files (.npz, .mat, .mtx, .csv) next to it"
 )
 
 

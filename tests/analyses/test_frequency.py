@@ -142,7 +142,7 @@ def test_structural_damping_by_spring_is_that_of_the_formula(tmp_path):
         ({"points": 10}, 'points needs spacing = "linear" or "log"'),
         ({"qantity": "mobility"}, 'frequency: unknown key "qantity"; did you mean "quantity"?'),
         ({"loss_factor": {"mout": 0.1}}, "there is no spring 'mout'; did you mean \"mount\"?"),
-        ({"quantity": "transmissibility", "inputs": ["machine"]}, 'the input "machine" is a force; expected constraint rows'),
+        ({"quantity": "transmissibility", "inputs": ["machine"]}, 'the input "machine" is a force; expected supports'),
     ],
 )  # fmt: skip
 def test_wrong_entries_name_their_place(tmp_path, options, words):
@@ -164,6 +164,15 @@ def test_motion_relative_to_a_support_is_absolute_motion_less_that_of_the_suppor
     assert np.allclose(relative.response.values, absolute.response.values - 1, rtol=1e-13)
 
 
+def test_the_name_of_a_support_is_its_motion(tmp_path):
+    of_row, of_support = (
+        frequency_of(tmp_path, ISOLATED, inputs=[name], frequencies=[1, 45]) for name in ("motion of floor", "floor")
+    )
+    assert (of_support.response.values == of_row.response.values).all() and of_support.response.inputs == ("floor",)
+    assert np.allclose(of_support.response.values[0, 0], transmissibility([1, 45]), rtol=1e-13)
+
+
 def test_an_input_that_reaches_nothing_is_reported(tmp_path):
-    own = frequency_of(tmp_path, ISOLATED, inputs=["floor"], frequencies=[1, 2])
-    assert any('the input "floor" reaches none of the outputs' in notice.text for notice in own.notices)
+    scene = ISOLATED.replace('name = "machine", mass = 2 }', 'name = "machine", mass = 2 }, { name = "other", mass = 1 }')
+    own = frequency_of(tmp_path, scene, inputs=["other"], outputs=["machine"], frequencies=[1, 2])
+    assert any('the input "other" reaches none of the outputs' in notice.text for notice in own.notices)

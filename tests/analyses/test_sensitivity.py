@@ -41,6 +41,24 @@ def test_parameters_and_elements_sorted():
     assert largest == sorted(largest, reverse=True)
 
 
+def test_tornado_plots_show_the_changes_by_one_per_cent():
+    """Against modes with a parameter that is 0.5 % larger and smaller: central differences, of second order."""
+    path = EXAMPLES / "tuned_mass_damper.toml"
+    scene = mb.read_scene(path)
+    frequency, damping = scene.sensitivity().plots()
+    for name in ("tuning", "zeta", "ratio"):
+        value = scene.parameters.values[name]
+        low, high = (mb.read_scene(path, {name: float(value) * share}).equations.system.modes() for share in (0.995, 1.005))
+        changes = (
+            100 * (high.natural_frequencies - low.natural_frequencies) / low.natural_frequencies,
+            high.damping_ratios - low.damping_ratios,
+        )
+        for plot, expected in zip((frequency, damping), changes):
+            row = len(plot.marks[-1].texts) - plot.marks[-1].texts.index(name)
+            shown = [float(x) for marks in plot.marks[:2] for x, y in marks.points if y == row]
+            assert shown == pytest.approx(expected, rel=2e-2, abs=1e-5)
+
+
 def test_the_tables_are_on_the_page_and_long_ones_are_folded(tmp_path):
     page = page_html(ModalAnalysis.solve(scene_of(tmp_path, chain(2))).page())
     (section,) = re.findall(r"<section>\s*<h2>Sensitivities to elements</h2>.*?</section>", page, re.DOTALL)

@@ -14,6 +14,7 @@ import mbconstrained as mb
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "mbconstrained" / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
+GUIDES = [page for room in ("tutorials", "howto") for page in sorted((DOCS / room).glob("*.md")) if page.stem != "index"]
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 LANGUAGES = {"python", "sh", "toml", "text", "console"}
 
@@ -103,6 +104,48 @@ def test_links_between_pages_and_to_files_lead_somewhere():
     assert not missing
 
 
+def headings(page: Path) -> set[str]:
+    """Anchors of the headings of a page, as GitHub makes them."""
+    titles = re.findall(r"^#+ (.+)$", re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.M | re.S), re.M)
+    return {re.sub(r"[^\w -]", "", title).lower().replace(" ", "-") for title in titles}
+
+
+def test_links_to_headings_lead_to_one():
+    missing = [
+        f"{page.name}: {target}#{anchor}"
+        for page in [*PAGES, ROOT / "README.md"]
+        for target, anchor in re.findall(r"\]\(([^)#:\s]*\.md)#([^)\s]+)\)", page.read_text(encoding="utf-8"))
+        if anchor not in headings(page.parent / target)
+    ]
+    assert not missing
+
+
+#: Words of systems theory that a mechanical engineer may not know, and their places in the glossary.
+THEORY = {
+    "eigenvalue": "eigenvalue",
+    "transfer function": "transfer-function",
+    "state space": "state-space",
+    "descriptor (?:system|form)": "descriptor-system",
+    "pole": "pole",
+    "residue": "residue",
+    "Jordan pair": "jordan-pair",
+    "Dirac": "dirac-impulse",
+    "polynomial matri": "polynomial-matrix",
+    "Bohl function": "bohl-function",
+    "Laurent": "laurent-coefficient",
+    "staircase": "staircase",
+    "saltation": "saltation-matrix",
+}
+
+
+@pytest.mark.parametrize("page", [*GUIDES, ROOT / "README.md"], ids=lambda page: page.name)
+def test_words_of_systems_theory_are_linked_to_the_glossary(page):
+    text = page.read_text(encoding="utf-8")
+    prose = re.sub(r"^```.*?^```$|`[^`\n]*`|^#.*?$|^!.*?$|\([^()\s]*\)", "", text, flags=re.M | re.S)
+    named = {anchor for word, anchor in THEORY.items() if re.search(rf"\b{word}", prose)}
+    assert named - set(re.findall(r"glossary\.md#([\w-]+)\)", text)) == set()
+
+
 def test_every_page_is_in_a_table_of_contents():
     listed = {
         (page.parent / f"{name}.md").resolve()
@@ -112,6 +155,14 @@ def test_every_page_is_in_a_table_of_contents():
         if name and not name.startswith(":")
     }
     assert {page.resolve() for page in PAGES} - listed == {(DOCS / "index.md").resolve()}
+
+
+def test_index_pages_link_each_page_of_their_table_of_contents():
+    """Readers of the repository do not see the tables of contents of Sphinx."""
+    for page in DOCS.glob("*/index.md"):
+        text = page.read_text(encoding="utf-8")
+        (body,) = re.findall(r"^```{toctree}\n(.*?)^```$", text, flags=re.DOTALL | re.MULTILINE)
+        assert [name for name in body.split() if not name.startswith(":") and f"({name}.md)" not in text] == [], page
 
 
 def test_files_that_the_development_pages_name_exist():

@@ -9,10 +9,10 @@ import matplotlib
 import numpy as np
 import pytest
 
-from mbconstrained.docs.pictures import FOLDER, PAGES, drawn, pictures
+from mbconstrained.docs.pictures import DOCS, FOLDER, PAGES, drawn, pictures
 
 #: Bytes of a picture, and of all.
-LARGEST, ALL = 40_000, 1_200_000
+LARGEST, ALL = 90_000, 1_300_000
 
 #: Difference of two drawings of one curve, pt: a rounding of the last printed digit and what a processor adds to it.
 NEAR = 0.05
@@ -42,6 +42,11 @@ def test_every_picture_is_shown_once_and_small():
     assert set(files) == set(SHOWN), "write them by: python -m mbconstrained.docs.pictures"
     assert max(files.values()) < LARGEST and sum(files.values()) < ALL
     assert len(SHOWN) == sum(len(list(pictures(page))) for page in PAGES), "two pages show one file, which each would write"
+
+
+def test_every_tutorial_and_guide_has_a_picture():
+    guides = [page for room in ("tutorials", "howto") for page in (DOCS / room).glob("*.md") if page.stem != "index"]
+    assert [page.name for page in guides if page not in WITH_PICTURES] == []
 
 
 @pytest.mark.long

@@ -47,8 +47,9 @@ STUDIES = {
     "arm_workspace": (("sweep",),),
     "tuned_mass_damper_optimum": (("sweep", "--samples", "20"), ("optimise", "--minimise", "response peak")),
     "two_masses": (("compare", "examples/two_masses_position.toml"),),
-    "driveline": (("orders",),),
+    "driveline": (("orders",), ("steady",)),
     "spindle": (("orders",),),
+    "washing_machine": (("orders",),),
     "quarter_car": (("locus", "--vary", "damper=500..4000 N*s/m:21"),),
 }
 

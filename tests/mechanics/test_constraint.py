@@ -56,7 +56,9 @@ def test_rows_must_fit_the_system():
 
 def test_none_is_no_constraint_and_a_unit_is_checked():
     assert MechanicalSystem([[1.0]], constraints=None).rows == ()
-    with pytest.raises(InputError, match='unit of the constraint: found .kg.; expected "m", "rad" or "1"'):
+    with pytest.raises(
+        InputError, match='unit of the constraint: found .kg.; expected "m", "rad", "1", or "C", "A", "V" of circuits'
+    ):
         Constraint([1.0], unit="kg")
     with pytest.raises(InputError, match="unit of b: found .kg.; expected"):
         MechanicalSystem(np.eye(2), names=["a", "b"], units=["m", "kg"])

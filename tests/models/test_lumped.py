@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import mbconstrained as mb
 from mbconstrained import InputError
 from mbconstrained.models.elements import Spring
-from mbconstrained.models.lumped import LumpedModel
+from mbconstrained.models.lumped import LumpedModel, element_parameters
 
 
 def cart_and_hook():
@@ -147,6 +147,9 @@ def built(method, *arguments, **named):
         (built("rack", "cart", "shaft", 0.1), 'gear is what turns, here "shaft", and rack what moves, "cart"; they are swapped'),
         (built("rack", "cart", "hook", 0.1), '"cart" moves along the axis .m., but a rack needs a body that turns'),
         (built("gear", "shaft", "wheel", 0.0, 0.1), "start radius: found 0; expected a number greater than zero"),
+        (built("gear", "shaft", "wheel", 0.1), "expected both radii, both numbers of teeth, or the ratio of their speeds"),
+        (built("gear", "shaft", "wheel", 0.1, 0.2, ratio=2.0), "expected both radii, both numbers of teeth, or the ratio"),
+        (built("spring", "ground", "shaft", 3.0), "for bodies that turn there is torsion_spring"),
         (built("gear", "cart", "hook", 0.1, 0.1), '"cart" moves along the axis .m., but a gear needs a body that turns .rad.'),
         (built("lever", "cart", "hook", 1.0, 0.0), "end arm: found 0; expected a length that is not zero"),
         (built("rack", "shaft", "cart", 0.0), "radius: found 0; expected a length that is not zero"),
@@ -358,3 +361,17 @@ def test_what_is_wrong_is_reported_and_nothing_is_added(fields, message):
     model.rigid_bar("b", 1.0, inertia=1.0, points={"p": 1.0})
     with pytest.raises(mb.InputError, match='mass: the name "p" is already in use \\(node\\)'):
         model.mass("p", 1.0)
+
+
+@pytest.mark.parametrize("internal", [False, True])
+def test_a_gear_by_the_ratio_of_its_speeds(internal):
+    """Hand: the motor turns 97 times for each turn of the load, which adds 97^2 of its inertia to that of the load."""
+    model = mb.LumpedModel()
+    model.inertia("motor", 0.1)
+    model.inertia("load", 10.0)
+    gear = model.gear("motor", "load", ratio=97.0, internal=internal)
+    model.torsion_spring("ground", "load", 3.0)
+    assert gear.row == {"motor": 1.0, "load": -97.0 if internal else 97.0}
+    frequency = model.assemble().modes().natural_frequencies[0]
+    assert frequency == pytest.approx(np.sqrt(3.0 / (10.0 + 0.1 * 97.0**2)), rel=1e-12)
+    assert "gear motor-load.ratio" in [parameter.name for parameter in element_parameters(model)]

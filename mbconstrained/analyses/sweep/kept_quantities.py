@@ -158,6 +158,8 @@ def _usual(scene: Scene) -> list[str]:
     texts = ["frequencies"] if _modes(scene) else []
     texts += ["response peaks"] if table.frequency else []
     texts += ["random RMS"] if table.random else []
+    if not table.time.is_given:
+        return texts
     kind = next((kind for kind in output.plots if kind in (*ORDERS, "output")), "displacement")
     names = _Curves(scene).names[kind]
     if kind in ORDERS and output.coordinates:

@@ -12,7 +12,7 @@ import scipy
 
 from ...ground.checks import counted, nearest, optional_package, real_array, real_number, whole_number
 from ...ground.coordinate_units import density_unit
-from ...ground.display import Displayed, TextTable, notice_table, number_text
+from ...ground.display import Pictured, TextTable, notice_table, number_text
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import CLUSTER_SAFETY, EPS, FLOAT64_DIGITS, NOISE_SAFETY, PROVED_ACCURACY, REPORTED_ERROR, TRUST_LIMIT
@@ -311,7 +311,7 @@ ALWAYS_PROVED, MOST_PROVED = 256, 2048
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class RandomResponse(Displayed):
+class RandomResponse(Pictured):
     """Stationary Gaussian outputs of zero mean, with the one-sided spectra G_y = H G_u H^H per Hz.
 
         E[y y^T] = Re integral from 0 to infinity of H(2 pi i f) G_u(f) H(2 pi i f)^H df
@@ -351,7 +351,7 @@ class RandomResponse(Displayed):
             )
             for name, rms, unit, rate in zip(self.outputs, self.rms, self.units, rates)
         ]
-        return TextTable(f"Random {self.quantity}", ("output", "RMS", "zero crossings (Hz)"), tuple(rows))
+        return TextTable(f"Random {self.harmonic.quantity_of()}", ("output", "RMS", "zero crossings (Hz)"), tuple(rows))
 
     @property
     def inputs(self) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 
 from ...ground.checks import counted, nearest, optional_package, real_array, real_number
-from ...ground.display import Displayed
+from ...ground.display import Pictured
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS, STEP_AGREEMENT
@@ -500,7 +500,7 @@ ENDED = 1e3
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class ShockResponseSpectrum(Displayed):
+class ShockResponseSpectrum(Pictured):
     """Peaks of oscillators z'' + 2 zeta w z' + w^2 z = -a(t) on a base with the acceleration a.
 
     Attributes:

@@ -259,10 +259,13 @@ class PeriodMap:
         return not (len(self.source.knots) > 1 or any(map(len, self.source.loads.values())) or self.changes)
 
     def rates_of_force(self, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """All derivatives of the force and the signals at a time, shape (rows, m), those of signals from the first on; and their sizes."""
+        """Derivatives of the force and the signals at a time, shape (rows, m), those of signals from the first on; and their sizes.
+
+        They vanish from an order up to the second on, at all times, where as many as there are states do so after it.
+        """
         source = self.source
         G, w, listed, sizes = self._generator, source.at(time), [], []
-        for _ in range(len(w)):
+        for _ in range(len(w) + 2):
             listed.append(source.coefficients @ w)
             sizes.append(np.abs(source.coefficients).max(axis=1) * np.abs(w).max())
             w = G @ w
@@ -307,7 +310,7 @@ class PeriodMap:
             (before, size), (after, _) = self.rates_of_force(0.0), self.rates_of_force(T)
             if (np.abs(before - after) > np.sqrt(EPS) * size).any():
                 raise InputError(f"period: the force does not repeat after {T:g} s; give a multiple of its period")
-            if self.shifts.of(self.source.at(T) - self.source.at(0.0)) is None:
+            if self.shifts.between(self.source.at(0.0), self.source.at(T)) is None:
                 raise InputError(
                     "period: a prescribed displacement does not repeat, and what it is connected with cannot move on with it"
                 )
@@ -354,10 +357,11 @@ class _Shifts:
         self._matrix, self._solved = A, N @ np.linalg.pinv(A)
         self.free = N @ _null_space(A)
 
-    def of(self, w: np.ndarray) -> np.ndarray | None:
+    def between(self, first: np.ndarray, last: np.ndarray) -> np.ndarray | None:
         """The shift by a change of the states of the force, shape (n,); None where there is none."""
-        moved = self._rows @ w
-        moved[np.abs(moved) <= np.sqrt(EPS) * np.abs(self._rows) @ np.abs(w)] = 0.0
+        moved = self._rows @ (last - first)
+        size = np.abs(self._rows).max(axis=1, initial=0.0) * np.abs([first, last]).max(initial=0.0)
+        moved[np.abs(moved) <= np.sqrt(EPS) * size] = 0.0
         d = self._solved @ moved
         if np.abs(moved).max(initial=0.0) and not self._fits(moved):
             return None
@@ -390,11 +394,11 @@ class Orbit:
             ):
                 self.end_key = _replaced(self.end_key, place, change.target)
         source = map.source
-        shift = map.shifts.of(source.at(offset + period) - source.at(offset)) if map.is_smooth else None
+        shift = map.shifts.between(source.at(offset), source.at(offset + period)) if map.is_smooth else None
         self.moved = np.zeros(2 * n)
         if shift is not None:
             self.moved[:n] = shift
-            drift_rate = map.shifts.of(map._generator @ source.at(offset))
+            drift_rate = map.shifts.between(np.zeros(len(source.at(offset))), map._generator @ source.at(offset))
             if drift_rate is not None:
                 self.rate[:n] -= drift_rate
         difference = self.end - z - self.moved
@@ -493,7 +497,7 @@ def along(map: PeriodMap, sequence: PhaseSequence, time: float, offset: float = 
     y = segment.phase.flow.states(segment.state, time - segment.time)
     key = next(key for key, phase in sequence.phases.items() if phase is segment.phase)
     z = np.concatenate([segment.phase.C @ y, segment.phase.V @ y])
-    shift = map.shifts.of(map.source.at(offset + time) - map.source.at(turned))
+    shift = map.shifts.between(map.source.at(turned), map.source.at(offset + time))
     if shift is not None:
         z[: map.size] -= shift
     return key, z
@@ -502,17 +506,17 @@ def along(map: PeriodMap, sequence: PhaseSequence, time: float, offset: float = 
 # The search.
 
 
-def find_periodic(system, period, guess, force) -> PeriodicMotion:
-    """The periodic motion near a guess, or near the motion after some periods."""
+def find_periodic(system, period, guess, force, begin: np.ndarray | None = None) -> PeriodicMotion:
+    """The periodic motion near a guess, or near the motion after some periods that begins with these values, by default zeros."""
     T = None if period is None else real_number(period, "period", positive=True)
     start = None if guess is None else start_of(system, guess)
     with within_float64():
         map = PeriodMap(system, force, T)
         if map.is_autonomous:
-            return _free(map, T, start).periodic_motion()
+            return _free(map, T, start, begin).periodic_motion()
         map.period = T = map.force_period() if T is None else T
         map.check_force()
-        return forced_orbit(map, start).periodic_motion()
+        return forced_orbit(map, start, begin).periodic_motion()
 
 
 def start_of(system, guess) -> np.ndarray:
@@ -536,9 +540,9 @@ def start_of(system, guess) -> np.ndarray:
     return np.concatenate([values.ravel(), np.zeros(2 * n - values.size)])
 
 
-def forced_orbit(map: PeriodMap, start: np.ndarray | None) -> Orbit:
+def forced_orbit(map: PeriodMap, start: np.ndarray | None, begin: np.ndarray | None = None) -> Orbit:
     """The closed orbit with a given period."""
-    T, z = map.period, np.zeros(2 * map.size) if start is None else start
+    T, z = map.period, _first_of(map, start, begin)
     key = map.system._first_key(z[: map.size], z[map.size :])
     if start is not None:
         try:
@@ -635,10 +639,15 @@ def _shorter_step(orbit: Orbit, step: np.ndarray, sizes: np.ndarray, residual: f
     return None
 
 
-def _free(map: PeriodMap, period: float | None, start: np.ndarray | None) -> Orbit:
+def _first_of(map: PeriodMap, *values: np.ndarray | None) -> np.ndarray:
+    """The first state that is given, or rest at zero."""
+    return next((one for one in values if one is not None), np.zeros(2 * map.size))
+
+
+def _free(map: PeriodMap, period: float | None, start: np.ndarray | None, begin: np.ndarray | None = None) -> Orbit:
     """The closed orbit of a motion without a prescribed period."""
     n = map.size
-    z = np.zeros(2 * n) if start is None else start
+    z = _first_of(map, start, begin)
     key = map.system._first_key(z[:n], z[n:])
     if start is not None and period is not None:
         return _moving(newton(map.orbit(key, z, period), free_period=True))
@@ -675,7 +684,7 @@ def _return_time(map: PeriodMap, sequence: PhaseSequence, z: np.ndarray) -> floa
     times, states, _ = states_over(sequence, count)
     n = map.size
     moved = np.array(
-        [shift if (shift := map.shifts.of(map.source.at(t) - map.source.at(0.0))) is not None else np.zeros(n) for t in times]
+        [shift if (shift := map.shifts.between(map.source.at(0.0), map.source.at(t))) is not None else np.zeros(n) for t in times]
     )
     away = states - z[:, None]
     away[:n] -= moved.T
@@ -696,9 +705,9 @@ def _return_time(map: PeriodMap, sequence: PhaseSequence, z: np.ndarray) -> floa
 
 def _moving(orbit: Orbit) -> Orbit:
     """The orbit, or a NotUnique where it is a state of rest."""
-    if (
-        np.linalg.norm(orbit.rate) <= CLOSED_ORBIT * np.linalg.norm(orbit.sizes[orbit.map.size :])
-        and np.abs(np.ptp(orbit.samples, axis=1)).max() <= CLOSED_ORBIT
-    ):
+    n, ranges = orbit.map.size, np.ptp(orbit.samples, axis=1)
+    is_slow = np.linalg.norm(orbit.rate) <= CLOSED_ORBIT * np.linalg.norm(orbit.sizes[n:]) and ranges.max() <= CLOSED_ORBIT
+    noise = EPS**0.75 * np.abs(orbit.samples[:n]).max()  # about a position of rest, as under a weight
+    if is_slow or ((ranges[:n] <= noise).all() and (ranges[n:] * orbit.period <= noise).all()):
         raise NotUnique("no periodic motion found: the search ended in a state of rest; give a guess of the motion")
     return orbit

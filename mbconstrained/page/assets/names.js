@@ -159,9 +159,10 @@ function isFree(box, occupied) {
   return occupied.every((b) => box.right < b.left || box.left > b.right || box.bottom < b.top || box.top > b.bottom);
 }
 
-// Whether a line comes nearer to a box than a distance, in pixels.
+// Whether a line comes nearer to a box than a distance, in pixels; its ends, as long as that, do not count.
 function crosses(box, [[x0, y0], [x1, y1]], near) {
-  let [first, last] = [0, 1]; // the part of the line that is within the sides so far
+  const end = near / Math.hypot(x1 - x0, y1 - y0);
+  let [first, last] = [end, 1 - end]; // the part of the line that is within the sides so far
   for (const [start, end, low, high] of [[x0, x1, box.left - near, box.right + near], [y0, y1, box.top - near, box.bottom + near]]) {
     if (start === end && (start < low || start > high)) return false;
     if (start === end) continue;

@@ -46,7 +46,7 @@ class Panels {
     this.edges = new Float64Array(this.count + 1);
     this.edges.set([packed.start]);
     if (packed.edges !== undefined) this.edges.set(unpack(packed.edges, Float64Array), 1);
-    else unpack(packed.counts, Uint16Array).reduce((sum, gap, i) => (this.edges[i + 1] = packed.start + packed.unit * (sum + gap), sum + gap), 0);
+    else unpack(packed.counts, Uint16Array).reduce((sum, gap, i) => (this.edges[i + 1] = Math.min(packed.end, packed.start + packed.unit * (sum + gap)), sum + gap), 0);
     this.edges[this.count] = packed.end;
     this.exponents = unpack(packed.exponents, Uint8Array);
     this.base = packed.base;

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...ground.checks import counted, real_number
-from ...ground.display import Displayed
+from ...ground.display import Pictured
 from ...ground.errors import InputError, named, shown
 from ...ground.notices import Notice, NoticeKind
 from ...ground.quantities import (
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Record(Displayed):
+class Record(Pictured):
     """Record over time, in SI.
 
     Attributes:

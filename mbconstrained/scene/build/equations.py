@@ -17,7 +17,7 @@ from ...linalg.scaling import equilibration
 from ...mechanics.channels import channels
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..file import SceneFolder, SceneName, at
-from ..quantities.coordinates import DERIVATIVES, FORCE_UNITS, Coordinates, constraint_row, initial_values
+from ..quantities.coordinates import DERIVATIVES, Coordinates, constraint_row, initial_values
 from .data_files import entries_of
 from .ends import shaped, shaped_inputs, with_end
 from .forces import NONE_SHAPED, Shapers, force_of, load_patterns, loads_of, prescribed_motions, shapers_of, unbalance_loads
@@ -186,7 +186,7 @@ def _system_of(model, matrices, owners: Mapping[str, Any], coordinates: Coordina
 
 def _check_kinds(owner, coordinates: Coordinates, file_name: str, where: str) -> None:
     """Check that entries with units are masses in a mass matrix and so on, between coordinates in m and rad."""
-    known = [i for i, unit in enumerate(coordinates.units) if unit in FORCE_UNITS]
+    known = [i for i, unit in enumerate(coordinates.units) if unit in ("m", "rad")]
     for key, units in ENTRY_UNITS.items():
         entries = getattr(owner, key, None)
         if not isinstance(entries, np.ndarray) or len(entries) != len(coordinates.names):

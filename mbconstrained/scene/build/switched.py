@@ -114,9 +114,9 @@ class Switching:
 
 def switching_of(table, machine: SwitchedSystem, initial: np.ndarray, force, file_name: str) -> Switching:
     """The switched system of a scene, its start checked, and the phase that the model names for linear analyses."""
-    end, penetration = table.time.end, table.initial.penetration
+    end, penetration = table.time.end if table.time.is_given else np.inf, table.initial.penetration
     with at(file_name, "initial"):
-        begin = machine.solve(*initial, force, end=EPS * end, penetration=penetration)
+        begin = machine.solve(*initial, force, end=EPS * (end if np.isfinite(end) else 1.0), penetration=penetration)
     with at(file_name, "model.linear_phase"):
         phase = _named_phase(machine, begin.solution.sequence.key, table.model.linear_phase)
     return Switching(machine, end, penetration, begin, phase)

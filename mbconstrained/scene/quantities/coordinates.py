@@ -16,7 +16,7 @@ from ...models.elements import row_in_si
 from ..file import EntryError, at
 from .output_units import OutputUnits
 
-FORCE_UNITS = {"m": "N", "rad": "N*m"}
+FORCE_UNITS = {"m": "N", "rad": "N*m", "C": "V", "A": "V", "V": "A"}
 
 
 def with_time(unit: str, power: int) -> str:

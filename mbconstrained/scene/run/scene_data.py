@@ -93,7 +93,7 @@ class SceneData(Displayed):
             *self.parameters.notices,
             *_late_loads(self.table),
             *(never_notices(self.equations.switching) if self.equations.switching else ()),
-            *(notice for end in self.equations.ends for notice in (*_late_end(end, self.table.time.end), *end.notices)),
+            *(notice for end in self.equations.ends for notice in (*_late_end(end, self.table.time), *end.notices)),
             *(self.equations.solvability.notices if self.equations.solvability else ()),
             *_assumed_lengths(self.table.model),
             *_matrix_notices(self.table, self.equations.system),
@@ -160,15 +160,16 @@ def _late_loads(table) -> Iterator[Notice]:
         first = getattr(load, "start", 0.0) if load.kind == "pulse" else 0.0
         times = getattr(load, "times", None)
         begin = load.later + (times[0] if times else first)
-        if begin > table.time.end:
+        if table.time.is_given and begin > table.time.end:
             text = f"it begins at {begin:g} s, after the last time, {table.time.end:g} s, and has no effect before"
             yield Notice(NoticeKind.OMITTED, f'force[{number}] on "{load.title}": {text}')
 
 
-def _late_end(end: End, last: float) -> Iterator[Notice]:
+def _late_end(end: End, time) -> Iterator[Notice]:
     """A notice where the times do not reach the end."""
-    if end.duration > last:
-        yield Notice(NoticeKind.OMITTED, f"{end.key}: T is {end.duration:g} s, after the last time, {last:g} s, and is not shown")
+    if time.is_given and end.duration > time.end:
+        text = f"{end.key}: T is {end.duration:g} s, after the last time, {time.end:g} s, and is not shown"
+        yield Notice(NoticeKind.OMITTED, text)
 
 
 #: Elements that a notice lists.

@@ -467,6 +467,23 @@ class OrdersTable(Table):
         return self
 
 
+class SteadyTable(Table):
+    """The cycle that remains after all free motion has decayed."""
+
+    period: Time | None = Field(
+        None, gt=0, description="Of records, which repeat with it, or of a motion that switches, where nothing tells it; left out: that of "
+        "the harmonic loads."
+    )  # fmt: skip
+    harmonics: int = Field(50, ge=1, le=2000, description="Number of harmonics of a record whose amplitudes are listed.")
+    outputs: list[Text] | None = Field(
+        None, description=f"Coordinates, springs and dampers (their forces), constraint rows (their reactions), {NAMES}; left out: all "
+        "coordinates, and the [[output.quantity]] tables."
+    )  # fmt: skip
+    quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force"] = Field(
+        "displacement", description="Quantity of outputs that are named alone; force: of springs and dampers."
+    )
+
+
 class PathTable(Table):
     """Straight lines from corner to corner."""
 

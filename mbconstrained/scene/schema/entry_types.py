@@ -36,7 +36,7 @@ MEANT = {  # what people write: what a scene calls it
     "position": "displacement", "speed": "velocity", "start": "initial", "duration": "end", "stop": "end", "steps": "points",
     "step": "points", "type": "kind", "body": "coordinate", "amplitude": "value", "ends": "between", "bodies": "between",
     "friction": "dry_friction", "unilateral": "contact", "gap": "contact", "bumper": "contact", "rope": "cable", "play": "backlash",
-    "k": "stiffness", "c": "damping", "m": "mass", "weight": "mass", "length": "rest_length", "options": "output", "on": "coordinate", "node": "coordinate",
+    "k": "stiffness", "c": "damping", "m": "mass", "weight": "mass", "length": "rest_length", "options": "output", "on": "coordinate", "node": "coordinate", "coordinate": "on",
 }  # fmt: skip
 
 
@@ -46,6 +46,8 @@ class UnknownKey(EntryError):
     def __init__(self, key: str, known: Iterable[str], hint: str = ""):
         known = list(known)
         hint = hint or (f'; did you mean "{MEANT[key]}"?' if MEANT.get(key) in known else nearest(key, known))
+        if not hint and {"parameters", "samples"} <= {*known}:  # [vary]
+            hint = "; what varies stands by its name in parameters, below [vary.parameters]"
         if key in ABOVE:
             hint = f"; {key} = … stands at the top of the file, above the first [table]"
         super().__init__(f"unknown key {shown(key)}{hint}; known here are {', '.join(known)}", key)
@@ -329,8 +331,9 @@ MOST_EXPLAINED = 100
 
 MISSING = {
     "model": 'this table is missing: write [model], and below it kind = "lumped", "matrices", …',
-    "time": 'this table is missing: write [time], and below it end = "10 s"',
 }
+
+MISSING_TIME = 'time: this table is missing, and a motion needs it: write [time], and below it end = "10 s"'
 
 
 def validated(data: dict, file_name: str, schema: type[BaseModel]):

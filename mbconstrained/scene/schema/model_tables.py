@@ -103,7 +103,7 @@ class StateSpaceTable(Table):
         return self
 
 
-CoordinateUnit = Literal["m", "rad", "N", "N*m", "1"]
+CoordinateUnit = Literal["m", "rad", "N", "N*m", "C", "A", "V", "1"]
 
 
 class MatrixFile(Table):
@@ -193,7 +193,9 @@ class MatricesTable(DampedTable):
     kind: Literal["matrices"] = Field(description='"matrices": the equations themselves.')
     coordinates: list[Name] | None = Field(None, description="The names of the coordinates; x1, x2, … when left out.")
     units: dict[Name, CoordinateUnit] = Field(
-        {}, description='Coordinates that are not in m, e.g. { theta = "rad", lambda = "N" }.'
+        {},
+        description='Coordinates that are not in m, e.g. { theta = "rad", lambda = "N", charge = "C" }. Loads on a charge (C) or a current '
+        "(A) are voltages, those on a voltage (V) currents.",
     )
     mass: Matrix = Field(None, description="M, in kg (kg m² for angles); may be singular.")
     damping: Matrix = Field(None, description="C, in N s/m.")

@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator
 from functools import partial
 from importlib import import_module
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, cast
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field, SkipValidation, WithJsonSchema, field_validator, model_validator
@@ -21,6 +21,7 @@ from ..file import EntryError
 from ..quantities.coordinates import DERIVATIVES
 from ..quantities.output_units import QUANTITIES, OutputUnits, output_units
 from .entry_types import (
+    MISSING_TIME,
     NUMBER_SCHEMA,
     SIGNALS,
     Angle,
@@ -248,6 +249,17 @@ class TimeTable(Table):
     )
     hold: Literal[0, 1] = Field(1, description="In discrete time, forces between samples: 0 constant, 1 linear.")
 
+    def __getattr__(self, name: str):
+        """Without a table, what needs the last time is told so."""
+        if name == "end":
+            raise InputError(MISSING_TIME)
+        return super().__getattr__(name)
+
+    @property
+    def is_given(self) -> bool:
+        """Whether the scene has the table: modes and frequency responses need none."""
+        return "end" in vars(self)
+
     @model_validator(mode="after")
     def _forwards(self):
         if not self.end > 0:
@@ -456,6 +468,7 @@ Boundary = Annotated[Any, _late("BoundaryTable", ".force_tables")]
 LeastEnergy = Annotated[Any, _late("LeastEnergyTable", ".force_tables")]
 Campbell = Annotated[Any, _late("CampbellTable")]
 Orders = Annotated[Any, _late("OrdersTable")]
+Steady = Annotated[Any, _late("SteadyTable")]
 RobotPath = Annotated[Any, _late("PathTable")]
 
 
@@ -477,7 +490,10 @@ class SceneFile(Table):
     least_energy: LeastEnergy | None = Field(
         None, description="The input of least energy from [initial] to another state; left out: none."
     )
-    time: TimeTable = Field(description="Times of the answer.")
+    time: TimeTable = Field(
+        cast("Any", TimeTable).model_construct(),
+        description="Times of the answer; a motion needs them, modes and frequency responses do not.",
+    )
     frequency: Frequency | None = Field(None, description="The frequency response that is computed, too; left out: none.")
     random: Random | None = Field(None, description="Random vibration, by the command random; left out: none.")
     shock: Shock | None = Field(None, description="Peaks under a shock, by the command shock; left out: the defaults.")
@@ -487,6 +503,7 @@ class SceneFile(Table):
     orders: Orders | None = Field(
         None, description="Excitations by orders of a speed, for the commands orders and campbell; left out: none."
     )
+    steady: Steady | None = Field(None, description="Period and outputs of the command steady; left out: the defaults.")
     path: RobotPath | None = Field(None, description="Path of a point of a robot, along which the command path computes its modes.")
     output: OutputTable = Field(OutputTable.model_construct(), description="Files to write, and contents of the page.")
     drawing: DrawingTable | None = Field(None, description="Drawing of the model; automatic by default.")
@@ -516,7 +533,7 @@ class SceneFile(Table):
 
     @model_validator(mode="after")
     def _still_in_time(self):
-        if self.output.still is not None and not self.time.start <= self.output.still <= self.time.end:
+        if self.output.still is not None and self.time.is_given and not self.time.start <= self.output.still <= self.time.end:
             still, end = f"{self.output.still:g} s", f"{self.time.end:g} s"
             raise InputError(f"output.still is {still}; expected a time from {self.time.start:g} to time.end, which is {end}")
         return self

@@ -10,7 +10,7 @@ import scipy
 from scipy.integrate import solve_ivp
 
 import mbconstrained as mb
-from mbconstrained.mechanics.switched.periodic import PeriodMap
+from mbconstrained.mechanics.switched.periodic import PeriodMap, find_periodic
 
 
 def oscillator(c=0.1, **stop):
@@ -507,3 +507,21 @@ def test_random_chains(kind, seed):
     x = system.periodic(force=load)
     assert x.residual < 1e-10
     assert_multipliers(x, system, load, 1e-4 * max(1.0, np.abs(x.multipliers).max()))
+
+
+def test_a_support_that_moves_as_a_sine_is_a_force():
+    """At t = 0 a sine and its second derivative vanish as those of a ramp do; its period is that of the motion all the same."""
+    model = mb.LumpedModel()
+    model.mass("cart", 1.0), model.node("support"), model.spring("support", "cart", stiffness=1.0)
+    model.damper("ground", "cart", damping=0.1), model.contact("ground", "cart", gap=0.5, stiffness=4.0)
+    model.prescribe("support", mb.harmonic([1.0], angular_frequency=1.5, phase=-np.pi / 2))
+    assert model.assemble().periodic().period == pytest.approx(2 * np.pi / 1.5, rel=1e-15)
+
+
+def test_rest_under_a_weight_is_no_periodic_motion():
+    model = mb.LumpedModel()
+    model.gravity(-9.81)
+    model.mass("body", 8.0), model.mass("foot", 1.0), model.spring("foot", "body", stiffness=4000.0)
+    model.damper("foot", "body", damping=10.0), model.contact("ground", "foot")
+    with pytest.raises(mb.NotUnique, match="state of rest"):
+        find_periodic(model.assemble(), None, None, None, begin=np.array([0.3, 0.3, 0.0, 0.0]))

@@ -5,6 +5,7 @@ import pytest
 
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.scene.run.scene import read_scene
+from tests.scene.scenes import scene_of
 
 CAR = """
 [parameters]
@@ -99,3 +100,72 @@ def test_a_unit_of_another_kind_is_refused(tmp_path, change, message):
 def test_teeth_are_whole_numbers(tmp_path, count):
     with pytest.raises(SceneError, match=rf'teeth\[1\]: found "=z1", which is {count}; expected a whole number of teeth'):
         system(tmp_path, GEARS, "z1 = 20", f"z1 = {count}")
+
+
+LOUDSPEAKER = """
+[parameters]
+Bl = "7 N/A"
+[model]
+kind = "matrices"
+coordinates = ["cone", "charge"]
+units = { charge = "C" }
+mass = [["15 g", 0], [0, "0.5 mH"]]
+damping = [["1.2 N*s/m", "=-Bl"], ["=Bl", "6 ohm"]]
+stiffness = [["2000 N/m", 0], [0, 0]]
+[[force]]
+coordinate = "charge"
+kind = "harmonic"
+value = "3 V"
+frequency = "50 Hz"
+[time]
+end = "0.1 s"
+[frequency]
+inputs = ["charge"]
+"""
+
+
+def test_a_circuit_has_electrical_units(tmp_path):
+    """Loudspeaker: m x'' + d x' + k x = Bl i, L i' + R i + Bl x' = u (Beranek, Acoustics, 1954); x/u = Bl / ((R + L s)(m s^2 + d s + k) + Bl^2 s)."""
+    scene = scene_of(tmp_path, LOUDSPEAKER)
+    f = np.array([20.0, 200.0])
+    response = scene.system.frequency_response(frequencies_hz=f, inputs=["charge"])
+    s = 2j * np.pi * f
+    expected = 7 / ((6 + 0.5e-3 * s) * (0.015 * s**2 + 1.2 * s + 2000) + 49 * s)
+    assert response.values[0, 0] == pytest.approx(expected, rel=1e-12)
+    assert [row[0] for row in response.units] == ["m/V", "C/V"]
+    assert scene.run(None).curves("force").units == ("V",)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (('"3 V"', '"3 N"'), 'found "3 N", a force; expected a quantity in V'),
+        (("units = { charge", "units = { cone = 'm'}\n#"), "the coordinates of matrices have their unit in units below [model]"),
+        (('charge = "C"', 'charge = "H"'), "expected"),
+    ],
+)
+def test_units_of_circuits_are_checked(tmp_path, change, says):
+    with pytest.raises(SceneError) as problem:
+        scene_of(tmp_path, LOUDSPEAKER.replace(*change))
+    assert says in str(problem.value)
+
+
+@pytest.mark.parametrize(("unit", "force"), [("A", "V"), ("V", "A")])
+def test_a_current_takes_voltages_and_a_node_currents(tmp_path, unit, force):
+    """L i' + R i = u with L = 0.5 H, R = 2 ohm, and C u' + u / R = i: time constants of 0.25 s."""
+    text = f"""
+[model]
+kind = "matrices"
+coordinates = ["y"]
+units = {{ y = "{unit}" }}
+coefficients = [[[2]], [[0.5]]]
+[[force]]
+coordinate = "y"
+kind = "step"
+value = "6 {force}"
+[time]
+end = "1 s"
+"""
+    result = scene_of(tmp_path, text).run(None)
+    assert result.motion(0.25)[0] == pytest.approx(3 * (1 - np.exp(-1)), rel=1e-12)
+    assert f"y ({unit})" in result.summary()

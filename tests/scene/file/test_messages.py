@@ -76,9 +76,27 @@ CASES = [  # base, what is replaced, by what, message
     ),
     ("matrices", "points = 5", '[output]\ncoordinates = ["a", "b", "a"]', r'output\.coordinates: "a" is named twice'),
     ("lumped", "[model]", "[models]", r'the file: unknown key "models"; did you mean "model"\?'),
+    (
+        "lumped",
+        "[time]",
+        '[vary]\nk = "1..3 N/m"\n[time]',
+        r"vary: unknown key \"k\"; what varies stands by its name in parameters, below \[vary.parameters\]",
+    ),
     ("lumped", "[model]\n", "[[model]]\n", r"model: there is one model only: write it with single brackets, \[model\]"),
     ("lumped", "[time]", "[[time]]", r"time: there is one table of this kind only: write it with single brackets"),
-    ("lumped", '[time]\nend = "5 s"\npoints = 11', "", r'time: this table is missing: write \[time\], and below it end = "10 s"'),
+    (
+        "lumped",
+        "points = 11",
+        '[[force]]\non = "cart"\nkind = "step"\nvalue = 1',
+        r'force\[1\]: unknown key "on"; did you mean "coordinate"\?',
+    ),
+    (
+        "lumped",
+        "points = 11",
+        '[[force]]\ncoordinate = "cart"\nkind = "harmonic"\namplitude = 1',
+        r'force\[1\]: unknown key "amplitude"; did you mean "value"\?',
+    ),
+    ("lumped", 'end = "5 s"\n', "", r"time\.end: this key is missing"),
     (
         "matrices",
         '[model]\nkind = "matrices"\ncoordinates = ["a", "b"]\nmass = [[1, 0], [0, 1]]\nstiffness = [[1, 0], [0, 4]]',
@@ -197,7 +215,12 @@ CASES = [  # base, what is replaced, by what, message
         '[[model.gear]]\nbetween = ["wheel", "ground"]\nteeth = [20, -30]\n[time]',
         r"model\.gear\[1\].teeth\[2\]: found -30; expected a whole number of teeth",
     ),
-    ("turning", "[time]", '[[model.gear]]\nbetween = ["wheel", "ground"]\n[time]', r"model\.gear\[1\]: give either radii"),
+    (
+        "turning",
+        "[time]",
+        '[[model.gear]]\nbetween = ["wheel", "ground"]\n[time]',
+        r"model\.gear\[1\]: .*expected both radii, both numbers of teeth, or the ratio",
+    ),
     (
         "turning",
         "[time]",

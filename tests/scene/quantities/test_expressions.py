@@ -116,7 +116,7 @@ def test_a_parameter_may_have_any_name(name):
         ("k; m", 'with ";" in it'),
         ("k\n#", 'with "#" in it'),
         ("1__000", "which cannot be read"),
-        ("1j", 'with "1j" in it'),
+        ("1j", 'there is no unit "j"'),
         ("²", 'with "²" in it'),
         ("k+" * 200 + "k", "found an expression of 401 characters"),
     ],

@@ -132,6 +132,19 @@ def test_numbers_in_expressions_have_the_kind_of_their_unit(tmp_path):
     assert scene.run().motion.displacement(0.0)[0] == pytest.approx(0.1, rel=1e-15)
 
 
+def test_a_speed_becomes_a_frequency_by_its_turns(tmp_path):
+    """1200 rpm are 20 turns a second."""
+    force = '[[force]]\ncoordinate = "cart"\nkind = "harmonic"\nvalue = "1 N"\n'
+    text = WITH.replace("[parameters]", '[parameters]\nn = "1200 rpm"')
+    frequencies = [
+        scene_of(tmp_path, text + force + f'frequency = "{value}"').table.force[0].frequency for value in ("1200 rpm", "=n/(1 rev)")
+    ]
+    assert frequencies == pytest.approx([20.0, 20.0], rel=1e-15)
+    assert 'a cycle is a turn of 2 pi: write "=n/(1 rev)"' in problem_of(tmp_path, text + force + 'frequency = "=n"')
+    text = text.replace('"1200 rpm"', '"20 Hz"') + force
+    assert 'write "=(2*n)*(1 rev)"' in problem_of(tmp_path, text + 'angular_frequency = "=2*n"')
+
+
 @pytest.mark.parametrize(
     ("change", "says"),
     [

@@ -96,7 +96,7 @@ def test_every_command_tells_what_was_set(command, tmp_path):
     for arguments in (["check"], ["plan"], ["modes"], ["formula"], ["run"]):
         code, out, err = command(*arguments, "scene.toml", "--set", "k=2 N/mm", "--set", "time.end = 4")
         assert (code, err) == (0, "") and words in out and "time.end = 4" in out, arguments
-    assert words in (tmp_path / "results" / "scene" / "scene.html").read_text(encoding="utf-8")
+    assert words in (tmp_path / "results" / "scene" / "scene.k=2_N_mm,time.end=4.html").read_text(encoding="utf-8")
     assert "k=3.0" in command("formula", "scene.toml", "--as", "python", "--set", "k=3")[1]
     code, out, _ = command("run", "scene.toml", "--json", "--set", "k=32")
     data = json.loads(out)

@@ -24,6 +24,10 @@ CONVERSIONS = [
     ("30 deg", "rad", math.pi / 6),
     ("30°", "rad", math.pi / 6),
     ("300 rpm", "rad/s", 10 * math.pi),
+    ("300 rpm", "Hz", 5.0),  # a turn is a cycle
+    ("3 rev/s", "Hz", 3.0),
+    ("120 turns/minute", "Hz", 2.0),
+    ("1_200 rpm", "Hz", 20.0),
     ("2 Hz", "Hz", 2.0),
     ("4 N s/m", "N*s/m", 4.0),
     ("4 N·s/m", "N*s/m", 4.0),
@@ -65,7 +69,9 @@ def test_number_is_taken_in_si(value):
     [
         ("10 N/mm", "kg", r'found "10 N/mm", a stiffness; expected a mass, e.g. "10 kg", or a number in kg'),
         ("3 Hz", "rad/s", r'an angular frequency is 2 pi times the frequency: write "18.8496 rad/s", or frequency = "3 Hz"$'),
-        ("300 rpm", "Hz", r'divided by 2 pi: write "5 Hz", or angular_frequency = "300 rpm"$'),
+        ("3 rad/s", "Hz", r'divided by 2 pi: write "0.477465 Hz", or angular_frequency = "3 rad/s"$'),
+        ("3 rev/s^2", "Hz", r"expected a frequency"),
+        ("3 deg/s", "Hz", r"divided by 2 pi"),
         ("0.3 kg", "m/s^2", r'found "0.3 kg", a mass; .*write "0.3 gn"'),
         ("3 kg", "N", r"found .3 kg., a mass; .*the weight of a mass is given in N, lbf or kgf"),
         ("5 Nms", "N*m", r'found "5 Nms", but "Nms" may be read as N\*ms or N\*m\*s; write one of them; expected a torque'),
@@ -122,7 +128,8 @@ def test_message_says_what_was_found_and_what_was_expected(value, unit, message)
         "5 \x1b[31mkg",
         "5 kg\n6 kg",
         "٣ kg",
-        "1_000 kg",
+        "1__000 kg",
+        "_1 kg",
         "0x10 kg",
     ],
 )

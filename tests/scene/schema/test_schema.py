@@ -2,9 +2,11 @@
 
 import contextlib
 import json
+import re
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 from pydantic import ValidationError
@@ -15,7 +17,7 @@ from mbconstrained.ground.errors import InputError, SceneError
 from mbconstrained.scene.run.scene import read_scene
 from mbconstrained.scene.schema.entry_types import KINDS_OF_ENTRIES, Table
 from mbconstrained.scene.schema.scene_schema import SceneFile, robot_schema, scene_schema
-from tests.scene.scenes import EXAMPLES, OSCILLATOR
+from tests.scene.scenes import EXAMPLES, OSCILLATOR, scene_of
 
 SCHEMA = SceneFile.model_json_schema()
 TEMPLATES = Path(new.__file__).parent / "templates"
@@ -167,3 +169,20 @@ def tables_below(table):
     for one in table.__subclasses__():
         yield one
         yield from tables_below(one)
+
+
+def test_times_are_needed_by_a_motion_alone(tmp_path, command):
+    """Modes: sqrt(8 / 2) / (2 pi) Hz; sweep and frequency response have no motion either; a model that switches is linear in its phase."""
+    scene = scene_of(tmp_path, OSCILLATOR.partition("[time]")[0])
+    assert scene.modes().data["modes"][0]["frequency_hz"] == pytest.approx(1 / np.pi, rel=1e-12)
+    assert scene.frequency(from_="0.1 Hz", to="1 Hz").is_trusted
+    result = scene.sweep({"model.spring[1].stiffness": ["8 N/m", "32 N/m"]}).run()
+    assert result.values("frequency 1") == pytest.approx([1 / np.pi, 2 / np.pi], rel=1e-12)
+    for command_name in ("run", "plan", "shock"):
+        code, _, error = command(command_name, scene.path)
+        assert code == 1 and 'time: this table is missing, and a motion needs it: write [time], and below it end = "10 s"' in error
+    code, out, _ = command("check", scene.path)
+    assert code == 0 and "without [time], which a run needs" in " ".join(out.split())
+    hopper = (EXAMPLES / "dropped_crate.toml").read_text(encoding="utf-8")
+    tables = [text for text in re.split(r"\n(?=\[)", hopper) if not text.startswith("[time]")]
+    assert scene_of(tmp_path, "\n".join(tables)).modes().is_trusted

@@ -1,0 +1,53 @@
+"""The excitation stands in the plot of the answer: random spectra with the outputs, a shock with the accelerations that answer it."""
+
+import numpy as np
+import pytest
+
+import mbconstrained as mb
+from tests.scene.scenes import EXAMPLES
+
+
+def test_a_response_over_its_input_is_the_squared_transmissibility():
+    """Of one mass on a spring and a damper, in closed form; the input has the corners of the scene, with straight lines between their logarithms."""
+    plot = next(iter(mb.read_scene(EXAMPLES / "electronics_box.toml").random().plots()))
+    box, shaker = plot.curves
+    assert (box.name, shaker.name) == ("box", "input: shaker") and shaker.drawn.all()
+    r = plot.times / 30.0
+    squared = (1 + (0.1 * r) ** 2) / ((1 - r**2) ** 2 + (0.1 * r) ** 2)
+    assert box.values / shaker.values == pytest.approx(squared, rel=1e-9)
+    corners, values = np.log([20.0, 80.0, 350.0, 2000.0]), np.log([0.01, 0.04, 0.04, 0.007])
+    assert shaker.values / 9.80665**2 == pytest.approx(np.exp(np.interp(np.log(plot.times), corners, values)), rel=1e-9)
+
+
+def test_a_road_stands_with_an_acceleration_as_its_second_derivative():
+    """ISO 8608, class C: 256e-6 m^3 at 0.1 cycles/m, falling with the square of the wave number; n = f / v."""
+    plot = next(iter(mb.read_scene(EXAMPLES / "car_on_road.toml").random().plots()))
+    front = next(curve for curve in plot.curves if curve.name == "input: front wheels")
+    f, v = plot.times, 20.0
+    inside = front.drawn & (f > 0.011 * v) & (f < 2.83 * v)
+    expected = 256e-6 * (f / v / 0.1) ** -2 / v * (2 * np.pi * f) ** 4
+    assert inside.sum() > 100 and front.values[inside] == pytest.approx(expected[inside], rel=1e-9)
+
+
+def test_an_input_of_another_unit_has_its_own_plot():
+    """The Kanai-Tajimi spectrum at its natural frequency: G0 (1 + 4 z^2) / (4 z^2), under displacements that answer it."""
+    *_, plot = mb.read_scene(EXAMPLES / "building_in_earthquake.toml").random().plots()
+    assert plot.title == "spectrum of the input, acceleration" and "(m/s" in plot.unit
+    (curve,) = plot.curves
+    low, middle = np.interp([plot.times[0], 2.5], plot.times, curve.values)
+    assert middle / low == pytest.approx((1 + 4 * 0.36) / (4 * 0.36), rel=1e-3)
+
+
+def test_a_shock_stands_with_the_accelerations_that_answer_it():
+    """The half sine of 50 g and 11 ms, and the largest acceleration of the instrument as the roots of its closed form have it."""
+    answer = mb.read_scene(EXAMPLES / "half_sine_drop.toml").shock()
+    plot = next(one for one in answer.plots() if one.title == "acceleration")
+    crate, instrument = plot.curves
+    inside = plot.times < 0.011
+    assert (crate.name, instrument.name) == ("crate", "instrument")
+    pulse = 50 * 9.80665 * np.sin(np.pi * plot.times[inside] / 0.011)
+    assert crate.values[inside] == pytest.approx(pulse, abs=1e-3 * 490) and np.abs(crate.values[plot.times > 0.012]).max() < 1e-6
+    peak = next(row for row in answer.data["peaks"] if (row["quantity"], row["of"]) == ("acceleration", "instrument"))
+    assert instrument.values.max() == pytest.approx(peak["maximum"], rel=1e-3)
+    assert plot.times[instrument.values.argmax()] == pytest.approx(peak["maximum_time"], abs=1e-3)
+    assert [one.title for one in answer.plots()].count("acceleration of crate") == 0
