@@ -1,4 +1,4 @@
-"""The excitation stands in the plot of the answer: random spectra with the outputs, a shock with the accelerations that answer it."""
+"""The excitation stands in the plot of the answer: random spectra, shocks, and under a moving support the relative motion."""
 
 import numpy as np
 import pytest
@@ -51,3 +51,29 @@ def test_a_shock_stands_with_the_accelerations_that_answer_it():
     assert instrument.values.max() == pytest.approx(peak["maximum"], rel=1e-3)
     assert plot.times[instrument.values.argmax()] == pytest.approx(peak["maximum_time"], abs=1e-3)
     assert [one.title for one in answer.plots()].count("acceleration of crate") == 0
+
+
+def test_under_a_moving_support_the_relative_displacement_is_the_first_plot():
+    """Of a machine on a floor that shakes with four times its natural frequency: r^2 / sqrt((1 - r^2)^2 + (2 zeta r)^2) mm at the end."""
+    result = mb.read_scene(EXAMPLES / "vibration_isolation.toml").run()
+    relative, absolute = result.plots()
+    assert (relative.title, absolute.title) == ("displacement relative to floor", "displacement")
+    (machine,) = relative.curves
+    r, zeta = 4.0, 0.1
+    late = relative.times > 1.8
+    expected = r**2 / np.hypot(1 - r**2, 2 * zeta * r)
+    assert machine.name == "machine" and np.abs(machine.values[late]).max() == pytest.approx(expected, abs=0.03)
+    functions, row = machine.function
+    floor, own = (curve.function[0].at(np.array([0.3, 1.1]))[curve.function[1]] for curve in absolute.curves)
+    assert functions.at(np.array([0.3, 1.1]))[row] == pytest.approx(own - floor, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "more", ['[output]\nplots = ["displacement"]', '[[model.spring]]\nbetween = ["ground", "machine"]\nstiffness = "1 N/m"']
+)
+def test_plots_that_are_named_stay_and_what_another_spring_holds_is_not_relative(tmp_path, more):
+    text = (EXAMPLES / "vibration_isolation.toml").read_text()
+    text = text.replace("[output]", f"{more}\n", 1) if "[output]" in more else text + "\n" + more + "\n"
+    path = tmp_path / "scene.toml"
+    path.write_text(text)
+    assert [plot.title for plot in mb.read_scene(path).run().plots()] == ["displacement"]

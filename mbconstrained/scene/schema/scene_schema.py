@@ -391,7 +391,9 @@ class OutputTable(Table):
         description="The script of the 3-D viewer: in the page, in a separate file for many pages, or compressed in the page.",
     )
     plots: list[Curve] = Field(
-        ["displacement"], description="Plots of the page; force is that of the loads, phase the velocity over the displacement."
+        ["displacement"],
+        description="Plots of the page; force is that of the loads, phase the velocity over the displacement. Left out: the displacement, "
+        "and first that relative to a moving support.",
     )
     coordinates: list[Name] | None = Field(None, description="Only these coordinates are plotted; left out: all.")
     quantity: list[QuantityTable] = Field([], description="Forces, elongations and relative motions for plots, CSV and npz.")
