@@ -106,3 +106,16 @@ def test_data_of_another_folder_are_read_where_the_command_allows_it(command, sc
     assert code == 0, out
     last = (tmp_path / "out" / "cart.csv").read_text().splitlines()[-1].split(",")
     assert float(last[1]) == pytest.approx(1500 / 8 * (1 - np.cos(2)), rel=1e-12)  # F / k (1 - cos w t), w = 2 rad/s
+
+
+@pytest.mark.parametrize(("arguments", "file"), [(("run",), "cart.csv"), (("frequency",), "cart.frequency.csv")])
+def test_results_never_replace_a_file_that_the_scene_reads(command, scene, tmp_path, arguments, file):
+    record = "t (s),F (N)\n0,1\n1,1\n"
+    (tmp_path / file).write_text(record)
+    scene.write_text(CART + f'[[force]]\ncoordinate = "cart"\nkind = "sampled"\nfile = "{file}"\n', encoding="utf-8")
+    before = sorted(tmp_path.iterdir())
+    code, _, err = command(*arguments, scene, "--out", tmp_path)
+    assert code == 1 and f"{file}: the scene reads this file, and a result would replace it" in " ".join(err.split())
+    assert (tmp_path / file).read_text() == record
+    assert sorted(tmp_path.iterdir()) == before  # nor any of the others
+    assert command(*arguments, scene, "--out", tmp_path / "out")[0] == 0

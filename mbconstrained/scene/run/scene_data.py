@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
+from pydantic import BaseModel
 
 from ...ground.checks import counted
 from ...ground.display import Displayed
@@ -66,6 +67,15 @@ class SceneData(Displayed):
     def folder(self) -> SceneFolder:
         """Where its data files are."""
         return SceneFolder(self.path.parent, self.data_folders)
+
+    @property
+    def files_read(self) -> frozenset[Path]:
+        """Resolved paths of the scene and of its data files."""
+        names = (
+            self.folder.path / name
+            for name in _file_names((self.table.model, self.table.force, self.table.motion, self.table.random))
+        )
+        return frozenset(path.resolve() for path in (self.path, *names))
 
     @property
     def times(self) -> np.ndarray:
@@ -152,6 +162,16 @@ class SceneData(Displayed):
     def _with_output(self, **changes) -> Self:
         output = self.table.output.model_copy(update=changes)
         return replace(self, table=self.table.model_copy(update={"output": output}))
+
+
+def _file_names(value) -> Iterator[str]:
+    """The names of files in tables."""
+    if isinstance(value, BaseModel):
+        if isinstance(name := getattr(value, "file", None), str):
+            yield name
+        value = list(vars(value).values())
+    for one in value if isinstance(value, (list, tuple)) else ():
+        yield from _file_names(one)
 
 
 def _late_loads(table) -> Iterator[Notice]:
