@@ -78,6 +78,7 @@ if TYPE_CHECKING:
     from .mechanics.normal_form import NormalForm as NormalForm
     from .mechanics.normal_form import mechanical_normal_form as mechanical_normal_form
     from .mechanics.parameter import Parameter as Parameter
+    from .mechanics.peaks import cycles as cycles
     from .mechanics.rotating import Campbell as Campbell
     from .mechanics.rotating import CriticalSpeed as CriticalSpeed
     from .mechanics.sensitivities import Sensitivities as Sensitivities
@@ -181,6 +182,7 @@ _NAMES = {
     "mechanics.modes": "Modes",
     "mechanics.motion": "Motion",
     "mechanics.motions": "Motions",
+    "mechanics.peaks": "cycles",
     "mechanics.normal_form": "NormalForm mechanical_normal_form",
     "mechanics.parameter": "Parameter",
     "mechanics.rotating": "Campbell CriticalSpeed",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, cast
@@ -27,7 +27,7 @@ from ..scene.schema.analysis_tables import FatigueTable
 from ..signals.impulsive import ImpulsiveSmooth
 from .base import Analysis, Answer
 from .random import random_response
-from .shock import excitation_of, natural_range, prescribed_rows
+from .shock import excitation_of, natural_range, no_spectrum, prescribed_rows
 
 if TYPE_CHECKING:
     from ..frequency.random.random_response import RandomResponse
@@ -69,9 +69,10 @@ class Fatigue(Analysis):
             histories = _histories(scene, settings, motion, end)
             random = _random(scene, settings, list(histories))
             part = _Counted(settings, scene.equations.coordinates.shown, histories, end, random, settings.quantity)
-            return _answer(scene.name, scene.title, scene.table.source, part, scene.heading, tuple(_spectra(scene, settings)), distinct(
-                scene.notices, scene.equations.form_notices, motion.notices
-            ))  # fmt: skip
+            spectra, motions = tuple(_spectra(scene, settings)), prescribed_rows(scene)
+            omitted = () if spectra or not motions else (no_spectrum(scene, "fatigue damage spectrum", motions),)
+            notices = distinct(scene.notices, scene.equations.form_notices, motion.notices, omitted)
+            return _answer(scene.name, scene.title, scene.table.source, part, scene.heading, spectra, notices)
 
     @classmethod
     def of_record(cls, path: Path, table: FatigueTable, **reading) -> Answer:
@@ -86,23 +87,23 @@ class Fatigue(Analysis):
             notices = (*notices, Notice(NoticeKind.OMITTED, text))
         unit, name = record.unit or "m/s^2", record.name or path.stem
         with at(path.name, "fatigue"):
-            histories = {name: (unit, rainflow(record.values))}
+            histories = {name: replace(rainflow(record.values), unit=unit)}
             units = OutputUnits((record.unit_in_file,) if record.unit_in_file else ())
             part = _Counted(table, units, histories, float(np.ptp(record.times)), None, "record")
             spectra = (_Damage(table, name, record.signal),) if is_acceleration else ()
             return _answer(path.stem, path.name, "Cycles of a record", part, "", spectra, notices)
 
 
-def _histories(scene: Scene, settings: FatigueTable, motion: Motion, end: float) -> dict[str, tuple[str, CycleCount]]:
-    """Units and cycles of the requested outputs; by default of all with the quantity, and of [[output.quantity]], that the strength fits."""
+def _histories(scene: Scene, settings: FatigueTable, motion: Motion, end: float) -> dict[str, CycleCount]:
+    """Cycles of the requested outputs; by default of all with the quantity, and of [[output.quantity]], that the strength fits."""
     if settings.outputs is not None:
         return cycles(motion, end, settings.quantity, settings.outputs)
     own = cycles(motion, end, settings.quantity)
     if scene.table.output.quantity:
         own |= cycles(motion, end, settings.quantity, [one for one in motion.system.quantities if one not in own])
-    fitting = {name: (unit, count) for name, (unit, count) in own.items() if _fits(settings.strength, unit)}
+    fitting = {name: count for name, count in own.items() if _fits(settings.strength, count.unit)}
     if own and not fitting:
-        units = ", ".join(dict.fromkeys(unit for unit, _ in own.values()))
+        units = ", ".join(dict.fromkeys(count.unit for count in own.values()))
         raise InputError(f"strength: found {settings.strength!r}; the outputs are in {units}")
     if not own:
         raise InputError(
@@ -169,7 +170,7 @@ class _Counted:
 
     settings: FatigueTable
     units: OutputUnits
-    histories: dict[str, tuple[str, CycleCount]]
+    histories: dict[str, CycleCount]
     duration: float
     response: RandomResponse | None
     called: str  # the counted quantity
@@ -188,11 +189,11 @@ class _Counted:
     def rows(self) -> list[dict]:
         """The figures of every output as plain data in SI."""
         k, result = self.settings.exponent, []
-        for name, (unit, own) in self.histories.items():
-            strength = self.strength(unit)
+        for name, own in self.histories.items():
+            strength = self.strength(own.unit)
             damage = None if strength is None else own.damage(k, strength)
             result.append({
-                "of": name, "unit": unit, "cycles": own.total, "largest_range": float(own.ranges.max(initial=0.0)),
+                "of": name, "unit": own.unit, "cycles": own.total, "largest_range": float(own.ranges.max(initial=0.0)),
                 "equivalent_amplitude": own.equivalent_amplitude(k), "damage": damage,
                 "life": self.duration / damage if damage else None,
             })  # fmt: skip
@@ -237,8 +238,8 @@ class _Counted:
 
     def plots(self) -> Iterator[Plot]:
         """Numbers of cycles of at least each range, by unit."""
-        for own_unit in dict.fromkeys(unit for unit, _ in self.histories.values()):
-            own = {name: count for name, (unit, count) in self.histories.items() if unit == own_unit and len(count.ranges)}
+        for own_unit in dict.fromkeys(count.unit for count in self.histories.values()):
+            own = {name: count for name, count in self.histories.items() if count.unit == own_unit and len(count.ranges)}
             if not own:
                 continue
             unit, factor = self.units.of(own_unit, next(iter(own)))
@@ -290,23 +291,23 @@ def _answer(name, title, source, part: _Counted, heading: str, damages: tuple[_D
         for number, (own, S) in enumerate(spectra.items()):
             head = {"frequency (Hz)": S.frequencies_hz, f"{own}: sum of n a^{k:g} (({unit})^{k:g})": S.damage}
             files[f".{number + 1}" if number else ""] = head
-        every = [(name, own, i) for name, (own, count) in part.histories.items() for i in range(len(count.ranges))]
-        counts = [count for _, count in part.histories.values()]
-        shown = [part.units.of(own, name) for name, own, _ in every]
+        every = [(name, count.unit) for name, count in part.histories.items() for _ in count.ranges]
+        counts = list(part.histories.values())
+        shown = [part.units.of(own, name) for name, own in every]
         sizes = {
             key: np.concatenate([getattr(count, key) for count in counts]) if counts else np.zeros(0)
             for key in ("ranges", "means", "counts")
         }
         factors = np.array([factor for _, factor in shown])
         files[".cycles"] = {
-            "of": [name for name, _, _ in every], "unit": [unit for unit, _ in shown],
+            "of": [name for name, _ in every], "unit": [unit for unit, _ in shown],
             "range": sizes["ranges"] * factors, "mean": sizes["means"] * factors, "count": sizes["counts"],
         }  # fmt: skip
         return files
 
     def arrays() -> dict[str, np.ndarray]:
         result = {}
-        for own, (_, count) in part.histories.items():
+        for own, count in part.histories.items():
             result |= {f"{own} {key}": getattr(count, key) for key in ("ranges", "means", "counts")}
         for own, S in spectra.items():
             result |= {f"{own} frequencies_hz": S.frequencies_hz, f"{own} damage": S.damage}

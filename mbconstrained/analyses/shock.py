@@ -78,8 +78,7 @@ class Shock(Analysis):
             part = None if excitation is None else _Spectrum(table, scene.equations.coordinates.shown, *excitation)
         own: tuple[Notice, ...] = () if part is None else part.spectrum.notices
         if part is None and motions:
-            reasons = [f'the motion "{name}" {_acceleration(_row(scene, name, motions))}' for name in motions]
-            own = (Notice(NoticeKind.OMITTED, f"no shock response spectrum: {'; '.join(reasons)}"),)
+            own = (no_spectrum(scene, "shock response spectrum", motions),)
         notices = distinct(scene.notices, scene.equations.form_notices, motion.notices, own)
         facts = (("peaks", f"from 0 to {end:g} s, none missed, limits from the left included"),)
         own_units = scene.equations.coordinates.shown
@@ -254,6 +253,12 @@ def excitation_of(scene: Scene, of: str | None, motions: Mapping[str, str]) -> t
         if of is not None:
             raise InputError(f'the motion "{name}" {signal}')
     return None
+
+
+def no_spectrum(scene: Scene, what: str, motions: Mapping[str, str]) -> Notice:
+    """The reasons why no motion has a spectrum."""
+    reasons = [f'the motion "{name}" {_acceleration(_row(scene, name, motions))}' for name in motions]
+    return Notice(NoticeKind.OMITTED, f"no {what}: {'; '.join(reasons)}")
 
 
 def _row(scene: Scene, name: str, motions: Mapping[str, str]) -> ConstraintRow:

@@ -44,11 +44,13 @@ class CycleCount(Displayed):
         ranges: maximum minus minimum of each cycle, shape (C,), in the order in which they close.
         means: half of maximum plus minimum.
         counts: 1 or 0.5.
+        unit: of the history in SI; an empty text where it is unknown.
     """
 
     ranges: np.ndarray
     means: np.ndarray
     counts: np.ndarray
+    unit: str = ""
 
     def _summary(self) -> str:
         largest = f", ranges up to {number_text(self.ranges.max())}" if len(self.ranges) else ""

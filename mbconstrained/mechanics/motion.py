@@ -34,7 +34,6 @@ from .equations import EquationsOfMotion
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
     from ..exact.enclosure.intervals import Enclosure
-    from ..frequency.fatigue import CycleCount
     from ..response.methods.defect import Rounding
     from .constraints import ConstraintRow
     from .peaks import Peaks
@@ -386,30 +385,6 @@ class Motion(SystemMotion, Response):
         from .peaks import peaks
 
         return peaks(self, end, of, combinations, names)
-
-    def cycles(self, end: float, of: str = "force", outputs: Sequence[str] | None = None) -> dict[str, CycleCount]:
-        """Cycles on [0, end] by the rainflow method, of turning points in closed form.
-
-        Args:
-            end: in s.
-            of: "force" or "elongation" of springs and dampers by name, "displacement", "velocity", "acceleration", "reaction".
-            outputs: names of outputs, also such as "velocity of cart" or "cart - wall"; all with the quantity by default.
-
-        Returns:
-            A ``CycleCount`` by name.
-
-        Raises:
-            InputError: an unknown quantity or name, an end that is not positive, a motion of too many periods.
-
-        >>> from mbconstrained import MechanicalSystem
-        >>> free = MechanicalSystem([[1.0]], None, [[4.0]]).solve(displacement=[1.0])  # cos 2 t
-        >>> cycles = free.cycles(10.0, "displacement")["x1"]
-        >>> cycles.total, cycles.ranges[0].round(12)
-        (3.5, np.float64(2.0))
-        """
-        from .peaks import cycles
-
-        return {name: own for name, (_, own) in cycles(self, end, of, outputs).items()}
 
     def error_estimate(self, times, of: Quantity = "displacement", *, order: int = 0) -> float:
         """Return an estimate of max |error| / max |value| over the times, for displacement, velocity, acceleration or reaction.

@@ -190,8 +190,26 @@ def peaks(motion, end: float, of: str | Sequence[str] = "displacement", combinat
     return Peaks(own, units, of, extrema(function, 0.0, end).shifted(constant))
 
 
-def cycles(motion, end: float, of: str = "force", outputs: Sequence[str] | None = None) -> dict[str, tuple[str, CycleCount]]:
-    """Units and cycles of outputs on [0, end] by name, from turning points in closed form."""
+def cycles(motion, end: float, of: str = "force", outputs: Sequence[str] | None = None) -> dict[str, CycleCount]:
+    """Count the cycles of a motion on [0, end] by the rainflow method, from turning points in closed form.
+
+    Args:
+        motion: a motion of a mechanical system, from ``system.solve``.
+        end: in s.
+        of: "force" or "elongation" of springs and dampers, "displacement", "velocity", "acceleration" of coordinates, "reaction" of rows.
+        outputs: names of outputs, also such as "velocity of cart" or "cart - wall"; all with the quantity by default.
+
+    Returns:
+        A ``CycleCount`` by name, as of ``rainflow``.
+
+    Raises:
+        InputError: an unknown quantity or name, an end that is not positive, a motion of too many periods.
+
+    >>> from mbconstrained import MechanicalSystem
+    >>> free = MechanicalSystem([[1.0]], None, [[4.0]]).solve(displacement=[1.0])  # cos 2 t
+    >>> cycles(free, 10.0, "displacement")
+    {'x1': CycleCount(3.5 cycles, ranges up to 2)}
+    """
     end = real_number(end, "end", positive=True)
     if of not in QUANTITIES:
         raise InputError(f"of: found {of!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(of), QUANTITIES)}")
@@ -200,7 +218,7 @@ def cycles(motion, end: float, of: str = "force", outputs: Sequence[str] | None 
     else:
         function, names, units, constant = _closed_forms(motion, OutputNames.of(motion.system).chosen("outputs", outputs, of, ()))
     counts = cycles_of(function, 0.0, end) if names else []
-    return {name: (unit, replace(own, means=own.means + c)) for name, unit, own, c in zip(names, units, counts, constant)}
+    return {name: replace(own, means=own.means + c, unit=unit) for name, unit, own, c in zip(names, units, counts, constant)}
 
 
 def peaks_of_outputs(motion, end: float, outputs: Sequence[Output]) -> Peaks:

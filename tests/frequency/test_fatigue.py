@@ -51,7 +51,7 @@ def test_cycles_of_a_decaying_vibration():
     """x'' + 2 z w x' + w^2 x = 0 from rest at 1: extremes (-e^{-pi z / sqrt(1 - z^2)})^k, all half cycles, by hand; times unlike any grid."""
     w, z = 7.3, 0.02
     system = mb.MechanicalSystem([[1.0]], [[2 * z * w]], [[w**2]])
-    cycles = system.solve(displacement=[1.0]).cycles(4.0, "displacement")["x1"]
+    cycles = mb.cycles(system.solve(displacement=[1.0]), 4.0, "displacement")["x1"]
     q, count = math.exp(-math.pi * z / math.sqrt(1 - z**2)), int(4.0 * w * math.sqrt(1 - z**2) / math.pi)
     expected = [q**k * (1 + q) for k in range(count)]
     assert cycles.counts.tolist() == [0.5] * (count + 1)  # and the last, unfinished range
@@ -62,8 +62,10 @@ def test_cycles_of_the_force_of_a_named_spring():
     model = mb.LumpedModel()
     model.mass("cart", 2.0)
     model.spring("ground", "cart", stiffness=8.0, name="spring", rest_length=0.1)
-    (name, cycles), *_ = model.assemble().solve(displacement={"cart": 0.3}).cycles(np.pi).items()  # 0.1 + 0.2 cos 2 t, one period
-    assert (name, cycles.total) == ("spring", 1.0)
+    (name, cycles), *_ = mb.cycles(
+        model.assemble().solve(displacement={"cart": 0.3}), np.pi
+    ).items()  # 0.1 + 0.2 cos 2 t, one period
+    assert (name, cycles.total, cycles.unit) == ("spring", 1.0, "N")
     assert cycles.ranges == pytest.approx([3.2, 3.2], rel=1e-12)  # N, 2 k a
     assert cycles.means == pytest.approx([0.0, 0.0], abs=1e-12)
     assert cycles.damage(5.0, strength=160.0) == pytest.approx(0.01**5, rel=1e-11)
