@@ -31,6 +31,14 @@ LABEL_DISTANCE = 0.04
 COUNT = 101
 
 
+#: Rounds in which values are added where a branch turns, by more radians than this times the part of the picture of the shorter step;
+#: of more eigenvalues that takes long.
+ROUNDS, VISIBLE_TURN, MOST_BRANCHES = 6, 4e-3, 64
+
+#: Differences of an eigenvalue computed twice, relative to the largest.
+SAME_BRANCH = 1e-6
+
+
 class ParameterOfLocus(Table):
     """The parameter of a root locus."""
 
@@ -77,7 +85,7 @@ class Locus(Analysis):
             facts=tuple(facts),
             tables=(*([locus.table()] if locus.break_points else []), _branches(locus)),
             data=data,
-            plots=lambda: (locus_plot(locus, low, high),),
+            plots=lambda: (locus_plot(_with_corners_resolved(scene, locus), low, high),),
             most_rows=None,
             keys=(),
         )
@@ -99,6 +107,25 @@ def _values(scene: Scene, name: str, given) -> np.ndarray:
         with named(name):
             quantity(f"1 {variation.unit}", unit_name(unit))
     return values
+
+
+def _with_corners_resolved(scene: Scene, locus: RootLocus) -> RootLocus:
+    """The locus with further values between those where a branch turns visibly from one to the next."""
+    finer = locus
+    for _ in range(ROUNDS if locus.eigenvalues.shape[1] <= MOST_BRANCHES else 0):
+        s = finer.eigenvalues
+        steps = np.diff(s.real, axis=0) / (np.ptp(s.real) or 1.0) + 1j * np.diff(s.imag, axis=0) / (np.ptp(s.imag) or 1.0)
+        sizes = np.abs(steps)
+        turns = np.abs(np.angle(steps[1:] * steps[:-1].conj())) * np.minimum(sizes[1:], sizes[:-1])
+        corners = np.flatnonzero((turns > VISIBLE_TURN).any(axis=1))
+        gaps = np.unique([corners, corners + 1])
+        if not len(gaps):
+            break
+        middles = (finer.values[gaps] + finer.values[gaps + 1]) / 2
+        finer = scene.root_locus(locus.name, np.union1d(finer.values, middles))
+    places = np.searchsorted(finer.values, locus.values)
+    same = np.abs(finer.eigenvalues[places] - locus.eigenvalues).max() <= SAME_BRANCH * np.abs(locus.eigenvalues).max()
+    return finer if same else locus  # followed otherwise with fewer values: the picture is that of the tables
 
 
 def _branches(locus: RootLocus) -> TextTable:

@@ -383,18 +383,19 @@ def _cell_rectangles(cells: Cells, across: Axis, up: Axis) -> Iterator[str]:
         for column, (color, text) in enumerate(zip(colors, texts)):
             size = f'width="{x[column + 1] - x[column]}" height="{y[row] - y[row + 1]}"'
             place = f"{across_places[column]!r} {up_places[row]!r} {float(cells.values[row, column])!r}"
-            yield f'<rect x="{x[column]}" y="{y[row + 1]}" {size} fill="{color}" data-at="{place}"><title>{html.escape(text)}</title></rect>'
+            look = f'fill="{color}"' if color else 'class="unknown"'
+            yield f'<rect x="{x[column]}" y="{y[row + 1]}" {size} {look} data-at="{place}"><title>{html.escape(text)}</title></rect>'
 
 
 def _colors(cells: Cells) -> list[list[str]]:
-    """Colours of the cells."""
+    """Colours of the cells, empty where there is no value."""
     low, high = cells.ends
     anchors = np.array([[int(color[i : i + 2], 16) for i in (1, 3, 5)] for color in CELL_COLORS])
     places = (len(anchors) - 1) * (cells.values - low) / ((high - low) or 1.0)
     channels = np.array([np.interp(np.nan_to_num(places), range(len(anchors)), channel) for channel in anchors.T])
     known = np.isfinite(cells.values)
     return [
-        [f"#{r:02x}{g:02x}{b:02x}" if shown else LINE for (r, g, b), shown in zip(row, own)]
+        [f"#{r:02x}{g:02x}{b:02x}" if shown else "" for (r, g, b), shown in zip(row, own)]
         for row, own in zip(np.rint(np.moveaxis(channels, 0, -1)).astype(int).tolist(), known)
     ]
 

@@ -39,6 +39,15 @@ def test_a_map_has_its_cells_and_is_zoomed(opened):
     assert opened.messages == []
 
 
+def test_a_cell_without_a_value_has_the_colour_of_the_theme(opened):
+    fills = "[...document.querySelectorAll('.guides rect')].map((cell) => getComputedStyle(cell).fill)"
+    light = opened.evaluate(fills)
+    opened.evaluate("document.getElementById('theme').click()")
+    dark = opened.evaluate(fills)
+    opened.evaluate("document.getElementById('theme').click()")
+    assert [one == other for one, other in zip(light, dark)] == [True, False, True, True]
+
+
 @pytest.mark.parametrize(("number", "count"), [(1, 2), (2, 2)])
 def test_a_name_hides_its_marks_and_shows_them_again(opened, number, count):
     marks = f"[...document.querySelectorAll('.plot-figure')[{number}].querySelectorAll('.mark[data-curve=\"0\"]')]"

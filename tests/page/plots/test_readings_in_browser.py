@@ -98,7 +98,7 @@ def test_the_table_of_a_root_locus_has_the_eigenvalues(browser, tmp_path):
     head, columns = table_of(text)
     assert head[:3] == ["zeta", "branch 1: real part (1/s)", "branch 1 (rad/s)"]
     rows = columns[:, np.isfinite(columns[0])]
-    assert set(values.round(9)) <= set(rows[0].round(9))
+    assert set(values.round(9)) < set(rows[0].round(9))  # and further ones where the branches turn
     for zeta, *parts in rows.T:
         system = mb.read_scene("examples/tuned_mass_damper.toml", {"zeta": zeta}).equations.system
         inverse = np.linalg.inv(system.mass)
