@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ..frequency.shock.extrema import Extrema, extrema, root_mean_squares
-from ..ground.coordinate_units import derivative_name, rate_unit
+from ..ground.coordinate_units import derivative_name, force_unit, rate_unit
 from ..ground.display import TextTable, number_text, with_unit
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind, distinct
 from ..ground.tolerances import NOT_DRAWN
 from ..mechanics.channels import FORCES, MOTIONS, REACTION, Output, closed_form
+from ..mechanics.harmonic_response import harmonics_of
 from ..mechanics.harmonic_sums import common_rate
 from ..mechanics.switched.periodic import find_periodic
 from ..page.animation import Animation
@@ -42,8 +43,8 @@ TIMES, TIMES_OF_PERIOD, MOST_TIMES = 721, 24, 20_001
 #: Periods of the lowest frequency that are shown where the frequencies have no common period.
 STRETCH = 20
 
-#: Amplitudes below this share of the largest of their output are not listed.
-SMALLEST = 1e-6
+#: Amplitudes below this share of the largest of their output are not listed; files have all.
+SMALLEST = 1e-3
 
 #: Orbits and phase planes, at most; events that are listed.
 MOST_ORBITS, MOST_EVENTS = 6, 200
@@ -362,7 +363,8 @@ class _LinearCycle(_Cycle):
                     rows.append((one.name, number_text(f), self._text(one, abs(value)), f"{np.degrees(np.angle(value)):.2f}"))
                 elif np.abs(value) > least:
                     rows.append((one.name, "0", self._text(one, value.real), "mean"))
-        yield TextTable("Amplitudes and phases", ("output", "Hz", "amplitude", "phase (°)"), tuple(rows))
+        note = f"Those of at least {SMALLEST:g} of the largest of their output."
+        yield TextTable("Amplitudes and phases", ("output", "Hz", "amplitude", "phase (°)"), tuple(rows), note)
 
     def data(self) -> dict[str, Any]:
         own = {"frequencies_hz": self.steady.frequencies_hz, "amplitudes": np.abs(self.steady.output_amplitudes)}
@@ -389,18 +391,20 @@ class _LinearCycle(_Cycle):
         return iter(()) if self._is_one_harmonic else super()._phase_planes()
 
     def _spectra(self) -> Iterator[Plot]:
-        """The amplitudes over the frequency as bars, where there are several."""
+        """The amplitudes over the frequency as bars, where there are several, of the outputs and of what excites them."""
         if self._is_one_harmonic:
             return
         f = self.steady.frequencies_hz
         bars = np.repeat(f, 3)
-        for unit in dict.fromkeys(one.unit for one in self.outputs):
+        shown = zip((one.name for one in self.outputs), (one.unit for one in self.outputs), self.steady.output_amplitudes)
+        every = [*shown, *self._excitation()]
+        for unit in dict.fromkeys(unit for _, unit, _ in every):
             text, factor = self.shown.of(unit)
-            chosen = [i for i, one in enumerate(self.outputs) if one.unit == unit]
-            heights = factor * np.abs(self.steady.output_amplitudes[chosen])
+            chosen = [i for i, (_, own, _) in enumerate(every) if own == unit]
+            heights = factor * np.abs([every[i][2] for i in chosen])
             curves, marks = [], []
             for place, (i, own) in enumerate(zip(chosen, heights)):
-                name, kept = self.outputs[i].name, own > SMALLEST * heights.max(initial=0.0)
+                name, kept = every[i][0], own > SMALLEST * heights.max(initial=0.0)
                 rising = np.array([np.zeros(len(f)), np.where(kept, own, 0.0), np.full(len(f), np.nan)]).T.ravel()
                 curves.append(curve_with_gaps(name, rising, i, along=bars))
                 texts = tuple(
@@ -408,7 +412,7 @@ class _LinearCycle(_Cycle):
                 )
                 marks.append(Marks("", np.array([f[kept], own[kept]]).T, texts, curve=place))
             yield Plot(
-                f"amplitudes ({text})" if len({one.unit for one in self.outputs}) > 1 else "amplitudes",
+                f"amplitudes ({text})" if len({own for _, own, _ in every}) > 1 else "amplitudes",
                 _shown(text),
                 np.arange(float(len(bars))),
                 tuple(curves),
@@ -419,6 +423,22 @@ class _LinearCycle(_Cycle):
                 marks=tuple(marks),
                 includes=(0.0,),
             )
+
+    def _excitation(self) -> Iterator[tuple[str, str, np.ndarray]]:
+        """Names, units and amplitudes of the forces, and of the prescribed motions in the quantity of the outputs."""
+        system, force = self.scene.equations.system, self.scene.equations.force
+        rates = self.steady.angular_frequencies
+        if force is not None:
+            forces = np.zeros((system.size, len(rates)), dtype=complex)
+            for rate, amplitudes in harmonics_of(system._applied(force), self.table.period, self.table.harmonics):
+                forces[:, np.abs(rates - rate).argmin()] += amplitudes
+            for i in np.flatnonzero(forces.any(axis=1)):
+                yield f"input: force on {system.names[i]}", force_unit(system.units[system.names[i]]), forces[i]
+        order = MOTIONS.get(self.table.quantity)
+        prescribed = {coordinate for motion in self.scene.table.motion for coordinate, _ in motion.rows.values()}
+        for name in (one for one in system.names if one in prescribed and order is not None):
+            amplitudes = (1j * rates) ** order * self.steady.displacement_amplitudes[system.names.index(name)]
+            yield f"input: {name}", rate_unit(system.units[name], order), amplitudes
 
 
 class _SwitchedCycle(_Cycle):

@@ -437,11 +437,11 @@ def steady_state(
         period, harmonics = real_number(period, "period", positive=True), whole_number(harmonics, "harmonics", minimum=1)
     n, rows = system.size, system.rows
     loads: dict[float, np.ndarray] = defaultdict(lambda: np.zeros(n + len(rows), dtype=complex))
-    for omega, amplitude in _spectrum(system._applied(force), period, harmonics):
+    for omega, amplitude in harmonics_of(system._applied(force), period, harmonics):
         loads[omega][:n] += amplitude
     for place, row in enumerate(rows, start=n):
         loads[0.0][place] += row.value
-        for omega, amplitude in _spectrum(row.signal, period, harmonics) if getattr(row, "signal", None) is not None else ():
+        for omega, amplitude in harmonics_of(row.signal, period, harmonics) if getattr(row, "signal", None) is not None else ():
             loads[omega][place] += amplitude[0]
     further = OutputNames.of(system).chosen("outputs", outputs, quantity, ()) if len(outputs) else []
     constants = np.array([one.constant for one in further])
@@ -508,7 +508,7 @@ def _periodic_motion(system: EquationsOfMotion, force: ImpulsiveSmooth | None, p
     return system.solve(start[:n], start[n:], force=force)
 
 
-def _spectrum(signal: ImpulsiveSmooth, period: float | None, harmonics: int) -> Iterator[tuple[float, np.ndarray]]:
+def harmonics_of(signal: ImpulsiveSmooth, period: float | None, harmonics: int) -> Iterator[tuple[float, np.ndarray]]:
     """Angular frequencies w and amplitudes F of f(t) = Re sum of F e^{i w t}, F of shape (r,)."""
     for part in signal.exact_parts:
         data = part.data

@@ -16,7 +16,7 @@ def test_a_response_over_its_input_is_the_squared_transmissibility():
     squared = (1 + (0.1 * r) ** 2) / ((1 - r**2) ** 2 + (0.1 * r) ** 2)
     assert box.values / shaker.values == pytest.approx(squared, rel=1e-9)
     corners, values = np.log([20.0, 80.0, 350.0, 2000.0]), np.log([0.01, 0.04, 0.04, 0.007])
-    assert shaker.values / 9.80665**2 == pytest.approx(np.exp(np.interp(np.log(plot.times), corners, values)), rel=1e-9)
+    assert plot.unit == "g²/Hz" and shaker.values == pytest.approx(np.exp(np.interp(np.log(plot.times), corners, values)), rel=1e-9)
 
 
 def test_a_road_stands_with_an_acceleration_as_its_second_derivative():
@@ -77,3 +77,45 @@ def test_plots_that_are_named_stay_and_what_another_spring_holds_is_not_relative
     path = tmp_path / "scene.toml"
     path.write_text(text)
     assert [plot.title for plot in mb.read_scene(path).run().plots()] == ["displacement"]
+
+
+STEADY = """
+[model]
+kind = "lumped"
+node = [{ name = "floor" }]
+mass = [{ name = "machine", mass = 2 }]
+spring = [{ name = "mount", between = ["floor", "machine"], stiffness = 800 }]
+damper = [{ name = "oil", between = ["floor", "machine"], damping = 4 }]
+[time]
+end = 1
+[[motion]]
+name = "shaker"
+coordinate = "floor"
+kind = "harmonic"
+value = "3 mm"
+angular_frequency = 15
+[[force]]
+coordinate = "machine"
+kind = "sampled"
+times = [0, 0.1, 0.1000000001, 0.41887902047863906]
+values = [3, 3, 0, 0]
+"""
+
+
+def test_the_excitation_of_a_steady_state_stands_with_its_amplitudes(tmp_path):
+    """A square wave of 3 N over 0.1 s of the period T = 2 pi / 15 s: 2 * 3 |sin(pi k 0.1 / T)| / (pi k), and its mean; w^2 3 mm of the floor."""
+    path = tmp_path / "scene.toml"
+    path.write_text(STEADY)
+    period = 2 * np.pi / 15
+    answer = mb.read_scene(path).steady(period=period, quantity="acceleration", harmonics=20)
+    plots = {plot.title: plot for plot in answer.plots()}
+    force = plots["amplitudes (N)"]
+    assert [curve.name for curve in force.curves] == ["input: force on machine"]
+    k = np.arange(1, 21)
+    expected = [3 * 0.1 / period, *6 * np.abs(np.sin(np.pi * k * 0.1 / period)) / (np.pi * k)]
+    points = force.marks[0].points
+    orders = np.rint(points[:, 0] * period).astype(int)
+    assert points[:, 1] == pytest.approx(np.array(expected)[orders], abs=1e-6) and len(points) >= 19
+    accelerations = plots["amplitudes (m/s^2)"]
+    assert [curve.name for curve in accelerations.curves] == ["machine", "input: floor"]
+    assert accelerations.marks[1].points == pytest.approx(np.array([[15 / (2 * np.pi), 15**2 * 3e-3]]))

@@ -255,8 +255,9 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None, data
     """
     path, costs = Path(path), Costs()
     folders = tuple(map(Path, [data_folders] if isinstance(data_folders, (str, Path)) else data_folders))
-    if missing := [folder for folder in folders if not folder.is_dir()]:
-        raise InputError(f"data_folders: there is no folder {missing[0]}")
+    for folder in folders:
+        if not folder.is_dir():
+            raise InputError(f"data_folders: there is no folder {folder}")
     scene = assembled(path, *read_tables(path), settings or {}, costs, folders)
     scene.check_drawing()
     costs.lap("assemble the model")

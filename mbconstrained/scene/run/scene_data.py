@@ -71,11 +71,16 @@ class SceneData(Displayed):
     @property
     def files_read(self) -> frozenset[Path]:
         """Resolved paths of the scene and of its data files."""
-        names = (
-            self.folder.path / name
-            for name in _file_names((self.table.model, self.table.force, self.table.motion, self.table.random))
-        )
-        return frozenset(path.resolve() for path in (self.path, *names))
+        found, values = {self.path.resolve()}, [self.table.model, self.table.force, self.table.motion, self.table.random]
+        while values:
+            value = values.pop()
+            if isinstance(value, list):
+                values += value
+            elif isinstance(value, BaseModel):
+                values += vars(value).values()
+                if isinstance(name := getattr(value, "file", None), str):
+                    found.add((self.path.parent / name).resolve())
+        return frozenset(found)
 
     @property
     def times(self) -> np.ndarray:
@@ -162,16 +167,6 @@ class SceneData(Displayed):
     def _with_output(self, **changes) -> Self:
         output = self.table.output.model_copy(update=changes)
         return replace(self, table=self.table.model_copy(update={"output": output}))
-
-
-def _file_names(value) -> Iterator[str]:
-    """The names of files in tables."""
-    if isinstance(value, BaseModel):
-        if isinstance(name := getattr(value, "file", None), str):
-            yield name
-        value = list(vars(value).values())
-    for one in value if isinstance(value, (list, tuple)) else ():
-        yield from _file_names(one)
 
 
 def _late_loads(table) -> Iterator[Notice]:
