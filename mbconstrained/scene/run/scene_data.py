@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from ...ground.checks import counted
-from ...ground.display import Displayed
+from ...ground.display import Pictured
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS, noise_of
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class SceneData(Displayed):
+class SceneData(Pictured):
     """Data of a ``Scene``, without the answers to questions about it; its attributes.
 
     Attributes:
