@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -210,13 +211,12 @@ class OutputNames:
     ):
         """Coordinates with their units; elements, named directions and quantities are those of a system, rows too or those of all phases."""
         self.has_common_equations = has_common_equations
-        self.system, self.units, count = system, units, len(units)
-        self.directions = {name: (row, unit) for (name, unit), row in zip(units.items(), np.eye(count))}
+        self.system, self.units, self.directions = system, units, dict(units)  # units of coordinates, and of named directions too
         self.elements: Mapping[str, ElementForce] = {}
         self.rows: dict[str, ConstraintRow] = {}
         self.own: Mapping[str, Output] = {}
         if system is not None:
-            self.directions |= system.named_directions("outputs")
+            self.directions |= {name: unit for name, (_, unit) in system.named_directions("outputs").items()}
             self.elements, self.own = system.elements, system.quantities
             given = rows if rows is not None else () if system.is_sparse else system.rows
             self.rows = {row.name: row for row in given}
@@ -270,7 +270,7 @@ class OutputNames:
         if name in self.own:
             return "a quantity of its own; name it alone"
         if name in self.directions:
-            unit = self.directions[name][1]
+            unit = self.directions[name]
             return f"a coordinate in {unit} with {', '.join(derivative_name(unit, order) for order in range(3))}"
         if name in self.elements:
             return f"a spring or damper with {'force' if self.elements[name].unit == 'm' else 'torque'}, elongation and rate"
@@ -296,12 +296,12 @@ class OutputNames:
         if kind not in MOTIONS:
             expected = "constraint rows" if kind == REACTION else "springs, dampers or constraint rows"
             raise InputError(f'{what}: "{name}" is a coordinate and has no {kind}; expected {expected}, or "velocity of {name}" …')
-        return self._motion(name, kind, *self.directions[name])
+        return self._motion(name, kind, self._direction(name), self.directions[name])
 
     def _of_kind(self, word: str, rest: str, text: str, what: str) -> Output | None:
         """A quantity with its kind; None where there is none of this kind, as of a torque along a line."""
         if word in MOTIONS:
-            one = self.directions.get(rest) or self._difference(rest)
+            one = (self._direction(rest), self.directions[rest]) if rest in self.directions else self._difference(rest)
             if one is None or (word in ANGLES and one[1] != "rad"):
                 return None
             return self._motion(text, word, *one, is_relative=rest not in self.directions)
@@ -314,17 +314,30 @@ class OutputNames:
 
     def _difference(self, text: str) -> tuple[np.ndarray, str] | None:
         """The direction of "b - a", or of "b relative to a"; None of other texts."""
-        known = {**self.directions, GROUND: (np.zeros(len(self.units)), "")}
+        known = {**self.directions, GROUND: ""}
         for sign in (" relative to ", "-"):
             parts = text.split(sign)
             for place in range(1, len(parts)):
                 b, a = sign.join(parts[:place]).strip(), sign.join(parts[place:]).strip()
                 if b in known and a in known and b != a:
-                    (first, unit), (second, other) = known[b], known[a]
+                    unit, other = known[b], known[a]
                     if unit and other and unit != other:
                         raise InputError(f'"{text}": {b} is in {unit} and {a} in {other}; expected two coordinates of one unit')
-                    return first - second, unit or other
+                    return self._direction(b) - self._direction(a), unit or other
         return None
+
+    def _direction(self, name: str) -> np.ndarray:
+        """The combination of coordinates; zero of the ground."""
+        if self.system is not None and name in (named := self.system.named_directions("outputs")):
+            return named[name][0]
+        row = np.zeros(len(self.units))
+        if name != GROUND:
+            row[self._places[name]] = 1.0
+        return row
+
+    @cached_property
+    def _places(self) -> dict[str, int]:
+        return {name: place for place, name in enumerate(self.units)}
 
     def _motion(self, text: str, kind: str, direction: np.ndarray, unit: str, is_relative: bool = False) -> Output:
         order, rows = MOTIONS[kind], np.zeros((3, len(direction)))

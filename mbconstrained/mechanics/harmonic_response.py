@@ -128,7 +128,7 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     below = [force_unit(one.unit) if one.row is None else rate_unit(one.unit, levels[one.row]) for one in known_inputs]
     ratio = cache(ratio_unit)
     table = np.array([[ratio(one.unit, other) for other in below] for one in known_outputs])
-    kinds = tuple(quantity if _is_default(one, quantity) else one.quantity for one in known_outputs)
+    kinds = tuple(quantity_of(one, quantity) for one in known_outputs)
     if not chosen.inverse:
         distinct = names if len(set(names)) == len(names) else equations
         A = PolynomialMatrix(coefficients, distinct, equations)
@@ -218,12 +218,12 @@ def _outputs(system: EquationsOfMotion, outputs, quantity: str, inputs: Sequence
     return names.chosen("outputs", outputs, QUANTITIES[quantity].kind, default)
 
 
-def _is_default(output: Output, quantity: str) -> bool:
-    """Whether an output is of the kind that a quantity has by default."""
-    kind = QUANTITIES[quantity].kind
+def quantity_of(output: Output, quantity: str) -> str:
+    """The quantity of the response where an output is of the kind that it has by default, or else that of the output."""
+    kind, own = QUANTITIES[quantity].kind, output.quantity
     if kind in MOTIONS:
-        return output.quantity in MOTIONS and MOTIONS[output.quantity] == MOTIONS[kind]
-    return output.quantity == kind or (quantity == FORCE_TRANSMISSIBILITY and output.quantity in (*FORCES, REACTION))
+        return quantity if own in MOTIONS and MOTIONS[own] == MOTIONS[kind] else own
+    return quantity if own == kind or (quantity == FORCE_TRANSMISSIBILITY and own in (*FORCES, REACTION)) else own
 
 
 def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count) -> Harmonic:
@@ -241,7 +241,12 @@ def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, rel
         )
     eta = None if loss_factor is None else real_number(loss_factor, "loss_factor", minimum=0.0)
     number = MODES if count is None else whole_number(count, "count", minimum=1)
-    return sparse_harmonic(system, inputs, outputs, chosen.order, quantity, modal_damping, eta, number)
+    for what, given in (("inputs", inputs), ("outputs", outputs)):
+        if given is None:
+            raise InputError(f"{what}: a response of sparse matrices needs names of coordinates, such as {system.names[0]!r}")
+    named = OutputNames.of(system).chosen("outputs", outputs, chosen.kind, ())
+    harmonic = sparse_harmonic(system, inputs, named, quantity, modal_damping, eta, number)
+    return replace(harmonic, output_quantities=tuple(quantity_of(one, quantity) for one in named))
 
 
 def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Output]) -> None:

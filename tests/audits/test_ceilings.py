@@ -32,7 +32,7 @@ LINES = {
     "frequency": 5903,
     "ground": 2479,
     "linalg": 5177,
-    "mechanics": 17528,
+    "mechanics": 17550,
     "models": 1972,
     "page": 5373,
     "polynomial": 3778,

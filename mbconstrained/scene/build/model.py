@@ -329,7 +329,7 @@ def _between(table, names: OutputNames) -> Output:
             known = ", ".join(names.directions)
             hint = nearest(name, (*names.directions, GROUND))
             raise InputError(f"between: there is no coordinate {shown(name)}{hint}; the coordinates are {known}")
-    units = {names.directions[name][1] for name in table.between if name != GROUND}
+    units = {names.directions[name] for name in table.between if name != GROUND}
     if first == second or len(units) != 1:
         raise InputError(f"between: found {shown(first)} and {shown(second)}; expected two coordinates of one unit")
     one = names.output(f"{kind} of {second} - {first}", what="between")
