@@ -187,7 +187,7 @@ class Answer(Pictured):
             if one not in FORMATS:
                 raise InputError(f"formats: found {one!r}{nearest(one, FORMATS)}; expected some of {', '.join(FORMATS)}")
         if files is None:
-            with Replacements(self.kept) as files:
+            with Replacements(lambda: self.kept) as files:
                 return Answer.write(self, folder, formats, viewer, files)
         from ..page.html import write_page
         from ..page.plots import image_groups, plot_image

@@ -83,14 +83,14 @@ class Replacements:
         (False, '42')
     """
 
-    def __init__(self, kept: Collection[Path] = ()):
-        """Create it without files; those that are kept, by their resolved paths, are never replaced."""
+    def __init__(self, kept: Callable[[], Collection[Path]] = tuple):
+        """Create it without files; those that are kept, the resolved paths that a function returns, are never replaced."""
         self._places: dict[Path, Path] = {}
         self._kept = kept
 
     def temporary(self, path: Path, mark: str = "") -> Path:
         """The temporary path of a file that replaces the target at the end."""
-        if self._kept and path.resolve() in self._kept:
+        if path.exists() and path.resolve() in self._kept():
             raise InputError(f"{path}: the scene reads this file, and a result would replace it; write into another folder")
         if path.is_dir() and not (mark and (path / mark).exists()):  # checked here, before the first files are replaced
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
