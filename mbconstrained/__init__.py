@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     from .exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix as SymbolicPolynomialMatrix
     from .exchange.matrices import read_matrix as read_matrix
     from .exchange.universal import Geometry as Geometry
+    from .frequency.fatigue import CycleCount as CycleCount
+    from .frequency.fatigue import FatigueDamageSpectrum as FatigueDamageSpectrum
+    from .frequency.fatigue import fatigue_damage_spectrum as fatigue_damage_spectrum
+    from .frequency.fatigue import rainflow as rainflow
     from .frequency.frequency_response import FrequencyResponse as FrequencyResponse
     from .frequency.frequency_response import frequency_response as frequency_response
     from .frequency.random.random_response import RandomResponse as RandomResponse
@@ -74,6 +78,7 @@ if TYPE_CHECKING:
     from .mechanics.normal_form import NormalForm as NormalForm
     from .mechanics.normal_form import mechanical_normal_form as mechanical_normal_form
     from .mechanics.parameter import Parameter as Parameter
+    from .mechanics.peaks import cycles as cycles
     from .mechanics.rotating import Campbell as Campbell
     from .mechanics.rotating import CriticalSpeed as CriticalSpeed
     from .mechanics.sensitivities import Sensitivities as Sensitivities
@@ -159,6 +164,7 @@ _NAMES = {
     "exact.symbolic.symbolic_matrix": "SymbolicPolynomialMatrix",
     "exchange.matrices": "read_matrix",
     "exchange.universal": "Geometry",
+    "frequency.fatigue": "CycleCount FatigueDamageSpectrum fatigue_damage_spectrum rainflow",
     "frequency.frequency_response": "FrequencyResponse frequency_response",
     "frequency.random.random_response": "RandomResponse octave_bands",
     "frequency.random.spectra": "Spectrum dryden kanai_tajimi psd rational_spectrum road_profile white_noise",
@@ -176,6 +182,7 @@ _NAMES = {
     "mechanics.modes": "Modes",
     "mechanics.motion": "Motion",
     "mechanics.motions": "Motions",
+    "mechanics.peaks": "cycles",
     "mechanics.normal_form": "NormalForm mechanical_normal_form",
     "mechanics.parameter": "Parameter",
     "mechanics.rotating": "Campbell CriticalSpeed",

@@ -455,3 +455,65 @@ def test_the_crane_with_a_shaper_stops_without_swing_and_the_other_one_swings_as
     assert np.abs(result.motion(after)[front] - 2.0).max() < 1e-13
     assert np.abs(result.motion.derivative()(after)[front]).max() < 1e-13 < 0.1 < np.abs(swing).max()
     assert not any(notice.doubtful for notice in result.notices)
+
+
+def _columns(name: str) -> np.ndarray:
+    """The first two columns of a logger's file with decimal commas, read by NumPy."""
+    lines = [line.replace(",", ".") for line in (EXAMPLES / "records" / name).read_text().splitlines() if line[:1].isdigit()]
+    return np.loadtxt(lines, delimiter=";", usecols=(0, 1)).T
+
+
+def test_the_car_meets_the_bump_with_both_axles():
+    """scipy.signal.lsim, exact for inputs of linear pieces, of equations written by hand; the rear axle 2.7 m / (30 km/h) = 0.324 s later."""
+    result = read_scene(EXAMPLES / "car_over_bump.toml").run()
+    x, height = _columns("speed_bump.csv")
+    step = 0.05 / (30 / 3.6)  # s between samples; a wheelbase is 54 of them
+    t = step * np.arange(200)
+    road = np.array([np.interp(t, own, height / 1000, right=0.0) for own in (x / (30 / 3.6), x / (30 / 3.6) + 54 * step)]).T
+    m, J, a, b = 1200.0, 1500.0, 1.2, 1.5  # body, and its centre behind the front and before the rear axle
+    springs, dampers, tyre = np.array([30e3, 35e3]), np.array([2400.0, 2800.0]), 380e3
+    ends = np.array([[1, a, -1, 0], [1, -b, 0, -1]])  # elongations by body, angle (front up), front and rear wheel
+    K = ends.T @ np.diag(springs) @ ends + np.diag([0, 0, tyre, tyre])
+    C, M = ends.T @ np.diag(dampers) @ ends, np.diag([m, J, 80.0, 70.0])
+    A = np.block([[np.zeros((4, 4)), np.eye(4)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
+    B = np.vstack([np.zeros((6, 2)), np.diag([tyre / 80, tyre / 70])])
+    y = lsim((A, B, np.eye(8)[:4], np.zeros((4, 2))), road, t)[1]
+    names = result.scene.equations.coordinates.names
+    found = result.motion.displacement(t)
+    for name, expected in zip(("body", "front wheel", "rear wheel"), y[:, [0, 2, 3]].T):
+        assert found[names.index(name)] == pytest.approx(expected, abs=1e-12)
+    assert np.abs(y[:, 3]).max() > 0.03 and np.abs(y[:54, 3]).max() < 0.01  # the rear wheel waits for its bump
+
+
+def test_the_bridge_on_two_piers_stretches_as_the_wave_passes():
+    """scipy.signal.lsim with both grounds as double integrators of their accelerations, the later one by 120 m / (400 m/s) = 15 samples."""
+    scene = read_scene(EXAMPLES / "bridge_in_earthquake.toml")
+    result = scene.run()
+    times, g = _columns("ground_logger.csv")
+    a = 9.80665 * g
+    a = a - np.sum((a[1:] + a[:-1]) / 2 * np.diff(times)) / times[-1]  # the mean of the linear pieces
+    t = 0.02 * np.arange(801)
+    ground = np.zeros((801, 2))
+    ground[: len(a), 0], ground[15 : len(a) + 15, 1] = a, a
+    k, c, girder, M = np.array([60e6, 40e6]), np.array([700e3, 500e3]), 90e6, np.array([900e3, 700e3])
+    K, C = np.diag(k) + girder * np.array([[1, -1], [-1, 1]]), np.diag(c)
+    Z, E = np.zeros((2, 2)), np.eye(2)
+    top = np.hstack([-K / M[:, None], -C / M[:, None], np.diag(k / M), np.diag(c / M)])
+    A = np.vstack([np.hstack([Z, E, Z, Z]), top, np.hstack([Z, Z, Z, E]), np.zeros((2, 8))])
+    y = lsim((A, np.vstack([np.zeros((6, 2)), E]), np.eye(8), np.zeros((8, 2))), ground, t)[1]
+    within = t < times[-1] - 0.01  # samples beyond the last one of the record are a ramp to zero in lsim
+    names = scene.equations.coordinates.names
+    found = result.motion.displacement(t[within])
+    size = np.abs(y[within]).max()
+    for name, expected in (("west deck", y[within, 0]), ("east deck", y[within, 1]), ("east ground", y[within, 5])):
+        assert found[names.index(name)] == pytest.approx(expected, abs=2e-8 * size)  # lsim's errors grow with its integrators
+    (notice,) = (one for one in result.notices if one.kind == "record")
+    assert (
+        "a constant baseline of at most 0.118 m/s^2" in notice.text and "displacement 8.47 m, now " in notice.text
+    )  # 0.012 g (12 s)^2 / 2
+    stretch = result.motion.peaks(
+        12.0, "displacement", [[-1.0 if n == "west deck" else 1.0 if n == "east deck" else 0.0 for n in names]]
+    )
+    together = read_scene(EXAMPLES / "bridge_in_earthquake.toml", {"span": "0 m"}).run().motion
+    same = together.peaks(12.0, "displacement", [[-1.0 if n == "west deck" else 1.0 if n == "east deck" else 0.0 for n in names]])
+    assert stretch.largest[0] > 2 * same.largest[0]  # the wave loads the girder more than an earthquake of both grounds at once

@@ -17,6 +17,7 @@ ANALYSES = {
     "frequency": ("frequency", "Frequency response: peaks, antiresonances, Bode plots."),
     "random": ("random", "Random vibration: RMS values, spectra, expected largest values."),
     "shock": ("shock", "Peaks under a shock, shock response spectra."),
+    "fatigue": ("fatigue", "Cycles by the rainflow method, damage, fatigue damage spectra."),
     "sensitivity": ("sensitivity", "Derivatives of frequencies and damping, sorted by influence."),
     "mac": ("mac", "Which modes of two scenes are the same: modal assurance criterion."),
     "campbell": ("campbell", "Critical speeds, whirl, stability and unbalance of a rotor; interference diagrams."),

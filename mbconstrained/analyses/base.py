@@ -63,6 +63,7 @@ class Answer(Pictured):
         keys: parts of the plain data besides title and data.
         machine: processor and packages, on the page, and on the terminal with all that ``verbose`` shows.
         text: the whole answer as a text of its own, such as source code, in the place of files.
+        kept: resolved paths of the files that were read, which results never replace.
     """
 
     kind: str
@@ -83,6 +84,7 @@ class Answer(Pictured):
     keys: tuple[str, ...] = ("notices", "trusted", "files")
     machine: Mapping[str, str] = field(default_factory=dict)
     text: str = ""
+    kept: frozenset[Path] = frozenset()
 
     @property
     def is_trusted(self) -> bool:
@@ -205,7 +207,7 @@ class Answer(Pictured):
             if one not in FORMATS:
                 raise InputError(f"formats: found {one!r}{nearest(one, FORMATS)}; expected some of {', '.join(FORMATS)}")
         if files is None:
-            with Replacements() as files:
+            with Replacements(lambda: self.kept) as files:
                 return Answer.write(self, folder, formats, viewer, files)
         from ..page.html import write_page
         from ..page.plots import image_groups, plot_image
@@ -288,7 +290,8 @@ class Analysis:
         reported = {"progress": progress} if progress else {}
         settings = cls.changed(own, given, scene.file_name) if given else own
         if scene.equations.switching is None or cls.switches == "all":
-            return cls.solve(scene, settings, **reported)
+            answer = cls.solve(scene, settings, **reported)
+            return replace(answer, kept=scene.files_read) if type(answer) is Answer else answer  # a run keeps them itself
         if cls.switches == "none":
             with at(scene.file_name, "model"):
                 raise InputError(
@@ -296,7 +299,7 @@ class Analysis:
                     "modes and frequency the linear answers for one phase"
                 )
         answer = cls.solve(scene.in_phase(), settings, **reported)
-        return replace(answer, keys=tuple(dict.fromkeys((*answer.keys, "notices"))))
+        return replace(answer, keys=tuple(dict.fromkeys((*answer.keys, "notices"))), kept=scene.files_read)
 
     @classmethod
     def answer_without_scene(cls, progress: Callable | None = None, **given) -> Answer:

@@ -19,11 +19,13 @@ from ..ground.errors import InputError
 from ..ground.notices import distinct
 from ..mechanics.channels import channels
 from ..page.content import Curve, Plot, Scale, curve_with_gaps
+from ..scene.build.data_files import curve_of
 from ..scene.file import at
-from ..scene.schema.analysis_tables import RandomTable
+from ..scene.schema.analysis_tables import RandomInputTable, RandomTable
 from .base import Analysis, Answer
 
 if TYPE_CHECKING:
+    from ..frequency.random.spectra import Spectrum
     from ..scene.run.scene import Scene
 
 #: Lines of the spectra for each decade, besides those that the poles place.
@@ -106,7 +108,7 @@ def random_arguments(scene: Scene, table: RandomTable | None) -> tuple[tuple, di
         )
     if equations.control is not None or equations.system is None:
         raise InputError("random vibration needs a model with mass, damping and stiffness")
-    excitation = {entry.on: entry.spectrum for entry in table.input}
+    excitation = {entry.on: _spectrum(scene, number, entry) for number, entry in enumerate(table.input, 1)}
     if len(excitation) < len(table.input):
         raise InputError("two [[random.input]] have the same name in on; add their spectra")
     delays = {entry.on: entry.delay for entry in table.input} if any(entry.delay for entry in table.input) else None
@@ -117,6 +119,11 @@ def random_arguments(scene: Scene, table: RandomTable | None) -> tuple[tuple, di
         outputs = [*free, *(name for name in equations.system.quantities if name not in free)]
     further = {key: getattr(table, key) for key in ("relative_to", "modal_damping", "coherence")}
     return (excitation, outputs, table.quantity), {**further, "delays": delays}
+
+
+def _spectrum(scene: Scene, number: int, entry: RandomInputTable) -> Spectrum:
+    with at(scene.file_name, f"random.input[{number}]"):
+        return entry.spectrum(lambda table: curve_of(table, scene.folder))
 
 
 def response_plots(response: RandomResponse) -> Iterator[Plot]:

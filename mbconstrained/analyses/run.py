@@ -457,7 +457,7 @@ class RunAnswer(Result, Answer):
             yield self._together
             return
         try:
-            with Replacements() as self._together:
+            with Replacements(lambda: self.scene.files_read) as self._together:
                 yield self._together
         finally:
             self._together = None

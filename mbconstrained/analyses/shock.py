@@ -60,9 +60,9 @@ class Shock(Analysis):
     def solve(cls, scene: Scene, settings: ShockTable | None) -> Answer:
         """The answer of a scene with mass, damping and stiffness."""
         table, system = settings or ShockTable(), scene.equations.system
-        motions = {name: coordinate for motion in scene.table.motion for name, (coordinate, _) in motion.rows.items()}
+        motions = prescribed_rows(scene)
         with at(scene.file_name, "shock.of"):
-            excitation = _excitation(scene, table, motions)
+            excitation = excitation_of(scene, table.of, motions)
         with at(scene.file_name, "shock"):
             if system is None or system.is_sparse:
                 lacking = (
@@ -78,8 +78,7 @@ class Shock(Analysis):
             part = None if excitation is None else _Spectrum(table, scene.equations.coordinates.shown, *excitation)
         own: tuple[Notice, ...] = () if part is None else part.spectrum.notices
         if part is None and motions:
-            reasons = [f'the motion "{name}" {_acceleration(_row(scene, name, motions))}' for name in motions]
-            own = (Notice(NoticeKind.OMITTED, f"no shock response spectrum: {'; '.join(reasons)}"),)
+            own = (no_spectrum(scene, "shock response spectrum", motions),)
         notices = distinct(scene.notices, scene.equations.form_notices, motion.notices, own)
         facts = (("peaks", f"from 0 to {end:g} s, none missed, limits from the left included"),)
         own_units = scene.equations.coordinates.shown
@@ -93,7 +92,7 @@ class Shock(Analysis):
         units = OutputUnits((record.unit_in_file,) if record.unit_in_file else ())
         with at(path.name, "shock"):
             part = _Spectrum(table, units, record.name or path.stem, "m", record.signal)
-            notices = part.spectrum.notices
+            notices = distinct(record.notices, part.spectrum.notices)
         if not record.unit:
             text = f"{path.name}: the unit of the values is not known; m/s² is taken: give unit"
             notices = (*notices, Notice(NoticeKind.OMITTED, text))
@@ -156,7 +155,7 @@ class _Spectrum:
     def of(self, quantity: str) -> ShockResponseSpectrum:
         """The spectrum of another quantity."""
         own = self.settings
-        lines = own.lines(*_range(self.signal))
+        lines = own.lines(*natural_range(self.signal))
         return shock_response_spectrum(self.signal, lines, own.damping_ratio, quantity, own.interpolation, own.quality_factor)
 
     @cached_property
@@ -239,16 +238,27 @@ class _Spectrum:
                 yield Guide(name, right, left) if is_at_left else Guide(name, left, right)
 
 
-def _excitation(scene: Scene, table: ShockTable, motions: Mapping[str, str]) -> tuple[str, str, ImpulsiveSmooth] | None:
+def prescribed_rows(scene: Scene) -> dict[str, str]:
+    """Coordinates by the names of the rows that prescribe them."""
+    return {name: coordinate for motion in scene.table.motion for name, (coordinate, _) in motion.rows.items()}
+
+
+def excitation_of(scene: Scene, of: str | None, motions: Mapping[str, str]) -> tuple[str, str, ImpulsiveSmooth] | None:
     """Name, unit of the displacement and acceleration of the support; None where the scene has none that ends."""
-    for name, coordinate in motions.items() if table.of is None else [(table.of, table.of)]:
+    for name, coordinate in motions.items() if of is None else [(of, of)]:
         row = _row(scene, name, motions)
         signal = _acceleration(row)
         if not isinstance(signal, str):
             return coordinate, row.unit, signal
-        if table.of is not None:
+        if of is not None:
             raise InputError(f'the motion "{name}" {signal}')
     return None
+
+
+def no_spectrum(scene: Scene, what: str, motions: Mapping[str, str]) -> Notice:
+    """The reasons why no motion has a spectrum."""
+    reasons = [f'the motion "{name}" {_acceleration(_row(scene, name, motions))}' for name in motions]
+    return Notice(NoticeKind.OMITTED, f"no {what}: {'; '.join(reasons)}")
 
 
 def _row(scene: Scene, name: str, motions: Mapping[str, str]) -> ConstraintRow:
@@ -278,7 +288,7 @@ def _acceleration(row: ConstraintRow) -> ImpulsiveSmooth | str:
     return signal
 
 
-def _range(signal: ImpulsiveSmooth) -> tuple[float, float]:
+def natural_range(signal: ImpulsiveSmooth) -> tuple[float, float]:
     """The natural frequencies in Hz by default."""
     knots = np.union1d([0.0], signal.knots)
     duration, gaps = float(knots[-1]), np.diff(knots)

@@ -22,6 +22,7 @@ from .answer import (
     FINE,
     NOT_TRUSTED,
     Compress,
+    DataFolders,
     Json,
     Out,
     ScenePath,
@@ -56,6 +57,8 @@ RECORD = {
     "unit": ("--unit", "UNIT", 'Of a record, e.g. g or "mm/s^2"; by default that in its header.'),
     "column": ("--column", "NAME", "Of a record, by number or name; 2 by default."),
     "step": ("--step", "TIME", "Between samples of a record without times."),
+    "array": ("--sheet", "NAME", "Of a record in .xlsx with several sheets, or in a file of arrays."),
+    "baseline": ("--baseline", "DEGREE", "Remove a polynomial of time: constant, linear, quadratic or cubic."),
 }
 
 
@@ -96,6 +99,7 @@ def command(analysis: type[Analysis]):
         source: str,
         out: str,
         settings,
+        data_folder,
         json: bool,
         shared_viewer=False,
         compress=False,
@@ -132,7 +136,7 @@ def command(analysis: type[Analysis]):
         if not reads_records or Path(source).suffix.lower() == ".toml":
             if used := [key for key, value in reading.items() if value is not None]:
                 raise typer.BadParameter("it belongs to a record; a scene has its units in its tables", param_hint=f"--{used[0]}")
-            answer(source, json, work, settings)
+            answer(source, json, work, settings, data_folder)
         if settings:
             raise typer.BadParameter("values are set in a scene; this is a record", param_hint="--set")
         leave(Path(source).name, json, lambda: writing.files(*_of_record(analysis, Path(source), chosen, reading)))
@@ -194,14 +198,19 @@ def _parameters(analysis: type[Analysis], entries: dict) -> dict[str, tuple[Any,
     if hasattr(analysis, "of_record"):
         result |= {name: _option(flag, kind, text) for name, (flag, kind, text) in RECORD.items()}
     if analysis.formats == TEXT:
-        return result | {"out": (File, ""), "settings": (Settings, None), "json": (Json, False)}
+        return result | {"out": (File, ""), "settings": (Settings, None), "data_folder": (DataFolders, None), "json": (Json, False)}
     if not analysis.writes:
         result["page"] = _option("--page", bool, f"Write NAME.{analysis.name}.html too.")
     result["out"] = (Out, "")
     if analysis.writes:
         result["plots"] = (Plots, False)
     result |= {"shared_viewer": (SharedViewer, False), "compress": (Compress, False)}
-    return result | {"verbose": (Verbose, False), "settings": (Settings, None), "json": (Json, False)}
+    return result | {
+        "verbose": (Verbose, False),
+        "settings": (Settings, None),
+        "data_folder": (DataFolders, None),
+        "json": (Json, False),
+    }
 
 
 def _entries(analysis: type[Analysis]):
@@ -337,12 +346,12 @@ Folder = Annotated[str, typer.Option("--out", metavar="DIR", help="Folder to wri
 def comparison(analysis):
     """The function that typer makes a command of."""
 
-    def run(scenes: Scenes, out: Folder = "", settings: Values = None, json: Json = False) -> None:
+    def run(scenes: Scenes, out: Folder = "", settings: Values = None, data_folder: DataFolders = None, json: Json = False) -> None:
         def work() -> int:
             from .printing import show
 
             folder = Path(out or Path("results") / analysis.name)
-            one, files = analysis.of_runs(dict(_runs(scenes, settings or ())), folder)
+            one, files = analysis.of_runs(dict(_runs(scenes, settings or (), data_folder or ())), folder)
             files += one.write(folder, analysis.formats)
             show(json, lambda: one.to_dict(files), lambda: one.blocks(files))
             return FINE if one.is_trusted else NOT_TRUSTED
@@ -353,7 +362,7 @@ def comparison(analysis):
     return run
 
 
-def _runs(paths: Sequence[str], settings: Sequence[str]) -> Iterator[tuple[str, Scene]]:
+def _runs(paths: Sequence[str], settings: Sequence[str], data_folders: Sequence[str]) -> Iterator[tuple[str, Scene]]:
     """Every scene with every combination of values, by the name of its folder."""
     from ..ground.errors import InputError
 
@@ -372,4 +381,4 @@ def _runs(paths: Sequence[str], settings: Sequence[str]) -> Iterator[tuple[str, 
         label = re.sub(r"[^\w.=+-]+", "_", " ".join([*([Path(path).stem] if len(paths) > 1 or not chosen else []), *chosen]))
         labels[label] = labels.get(label, 0) + 1
         own = label if labels[label] == 1 else f"{label}_{labels[label]}"
-        yield own, read(path, dict(setting(f"{name}={text}") for name, text in combination))
+        yield own, read(path, dict(setting(f"{name}={text}") for name, text in combination), data_folders)

@@ -19,6 +19,10 @@ Settings = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="NAME=VALUE", help="Override a parameter or a key of the scene; may be repeated."),
 ]
+DataFolders = Annotated[
+    list[str] | None,
+    typer.Option("--data-folder", metavar="DIR", help="Allow data files in this folder, too; may be repeated."),
+]
 SharedViewer = Annotated[
     bool, typer.Option("--shared-viewer", help="Write the 3-D viewer once next to the pages of a folder, not into each.")
 ]
@@ -37,7 +41,13 @@ FINE, SCENE_WRONG, COMMAND_WRONG, NOT_TRUSTED = 0, 1, 2, 3
 INTERRUPTED = 130
 
 
-def answer(path: str, json: bool, work: Callable[[Scene], int | None], settings: Sequence[str] | None = None) -> None:
+def answer(
+    path: str,
+    json: bool,
+    work: Callable[[Scene], int | None],
+    settings: Sequence[str] | None = None,
+    data_folders: Sequence[str] | None = None,
+) -> None:
     """Read the scene, changed by NAME=VALUE of each --set, do the work, and leave with its exit code, None for 0."""
     values: dict[str, Any] = {}
     for text in settings or ():
@@ -50,7 +60,7 @@ def answer(path: str, json: bool, work: Callable[[Scene], int | None], settings:
         if name in values:
             raise typer.BadParameter(f'"{name}" is set twice; give it one value', param_hint="--set")
         values[name] = value
-    leave(Path(path).name, json, lambda: work(read(path, values)))
+    leave(Path(path).name, json, lambda: work(read(path, values, data_folders or ())))
 
 
 def results_folder(source: Path | None) -> Path:
@@ -139,13 +149,13 @@ def _cause(problem: OSError) -> str:
     return f"{problem.filename}: {problem.strerror}" if problem.filename and problem.strerror else str(problem)
 
 
-def read(path: str, settings: Mapping[str, Any]) -> Scene:
+def read(path: str, settings: Mapping[str, Any], data_folders: Sequence[str] = ()) -> Scene:
     """The scene; errors of the system while it is read are about the scene, not about the results."""
     from ..ground.errors import SceneError
     from ..scene.run.scene import read_scene
 
     try:
-        return read_scene(path, settings)
+        return read_scene(path, settings, data_folders)
     except OSError as problem:
         raise SceneError(f"{Path(path).name}: the scene or a file of it cannot be read: {_cause(problem)}") from None
 

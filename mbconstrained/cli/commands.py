@@ -14,6 +14,7 @@ from .answer import (
     FINE,
     NOT_TRUSTED,
     Compress,
+    DataFolders,
     Json,
     Out,
     ScenePath,
@@ -99,6 +100,7 @@ def _run(
     compress: Compress = False,
     verbose: Verbose = False,
     settings: Settings = None,
+    data_folder: DataFolders = None,
     json: Json = False,
 ) -> None:
     """Solve a scene, write page, CSV and npz, and print a summary of one screen: natural frequencies, warnings, files.
@@ -122,7 +124,7 @@ def _run(
         show(json, result.to_dict, lambda: result.blocks() if verbose else overview(result, line_width()))
         return FINE if result.is_trusted else NOT_TRUSTED
 
-    answer(scene, json, work, settings)
+    answer(scene, json, work, settings, data_folder)
 
 
 @app.command("plan", short_help="List the stages of a run, needed or omitted, with the reasons.")
@@ -132,6 +134,7 @@ def _plan(
         bool, typer.Option("--run", help="Run it too, into a temporary folder that is removed; list the cost of each stage.")
     ] = False,
     settings: Settings = None,
+    data_folder: DataFolders = None,
     json: Json = False,
 ) -> None:
     """List the stages that a scene needs, and those that are left out, each with its reason.
@@ -155,11 +158,11 @@ def _plan(
         show(json, lambda: data, lambda: [loaded.heading, *plan.cost_tables(), *map(str, doubts)])
         return FINE if result.is_trusted else NOT_TRUSTED
 
-    answer(scene, json, work, settings)
+    answer(scene, json, work, settings, data_folder)
 
 
 @app.command("check", short_help="Check a scene; write nothing.")
-def _check(scene: ScenePath, settings: Settings = None, json: Json = False) -> None:
+def _check(scene: ScenePath, settings: Settings = None, data_folder: DataFolders = None, json: Json = False) -> None:
     """Read a scene and see whether everything in it is right; write nothing.
 
     It lists unconstrained bodies and, where the start violates the constraints, the jumps and impulses at t = 0."""
@@ -177,7 +180,7 @@ def _check(scene: ScenePath, settings: Settings = None, json: Json = False) -> N
         data = {"title": loaded.title, "coordinates": list(names), "stages": count, "notices": notices}
         show(json, lambda: data, lambda: ["\n".join(lines)])
 
-    answer(scene, json, work, settings)
+    answer(scene, json, work, settings, data_folder)
 
 
 WITHOUT_TIME = "without [time], which a run needs; modes and frequency responses do not"

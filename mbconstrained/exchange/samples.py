@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,7 +14,8 @@ import numpy as np
 from ..ground.checks import counted, real_number, whole_number
 from ..ground.errors import InputError
 from ..ground.files import checked_file, readable_as
-from .matrices import READERS, TEXT, NumberTable, full_matrix, number_table, read_matrix, text_of
+from .columns import SHEETS, NumberTable, number_table, text_of
+from .matrices import READERS, TEXT, full_matrix, read_matrix
 from .universal import UNIVERSAL, read_function
 
 STANDARD_GRAVITY = 9.80665  # m/s^2, by definition
@@ -33,6 +34,8 @@ class Samples:
     unit: str = ""
     is_scaled: bool = False  # whether the format itself fixes times in s and values in an SI unit, 1 for shares of full scale
     lines: np.ndarray | None = field(default=None, repr=False)  # the line of each sample in the file; None where it has no lines
+    notes: tuple[str, ...] = ()  # how the file was read where it has another reading, and steps that differ from all others
+    of_clock: bool = False  # whether the times are seconds between dates or times of day
 
     def place(self, row: int) -> str:
         """Location of a sample in the file, for messages."""
@@ -47,11 +50,13 @@ def read_samples(
     step: float | None = None,
     header: int = 0,
     array: str | None = None,
+    decimal: str | None = None,
+    over_time: bool = True,
 ) -> Samples:
-    """A record in a file.
+    """A record in a file; or where it is not over time the values of a column over any other one.
 
-    Read are text with columns of numbers (any ending), recordings of ground motion in the text formats of PEER (.AT2), K-NET and DYNA,
-    .wav, universal files (functions of data set 58), and arrays in .npy, .npz, .mat, .mtx and .op4.
+    Read are text with columns of numbers (any ending), sheets in .xlsx, recordings of ground motion in the text formats of PEER (.AT2),
+    K-NET and DYNA, .wav, universal files (functions of data set 58), and arrays in .npy, .npz, .mat, .mtx and .op4.
     """
     path = checked_file(path)
     step = None if step is None else real_number(step, "step", positive=True)
@@ -59,14 +64,20 @@ def read_samples(
     if step is not None and time is not None:
         raise InputError(f"{path.name}: found step and time; give the step between samples, or the column of the times")
     try:
-        return _samples(path, column, time, step, header, array)
+        record = _samples(path, column, time, step, header, array, decimal)
+        return _ascending(record) if over_time and step is None else record
     except OSError as problem:
         raise InputError(f"{path.name}: the file cannot be read ({problem.strerror or problem})") from None
 
 
-def _samples(path: Path, column, time, step, header: int, array) -> Samples:
+def _samples(path: Path, column, time, step, header: int, array, decimal) -> Samples:
     suffix = path.suffix.lower()
+    if suffix in (".xls", ".xlsb", ".ods"):
+        raise InputError(f"{path.name}: {suffix} files are not read; save it as .xlsx or .csv")
+    if suffix in SHEETS:
+        return _from_table(number_table(path, header, array, decimal), column, time, step)
     if suffix in READERS and suffix not in TEXT:
+        _refuse(path, "only a text has a decimal mark", decimal=decimal)
         _refuse(path, "only a text has header lines", header=header)
         matrix = full_matrix(read_matrix(path, array), path.name)
         return _from_table(NumberTable(path.name, matrix, np.arange(1, len(matrix) + 1)), column, time, step, lines=False)
@@ -77,12 +88,12 @@ def _samples(path: Path, column, time, step, header: int, array) -> Samples:
     if suffix in UNIVERSAL:
         _refuse(path, "the file has its own times", time=time, step=step, header=header)
         function = read_function(path, column)
-        return _ascending(Samples(path.name, function.times, function.values, function.name, "s", function.unit, True))
-    if step is None and not header and (motion := ground_motion(path.name, text_of(path))):
+        return Samples(path.name, function.times, function.values, function.name, "s", function.unit, True)
+    if step is None and not header and decimal is None and (motion := ground_motion(path.name, text_of(path))):
         _refuse(path, "the file has its own times and one column", time=time, column=column)
         times = motion.step * np.arange(len(motion.values))
         return Samples(path.name, times, motion.values, motion.name, "s", motion.unit, True)
-    return _from_table(number_table(path, header), column, time, step)
+    return _from_table(number_table(path, header, decimal=decimal), column, time, step)
 
 
 def _refuse(path: Path, reason: str, **arguments) -> None:
@@ -103,31 +114,63 @@ def _from_table(table: NumberTable, column, time, step, lines: bool = True) -> S
             values, rows, name, unit = table.checked(place)[:, 0], table.lines, table.title(place), table.unit(place)
         return Samples(table.file, step * np.arange(len(values)), values, name, "s", unit, False, rows if lines else None)
     first = table.column(1 if time is None else time, "time")
-    if column is None and first:
+    others = [place for place in range(count) if place != first and place not in table.stamps and place not in table.texts]
+    if column is None and first and not (first in table.stamps and len(others) == 1):
         raise InputError(f"{table.file}: column: give the column of the values, by number or name; the times are in {first + 1}")
-    if count == 1 and column is None:
+    if not others and column is None:
         raise InputError(
-            f"{table.file}: found 1 column; expected the times in s in column 1 and the values in column 2, or a step between samples"
+            f"{table.file}: found {counted(count, 'column')}; expected the times in s in column 1 and the values in column 2, or a step "
+            "between samples"
         )
-    place = table.column(2 if column is None else column)
+    place = others[0] if column is None else table.column(column)
     if place == first:
         raise InputError(
             f"{table.file}: column: column {place + 1} holds the times; give another one, or step instead of the times"
         )
     times, values = table.checked(first, place).T
     rows = table.lines if lines else None
-    return _ascending(Samples(table.file, times, values, table.title(place), table.unit(first), table.unit(place), False, rows))
+    name, units = table.title(place), (table.unit(first), table.unit(place))
+    return Samples(table.file, times, values, name, *units, False, rows, table.notes, first in table.stamps)
 
 
 def _ascending(record: Samples) -> Samples:
+    """The record with ascending times, and notes on steps that are missing or repeated in a record of even steps otherwise."""
     if (backwards := np.diff(record.times) < 0).any():
         row = int(np.argmax(backwards)) + 1
         before, after = record.times[row - 1 : row + 1]
+        hint = "; a time of day that passes midnight needs its date" if record.of_clock else ""
         unit = record.time_unit or "s"
         raise InputError(
-            f"{record.file}, {record.place(row)}: {before:g} {unit} is followed by {after:g} {unit}; times must ascend"
+            f"{record.file}, {record.place(row)}: {before:g} {unit} is followed by {after:g} {unit}; times must ascend{hint}"
         )
-    return record
+    return replace(record, notes=(*record.notes, *_notes_on_steps(record)))
+
+
+#: A record has even steps where at least this share of them differs from their median by no more than a part of it.
+MOST_STEPS, STEP_SPREAD = 0.9, 0.2
+
+#: Records of fewer steps may have any.
+FEWEST_STEPS = 20
+
+
+def _notes_on_steps(record: Samples) -> Iterator[str]:
+    steps = np.diff(record.times)
+    if len(steps) < FEWEST_STEPS or not (usual := float(np.median(steps))) > 0:
+        return
+    if (np.abs(steps - usual) <= STEP_SPREAD * usual).mean() < MOST_STEPS:
+        return
+    unit = record.time_unit or "s"
+    (gaps,), (repeated,) = (steps > (2 - STEP_SPREAD) * usual).nonzero(), (steps == 0).nonzero()
+    if len(gaps):
+        at, lost = gaps[0], int(np.round(steps[gaps] / usual - 1).sum())
+        more = f", and {counted(len(gaps) - 1, 'gap')} more: {lost} in all" if len(gaps) > 1 else ""
+        yield (
+            f"{record.place(at + 1)}: {counted(round(steps[at] / usual) - 1, 'sample')} missing after {record.times[at]:g} {unit}{more}; "
+            f"steps are {usual:.6g} {unit} elsewhere, and the record is linear across a gap"
+        )
+    if len(repeated):
+        more = f", and those of {counted(len(repeated) - 1, 'line')} more" if len(repeated) > 1 else ""
+        yield f"{record.place(repeated[0] + 1)} repeats the time {record.times[repeated[0]]:g} {unit}{more}; the record jumps there"
 
 
 def _from_wav(path: Path, column: int | str) -> Samples:
@@ -175,10 +218,9 @@ def ground_motion(file: str, text: str) -> GroundMotion | None:
     >>> record.step, record.values.round(4).tolist(), record.unit
     (0.005, [0.9807, -1.9613], 'm/s^2')
     """
-    lines = text.splitlines()
-    head = lines[:HEADER_LINES]
+    head = "\n".join(text.split("\n", HEADER_LINES)[:HEADER_LINES]).splitlines()
     reader = next((reader for is_it, reader in _FORMATS if any(re.search(is_it, line) for line in head)), None)
-    return reader(file, lines) if reader else None
+    return reader(file, text.splitlines()) if reader else None
 
 
 _PEER_UNITS = {

@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -83,11 +83,15 @@ class Replacements:
         (False, '42')
     """
 
-    def __init__(self):
+    def __init__(self, kept: Callable[[], Collection[Path]] = tuple):
+        """Create it without files; those that are kept, the resolved paths that a function returns, are never replaced."""
         self._places: dict[Path, Path] = {}
+        self._kept = kept
 
     def temporary(self, path: Path, mark: str = "") -> Path:
         """The temporary path of a file that replaces the target at the end."""
+        if path.exists() and path.resolve() in self._kept():
+            raise InputError(f"{path}: the scene reads this file, and a result would replace it; write into another folder")
         if path.is_dir() and not (mark and (path / mark).exists()):  # checked here, before the first files are replaced
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
         temporary = path.with_name(f".{path.name}.{threading.get_ident()}.{os.getpid()}")  # threads may write the same files

@@ -39,6 +39,7 @@ class NoticeKind(StrEnum):
     RANK = "rank", "a numerical rank decision and what it decided"
     ACCURACY = "accuracy", "how accurate the values are, and what limits them"
     STATIC_LOAD = "static load", "constant forces of rest lengths and weights that act from t = 0 on"
+    RECORD = "record", "how a record in a file was read, what is missing in it, and what was corrected"
     OMITTED = "omitted", "a part of the input or of the requested output that was left out"
     UNSYMMETRIC = "unsymmetric", "a matrix that is unsymmetric, and the load that causes it"
     DISTANT_POSTURE = "distant posture", "an equilibrium of a robot far from the guess"

@@ -493,6 +493,9 @@ ROUGH_PART = 1e-9
 #: Parts of a function below this share of its largest amplitude do not decide how finely it is sampled.
 VISIBLE_PART = 1e-6
 
+#: Free vibrations have done their damage below this share of their first amplitude: with an exponent of 3 the rest is 1e-18 of it.
+FREE_PART = 1e-6
+
 # Periodic motions of switched systems.
 
 #: A state has converged with a residual below this, relative to the range of each coordinate and velocity: unstable motions multiply

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..frequency.fatigue import CycleCount, cycles_of
 from ..frequency.shock.extrema import Extrema, extrema
 from ..frequency.shock.response_spectrum import ShockResponseSpectrum
 from ..ground.checks import counted, nearest, real_array, real_number
@@ -190,6 +191,37 @@ def peaks(motion, end: float, of: str | Sequence[str] = "displacement", combinat
     return Peaks(own, units, of, extrema(function, 0.0, end).shifted(constant))
 
 
+def cycles(motion, end: float, of: str = "force", outputs: Sequence[str] | None = None) -> dict[str, CycleCount]:
+    """Count the cycles of a motion on [0, end] by the rainflow method, from turning points in closed form.
+
+    Args:
+        motion: a motion of a mechanical system, from ``system.solve``.
+        end: in s.
+        of: "force" or "elongation" of springs and dampers, "displacement", "velocity", "acceleration" of coordinates, "reaction" of rows.
+        outputs: names of outputs, also such as "velocity of cart" or "cart - wall"; all with the quantity by default.
+
+    Returns:
+        A ``CycleCount`` by name, as of ``rainflow``.
+
+    Raises:
+        InputError: an unknown quantity or name, an end that is not positive, a motion of too many periods.
+
+    >>> from mbconstrained import MechanicalSystem
+    >>> free = MechanicalSystem([[1.0]], None, [[4.0]]).solve(displacement=[1.0])  # cos 2 t
+    >>> cycles(free, 10.0, "displacement")
+    {'x1': CycleCount(3.5 cycles, ranges up to 2)}
+    """
+    end = real_number(end, "end", positive=True)
+    if of not in QUANTITIES:
+        raise InputError(f"of: found {of!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(of), QUANTITIES)}")
+    if outputs is None:
+        function, names, units, constant = _functions(motion, of)
+    else:
+        function, names, units, constant = _closed_forms(motion, OutputNames.of(motion.system).chosen("outputs", outputs, of, ()))
+    counts = cycles_of(function, 0.0, end) if names else []
+    return {name: replace(own, means=own.means + c, unit=unit) for name, unit, own, c in zip(names, units, counts, constant)}
+
+
 def peaks_of_outputs(motion, end: float, outputs: Sequence[Output]) -> Peaks:
     """Exact extrema of outputs on [0, end]."""
     names, units, kinds = zip(*((one.name, one.unit, one.quantity) for one in outputs))
@@ -205,12 +237,16 @@ def _functions(motion, of: str) -> tuple[BohlFunction, tuple[str, ...], tuple[st
         names, units = tuple(row.name for row in rows), tuple(force_unit(row.unit) for row in rows)
         return motion.reaction_function, names, units, np.zeros(len(rows))
     if of in ("elongation", "force"):
-        own = OutputNames.of(system).chosen("of", list(system.elements) or None, of, ())
-        function = closed_form(own, motion) if own else motion.function.rows([])
-        return function, tuple(one.name for one in own), tuple(one.unit for one in own), np.array([one.constant for one in own])
+        return _closed_forms(motion, OutputNames.of(system).chosen("of", list(system.elements) or None, of, ()))
     order = QUANTITIES.index(of)
     units = tuple(rate_unit(system.units[name], order) for name in system.names)
     return motion.derivative(order) if order else motion.function, system.names, units, np.zeros(system.size)
+
+
+def _closed_forms(motion, outputs: Sequence[Output]) -> tuple[BohlFunction, tuple[str, ...], tuple[str, ...], np.ndarray]:
+    function = closed_form(outputs, motion) if outputs else motion.function.rows([])
+    names, units = tuple(one.name for one in outputs), tuple(one.unit for one in outputs)
+    return function, names, units, np.array([one.constant for one in outputs])
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -13,7 +13,7 @@ import os
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -290,6 +290,27 @@ def _readable(problem: tomllib.TOMLDecodeError, text: str) -> str:
     return f"{message}; at {place.rstrip(')')}, near {quoted(lines[-1].strip()[:60])}" if place else message
 
 
+class SceneFolder(NamedTuple):
+    """The folder of a scene, and further ones from which its data files may be read."""
+
+    path: Path
+    allowed: tuple[Path, ...] = ()
+
+    def data_file(self, name: str) -> Path:
+        """The path of a data file that a scene names, relative to its folder; absolute within the allowed folders."""
+        rule = (
+            "data files must lie in the folder of the scene or in one inside it; to allow another folder give --data-folder DIR, in Python "
+            "read_scene(…, data_folders=[…])"
+        )
+        if self.allowed and name and name.isprintable():
+            with suppress(OSError, RuntimeError):
+                path = (self.path.resolve() / name).resolve()
+                if any(path.is_relative_to(folder.resolve()) for folder in self.allowed):
+                    return path
+            rule = f"data files must lie in the folder of the scene, or in {' or '.join(map(str, self.allowed))}"
+        return inside(self.path, name, rule, "the name of a file such as record.csv or matrices.npz")
+
+
 def inside(folder: Path, name: str, rule: str, expected: str) -> Path:
     """The path of a file in a folder."""
     if not name or not name.isprintable():
@@ -436,14 +457,15 @@ def _path(folder: Path, name) -> Path:
 
 def _lead_from(data: dict, folder: str) -> None:
     """Make the names of data files relative to the scene instead of their own file."""
-    model = data.get("model")
-    if folder == "." or not isinstance(model, dict):
+    if folder == ".":
         return
+    model, random = (own if isinstance(own := data.get(key), dict) else {} for key in ("model", "random"))
     for key in ("robot", *MATRICES):
         if isinstance(model.get(key), str) and not model[key].lstrip().startswith("="):
             model[key] = f"{folder}/{model[key]}"
-    for table in (*_tables(model.values()), *_tables(_list(data.get("force"))), *_list(model.get("coefficients"))):
-        if isinstance(table, dict) and isinstance(table.get("file"), str):
+    lists = (data.get("force"), data.get("motion"), random.get("input"))
+    for table in (*_tables(model.values()), *(table for each in lists for table in _list(each)), *_list(model.get("coefficients"))):
+        if isinstance(table, dict) and isinstance(table.get("file"), str) and not Path(table["file"]).is_absolute():
             table["file"] = f"{folder}/{table['file']}"
 
 

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 import mbconstrained as mb
@@ -89,3 +90,32 @@ def test_a_quantity_in_python_is_answered():
     assert model.assemble().mass.item() == 2.0
     with pytest.raises(mb.InputError, match="found .2 N.; expected a number in SI units without quotes; texts with units belong"):
         mb.step("2 N")
+
+
+def test_data_of_another_folder_are_read_where_the_command_allows_it(command, scene, tmp_path):
+    (tmp_path / "logger").mkdir()
+    (tmp_path / "logger" / "push.csv").write_text("\ufefft (s);F (kN)\r\n0,0;1,5\r\n1,0;1,5\r\n", encoding="utf-8")
+    own = tmp_path / "scenes"
+    own.mkdir()
+    path = own / "cart.toml"
+    path.write_text(CART + '[[force]]\ncoordinate = "cart"\nkind = "sampled"\nfile = "../logger/push.csv"\n', encoding="utf-8")
+    code, _, err = command("check", path)
+    assert code == 1 and "to allow another folder give --data-folder DIR" in err
+    assert command("check", path, "--data-folder", tmp_path / "logger")[0] == 0
+    code, out, _ = command("run", path, "--data-folder", tmp_path / "logger", "--out", tmp_path / "out")
+    assert code == 0, out
+    last = (tmp_path / "out" / "cart.csv").read_text().splitlines()[-1].split(",")
+    assert float(last[1]) == pytest.approx(1500 / 8 * (1 - np.cos(2)), rel=1e-12)  # F / k (1 - cos w t), w = 2 rad/s
+
+
+@pytest.mark.parametrize(("arguments", "file"), [(("run",), "cart.csv"), (("frequency",), "cart.frequency.csv")])
+def test_results_never_replace_a_file_that_the_scene_reads(command, scene, tmp_path, arguments, file):
+    record = "t (s),F (N)\n0,1\n1,1\n"
+    (tmp_path / file).write_text(record)
+    scene.write_text(CART + f'[[force]]\ncoordinate = "cart"\nkind = "sampled"\nfile = "{file}"\n', encoding="utf-8")
+    before = sorted(tmp_path.iterdir())
+    code, _, err = command(*arguments, scene, "--out", tmp_path)
+    assert code == 1 and f"{file}: the scene reads this file, and a result would replace it" in " ".join(err.split())
+    assert (tmp_path / file).read_text() == record
+    assert sorted(tmp_path.iterdir()) == before  # nor any of the others
+    assert command(*arguments, scene, "--out", tmp_path / "out")[0] == 0

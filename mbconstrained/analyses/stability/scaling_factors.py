@@ -91,7 +91,7 @@ def _with_elements(scene: Scene, problem: StudyProblem, entries: list[tuple[str,
 
 def _with_model(scene: Scene, problem: StudyProblem, model) -> StudyProblem:
     table = scene.table.model_copy(update={"model": model})
-    equations = equations_of(table, scene.path.parent, scene.file_name)
+    equations = equations_of(table, scene.folder, scene.file_name)
     return problem_of(replace(scene, table=table, equations=equations)).at(problem.times)
 
 

@@ -50,12 +50,13 @@ class Job:
     origins: Mapping  # of the entries that come from other files
     settings: Mapping[str, Any]  # values that all samples share
     variables: tuple[Variable, ...]  # kept quantities
+    data_folders: tuple[Path, ...] = ()  # of its data files, besides its own folder
 
     def scene(self, row: Mapping[str, Any]) -> Scene:
         """The scene of a sample."""
         path = Path(self.path)
         name = SceneName(path.name, self.origins)
-        return assembled(path, copy.deepcopy(self.data), name, {**self.settings, **row})
+        return assembled(path, copy.deepcopy(self.data), name, {**self.settings, **row}, None, self.data_folders)
 
     @cached_property
     def given_scene(self) -> Scene:

@@ -612,7 +612,7 @@ def study_of(scene: Scene, parameters: Mapping[str, Any] | None, options: Mappin
     data, name = read_tables(scene.path)
     data.pop("vary", None)
     settings = {setting.name: setting.value for setting in scene.settings}
-    job = Job(str(scene.path), data, dict(name.origins), settings, ())
+    job = Job(str(scene.path), data, dict(name.origins), settings, (), scene.data_folders)
     middle = _middle(job, scene, samples)
     variables = variables_of(table.keep, middle)
     limits: dict[str, Any] = {}

@@ -636,7 +636,8 @@ class RandomResponse(Pictured):
     @property
     def irregularity(self) -> np.ndarray:
         """Upward zero crossings by maxima, m_2 / sqrt(m_0 m_4): 1 for a narrow band, shape (p,)."""
-        ratio = _root_of_ratio(self.moment(2), self.moment(0)) / np.maximum(self.peak_rate, np.finfo(float).tiny)
+        peaks = np.maximum(self.peak_rate, np.finfo(float).tiny)
+        ratio = np.where(np.isinf(peaks), 0.0, _root_of_ratio(self.moment(2), self.moment(0))) / peaks
         return named_array(ratio, self.outputs)
 
     def expected_maximum(self, duration: float) -> np.ndarray:

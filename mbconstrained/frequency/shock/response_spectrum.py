@@ -611,14 +611,14 @@ def shock_response_spectrum(
     >>> float(peak.maximax[0].round(12))
     1.768457653994
     """
-    f, zeta = _checked(signal, frequencies_hz, damping_ratio, quality_factor)
+    f, zeta = checked_oscillators(frequencies_hz, damping_ratio, quality_factor)
     if quantity not in QUANTITIES:
         raise InputError(
             f"quantity: found {quantity!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(quantity), QUANTITIES)}"
         )
     if interpolation not in INTERPOLATIONS:
         raise InputError(f"interpolation: found {interpolation!r}; expected one of {', '.join(INTERPOLATIONS)}")
-    samples, notices = _record(signal), []
+    samples, notices = record_of_signal(signal), []
     if samples is not None:
         times, values = samples
         if interpolation == "band-limited":
@@ -637,14 +637,8 @@ def shock_response_spectrum(
     return ShockResponseSpectrum(f, zeta, quantity, high, 0.0 - low, after_high, 0.0 - after_low, tuple(notices))
 
 
-def _checked(signal, frequencies_hz, damping_ratio, quality_factor) -> tuple[np.ndarray, float]:
+def checked_oscillators(frequencies_hz, damping_ratio, quality_factor) -> tuple[np.ndarray, float]:
     """Frequencies in Hz and the damping ratio."""
-    if not isinstance(signal, ImpulsiveSmooth):
-        raise InputError(
-            f"signal: found an object of type {type(signal).__name__}; expected an input such as mb.sampled(times, values)"
-        )
-    if signal.size != 1:
-        raise InputError(f"signal: found {signal.size} rows; expected the acceleration of the base in one row")
     f = np.atleast_1d(real_array(frequencies_hz, "frequencies_hz"))
     if f.ndim != 1 or not (f > 0).all():
         raise InputError("frequencies_hz: expected a list of positive natural frequencies in Hz")
@@ -653,8 +647,14 @@ def _checked(signal, frequencies_hz, damping_ratio, quality_factor) -> tuple[np.
     return f, real_number(damping_ratio, "damping_ratio", minimum=0.0)
 
 
-def _record(signal: ImpulsiveSmooth) -> tuple[np.ndarray, np.ndarray] | None:
-    """Times and values of a signal that is one record."""
+def record_of_signal(signal: ImpulsiveSmooth) -> tuple[np.ndarray, np.ndarray] | None:
+    """Times and values of a signal that is one record, None for another signal of one row."""
+    if not isinstance(signal, ImpulsiveSmooth):
+        raise InputError(
+            f"signal: found an object of type {type(signal).__name__}; expected an input such as mb.sampled(times, values)"
+        )
+    if signal.size != 1:
+        raise InputError(f"signal: found {signal.size} rows; expected the acceleration of the base in one row")
     parts = signal.exact_parts
     if len(parts) != 1 or not isinstance(parts[0].data, ExactRecord) or parts[0].derivatives:
         return None
@@ -678,14 +678,20 @@ def _resampled(times: np.ndarray, values: np.ndarray, highest: float) -> tuple[n
     return times[0] + step / factor * np.arange(len(fine)), fine
 
 
-def _closed_form_peaks(signal: ImpulsiveSmooth, oscillator: Oscillator, output) -> tuple[float, float, float, float]:
-    """Peaks during and after a signal that is zero after its last knot."""
+def signal_end(signal: ImpulsiveSmooth) -> float:
+    """The time after which a signal is zero."""
     knots = np.asarray(signal.knots, dtype=float)
     end = float(knots[-1]) if len(knots) else 0.0
     later = np.abs(signal(end + np.linspace(0.0, max(end, 1.0), 9)[1:])).max()
     during = np.abs(signal(np.linspace(0.0, end, 257))).max() if end else 0.0
     if not end or later > ENDED * EPS * during:
         raise InputError("signal: it does not end; expected a record or a pulse, which is zero after some time")
+    return end
+
+
+def _closed_form_peaks(signal: ImpulsiveSmooth, oscillator: Oscillator, output) -> tuple[float, float, float, float]:
+    """Peaks during and after a signal that is zero after its last knot."""
+    end = signal_end(signal)
     w, z = oscillator.w, oscillator.zeta
     x = solve(PolynomialMatrix([[[w**2]], [[2 * z * w]], [[1.0]]]), force=signal)
     c0, c1 = output

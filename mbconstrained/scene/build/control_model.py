@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
 from operator import add
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,7 +26,7 @@ from ...response.response import Response
 from ...signals.bohl import BohlFunction
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import power, zero
-from ..file import at
+from ..file import SceneFolder, at
 from ..quantities.coordinates import Coordinates, initial_values, state_values
 from .data_files import entries_of
 from .ends import shaped_inputs
@@ -257,7 +256,7 @@ class ControlEquations(Equations):
 MATRICES = ("A", "B", "C", "D", "descriptor")
 
 
-def transfer_function(table, folder: Path, file_name: str) -> ControlEquations:
+def transfer_function(table, folder: SceneFolder, file_name: str) -> ControlEquations:
     """The equations of a scene of kind "transfer-function"."""
     model = table.model
     with at(file_name, "model"):
@@ -288,7 +287,7 @@ def transfer_function(table, folder: Path, file_name: str) -> ControlEquations:
     )
 
 
-def state_space_scene(table, folder: Path, file_name: str) -> ControlScene:
+def state_space_scene(table, folder: SceneFolder, file_name: str) -> ControlScene:
     """Read a scene of kind "state-space", without transformation."""
     model, matrices = table.model, {}
     for key in MATRICES:
@@ -373,7 +372,7 @@ def _named(names, units) -> Coordinates:
     return Coordinates(tuple(names), tuple(units.get(name, "1") for name in names))
 
 
-def state_space(table, folder: Path, file_name: str, lap: Callable[[str], object]) -> ControlEquations:
+def state_space(table, folder: SceneFolder, file_name: str, lap: Callable[[str], object]) -> ControlEquations:
     """The equations of a scene of kind "state-space", of its normal form where that is requested."""
     control, ends = state_space_scene(table, folder, file_name), shaped_inputs(table.force, file_name)
     if table.model.normal_form:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from ...ground.tolerances import CONSISTENT_ROWS
 from ...linalg.scaling import equilibration
 from ...mechanics.channels import channels
 from ...polynomial.polynomial_matrix import PolynomialMatrix
-from ..file import SceneName, at
+from ..file import SceneFolder, SceneName, at
 from ..quantities.coordinates import DERIVATIVES, Coordinates, constraint_row, initial_values
 from .data_files import entries_of
 from .ends import shaped, shaped_inputs, with_end
@@ -66,7 +65,7 @@ ENTRY_UNITS = {
 }
 
 
-def equations_of(table, folder: Path, file_name: SceneName, lap: Callable[[str], object] = lambda stage: None) -> Equations:
+def equations_of(table, folder: SceneFolder, file_name: SceneName, lap: Callable[[str], object] = lambda stage: None) -> Equations:
     """Assemble the equations of a scene, with the input or the motion that reaches its end where one is given."""
     equations = _assembled(table, folder, file_name, lap)
     if table.boundary is None and table.least_energy is None:
@@ -77,7 +76,7 @@ def equations_of(table, folder: Path, file_name: SceneName, lap: Callable[[str],
     return equations
 
 
-def _assembled(table, folder: Path, file_name: SceneName, lap: Callable[[str], object]) -> Equations:
+def _assembled(table, folder: SceneFolder, file_name: SceneName, lap: Callable[[str], object]) -> Equations:
     kind = table.model.kind
     if kind in ("transfer-function", "state-space"):
         from .control_model import state_space, transfer_function
@@ -88,7 +87,7 @@ def _assembled(table, folder: Path, file_name: SceneName, lap: Callable[[str], o
     if kind == "robot":
         from .robot_model import robot_scene, robot_switches
 
-        robot = robot_scene(table.model, table.robot, folder, file_name, lap)
+        robot = robot_scene(table.model, table.robot, folder.path, file_name, lap)
         parts = robot_switches(table.model, robot.data, file_name)
         machine = (lambda moved: moved[0].with_switches(*parts)) if parts else None
         return _mechanical(table, robot.system, robot.coordinates, folder, file_name, robot=robot, machine=machine)
@@ -97,7 +96,7 @@ def _assembled(table, folder: Path, file_name: SceneName, lap: Callable[[str], o
     return (_matrices if table.model.coefficients is None else _coefficients)(table, folder, file_name)
 
 
-def _lumped(table, folder: Path, file_name: str) -> Equations:
+def _lumped(table, folder: SceneFolder, file_name: str) -> Equations:
 
     model = lumped_model(table.model, file_name)
     with at(file_name, "model"):
@@ -119,7 +118,7 @@ def _lumped(table, folder: Path, file_name: str) -> Equations:
     )
 
 
-def _matrices(table, folder: Path, file_name: str) -> Equations:
+def _matrices(table, folder: SceneFolder, file_name: str) -> Equations:
     model = table.model
     matrices = _matrices_of(model, ENTRY_UNITS, folder, file_name, "model")
     coordinates = _coordinates(model, len(matrices["mass"]), file_name)
@@ -152,7 +151,7 @@ def _matrices(table, folder: Path, file_name: str) -> Equations:
 PHASE_MATRICES = ("mass", "damping", "stiffness")
 
 
-def _matrices_of(owner, keys: Iterable[str], folder: Path, file_name: str, where: str) -> dict[str, np.ndarray | None]:
+def _matrices_of(owner, keys: Iterable[str], folder: SceneFolder, file_name: str, where: str) -> dict[str, np.ndarray | None]:
     """The matrices of a table, None where it has none."""
     matrices = {}
     for key in keys:
@@ -247,7 +246,12 @@ def _mechanical(
 
 
 def _moving(
-    table, systems: Sequence[MechanicalSystem], coordinates: Coordinates, folder: Path, file_name: str, robot: RobotScene | None
+    table,
+    systems: Sequence[MechanicalSystem],
+    coordinates: Coordinates,
+    folder: SceneFolder,
+    file_name: str,
+    robot: RobotScene | None,
 ) -> tuple[list[tuple[MechanicalSystem, MechanicalSystem | None]], Shapers]:
     """The systems with prescribed motions, damping and speed, each with its rotor at rest, and the shapers of the motions."""
 
@@ -302,7 +306,7 @@ def _damped(table, system: MechanicalSystem, file_name: str) -> MechanicalSystem
     return system
 
 
-def _coefficients(table, folder: Path, file_name: str) -> Equations:
+def _coefficients(table, folder: SceneFolder, file_name: str) -> Equations:
     model, matrices = table.model, []
     for number, source in enumerate(model.coefficients):
         with at(file_name, f"model.coefficients[{number + 1}] (A_{number})"):
@@ -325,7 +329,7 @@ def _coefficients(table, folder: Path, file_name: str) -> Equations:
     return _with_free_coordinates(table, equations, folder, file_name)
 
 
-def _with_free_coordinates(table, equations: Equations, folder: Path, file_name: str) -> Equations:
+def _with_free_coordinates(table, equations: Equations, folder: SceneFolder, file_name: str) -> Equations:
     """The equations with free coordinates that move as [[motion]] tables have it, and without redundant ones; both are checked."""
     from ...response.solvability import completed, solvability
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from contextlib import nullcontext, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import reduce
 from operator import add
-from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -18,7 +17,7 @@ from ...ground.errors import InputError, named, shown
 from ...mechanics.constraints import LEVELS, Constraint
 from ...mechanics.input_shaper import InputShaper, input_shaper
 from ...signals import inputs as signals
-from ..file import at
+from ..file import SceneFolder, at
 from ..quantities.coordinates import FORCE_UNITS, Coordinates, force_value, with_time
 from .data_files import record_of
 
@@ -44,7 +43,7 @@ class SceneForce:
 def loads_of(
     tables: Sequence,
     coordinates: Coordinates,
-    folder: Path,
+    folder: SceneFolder,
     file_name: str,
     robot: LinearizedRobot | None = None,
     shapers: Shapers = NONE_SHAPED,
@@ -116,7 +115,7 @@ def unbalance_loads(unbalance: np.ndarray, speed: float, coordinates: Coordinate
 def prescribed_motions(
     tables: Sequence,
     coordinates: Coordinates,
-    folder: Path,
+    folder: SceneFolder,
     file_name: str,
     robot: LinearizedRobot | None = None,
     shapers: Shapers = NONE_SHAPED,
@@ -137,7 +136,7 @@ def prescribed_motions(
     return constraints
 
 
-def _motion_signal(table, unit: str, folder: Path, shaper: InputShaper | None) -> signals.ImpulsiveSmooth:
+def _motion_signal(table, unit: str, folder: SceneFolder, shaper: InputShaper | None) -> signals.ImpulsiveSmooth:
     """The signal of a [[motion]] table in the unit of its level; another level that the values fit is named."""
 
     def of_level(level: str) -> signals.ImpulsiveSmooth:
@@ -159,7 +158,7 @@ def force_of(loads: Sequence[SceneForce]) -> signals.ImpulsiveSmooth | None:
     return reduce(add, (load.signal.mapped(load.direction[:, None]) for load in loads)) if loads else None
 
 
-def input_of(tables: Sequence, inputs: Coordinates, folder: Path, file_name: str) -> signals.ImpulsiveSmooth | None:
+def input_of(tables: Sequence, inputs: Coordinates, folder: SceneFolder, file_name: str) -> signals.ImpulsiveSmooth | None:
     """The inputs of a transfer function or state space."""
     rows, shapers = [], shapers_of(tables, "force", None, file_name)
     for number, table in enumerate(tables, 1):
@@ -203,27 +202,30 @@ def _aims(given: Sequence | None, modes: Callable[[], Modes] | None):
     return [by_number[one - 1] if isinstance(one, int) else one for one in given]
 
 
-def _signal(table, unit: str | None, folder: Path, shaper: InputShaper | None = None) -> signals.ImpulsiveSmooth:
+def _signal(table, unit: str | None, folder: SceneFolder, shaper: InputShaper | None = None) -> signals.ImpulsiveSmooth:
     """The signal of a table, one row, shaped where it has a shaper."""
     signal = _unshaped(table, unit, folder)
     return signal if shaper is None else shaper.shape(signal)
 
 
-def _unshaped(table, unit: str | None, folder: Path) -> signals.ImpulsiveSmooth:
+def _unshaped(table, unit: str | None, folder: SceneFolder) -> signals.ImpulsiveSmooth:
     if table.kind == "sampled":
+        if table.file is not None:
+            record = record_of(table, unit, folder)
+            with named(table.file):
+                return record.signal.delayed(table.later)
         times, values = sampled_force(table, unit, folder)
-        with named(table.file) if table.file else nullcontext():
-            return signals.sampled(times, [values]).delayed(table.delay)
+        return signals.sampled(times, [values]).delayed(table.later)
     value = force_value(table.value, unit, table.time_power)
-    return _SIGNALS[table.kind](table, [value]).delayed(table.delay)
+    return _SIGNALS[table.kind](table, [value]).delayed(table.later)
 
 
-def sampled_force(table, unit: str | None, folder: Path) -> tuple[list, list]:
+def sampled_force(table, unit: str | None, folder: SceneFolder) -> tuple[list, list]:
     """The record of a [[force]] table of kind "sampled"."""
     if table.file is None:
-        return table.times, [force_value(value, unit, what=f"values[{number}]") for number, value in enumerate(table.values, 1)]
-    times, values = record_of(table, unit, folder)
-    return times.tolist(), values.tolist()
+        return table.own_times, [force_value(value, unit, what=f"values[{number}]") for number, value in enumerate(table.values, 1)]
+    record = record_of(table, unit, folder)
+    return record.times.tolist(), record.values.tolist()
 
 
 _SIGNALS: dict[str, Callable] = {

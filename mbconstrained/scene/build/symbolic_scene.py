@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from ...ground.tolerances import COMPLEX_STEP
 from ...mechanics.constraints import LEVELS, row_names
 from ...mechanics.parameter import Parameter
 from ...models.lumped import complex_parameter, coordinate_row, exact_elements, incidence_of
-from ..file import at
+from ..file import SceneFolder, at
 from ..quantities.coordinates import FORCE_UNITS, Coordinates, constraint_row, force_value, initial_values, state_values
 from ..run.scene_data import SceneData
 from .data_files import entries_of
@@ -85,7 +84,7 @@ def _of_matrices(scene: SceneData, name: str, numbers: ComplexNumbers, step: flo
     slopes: dict[str, Any] = {}
     for key in ("stiffness", "damping", "mass"):
         source = getattr(model, key)
-        slopes[key] = 0.0 if source is None else numbers.slope(entries_of(source, scene.path.parent), step)
+        slopes[key] = 0.0 if source is None else numbers.slope(entries_of(source, scene.folder), step)
     rows = {}
     for row, own in zip(model.constraint, row_names(scene.equations.system.constraints)):
         factors, value, _ = constraint_row(row, coordinates)
@@ -156,7 +155,7 @@ def _mechanical(scene: SceneData, symbols: Symbols) -> ExactEquations:
     initial = symbols.all_of(initial_values(scene.table.initial, coordinates, 2, scene.path.name))
     if scene.table.initial.follow:
         initial = _followed(initial, scene, form.rows)
-    applied = _exact_force(scene.table.force, coordinates, symbols, scene.path.parent, scene.path.name)
+    applied = _exact_force(scene.table.force, coordinates, symbols, scene.folder, scene.path.name)
     force = form.force([one + other for one, other in zip(applied, static)])
     return ExactEquations(form.polynomial_matrix, initial, force, coordinates.names)
 
@@ -164,7 +163,7 @@ def _mechanical(scene: SceneData, symbols: Symbols) -> ExactEquations:
 def _matrices(scene: SceneData, symbols: Symbols) -> tuple[list[np.ndarray], list[Row], list]:
     from ...exact.symbolic_equations import Row
 
-    model, coordinates, folder = scene.table.model, scene.equations.coordinates, scene.path.parent
+    model, coordinates, folder = scene.table.model, scene.equations.coordinates, scene.folder
     size = len(coordinates.names)
     given = [getattr(model, key) for key in ("stiffness", "damping", "mass")]
     matrices = [symbols.all_of(np.zeros((size, size)) if source is None else entries_of(source, folder)) for source in given]
@@ -190,7 +189,7 @@ def _followed(initial: np.ndarray, scene: SceneData, rows) -> np.ndarray:
 def _coefficients(scene: SceneData, symbols: Symbols) -> ExactEquations:
     from ...exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 
-    coordinates, folder, name = scene.equations.coordinates, scene.path.parent, scene.path.name
+    coordinates, folder, name = scene.equations.coordinates, scene.folder, scene.path.name
     matrices = [symbols.all_of(entries_of(source, folder)) for source in scene.table.model.coefficients]
     A = SymbolicPolynomialMatrix(matrices, coordinates.names)
     initial = symbols.all_of(initial_values(scene.table.initial, coordinates, A.degree, name))
@@ -204,7 +203,7 @@ def _state_space(scene: SceneData, symbols: Symbols) -> ExactEquations:
     system, inputs = scene.equations.control.system, scene.equations.control.inputs
     sources = ((key, getattr(scene.table.model, "descriptor" if key == "E" else key)) for key in "EABCD")
     E, A, B, C, D = (  # omitted matrices as in the state space
-        symbols.all_of(getattr(system, key) if source is None else entries_of(source, scene.path.parent)) for key, source in sources
+        symbols.all_of(getattr(system, key) if source is None else entries_of(source, scene.folder)) for key, source in sources
     )
     n, q = len(A), len(C)
     constant, leading = (symbols.all_of(np.zeros((n + q, n + q))) for _ in range(2))
@@ -214,7 +213,7 @@ def _state_space(scene: SceneData, symbols: Symbols) -> ExactEquations:
     states = Coordinates(system.states, tuple(system.units[name] for name in system.states))
     start = symbols.all_of(state_values(scene.table.initial.state, states, scene.path.name))
     late = {name: symbols.of(delay) for name, delay in scene.table.model.delays.items()}
-    u = _exact_force(scene.table.force, inputs, symbols, scene.path.parent, scene.path.name, late)
+    u = _exact_force(scene.table.force, inputs, symbols, scene.folder, scene.path.name, late)
     force = list(np.vstack([B, D]) @ np.array(u, dtype=object)) if u else [symbols.of(0)] * (n + q)
     initial = np.concatenate([start, C @ start])[None]
     outputs = {name: dict(zip(system.states, row)) for name, row in zip(system.outputs, C)}
@@ -238,7 +237,7 @@ def _transfer_function(scene: SceneData, symbols: Symbols) -> ExactEquations:
         matrices.pop()
     names = (control.outputs.names[0], control.inputs.names[0])
     delay = symbols.of(model.delay)
-    u = _exact_force(scene.table.force, control.inputs, symbols, scene.path.parent, scene.path.name, {names[1]: delay})[0]
+    u = _exact_force(scene.table.force, control.inputs, symbols, scene.folder, scene.path.name, {names[1]: delay})[0]
     if model.gamma is not None:
         u = u + begun(power_input(symbols.of(1), symbols.time, model.gamma), symbols.time, delay)
     initial = symbols.all_of(np.zeros((len(matrices) - 1, 2)))
@@ -251,7 +250,7 @@ def _exact_force(
     tables: Sequence,
     coordinates: Coordinates,
     symbols: Symbols,
-    folder: Path,
+    folder: SceneFolder,
     file_name: str,
     dead_times: Mapping[str, Any] | None = None,
 ) -> list[Any]:
@@ -267,13 +266,13 @@ def _exact_force(
                 place = coordinates.number(name)
                 unit = coordinates.units[place]
                 unit = FORCE_UNITS.get(unit) if dead_times is None else unit
-                late = symbols.of(table.delay) + (dead_times or {}).get(name, symbols.of(0))
+                late = symbols.of(table.later) + (dead_times or {}).get(name, symbols.of(0))
                 signal = symbols.of(factor) * _signal(table, unit, symbols, folder, signals)
                 force[place] = force[place] + signals.begun(signal, symbols.time, late)
     return force
 
 
-def _signal(table, unit: str | None, symbols: Symbols, folder: Path, signals) -> Any:
+def _signal(table, unit: str | None, symbols: Symbols, folder: SceneFolder, signals) -> Any:
     t, of = symbols.time, symbols.of
     if table.kind == "sampled":
         times, values = sampled_force(table, unit, folder)

@@ -18,7 +18,7 @@ from ...ground.quantities import count_texts
 from ...ground.units import unit_in_si
 from ..build.equations import equations_of
 from ..build.model import Equations, named_quantities, output_names, quantities_by_name
-from ..file import SceneName, at, read_tables, with_robot_file
+from ..file import SceneFolder, SceneName, at, read_tables, with_robot_file
 from ..quantities.output_units import QUANTITIES, OutputUnits
 from ..quantities.parameters import Parameters, with_parameters
 from ..quantities.settings import with_settings, with_values
@@ -101,7 +101,7 @@ class Scene(SceneData):
         from ..build.symbolic_scene import scene_parameters
 
         before = {setting.name: setting.value for setting in self.settings}
-        return scene_parameters(self, lambda scene, name, value: read_scene(scene.path, {**before, name: value}))
+        return scene_parameters(self, lambda scene, name, value: read_scene(scene.path, {**before, name: value}, self.data_folders))
 
     def sensitivities(self, parameters: Sequence[str] | None = None) -> Sensitivities:
         """Derivatives of eigenvalues, motions and responses with respect to the [parameters], or to elements and entries by name.
@@ -159,7 +159,7 @@ class Scene(SceneData):
                 raise InputError("a root locus needs mass, damping and stiffness: a model of kind lumped, matrices or robot")
             return self.equations.system.root_locus(name, values)
         before = {setting.name: setting.value for setting in self.settings}
-        with_value = lru_cache(maxsize=None)(lambda value: read_scene(self.path, {**before, name: value}))
+        with_value = lru_cache(maxsize=None)(lambda value: read_scene(self.path, {**before, name: value}, self.data_folders))
 
         def slope(value: float) -> Parameter:
             return next(one for one in with_value(value).named_parameters() if one.name == name)
@@ -246,13 +246,14 @@ for _name in ANALYSES:
 
 
 @answering
-def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> Scene:
+def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None, data_folders: Sequence[str | Path] = ()) -> Scene:
     """Read and validate a scene file, assemble its equations and check that they determine a motion, without solving.
 
     Args:
         path: a TOML file in UTF-8.
         settings: values to take instead of those in the file, numbers or texts with units: by the name of a parameter, or by
             place, such as "time.end" or "model.mass.cart.mass"; "robot.gravity" changes the robot.toml of a robot.
+        data_folders: folders from which records and matrices may be read in addition to the folder of the scene.
 
     Returns:
         The ``Scene``, ready to be planned and run.
@@ -271,8 +272,12 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
     path = path_of(path)
     if not isinstance(settings or {}, Mapping):
         raise InputError(f'settings: found {settings!r}; expected values by name, such as {{"time.end": "50 s"}}')
+    folders = tuple(map(path_of, [data_folders] if isinstance(data_folders, (str, Path)) else data_folders))
+    for folder in folders:
+        if not folder.is_dir():
+            raise InputError(f"data_folders: there is no folder {folder}")
     costs = Costs()
-    scene = assembled(path, *read_tables(path), settings or {}, costs)
+    scene = assembled(path, *read_tables(path), settings or {}, costs, folders)
     scene.check_drawing()
     costs.lap("assemble the model")
     try:
@@ -295,7 +300,14 @@ def _choices(equations: Equations) -> str:
     return f"\nA motion may be chosen by {choices}\n{report.summary()}" if names else ""
 
 
-def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, Any], costs: Costs | None = None) -> Scene:
+def assembled(
+    path: Path,
+    data: dict,
+    name: SceneName,
+    settings: Mapping[str, Any],
+    costs: Costs | None = None,
+    data_folders: tuple[Path, ...] = (),
+) -> Scene:
     """The scene of tables that were read; whether its equations determine a motion is not checked yet."""
     costs = costs or Costs()
     of_robot = {key: value for key, value in settings.items() if key.startswith("robot.")}
@@ -313,7 +325,7 @@ def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, An
         name = with_values(name, overrides, parameters.places)
     table = validated(data, name, SceneFile)
     costs.lap("read the scene")
-    equations = equations_of(table, path.parent, name, costs.lap)
+    equations = equations_of(table, SceneFolder(path.parent, data_folders), name, costs.lap)
     if table.output.units != OutputUnits():
         coordinates = replace(equations.coordinates, shown=table.output.units)
         equations = replace(equations, coordinates=coordinates)
@@ -326,7 +338,7 @@ def assembled(path: Path, data: dict, name: SceneName, settings: Mapping[str, An
             system.quantities = quantities_by_name(table.output.quantity, output_names(equations))
     if table.time.step_domain == "discrete":
         check_discrete(table, equations, name)
-    return Scene(path, table, equations, unit_texts, costs.by_name, parameters, overrides, name)
+    return Scene(path, table, equations, unit_texts, costs.by_name, parameters, overrides, name, data_folders=data_folders)
 
 
 def _check_results(output, equations: Equations, parameters: Parameters) -> None:

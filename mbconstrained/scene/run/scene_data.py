@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
+from pydantic import BaseModel
 
 from ...ground.checks import counted
 from ...ground.display import Pictured
@@ -20,7 +21,7 @@ from ...response.choose import Method, Request, choose
 from ...response.problem import Problem
 from ..build.model import End, Equations
 from ..build.switched import never_notices, refuse_with_switches
-from ..file import SceneName
+from ..file import SceneFolder, SceneName
 from ..quantities.parameters import Parameters
 from ..quantities.settings import Setting, file_part
 from .plan import Cost
@@ -37,6 +38,7 @@ class SceneData(Pictured):
     Attributes:
         plan, named_parameters: as of ``Scene``.
         phase_notices: the phase that the equations are those of, where the model switches.
+        data_folders: folders besides its own from which data files may be read.
     """
 
     plan: ClassVar[Callable[..., Any]]
@@ -51,6 +53,7 @@ class SceneData(Pictured):
     settings: tuple[Setting, ...] = ()
     file_name: SceneName = SceneName("")
     phase_notices: tuple[Notice, ...] = ()
+    data_folders: tuple[Path, ...] = ()
 
     def _summary(self) -> str:
         return f"{self.name}: {self.title}" if self.title else self.name
@@ -59,6 +62,25 @@ class SceneData(Pictured):
     def name(self) -> str:
         """Name of the file without its ending, with the values set from outside; results are named after it."""
         return ".".join([self.path.stem, *([file_part(self.settings)] if self.settings else [])])
+
+    @property
+    def folder(self) -> SceneFolder:
+        """Where its data files are."""
+        return SceneFolder(self.path.parent, self.data_folders)
+
+    @property
+    def files_read(self) -> frozenset[Path]:
+        """Resolved paths of the scene and of its data files."""
+        found, values = {self.path.resolve()}, [self.table.model, self.table.force, self.table.motion, self.table.random]
+        while values:
+            value = values.pop()
+            if isinstance(value, list):
+                values += value
+            elif isinstance(value, BaseModel):
+                values += vars(value).values()
+                if isinstance(name := getattr(value, "file", None), str):
+                    found.add((self.path.parent / name).resolve())
+        return frozenset(found)
 
     @property
     def times(self) -> np.ndarray:
@@ -152,7 +174,7 @@ def _late_loads(table) -> Iterator[Notice]:
     for number, load in enumerate(table.force, 1):
         first = getattr(load, "start", 0.0) if load.kind == "pulse" else 0.0
         times = getattr(load, "times", None)
-        begin = load.delay + (times[0] if times else first)
+        begin = load.later + (times[0] if times else first)
         if table.time.is_given and begin > table.time.end:
             text = f"it begins at {begin:g} s, after the last time, {table.time.end:g} s, and has no effect before"
             yield Notice(NoticeKind.OMITTED, f'force[{number}] on "{load.title}": {text}')

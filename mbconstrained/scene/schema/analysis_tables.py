@@ -1,4 +1,4 @@
-"""The tables of analyses in addition to a run: [frequency], [random], [shock], [campbell], [orders], [steady], [path], [vary]."""
+"""The tables of analyses in addition to a run: [frequency], [random], [shock], [fatigue], [campbell], [orders], [steady], [path], [vary]."""
 
 from __future__ import annotations
 
@@ -20,7 +20,9 @@ from .entry_types import (
     QUANTITY_SCHEMA,
     Angle,
     AngularVelocity,
+    Column,
     Number,
+    Quantity,
     Ratios,
     Table,
     Text,
@@ -166,7 +168,7 @@ Speed = quantity_field("m/s")
 Frequency = quantity_field("Hz")
 
 #: The kinds of spectra, one key each.
-KINDS = ("values", "white", "road", "soil")
+KINDS = ("values", "file", "white", "road", "soil")
 
 
 def _array_of(unit: str, expected: str) -> BeforeValidator:
@@ -204,6 +206,24 @@ class SoilTable(Table):
     damping_ratio: Number = Field(0.6, gt=0, description="Damping ratio of the soil.")
 
 
+class CurveTable(Table):
+    """Values over the frequency, in the scene or in a file."""
+
+    frequencies: Corners = Field(None, description="Corner frequencies of a table, ascending.")
+    file: Text | None = Field(None, description="Instead of both a file with columns, as of a [[force]]: frequencies first.")
+    column: Column | None = Field(None, description="The column of the values, by number or by name in the header; 2 by default.")
+    header: int = Field(0, ge=0, description="So many lines at the start of the file hold no numbers.")
+    array: Text | None = Field(None, description="The name of the array, or of the sheet of an .xlsx file.")
+    decimal: Literal[".", ","] | None = Field(None, description="The decimal mark, where the numbers of the file do not tell it.")
+
+    @model_validator(mode="after")
+    def _of_file(self):
+        of_file = {"column", "header", "array", "decimal"} & self.model_fields_set
+        if self.file is None and of_file:
+            raise InputError(f"{', '.join(sorted(of_file))}: for a file only; give file, too")
+        return self
+
+
 def _densities(value) -> tuple[Any, list[str]]:
     """Numbers of densities and the units behind them, an empty text for none."""
     if isinstance(value, list):
@@ -215,14 +235,13 @@ def _densities(value) -> tuple[Any, list[str]]:
     return number, [unit]
 
 
-class RandomInputTable(Table):
+class RandomInputTable(CurveTable):
     """A random force, or the random motion of a support."""
 
     on: Text = Field(description="A coordinate, for a force on it, or a [[motion]] or constraint row, for its motion.")
     of: Literal["force", "displacement", "velocity", "acceleration"] = Field("force", description="Quantity of the density.")
-    frequencies: Corners = Field(None, description="Corner frequencies of a table, ascending.")
     values: Densities = Field(None, description='The one-sided density at the corners, e.g. ["0.01 g^2/Hz", "0.04 g^2/Hz"].')
-    unit: Text | None = Field(None, description='Of the density, e.g. "g^2/Hz"; SI when left out.')
+    unit: Text | None = Field(None, description='Of the density, e.g. "g^2/Hz"; that of the file, or SI when left out.')
     interpolation: Literal["log-log", "linear", "steps"] = Field("log-log", description="Between the corners.")
     white: Density | None = Field(None, gt=0, description="Intensity of white noise, instead of a table.")
     road: RoadTable | None = Field(None, description="Road profile of ISO 8608 (displacement), instead of a table.")
@@ -253,22 +272,22 @@ class RandomInputTable(Table):
         given = [key for key in KINDS if getattr(self, key) is not None]
         if len(given) != 1:
             raise InputError(
-                f"found {' and '.join(given) or 'no spectrum'}; expected one of values (with frequencies), white, road or soil"
+                f"found {' and '.join(given) or 'no spectrum'}; expected one of values (with frequencies), file, white, road or soil"
             )
         if (self.frequencies is None) != (self.values is None):
             raise InputError("frequencies and values belong together: give both for a table")
         return self
 
-    @property
-    def spectrum(self) -> Spectrum:
-        """The one-sided density."""
+    def spectrum(self, curve: Callable) -> Spectrum:
+        """The one-sided density; a function of this table reads its file."""
         if self.white is not None:
             return white_noise(self.white, self.of, self.unit)
         if self.road is not None:
             return road_profile(self.road.road_class, self.road.speed)
         if self.soil is not None:
             return kanai_tajimi(self.soil.intensity, self.soil.frequency, self.soil.damping_ratio, self.unit)
-        return psd(self.frequencies, self.values, self.of, self.unit, self.interpolation)
+        frequencies, values, unit = curve(self)
+        return psd(frequencies, values, self.of, unit, self.interpolation)
 
 
 class RandomTable(Table):
@@ -298,27 +317,18 @@ ShockQuantity = Literal[
 ]
 
 
-class ShockTable(Table):
-    """Peaks of the model, and of single oscillators on its support (the shock response spectrum)."""
+class OscillatorsTable(Table):
+    """Single oscillators on a support that moves."""
 
-    of: Text | None = Field(None, description="The [[motion]] whose acceleration is the shock; by default the first that ends.")
-    end: Time | None = Field(None, gt=0, description="Until when peaks of the model are searched; by default time.end.")
-    outputs: list[Text] | None = Field(
-        None, description=f"Further quantities whose peaks are searched: {NAMES}; left out: the [[output.quantity]] tables."
-    )
+    of: Text | None = Field(None, description="The [[motion]] whose acceleration acts on them; by default the first that ends.")
     damping_ratio: Number = Field(0.05, ge=0, description="Damping ratio of the oscillators.")
     quality_factor: Number | None = Field(None, gt=0, description="Alternatively: Q = 1 / (2 damping ratio).")
-    quantity: ShockQuantity = Field("absolute acceleration", description="Response quantity of the oscillators.")
     lowest: AnyFrequency | None = Field(
         None, alias="from", gt=0, description="The lowest natural frequency; by default a tenth of the inverse duration."
     )
     highest: AnyFrequency | None = Field(None, alias="to", gt=0, description="The highest natural frequency.")
     per_octave: int = Field(12, ge=1, le=96, description="Natural frequencies in each octave.")
     frequencies: FrequencyLines = Field(None, description="Explicit list of natural frequencies.")
-    interpolation: Literal["linear", "band-limited"] = Field("linear", description="Interpolation of a record between its samples.")
-    tripartite: bool = Field(
-        False, description="The pseudo-velocity, too, with lines of equal displacement and of equal acceleration."
-    )
 
     @model_validator(mode="after")
     def _one_of_each(self):
@@ -341,6 +351,40 @@ class ShockTable(Table):
         if not low < high:
             low, high = (low, 1e3 * low) if self.lowest else (high / 1e3, high)
         return np.geomspace(low, high, int(np.ceil(self.per_octave * np.log2(high / low))) + 1)
+
+
+class ShockTable(OscillatorsTable):
+    """Peaks of the model, and of single oscillators on its support (the shock response spectrum)."""
+
+    end: Time | None = Field(None, gt=0, description="Until when peaks of the model are searched; by default time.end.")
+    outputs: list[Text] | None = Field(
+        None, description=f"Further quantities whose peaks are searched: {NAMES}; left out: the [[output.quantity]] tables."
+    )
+    quantity: ShockQuantity = Field("absolute acceleration", description="Response quantity of the oscillators.")
+    interpolation: Literal["linear", "band-limited"] = Field("linear", description="Interpolation of a record between its samples.")
+    tripartite: bool = Field(
+        False, description="The pseudo-velocity, too, with lines of equal displacement and of equal acceleration."
+    )
+
+
+class FatigueTable(OscillatorsTable):
+    """Cycles and damage of the model, and of single oscillators on its support (the fatigue damage spectrum)."""
+
+    exponent: Number = Field(gt=0, description="k of the S-N curve: N = (strength / amplitude)^k cycles to failure.")
+    strength: Quantity | None = Field(
+        None, description='The amplitude that fails in one cycle, e.g. "40 kN"; left out: amplitudes of equal damage alone.'
+    )
+    outputs: list[Text] | None = Field(
+        None, description=f"{NAMES}; left out: all with the quantity, and [[output.quantity]], that the strength fits."
+    )
+    quantity: Literal["force", "elongation", "displacement", "velocity", "acceleration", "reaction"] = Field(
+        "force", description="Quantity whose cycles are counted; force and elongation: of springs and dampers."
+    )
+    end: Time | None = Field(None, gt=0, description="Until when cycles are counted; by default time.end.")
+    duration: Time = Field(3600.0, gt=0, description="How long the excitation of [random] acts.")
+    spectrum: ShockQuantity = Field(
+        "pseudo-velocity", description="Response quantity of the oscillators; stresses follow the velocity."
+    )
 
 
 class CampbellTable(Table):

@@ -175,6 +175,7 @@ Mass = quantity_field("kg")
 Inertia = quantity_field("kg*m^2")
 Eccentric = quantity_field("kg*m")
 Length = quantity_field("m")
+Velocity = quantity_field("m/s")
 Acceleration = quantity_field("m/s^2")
 Angle = quantity_field("rad")
 AngularVelocity = quantity_field("rad/s")
@@ -292,6 +293,9 @@ Level = Literal["position", "velocity", "acceleration"]
 Name = Annotated[str, BeforeValidator(_name)]
 Unit = Annotated[str, BeforeValidator(unit_name)]
 Text = Annotated[str, BeforeValidator(_text)]
+
+#: A column of a file, by number or name.
+Column = Annotated[int, Field(ge=1)] | Text
 LinearPhase = dict[str, str] | str | None
 Pair = Annotated[list[Name], Field(min_length=2, max_length=2)]
 Vector = Annotated[list[Length], Field(min_length=3, max_length=3)]  # type: ignore[valid-type]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from typing import Annotated, Any, Literal, get_args
 
@@ -15,9 +16,12 @@ from ...ground.quantities import quantity
 from ...mechanics.constraints import Level
 from .entry_types import (
     MOST_POWER,
+    QUANTITY_SCHEMA,
     Angle,
     AngularVelocity,
+    Column,
     Frequency,
+    Length,
     Name,
     Number,
     Quantity,
@@ -27,6 +31,7 @@ from .entry_types import (
     Time,
     Unit,
     Values,
+    Velocity,
 )
 
 
@@ -81,6 +86,12 @@ class ForceBase(Table):
     )
     name: Name | None = Field(None, description='Of the load by factors as an input; left out: "load on" and its coordinates.')
     delay: Time = Field(0.0, description='It acts later by this, e.g. "2 s"; not negative.')
+    speed: Velocity | None = Field(
+        None, gt=0, description='Of what moves along a distance, e.g. "20 m/s": records are over x then, and t = x / speed.'
+    )
+    distance: Length = Field(
+        0.0, ge=0, description="It acts later by distance / speed, too, such as the wheelbase at the rear axle of a car."
+    )
     shaper: ShaperTable | None = Field(None, description='Input shaper, e.g. { kind = "ZVD" }: the signal leaves no vibration.')
 
     @model_validator(mode="after")
@@ -106,6 +117,19 @@ class ForceBase(Table):
         if self.delay < 0:
             raise InputError(f"delay: found {self.delay:g} s; expected 0 or a later time")
         return self
+
+    @model_validator(mode="after")
+    def _moves_along(self):
+        if self.distance and self.speed is None:
+            raise InputError("distance: it is passed with a speed; give speed, too")
+        if self.speed is not None and not self.distance and getattr(self, "kind", "") != "sampled":
+            raise InputError("speed: there is nothing along a distance; give distance, or a record over a distance")
+        return self
+
+    @property
+    def later(self) -> float:
+        """The whole delay in s."""
+        return self.delay + self.distance / self.speed if self.distance else self.delay
 
     @property
     def time_power(self) -> int:
@@ -204,7 +228,18 @@ class PulseTable(ForceBase):
     duration: Time = Field(description="Duration of the pulse.")
 
 
-Column = Annotated[int, Field(ge=1)] | Text
+def _along(value):
+    """A time, or a length along which a record is."""
+    for unit in ("s", "m"):
+        with suppress(InputError):
+            quantity(value, unit)
+            return value
+    return quantity(value, "s")
+
+
+Along = Annotated[
+    Any, BeforeValidator(_along), WithJsonSchema({"examples": ["10 ms", "0.1 m"], "anyOf": [{"type": "number"}, QUANTITY_SCHEMA]})
+]
 
 
 class SampledTable(ForceBase):
@@ -212,34 +247,64 @@ class SampledTable(ForceBase):
 
     kind: Literal["sampled"] = Field(description="A record of times and values, in the scene or in a file.")
     times: list[Time] | None = Field(None, description="Times of the samples, ascending; one that stands there twice is a jump.")
+    distances: list[Length] | None = Field(None, description="Instead of times distances x of the samples, with a speed.")
     values: list[Quantity] | None = Field(None, description="The force at each of the times.")
     file: Text | None = Field(
         None,
-        description="Instead of both a file in the folder of the scene: text with columns of numbers (.csv, .txt, ...), PEER .AT2, "
+        description="Instead of both a file in the folder of the scene: text with columns of numbers (.csv, .txt, ...), .xlsx, PEER .AT2, "
         "K-NET, ESM, .wav, .uff, or arrays in .npy, .npz, .mat, .mtx, .op4.",
     )
     column: Column | None = Field(None, description="The column of the values, by number or by name in the header; 2 by default.")
-    time: Column | None = Field(None, description="The column of the times, by number or name; 1 by default.")
-    step: Time | None = Field(None, description="The time between samples of a file without times; every number is a sample then.")
+    time: Column | None = Field(
+        None, description="The column of the times, or with a speed of the distances, by number or name; 1 by default."
+    )
+    step: Along | None = Field(
+        None,
+        description="The time, or with a speed the distance, between samples of a file without times; every number is a sample then.",
+    )
     unit: Unit | None = Field(None, description='Of the values, e.g. "kN"; by default the one in the header, or SI.')
-    time_unit: Unit | None = Field(None, description='Of the times, e.g. "ms"; by default the one in the header, or s.')
+    time_unit: Unit | None = Field(
+        None, description='Of the times, e.g. "ms"; by default the one in the header, or s; of distances m.'
+    )
+    start: Along | None = Field(None, description="Where the part that acts begins in the file; it becomes t = 0.")
+    end: Along | None = Field(None, description="Where the part that acts ends in the file.")
+    baseline: Literal["constant", "linear", "quadratic", "cubic"] | None = Field(
+        None, description="A polynomial of time that is fitted by least squares and removed; a notice states its size."
+    )
+    baseline_fit: Literal["record", "integral"] | None = Field(
+        None, description="What it is fitted to; integral: of an acceleration its velocity from rest. record if left out."
+    )
     factor: Quantity = Field(1.0, description='The values are multiplied by it: a number, or with a unit, e.g. "-1200 kg".')
     offset: Quantity = Field(0.0, description="Is added to the values, after the factor; a force.")
     header: int = Field(0, ge=0, description="So many lines at the start of a text hold no numbers; words are found without it.")
-    array: Text | None = Field(None, description="The name of the array in an .npz, .mat or .op4 file.")
+    array: Text | None = Field(
+        None, description="The name of the array in an .npz, .mat or .op4 file, or of the sheet in an .xlsx file."
+    )
+    decimal: Literal[".", ","] | None = Field(None, description="The decimal mark, where the numbers of a text do not tell it.")
 
     @model_validator(mode="after")
     def _one_source(self):
-        if self.file is None and (self.times is None or self.values is None):
+        times = self.times if self.distances is None else self.distances
+        if self.times is not None and self.distances is not None:
+            raise InputError("give either times or distances, not both")
+        if self.file is None and (times is None or self.values is None):
             raise InputError('give times and values, or file, e.g. file = "record.csv"')
-        if self.file is not None and (self.times is not None or self.values is not None):
+        if self.file is not None and (times is not None or self.values is not None):
             raise InputError("give either times and values or file, not both")
-        of_file = ("column", "time", "step", "unit", "time_unit", "factor", "offset", "header", "array")
+        of_file = ("column", "time", "step", "unit", "time_unit", "factor", "offset", "header", "array", "decimal", "start", "end")
+        of_file += ("baseline", "baseline_fit")
         if self.file is None and (given := [key for key in of_file if key in self.model_fields_set]):
             raise InputError(f"{', '.join(given)}: for a file only; leave out what is not for times and values")
-        if self.file is None and len(self.times) != len(self.values):
-            raise InputError(f"found {len(self.times)} times and {len(self.values)} values; expected as many of both")
+        if self.file is None and len(times) != len(self.values):
+            raise InputError(f"found {len(times)} times and {len(self.values)} values; expected as many of both")
+        if self.file is None and (self.distances is None) != (self.speed is None) and not self.distance:
+            raise InputError("distances and speed belong together: t = x / speed")
         return self
+
+    @property
+    def own_times(self) -> list:
+        """The times of the samples in the scene."""
+        return self.times if self.distances is None else [x / self.speed for x in self.distances]
 
 
 class MotionBase(Table):

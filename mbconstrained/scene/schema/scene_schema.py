@@ -467,6 +467,7 @@ Changes = Annotated[Annotated[Any, _late("RobotChanges", ".robot_tables")] | Non
 Frequency = Annotated[Any, _late("FrequencyTable")]
 Random = Annotated[Any, _late("RandomTable")]
 Shock = Annotated[Any, _late("ShockTable")]
+Fatigue = Annotated[Any, _late("FatigueTable")]
 Vary = Annotated[Any, _late("VaryTable")]
 Boundary = Annotated[Any, _late("BoundaryTable", ".force_tables")]
 LeastEnergy = Annotated[Any, _late("LeastEnergyTable", ".force_tables")]
@@ -501,6 +502,7 @@ class SceneFile(Table):
     frequency: Frequency | None = Field(None, description="The frequency response that is computed, too; left out: none.")
     random: Random | None = Field(None, description="Random vibration, by the command random; left out: none.")
     shock: Shock | None = Field(None, description="Peaks under a shock, by the command shock; left out: the defaults.")
+    fatigue: Fatigue | None = Field(None, description="Cycles and damage, by the command fatigue; left out: none.")
     vary: Vary | None = Field(None, description="Parameters that the commands sweep and optimise vary; left out: named there.")
     campbell: Campbell | None = Field(None, description="Speeds and orders of the command campbell; left out: the defaults.")
     orders: Orders | None = Field(

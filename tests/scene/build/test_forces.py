@@ -61,7 +61,7 @@ def test_a_record_is_read_from_a_file(tmp_path, name, column, scale):
         ("0,1\n1,2,3\n", r"force\[1\]: record\.csv, line 2: it has another number of columns"),
         ("0\n1\n", r"force\[1\]: record\.csv: found 1 column; expected the times in s in column 1 and the values in column 2"),
         ("0,1\n", r"force\[1\]: record\.csv: times: found 1; a record needs at least two samples"),
-        ("-1,1\n1,1\n", r"force\[1\]: record\.csv: times: the first is -1 s"),
+        ("-1,1\n1,1\n", r"force\[1\]: record\.csv: it begins at -1 s; give start"),
         ("", r"force\[1\]: record\.csv: the file is empty"),
     ],
 )
@@ -208,7 +208,7 @@ def test_the_results_of_a_scene_are_a_record_of_another(tmp_path):
         ('column = "b"', r'there is no column "b"'),
         ("column = 0", r"force\[1\]\.column"),
         ('time = "a"\ncolumn = 1', r"a\.csv, line 3: 2 m/s\^2 is followed|the unit of the time is"),
-        ('step = "1 m"', r'force\[1\]\.step: found "1 m", a length'),
+        ('step = "1 m"', r'force\[1\]: step: found "1 m"; a length belongs to a record over a distance: give speed'),
     ],
 )
 def test_units_of_a_record_are_checked(tmp_path, entry, message):
