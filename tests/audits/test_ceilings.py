@@ -21,25 +21,25 @@ from tests.audits.source import FILES, MODULES, ROOT, expect_none, room, text, t
 #: (the method of steps, characteristic roots, exact responses, feedback elements) took 1,630 lines, most of them in response and polynomial. Matrices that are not
 #: regular (Kronecker form, kernels over the rationals, other numbers of equations than coordinates) took 690 lines, 430 of them in polynomial.
 LINES = {
-    "__init__": 262,
+    "__init__": 269,
     "__main__": 8,
-    "analyses": 12679,
-    "cli": 1027,
+    "analyses": 13060,
+    "cli": 1049,
     "control": 2552,
     "docs": 497,
     "exact": 7336,
-    "exchange": 1370,
-    "frequency": 5903,
-    "ground": 2481,
+    "exchange": 1744,
+    "frequency": 6260,
+    "ground": 2489,
     "linalg": 5177,
-    "mechanics": 17552,
+    "mechanics": 17589,
     "models": 1974,
     "page": 5375,
     "polynomial": 3778,
     "response": 8308,
     "robot": 9312,
-    "scene": 11074,
-    "signals": 1903,
+    "scene": 11375,
+    "signals": 1972,
 }
 
 #: So far may a room be below its ceiling before that must be lowered.
