@@ -62,7 +62,7 @@ def test_what_is_wrong_is_named_with_its_place(command, tmp_path):
         (WHITE.replace("white = 3", "values = [1, 2]"), "frequencies and values"),
         (WHITE.replace("white = 3", 'values = [1, 2]\nfrequencies = ["2 Hz", "1 Hz"]'), "ascending"),
         (WHITE.replace("white = 3", ""), "expected one of values"),
-        (WHITE + 'of = "acceleration"\n', "no constraint row"),
+        (WHITE + 'of = "acceleration"\n', "nothing prescribes its motion"),
         (WHITE + 'unit = "N"\n', "squared per Hz"),
         (WHITE.replace("white = 3", "white = -3"), "white"),
     ]
