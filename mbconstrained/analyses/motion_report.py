@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 #: Margins below this part of a largest value are not shown: it has as many digits.
 SHOWN_MARGIN = 1e-4
 
+LARGEST = "Largest values"
 MOST_EVENT_ROWS = 200  # events that are listed
 MOST_LATER_ROWS = 20  # of the jumps and impulses after t = 0 that are listed; JSON and npz have all
 
@@ -44,13 +45,13 @@ def tables_of(result: Result, certificate: Certificate | None, frequency: Freque
         *([result.motion.event_table(shown.text, MOST_EVENT_ROWS)] if result.is_switched else []),
         *of_model.first,
         *(end.table(equations.coordinates) for end in equations.ends),
-        *([frequency.peak_table()] if frequency else []),
         *([_output_table(equations.original)] if equations.original else []),
         TextTable("Jumps at t = 0", ("coordinate", "of its", "before", "after", "jump"), jumps),
         TextTable("Impulses at t = 0", ("of", "multiplies", "size"), impulses),
         *([_later_table(result)] if result.later else []),
         largest_table(result),
         *of_model.forces,
+        *([frequency.peak_table()] if frequency else []),
         *([certificate.table] if certificate else []),
     ]
     details = [
@@ -72,7 +73,7 @@ def largest_table(result: Result) -> TextTable:
         open_ += is_open
         rows.append((one.name, one.title, f"{'≥ ' * is_open}{with_unit(factor * one.value, unit)}", f"{number_text(one.time)} s"))
     note = f"Largest moduli with their signs, of the closed form: none between the times is missed{'; ≥: of too many periods to search them all' if open_ else ''}."
-    return TextTable("Largest values", ("of", "quantity", "largest", "at"), tuple(rows), note)
+    return TextTable(LARGEST, ("of", "quantity", "largest", "at"), tuple(rows), note)
 
 
 def _constraint_table(constraint_rows: Sequence[ConstraintRow], shown: OutputUnits) -> TextTable:

@@ -49,7 +49,7 @@ STEPS, GOLDEN = 32, (5**0.5 - 1) / 2
 BESIDE, GROWTH = 1e-3, 1e5
 
 #: The quantity of the frequency response by that of the outputs.
-RESPONSES = {"displacement": "receptance", "velocity": "mobility", "acceleration": "accelerance"}
+RESPONSES = {"displacement": "receptance", "velocity": "mobility", "acceleration": "accelerance", "torque": "force"}
 
 
 class Orders(Analysis):
@@ -96,9 +96,10 @@ def _excitations(scene: Scene, table: OrdersTable) -> Iterator[_Excitation]:
     """The excitations of the table, and the unbalance of a rotor."""
     system, rotor = scene.equations.system, scene.equations.rotor
     known = channels(system, "inputs")
+    prescribed = {coordinate: row for motion in scene.table.motion for row, (coordinate, _) in motion.rows.items()}
     for number, one in enumerate(table.excitation, 1):
         with named(f"excitation[{number}]"):
-            (channel,) = chosen_by_name("on", one.on, known, ())
+            (channel,) = chosen_by_name("on", prescribed.get(one.on, one.on), known, ())
             unit = FORCE_UNITS.get(channel.unit, "1")
             if channel.row is not None:
                 if one.unbalance is not None:
@@ -112,9 +113,9 @@ def _excitations(scene: Scene, table: OrdersTable) -> Iterator[_Excitation]:
                 with named(key):
                     size = quantity(value, unit) * np.exp(1j * phase)
                 if one.law == "speed^2" or one.unbalance is not None:
-                    yield _Excitation(one.on, order, 0.0, size / (one.at or 1.0) ** 2)
+                    yield _Excitation(channel.name, order, 0.0, size / (one.at or 1.0) ** 2)
                 else:
-                    yield _Excitation(one.on, order, size, 0.0)
+                    yield _Excitation(channel.name, order, size, 0.0)
     if rotor is not None and rotor.unbalance is not None:
         for place in np.flatnonzero(rotor.unbalance):
             yield _Excitation(rotor.names[place], 1.0, 0.0, complex(rotor.unbalance[place]))
@@ -201,8 +202,11 @@ class _RunUp:
         if rotor is None:
             return self._amplitudes(self.fixed, frequencies, loads)
         values = np.zeros((len(self.outputs), len(places)), dtype=complex)
-        for speed in np.unique(speeds):
-            own = np.flatnonzero(speeds == speed)
+        has_one_stiffness = rotor.circulatory is None and not rotor.speed_tables
+        resting = (frequencies == 0) & has_one_stiffness
+        values[:, resting] = self._amplitudes(self.fixed, frequencies[resting], loads[resting])
+        for speed in np.unique(speeds[~resting]):
+            own = np.flatnonzero((speeds == speed) & ~resting)
             values[:, own] = self._amplitudes(self._response(rotor.at_speed(float(speed))), frequencies[own], loads[own])
         return values
 

@@ -23,7 +23,7 @@ from ..scene.run.result import Result, aliasing_notices, folded, with_units
 from ..scene.run.scene import Scene
 from ..scene.run.stages import is_animated, plan_of, steps_of, still, too_large_for_formula
 from .base import Answer, formats_of, write_pictures
-from .motion_report import tables_of
+from .motion_report import LARGEST, tables_of
 
 if TYPE_CHECKING:
     from ..exact.closed_form import ClosedForm
@@ -470,7 +470,7 @@ def _printed(parts: Sequence[str | TextTable], width: int = WIDTH) -> str:
 def overview(answer: RunAnswer, width: int = WIDTH, lines: int = SCREEN) -> list[str | TextTable]:
     """The parts of the summary that fit on a screen: natural frequencies, warnings, files, and the number of omitted lines.
 
-    Tables that do not fit are left out, but for those of a requested end of the motion, of which the first rows are shown."""
+    Tables that do not fit are left out, but for the largest values and those of a requested end of the motion, of which the first rows are shown."""
     title = "\n".join(_first_lines(text, width, 2) for text in (answer.title, answer.source) if text)
     figures = f"Error estimate {max(answer.error_estimates.values()):.2g}; {answer.plan.totals()}"
     end = "\n".join(wrapped(text, width) for text in (_files(answer), figures, "All tables and notices: --verbose") if text)
@@ -483,7 +483,7 @@ def overview(answer: RunAnswer, width: int = WIDTH, lines: int = SCREEN) -> list
     shown = [_some_rows(table, width, max(2 * left // 3, left - len(answer.tables[0].rows) - 3)) for table in events]
     shown.append(_some_rows(answer.tables[0], width, left - _height(shown, width) - 1))
     for table in answer.tables[1:]:
-        if table.title in {end.title for end in answer.scene.equations.ends}:
+        if table.title in {LARGEST, *(end.title for end in answer.scene.equations.ends)}:
             table = _some_rows(table, width, left - _height(shown, width) - 1)
         if table not in events and not table.folded and table.rows and _height([*shown, table], width) <= left:
             shown.append(table)

@@ -43,8 +43,8 @@ TIMES, TIMES_OF_PERIOD, MOST_TIMES = 721, 24, 20_001
 #: Periods of the lowest frequency that are shown where the frequencies have no common period.
 STRETCH = 20
 
-#: Amplitudes below this share of the largest of their output are not listed.
-SMALLEST = 1e-6
+#: Amplitudes below this share of the largest of their output are not listed; files have all.
+SMALLEST = 1e-3
 
 #: Orbits and phase planes, at most; events that are listed.
 MOST_ORBITS, MOST_EVENTS = 6, 200
@@ -363,7 +363,8 @@ class _LinearCycle(_Cycle):
                     rows.append((one.name, number_text(f), self._text(one, abs(value)), f"{np.degrees(np.angle(value)):.2f}"))
                 elif np.abs(value) > least:
                     rows.append((one.name, "0", self._text(one, value.real), "mean"))
-        yield TextTable("Amplitudes and phases", ("output", "Hz", "amplitude", "phase (°)"), tuple(rows))
+        note = f"Those of at least {SMALLEST:g} of the largest of their output."
+        yield TextTable("Amplitudes and phases", ("output", "Hz", "amplitude", "phase (°)"), tuple(rows), note)
 
     def data(self) -> dict[str, Any]:
         own = {"frequencies_hz": self.steady.frequencies_hz, "amplitudes": np.abs(self.steady.output_amplitudes)}

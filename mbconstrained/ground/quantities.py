@@ -178,6 +178,18 @@ def any_quantity(value) -> tuple[float, Dimension | None]:
     return _finite(_in_si(number, unit), value, "1"), dimension(unit)
 
 
+def number_and_unit(text: str) -> tuple[float, str]:
+    """The number of a text, and what stands behind it, which is checked by who knows that unit.
+
+    >>> number_and_unit("0.04 g^2/Hz"), number_and_unit("2 (m/s^2)^2/Hz")
+    ((0.04, 'g^2/Hz'), (2.0, '(m/s^2)^2/Hz'))
+    """
+    match = _QUANTITY.fullmatch(text.strip()) if len(text) <= LONGEST_QUANTITY else None
+    if not match:
+        raise InputError(f"found {shown(text)}; expected a number with its unit")
+    return _finite(match[1], text, "1"), match[2]
+
+
 def in_range(number, text: str) -> float:
     """The value of an expression as a float."""
     try:

@@ -189,3 +189,60 @@ def test_outputs_have_the_names_of_all_analyses(orders):
     assert arrays["units"].tolist() == ["m", "m/s", "N", "Pa"] and answer.data["quantities"][1:] == ["velocity", "force", "stress"]
     titles = [plot.title for plot in answer.plots()]
     assert titles[:4] == [f"{one}, largest over a cycle" for one in ("displacement", "velocity", "force", "stress")]
+
+
+SUPPORT = ONE.replace('between = ["ground"', 'between = ["floor"').replace(
+    "[[model.spring]]", '[[model.node]]\nname = "floor"\n[[model.spring]]', 1
+)
+MOVED = (
+    SUPPORT[: SUPPORT.index("[[orders.excitation]]")]
+    + """
+[[orders.excitation]]
+on = "floor"
+order = [0, 2]
+amplitude = ["1 mm", "0.2 mm"]
+[[motion]]
+coordinate = "floor"
+"""
+)
+
+
+def test_a_support_that_moves_by_orders(orders):
+    """Transmissibility (k + c s) / (k + c s + m s^2) at s = 2 i W, and the mean as given; a unit of force is refused there."""
+    arrays = orders(MOVED, outputs=["machine", "machine - floor"]).arrays()
+    s, k, c = 2j * arrays["speeds"], 100 * (2 * np.pi * 10) ** 2, 2 * 0.05 * 100 * 2 * np.pi * 10
+    T = (k + c * s) / (k + c * s + 100 * s**2)
+    np.testing.assert_allclose(arrays["amplitudes"][1], [2e-4 * T, 2e-4 * (T - 1)], rtol=1e-9)
+    np.testing.assert_allclose(arrays["amplitudes"][0, 0], 1e-3, rtol=1e-12)
+    with pytest.raises(SceneError, match="expected a length"):
+        orders(MOVED.replace('"1 mm", "0.2 mm"', '"1 N", "2 N"'))
+    with pytest.raises(SceneError, match="a prescribed motion; give amplitude"):
+        orders(MOVED.replace("amplitude = [", "unbalance = ["))
+
+
+def test_a_rotor_whose_shaft_damps_has_its_mean_at_each_speed(tmp_path):
+    """(K + W N) x = f under the order 0: internal damping c_i turns a static deflection, N = c_i [[0, 1], [-1, 0]]."""
+    text = """
+[model]
+kind = "matrices"
+coordinates = ["y", "z"]
+mass = [[2, 0], [0, 2]]
+damping = [[30, 0], [0, 30]]
+stiffness = [[2e4, 0], [0, 2e4]]
+circulatory = [[0, 5], [-5, 0]]
+[time]
+end = 1
+[orders]
+from = 0
+to = "3000 rpm"
+points = 5
+[[orders.excitation]]
+on = "y"
+order = [0, 1]
+amplitude = [10, 0]
+"""
+    (tmp_path / "shaft.toml").write_text(text, encoding="utf-8")
+    arrays = read_scene(tmp_path / "shaft.toml").orders().arrays()
+    W = arrays["speeds"]
+    expected = np.array([np.linalg.solve([[2e4, 5 * one], [-5 * one, 2e4]], [10.0, 0.0]) for one in W]).T
+    np.testing.assert_allclose(arrays["amplitudes"][0], expected, rtol=1e-10, atol=1e-16)

@@ -82,3 +82,49 @@ def test_outputs_are_chosen_on_the_command_line(command, tmp_path):
     assert data["rms"] == pytest.approx([np.sqrt(3 / (4 * 4 * 2))], rel=1e-12)
     code, _, problem = command("random", scene(tmp_path), "--output", "machin")
     assert code == 1 and 'did you mean "machine"' in problem
+
+
+def test_densities_have_their_units_in_their_values(tmp_path):
+    """White force: E[x^2] = G / (4 c k); 1 kN^2/Hz is 1e6 N^2/Hz. A table in g^2/Hz is that with unit = "g^2/Hz"."""
+    white = WHITE.replace("3", '"3e-6 kN^2/Hz"')
+    assert random_response(read_scene(scene(tmp_path, white))).rms[0] == pytest.approx(np.sqrt(3 / (4 * 4 * 200)), rel=1e-12)
+    table = """[[motion]]
+coordinate = "machine"
+kind = "step"
+value = 0
+[[random.input]]
+on = "machine"
+of = "acceleration"
+frequencies = ["10 Hz", "20 Hz"]
+values = {}
+"""
+    supported = SCENE.replace("spring = [", 'node = [{ name = "base" }]\nspring = [').replace(
+        '"ground", "machine"', '"base", "machine"'
+    )
+    own = table.replace('"machine"', '"base"')
+    found = []
+    for values in ('["0.01 g^2/Hz", "0.04 g^2/Hz"]', '[0.01, 0.04]\nunit = "g^2/Hz"'):
+        (tmp_path / "supported.toml").write_text(supported + own.format(values), encoding="utf-8")
+        found.append(random_response(read_scene(tmp_path / "supported.toml")))
+    assert found[0].rms.tolist() == found[1].rms.tolist()
+    assert found[0].spectra.spectra[0].name == found[1].spectra.spectra[0].name
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        (
+            '["1 N^2/Hz", 3]',
+            "found values in N^2/Hz and numbers without a unit; give all of them with the same unit, or unit alone",
+        ),
+        ('["1 N^2/Hz", "3 kN^2/Hz"]', "found values in N^2/Hz and kN^2/Hz"),
+        ('["1 N^2/Hz", "3 N^2/Hz"]\nunit = "N^2/Hz"', "found values in N^2/Hz; give all"),
+        ('["1 N", "3 N"]', '"N" is no density: it must be a unit squared per Hz'),
+        ('["one", 3]', 'found "one"; expected a number with its unit'),
+    ],
+)
+def test_densities_of_several_units_are_refused(tmp_path, values, message):
+    table = f'[[random.input]]\non = "machine"\nfrequencies = [1, 2]\nvalues = {values}\n'
+    with pytest.raises(SceneError) as problem:
+        random_response(read_scene(scene(tmp_path, table)))
+    assert message in str(problem.value)

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, fie
 
 from ...frequency.random.spectra import Spectrum, kanai_tajimi, psd, road_profile, white_noise
 from ...ground.errors import InputError, named, shown
-from ...ground.quantities import quantity
+from ...ground.quantities import number_and_unit, quantity
 from ..quantities.variations import FORMS, Variation, variation_of
 from .entry_types import (
     NUMBER_SCHEMA,
@@ -169,7 +169,7 @@ Frequency = quantity_field("Hz")
 KINDS = ("values", "white", "road", "soil")
 
 
-def _array_of(unit: str, expected: str):
+def _array_of(unit: str, expected: str) -> BeforeValidator:
     """The type of an array of quantities."""
 
     def converted(value):
@@ -177,11 +177,14 @@ def _array_of(unit: str, expected: str):
             raise InputError(f"found {shown(value)}; expected an array of {expected}")
         return [quantity(entry, unit) for entry in value]
 
-    return Annotated[Any, BeforeValidator(converted), WithJsonSchema(NUMBERS_SCHEMA)]
+    return BeforeValidator(converted)
 
 
-Corners = _array_of("Hz", 'frequencies, e.g. ["10 Hz", "2000 Hz"]')
-Densities = _array_of("1", "numbers in the unit of the density")
+Corners = Annotated[Any, _array_of("Hz", 'frequencies, e.g. ["10 Hz", "2000 Hz"]'), WithJsonSchema(NUMBERS_SCHEMA)]
+_DENSITY_SCHEMA = {"anyOf": [{"type": "number"}, {"type": "string", "title": "a number and the unit of a density"}]}
+Density = Annotated[Number, WithJsonSchema(_DENSITY_SCHEMA)]
+_DENSITIES_SCHEMA = {"type": "array", "items": _DENSITY_SCHEMA}
+Densities = Annotated[Any, _array_of("1", "numbers in the unit of the density"), WithJsonSchema(_DENSITIES_SCHEMA)]
 
 
 class RoadTable(Table):
@@ -194,9 +197,22 @@ class RoadTable(Table):
 class SoilTable(Table):
     """The spectrum of Kanai and Tajimi: white noise filtered by a layer of soil."""
 
-    intensity: Number = Field(gt=0, description="Intensity of the acceleration of the rock, one-sided, in the unit of the density.")
+    intensity: Density = Field(
+        gt=0, description="Intensity of the acceleration of the rock, one-sided, in the unit of the density."
+    )
     frequency: Frequency = Field(2.5, gt=0, description="Natural frequency of the soil.")  # type: ignore[valid-type]
     damping_ratio: Number = Field(0.6, gt=0, description="Damping ratio of the soil.")
+
+
+def _densities(value) -> tuple[Any, list[str]]:
+    """Numbers of densities and the units behind them, an empty text for none."""
+    if isinstance(value, list):
+        pairs = [_densities(one) for one in value]
+        return [one for one, _ in pairs], [unit for _, own in pairs for unit in own]
+    if not isinstance(value, str):
+        return value, [""]
+    number, unit = number_and_unit(value)
+    return number, [unit]
 
 
 class RandomInputTable(Table):
@@ -204,14 +220,33 @@ class RandomInputTable(Table):
 
     on: Text = Field(description="A coordinate, for a force on it, or a [[motion]] or constraint row, for its motion.")
     of: Literal["force", "displacement", "velocity", "acceleration"] = Field("force", description="Quantity of the density.")
-    frequencies: Corners = Field(None, description="Corner frequencies of a table, ascending.")  # type: ignore[valid-type]
-    values: Densities = Field(None, description="The one-sided density at the corners.")  # type: ignore[valid-type]
+    frequencies: Corners = Field(None, description="Corner frequencies of a table, ascending.")
+    values: Densities = Field(None, description='The one-sided density at the corners, e.g. ["0.01 g^2/Hz", "0.04 g^2/Hz"].')
     unit: Text | None = Field(None, description='Of the density, e.g. "g^2/Hz"; SI when left out.')
     interpolation: Literal["log-log", "linear", "steps"] = Field("log-log", description="Between the corners.")
-    white: Number | None = Field(None, gt=0, description="Intensity of white noise, instead of a table.")
+    white: Density | None = Field(None, gt=0, description="Intensity of white noise, instead of a table.")
     road: RoadTable | None = Field(None, description="Road profile of ISO 8608 (displacement), instead of a table.")
     soil: SoilTable | None = Field(None, description="Ground acceleration of Kanai and Tajimi, instead of a table.")
     delay: Time = Field(0.0, description="The process of the other inputs, later.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_unit(cls, data):
+        """Values such as "0.04 g^2/Hz" as numbers, with their unit in the place of unit."""
+        soil = data.get("soil") if isinstance(data, dict) else None
+        places = ((data, "values"), (data, "white"), (soil, "intensity"))
+        changed = {(key, id(table)): _densities(table[key]) for table, key in places if isinstance(table, dict) and key in table}
+        units = list(dict.fromkeys(unit for _, own in changed.values() for unit in own))
+        if not any(units):
+            return data
+        if len(units) > 1 or "unit" in data:
+            found = [unit or "numbers without a unit" for unit in (*units, *([data["unit"]] if "unit" in data else []))]
+            raise InputError(
+                f"found values in {' and '.join(map(str, dict.fromkeys(found)))}; give all of them with the same unit, or unit alone"
+            )
+        numbers = {key: value for (key, _), (value, _) in changed.items()}
+        own = {"soil": {**soil, "intensity": numbers.pop("intensity")}} if "intensity" in numbers else {}
+        return {**data, **numbers, **own, "unit": units[0]}
 
     @model_validator(mode="after")
     def _one_kind(self):
@@ -409,8 +444,8 @@ class OrdersTable(Table):
         None, description=f"Coordinates, springs and dampers (their forces), constraint rows (their reactions), {NAMES}; left out: all "
         "coordinates, and the [[output.quantity]] tables."
     )  # fmt: skip
-    quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force"] = Field(
-        "displacement", description="Quantity of outputs that are named alone; force: of springs and dampers."
+    quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force", "torque"] = Field(
+        "displacement", description="Quantity of outputs that are named alone; force or torque: of springs and dampers."
     )
     relative_to: Text | None = Field(
         None, description="A coordinate or prescribed motion, subtracted from the outputs of its unit."
@@ -435,8 +470,8 @@ class SteadyTable(Table):
         None, description=f"Coordinates, springs and dampers (their forces), constraint rows (their reactions), {NAMES}; left out: all "
         "coordinates, and the [[output.quantity]] tables."
     )  # fmt: skip
-    quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force"] = Field(
-        "displacement", description="Quantity of outputs that are named alone; force: of springs and dampers."
+    quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force", "torque"] = Field(
+        "displacement", description="Quantity of outputs that are named alone; force or torque: of springs and dampers."
     )
 
 

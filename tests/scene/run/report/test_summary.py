@@ -29,6 +29,13 @@ def test_the_short_summary_has_the_requested_end_of_a_motion():
     assert "energy" in short and re.search(r"and \d more", short) and len(short.splitlines()) <= 18
 
 
+def test_the_short_summary_has_the_first_of_the_largest_values():
+    result = mb.read_scene(EXAMPLES / "washing_machine.toml").run()
+    short, largest = _printed(overview(result, lines=18)), result.largest
+    assert re.search(rf"^  cabinet +displacement +{1e3 * largest[0].value:.6g} mm", short, re.MULTILINE)
+    assert re.search(r"^  and \d more$", short, re.MULTILINE) and len(short.splitlines()) <= 18
+
+
 def test_a_meaning_stands_where_it_adds_something(tmp_path):
     """A free body has a double eigenvalue 0, two equal oscillators a double pair: numbers are those of the list of modes."""
     free = '[model]\nkind = "lumped"\n[[model.mass]]\nname = "a"\nmass = 1\n[time]\nend = 1\npoints = 3\n'
