@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 
 from ..exchange.trajectories import csv_of, write_arrays
+from ..ground.by_name import answering
 from ..ground.checks import nearest, optional_package
 from ..ground.display import WIDTH, Pictured, TextTable, finite_or_none
 from ..ground.errors import InputError
@@ -312,7 +313,7 @@ class Analysis:
         )
         given = [*table, "Args:", *entries, ""] if entries else []
         ask.__doc__ = "\n".join([getdoc(cls) or "", "", *given, "Returns:", "    The ``Answer``."])
-        return ask
+        return answering(ask)
 
     @classmethod
     def changed(cls, own: Table | None, given: Mapping[str, Any], file_name: str) -> Table:

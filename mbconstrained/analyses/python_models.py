@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from ..ground.by_name import answering
 from ..ground.checks import nearest, real_number, whole_number
 from ..ground.errors import InputError
 from ..mechanics.modes import Modes
@@ -135,6 +136,9 @@ def _last_time(motion: Response) -> float:
 
 def write_page(answer: Response | Modes, path, **options) -> Path:
     """Write the static page of a motion or of modes."""
+    if not isinstance(answer, (Response, Modes)):
+        expected = "expected a motion or modes, such as system.solve(...) or system.modes()"
+        raise InputError(f"found an object of type {type(answer).__name__}; {expected}")
     path = Path(path)
     if isinstance(answer, Response):
         return result_of(answer, **options).write_page(path)
@@ -186,6 +190,7 @@ def view(answer: Response | Modes, height: int = 700, **options) -> PageView:
         return PageView(write_page(answer, Path(folder) / "view.html", **options).read_text(encoding="utf-8"), height)
 
 
+@answering
 def show(answer: Response | Modes, **options) -> Path:
     """Write the page of a motion or of modes to a temporary file and open it in the browser.
 

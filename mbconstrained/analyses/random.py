@@ -239,7 +239,7 @@ class _Outputs:
         visible = np.flatnonzero(largest >= least)
         own = slice(visible[0], visible[-1] + 1)
         square = density_unit(unit).replace("^2", "²")
-        title, values = f"spectrum of the {self.response.quantity}", np.maximum(self.spectra[:, own], least)
+        title, values = f"spectrum of the {self.response.harmonic.quantity_of(chosen)}", np.maximum(self.spectra[:, own], least)
         plot = self._plot(title, square, self.frequencies[own], values, chosen, "density", "log")
         factor = self.shown[chosen[0]][1]
         rows = [(one, one.density(str(self.response.units[chosen[0]]), plot.times)) for one in self.inputs]
@@ -279,4 +279,4 @@ class _Outputs:
             return
         rows = ((name, path, first), ("+σ", np.full(len(times), rms), first + 1), ("−σ", np.full(len(times), -rms), first + 1))
         curves = tuple(Curve(label, factor * row, color) for label, row, color in rows)
-        yield Plot(f"a random path of {name}", unit, times, curves, quantity=self.response.quantity)
+        yield Plot(f"a random path of {name}", unit, times, curves, quantity=self.response.harmonic.quantity_of([first]))

@@ -21,7 +21,7 @@ from ..mechanics.harmonic_sums import common_rate
 from ..mechanics.switched.periodic import find_periodic
 from ..page.animation import Animation
 from ..page.content import Curve, Marks, Plot, curve_with_gaps
-from ..scene.build.model import output_names, quantities_by_name
+from ..scene.build.model import output_names
 from ..scene.file import at
 from ..scene.run.animation import animation_of
 from ..scene.run.drawing import RobotPicture, drawing_of, drawing_of_robot
@@ -107,11 +107,9 @@ class _Cycle:
         self.scene, self.table = scene, table
         self.shown = scene.equations.coordinates.shown
 
-    def _chosen(self, rows=None) -> list[Output]:
+    def _chosen(self) -> list[Output]:
         """The outputs that are named, or all that have the quantity."""
-        table, system, names = self.table, self.scene.equations.system, output_names(self.scene.equations, rows)
-        if rows is not None:  # those of all phases
-            names.own = quantities_by_name(self.scene.table.output.quantity, names)
+        table, system, names = self.table, self.scene.equations.system, output_names(self.scene.equations)
         prescribed = {coordinate for motion in self.scene.table.motion for coordinate, _ in motion.rows.values()}
         if table.quantity in MOTIONS:
             moving = [name for name in system.names if name not in prescribed] or list(system.names)
@@ -452,7 +450,7 @@ class _SwitchedCycle(_Cycle):
         )
         self.motion, self.period = self.cycle.motion, self.cycle.period
         self.length = self.cycle.period
-        self.outputs = self._chosen(self.motion._reaction_rows)
+        self.outputs = self._chosen()
         self.function = closed_form(self.outputs, self.motion)
 
     def of_coordinates(self, order: int, times: np.ndarray) -> np.ndarray:

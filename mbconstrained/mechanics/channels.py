@@ -3,7 +3,7 @@
 An input is a force on a coordinate or along a direction that has a name of its own, or the motion that a constraint row prescribes. An
 output is a quantity that is linear in the motion, with one grammar of names for all analyses:
 
-    constant + rows[0] x + rows[1] x' + rows[2] x'' + multipliers lambda
+    constant + rows[0] x + rows[1] x' + rows[2] x'' + reactions lambda
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -114,6 +115,8 @@ def chosen_by_name(what: str, chosen, known: Mapping[str, Known | None], default
 MOTIONS = {
     "displacement": 0, "velocity": 1, "acceleration": 2, "angle": 0, "angular velocity": 1, "angular acceleration": 2
 }  # fmt: skip
+#: Of these words those of rotations alone.
+ANGLES = ("angle", "angular velocity", "angular acceleration")
 FORCES, ELONGATIONS = ("force", "torque", "moment"), {"elongation": 0, "rate": 1, "elongation rate": 1}
 REACTION = "reaction"
 KINDS = (*MOTIONS, *FORCES, *ELONGATIONS, REACTION)
@@ -129,13 +132,13 @@ FORMS = (
 
 @dataclass(frozen=True, eq=False)
 class Output:
-    """A quantity constant + sum over i of rows[i] x^(i) + multipliers lambda, in SI."""
+    """A quantity constant + sum over i of rows[i] x^(i) + sum of reactions lambda, in SI."""
 
     name: str
     quantity: str  # such as "velocity", "torque" or "reaction"
     unit: str
     rows: np.ndarray  # of x, x' and x'', shape (3, n)
-    multipliers: np.ndarray  # of the reactions, shape (k,)
+    reactions: Mapping[str, float]  # factors of the reactions of constraint rows, by name
     constant: float = 0.0
     elements: Mapping[str, float] = field(default_factory=dict)  # factors of the springs whose force it has, for structural damping
     balance: np.ndarray | None = None  # w of w^T (K x + C x' - A^T lambda), to which further damping adds; None of others
@@ -148,7 +151,7 @@ class Output:
             quantity=quantity or self.quantity,
             unit=unit or self.unit,
             rows=factor * self.rows,
-            multipliers=factor * self.multipliers,
+            reactions={name: factor * own for name, own in self.reactions.items()},
             constant=factor * self.constant,
             elements={element: factor * own for element, own in self.elements.items()},
             balance=None if self.balance is None else factor * self.balance,
@@ -166,63 +169,67 @@ class Output:
     @property
     def is_zero(self) -> bool:
         """Whether it is zero whatever moves, as the motion of a point relative to itself."""
-        return not (self.rows.any() or self.multipliers.any())
+        return not (self.rows.any() or self.reactions)
 
     @property
     def order(self) -> int | None:
-        """The order of derivative of a plain motion, 0 of plain multipliers; None of sums of several and of forces of elements."""
+        """The order of derivative of a plain motion, 0 of plain reactions; None of sums of several and of forces of elements."""
         parts = [order for order in range(3) if self.rows[order].any()]
-        parts += [0] * bool(self.multipliers.any())
+        parts += [0] * bool(self.reactions)
         return None if self.elements or self.balance is not None or len(parts) > 1 else parts[0] if parts else 0
 
+    def multipliers(self, rows: Sequence[ConstraintRow]) -> np.ndarray:
+        """The factors of the reactions of these rows, shape (k,); of others, such as those of open contacts, there is none."""
+        return np.array([self.reactions.get(row.name, 0.0) for row in rows])
+
     def values(self, motion, times: np.ndarray) -> np.ndarray:
-        """Over times (T,), of a motion whose reactions are those of the multipliers."""
+        """Over times (T,), of a motion."""
         orders = [order for order, row in enumerate(self.rows) if row.any()]
         parts = [self.rows[order] @ (motion.derivative(order)(times) if order else motion(times)) for order in orders]
-        parts += [self.multipliers @ motion.reaction(times)] if self.multipliers.any() else []
+        parts += [self.multipliers(motion._reaction_rows) @ motion.reaction(times)] if self.reactions else []
         return self.constant + sum(parts, np.zeros(np.shape(times)))
-
-    def amplitudes(self, omega, displacements: np.ndarray, reactions: np.ndarray, loss_factors: Mapping[str, float]) -> np.ndarray:
-        """Complex amplitudes at angular frequencies (L,) from those of x, shape (n, L), and lambda, shape (k, L); the mean without
-        the constant.
-        """
-        omega = np.asarray(omega)
-        total = (
-            sum((1j * omega) ** order * (row @ displacements) for order, row in enumerate(self.rows)) + self.multipliers @ reactions
-        )
-        return total + 0j
 
 
 def closed_form(outputs: Sequence[Output], motion) -> BohlFunction:
     """The functions of time of outputs without their constants."""
     rows = np.array([one.rows for one in outputs]).transpose(1, 0, 2)
     function = motion.function.differential(*rows)
-    multipliers = np.array([one.multipliers for one in outputs])
-    return function + motion.reaction_function.mapped(multipliers) if multipliers.any() else function
+    if not any(one.reactions for one in outputs):
+        return function
+    return function + motion.reaction_function.mapped(np.array([one.multipliers(motion._reaction_rows) for one in outputs]))
 
 
 class OutputNames:
     """The names of outputs that are listed in messages, and the grammar of all others."""
 
     def __init__(
-        self, units: Mapping[str, str], system: EquationsOfMotion | None = None, rows: Sequence[ConstraintRow] | None = None
+        self,
+        units: Mapping[str, str],
+        system: EquationsOfMotion | None = None,
+        rows: Sequence[ConstraintRow] | None = None,
+        has_common_equations: bool = True,
     ):
-        """Coordinates with their units; elements, rows, named directions and quantities are those of a system, or the rows given."""
-        self.system, count = system, len(units)
-        self.directions = {name: (row, unit) for (name, unit), row in zip(units.items(), np.eye(count))}
+        """Coordinates with their units; elements, named directions and quantities are those of a system, rows too or those of all phases."""
+        self.has_common_equations = has_common_equations
+        self.system, self.units, self.directions = system, units, dict(units)  # units of coordinates, and of named directions too
         self.elements: Mapping[str, ElementForce] = {}
-        self.rows: dict[str, tuple[int, ConstraintRow]] = {}
+        self.rows: dict[str, ConstraintRow] = {}
         self.own: Mapping[str, Output] = {}
         if system is not None:
-            self.directions |= system.named_directions("outputs")
+            self.directions |= {name: unit for name, (_, unit) in system.named_directions("outputs").items()}
             self.elements, self.own = system.elements, system.quantities
             given = rows if rows is not None else () if system.is_sparse else system.rows
-            self.rows = {row.name: (place, row) for place, row in enumerate(given)}
+            self.rows = {row.name: row for row in given}
 
     @classmethod
-    def of(cls, system: EquationsOfMotion, rows: Sequence[ConstraintRow] | None = None) -> OutputNames:
+    def of(cls, system: EquationsOfMotion) -> OutputNames:
         """The names of a system."""
-        return cls(system.units, system, rows)
+        return cls(system.units, system)
+
+    @classmethod
+    def of_motion(cls, motion) -> OutputNames:
+        """The names of a motion, whose rows are those of all its phases."""
+        return cls(motion.system.units, motion.system, motion._reaction_rows, motion._has_common_equations)
 
     @property
     def without_own(self) -> OutputNames:
@@ -252,15 +259,29 @@ class OutputNames:
             if text == name:
                 return self._on_ground(text, unit, what)
         known = list(self)
-        forms = [f"{one} of {name}" for one, names in self._forms.items() for name in names] if of else []
+        if of and word in KINDS and rest in known:
+            raise InputError(f'{what}: "{rest}" has no {word}: it is {self._nature(rest)}')
+        forms = [f"{one} of {name}" for one, names in self.kinds.items() for name in names] if of else []
         hint = nearest(text, [*known, *forms, *ON_GROUND.values()])
         others = hint or f"; known are, among others, {_listed(known)}; or {FORMS}"
         raise InputError(f'{what}: there is no "{text}"{others}')
 
+    def _nature(self, name: str) -> str:
+        if name in self.own:
+            return "a quantity of its own; name it alone"
+        if name in self.directions:
+            unit = self.directions[name]
+            return f"a coordinate in {unit} with {', '.join(derivative_name(unit, order) for order in range(3))}"
+        if name in self.elements:
+            return f"a spring or damper with {'force' if self.elements[name].unit == 'm' else 'torque'}, elongation and rate"
+        return "a constraint row with reaction"
+
     @property
-    def _forms(self) -> dict[str, Sequence[str]]:
-        moving, elements = list(self.directions), list(self.elements)
-        return {**dict.fromkeys(MOTIONS, moving), **dict.fromkeys((*FORCES, *ELONGATIONS), elements), REACTION: list(self.rows)}
+    def kinds(self) -> dict[str, Sequence[str]]:
+        """The names that each kind of quantity has."""
+        moving, elements, rows = list(self.directions), list(self.elements), list(self.rows)
+        groups = ((MOTIONS, moving), (FORCES, [*elements, *rows]), (ELONGATIONS, elements), ((REACTION,), rows))
+        return {kind: known for kinds, known in groups for kind in kinds}
 
     def _plain(self, name: str, kind: str, what: str) -> Output | None:
         """A name alone: of a quantity, a coordinate with its motion, an element with its force, a row with its reaction."""
@@ -275,39 +296,54 @@ class OutputNames:
         if kind not in MOTIONS:
             expected = "constraint rows" if kind == REACTION else "springs, dampers or constraint rows"
             raise InputError(f'{what}: "{name}" is a coordinate and has no {kind}; expected {expected}, or "velocity of {name}" …')
-        return self._motion(name, kind, *self.directions[name])
+        return self._motion(name, kind, self._direction(name), self.directions[name])
 
     def _of_kind(self, word: str, rest: str, text: str, what: str) -> Output | None:
+        """A quantity with its kind; None where there is none of this kind, as of a torque along a line."""
         if word in MOTIONS:
-            if rest in self.directions:
-                return self._motion(text, word, *self.directions[rest])
-            difference = self._difference(rest)
-            return None if difference is None else self._motion(text, word, *difference, is_relative=True)
-        if word in (*FORCES, *ELONGATIONS) and rest in self.elements:
+            one = (self._direction(rest), self.directions[rest]) if rest in self.directions else self._difference(rest)
+            if one is None or (word in ANGLES and one[1] != "rad"):
+                return None
+            return self._motion(text, word, *one, is_relative=rest not in self.directions)
+        parts: Mapping[str, Any] = self.elements if rest in self.elements else self.rows
+        if rest not in parts or (word in FORCES[1:] and parts[rest].unit != "rad"):
+            return None
+        if rest in self.elements and word != REACTION:
             return self._of_element(text, rest, word)
         return self._reaction(text, rest) if word in (*FORCES, REACTION) and rest in self.rows else None
 
     def _difference(self, text: str) -> tuple[np.ndarray, str] | None:
         """The direction of "b - a", or of "b relative to a"; None of other texts."""
-        for sign in (" relative to ", " - "):
-            for place in range(text.count(sign)):
-                parts = text.split(sign)
-                b, a = sign.join(parts[: place + 1]).strip(), sign.join(parts[place + 1 :]).strip()
-                if b in self.directions and a in (*self.directions, GROUND):
-                    (first, unit), (second, other) = self.directions[b], self.directions.get(a, (0.0, ""))
-                    if other and other != unit:
+        known = {**self.directions, GROUND: ""}
+        for sign in (" relative to ", "-"):
+            parts = text.split(sign)
+            for place in range(1, len(parts)):
+                b, a = sign.join(parts[:place]).strip(), sign.join(parts[place:]).strip()
+                if b in known and a in known and b != a:
+                    unit, other = known[b], known[a]
+                    if unit and other and unit != other:
                         raise InputError(f'"{text}": {b} is in {unit} and {a} in {other}; expected two coordinates of one unit')
-                    return first - second, unit
+                    return self._direction(b) - self._direction(a), unit or other
         return None
 
-    def _none(self) -> np.ndarray:
-        return np.zeros(len(self.rows))
+    def _direction(self, name: str) -> np.ndarray:
+        """The combination of coordinates; zero of the ground."""
+        if self.system is not None and name in (named := self.system.named_directions("outputs")):
+            return named[name][0]
+        row = np.zeros(len(self.units))
+        if name != GROUND:
+            row[self._places[name]] = 1.0
+        return row
+
+    @cached_property
+    def _places(self) -> dict[str, int]:
+        return {name: place for place, name in enumerate(self.units)}
 
     def _motion(self, text: str, kind: str, direction: np.ndarray, unit: str, is_relative: bool = False) -> Output:
         order, rows = MOTIONS[kind], np.zeros((3, len(direction)))
         rows[order] = direction
         quantity = f"relative {kind}" if is_relative else derivative_name(unit, order)
-        return Output(text, quantity, rate_unit(unit, order), rows, self._none())
+        return Output(text, quantity, rate_unit(unit, order), rows, {})
 
     def _of_element(self, text: str, name: str, kind: str) -> Output:
         one = self.elements[name]
@@ -316,16 +352,14 @@ class OutputNames:
             order = ELONGATIONS[kind]
             rows[order] = one.elongation
             quantity, constant = ("elongation rate", 0.0) if order else ("elongation", one.rest)
-            return Output(text, quantity, rate_unit(one.unit, order), rows, self._none(), constant)
+            return Output(text, quantity, rate_unit(one.unit, order), rows, {}, constant)
         rows[0], rows[1] = one.stiffness * one.elongation, one.damping * one.elongation
         quantity = "force" if one.unit == "m" else "torque"
-        return Output(text, quantity, force_unit(one.unit), rows, self._none(), one.stiffness * one.rest, {name: 1.0})
+        return Output(text, quantity, force_unit(one.unit), rows, {}, one.stiffness * one.rest, {name: 1.0})
 
     def _reaction(self, text: str, name: str) -> Output:
-        place, row = self.rows[name]
-        return Output(
-            text, REACTION, force_unit(row.unit), np.zeros((3, len(row.coefficients))), np.eye(1, len(self.rows), place)[0]
-        )
+        row = self.rows[name]
+        return Output(text, REACTION, force_unit(row.unit), np.zeros((3, len(row.coefficients))), {name: 1.0})
 
     def _on_ground(self, text: str, unit: str, what: str) -> Output:
         """w^T (K x + C x' - A^T lambda), w of ones at the coordinates along which the ground is pushed: what is not inertia or load."""
@@ -333,13 +367,15 @@ class OutputNames:
             raise InputError(
                 f"{what}: {text} is available for models with mass, damping and stiffness as arrays; name springs instead"
             )
+        if not self.has_common_equations:
+            raise InputError(f"{what}: {text} is not available for phases with equations of their own; name springs instead")
         w = self.system.ground_direction(unit, f"{what}: {text}")
         rows = np.zeros((3, len(w)))
         stiffness, damping, _ = self.system.given
         rows[0], rows[1] = along(w, stiffness, self.system.stiffness), along(w, damping, self.system.damping)
-        multipliers = -np.array([row.coefficients @ w for _, row in self.rows.values()]).reshape(len(self.rows))
+        reactions = {name: -float(size) for name, row in self.rows.items() if (size := row.coefficients @ w)}
         constant = sum(one.stiffness * one.rest * float(one.elongation @ w) for one in self.elements.values())
-        return Output(text, text.partition(" ")[0], force_unit(unit), rows, multipliers, constant, balance=w)
+        return Output(text, text.partition(" ")[0], force_unit(unit), rows, reactions, constant, balance=w)
 
 
 def along(direction: np.ndarray, given, matrix: np.ndarray) -> np.ndarray:

@@ -22,14 +22,17 @@ from ..ground.checks import counted, nearest, real_array, real_number, whole_num
 from ..ground.coordinate_units import force_unit, rate_unit, ratio_unit
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
+from ..ground.named_arrays import named_array
 from ..ground.tolerances import SAME_FREQUENCY
 from ..linalg.arrays import full
 from ..polynomial.delayed_terms import DelayedTerm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.impulsive import ExactInput, ExactRecord, ExactTerm, ImpulsiveSmooth
 from .channels import (
+    FORCES,
     MOTIONS,
     ON_GROUND,
+    REACTION,
     Channel,
     Output,
     OutputNames,
@@ -101,7 +104,7 @@ def frequency_response(
 
 def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to=None, count=None) -> Harmonic:
     """The matrices of one response; the arguments are those of ``frequency_response``."""
-    if quantity not in QUANTITIES:
+    if not isinstance(quantity, str) or quantity not in QUANTITIES:
         raise InputError(
             f"quantity: found {quantity!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(quantity), QUANTITIES)}"
         )
@@ -125,7 +128,7 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     below = [force_unit(one.unit) if one.row is None else rate_unit(one.unit, levels[one.row]) for one in known_inputs]
     ratio = cache(ratio_unit)
     table = np.array([[ratio(one.unit, other) for other in below] for one in known_outputs])
-    kinds = tuple(quantity if _is_default(one, quantity) else one.quantity for one in known_outputs)
+    kinds = tuple(quantity_of(one, quantity) for one in known_outputs)
     if not chosen.inverse:
         distinct = names if len(set(names)) == len(names) else equations
         A = PolynomialMatrix(coefficients, distinct, equations)
@@ -163,7 +166,9 @@ def with_outputs(
     B = np.array([channel.unknowns(system) for channel in inputs]).T
     orders = {one.order for one in outputs if not one.is_zero}
     power = orders.pop() if len(orders) == 1 and None not in orders else 0
-    C = np.array([np.concatenate([one.rows[power], -one.multipliers]) for one in outputs]).reshape(len(outputs), len(B))
+    C = np.array([np.concatenate([one.rows[power], -one.multipliers(system.rows)]) for one in outputs]).reshape(
+        len(outputs), len(B)
+    )
     further = {place: one for place, one in enumerate(outputs) if one.order != power and not one.is_zero}
     if further:
         equations = _with_unknowns(system, equations, list(further.values()), loss_factor)
@@ -181,7 +186,7 @@ def _with_unknowns(system, equations, outputs: Sequence[Output], loss_factor):
     rows[1] += balances @ (coefficients[1][:n, :n] - system.damping)  # damping of modes
     wide = np.pad(np.array(coefficients), ((0, 0), (0, count), (0, count)))
     wide[:, size:, :n], wide[0, size:, size:] = -rows, np.eye(count)
-    wide[0, size:, n:size] = [one.multipliers for one in outputs]  # the unknowns are -lambda
+    wide[0, size:, n:size] = [one.multipliers(system.rows) for one in outputs]  # the unknowns are -lambda
     if sizes is not None:
         sizes = np.maximum(np.pad(sizes, ((0, 0), (0, count), (0, count))), np.abs(wide))
     if imaginary is not None:
@@ -213,12 +218,12 @@ def _outputs(system: EquationsOfMotion, outputs, quantity: str, inputs: Sequence
     return names.chosen("outputs", outputs, QUANTITIES[quantity].kind, default)
 
 
-def _is_default(output: Output, quantity: str) -> bool:
-    """Whether an output is of the kind that a quantity has by default."""
-    kind = QUANTITIES[quantity].kind
+def quantity_of(output: Output, quantity: str) -> str:
+    """The quantity of the response where an output is of the kind that it has by default, or else that of the output."""
+    kind, own = QUANTITIES[quantity].kind, output.quantity
     if kind in MOTIONS:
-        return output.quantity in MOTIONS and MOTIONS[output.quantity] == MOTIONS[kind]
-    return output.quantity == kind or quantity == FORCE_TRANSMISSIBILITY
+        return quantity if own in MOTIONS and MOTIONS[own] == MOTIONS[kind] else own
+    return quantity if own == kind or (quantity == FORCE_TRANSMISSIBILITY and own in (*FORCES, REACTION)) else own
 
 
 def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count) -> Harmonic:
@@ -236,7 +241,12 @@ def _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, rel
         )
     eta = None if loss_factor is None else real_number(loss_factor, "loss_factor", minimum=0.0)
     number = MODES if count is None else whole_number(count, "count", minimum=1)
-    return sparse_harmonic(system, inputs, outputs, chosen.order, quantity, modal_damping, eta, number)
+    for what, given in (("inputs", inputs), ("outputs", outputs)):
+        if given is None:
+            raise InputError(f"{what}: a response of sparse matrices needs names of coordinates, such as {system.names[0]!r}")
+    named = OutputNames.of(system).chosen("outputs", outputs, chosen.kind, ())
+    harmonic = sparse_harmonic(system, inputs, named, quantity, modal_damping, eta, number)
+    return replace(harmonic, output_quantities=tuple(quantity_of(one, quantity) for one in named))
 
 
 def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Output]) -> None:
@@ -253,7 +263,7 @@ def _check(quantity: str, inputs: Sequence[Channel], outputs: Sequence[Output]) 
         raise InputError(f'{quantity}: the input "{rows[0]}" is a prescribed motion; expected forces on coordinates')
     if not (chosen := QUANTITIES[quantity]).inverse:
         return
-    if other := next((one.name for one in outputs if one.order != chosen.order or one.multipliers.any()), None):
+    if other := next((one.name for one in outputs if one.order != chosen.order or one.reactions), None):
         raise InputError(f'{quantity}: the output "{other}" is no {chosen.kind}; expected coordinates')
     if rows or len(inputs) != len(outputs):
         raise InputError(
@@ -411,13 +421,14 @@ class SteadyState(Displayed):
             raise InputError(
                 f"frequency_hz: no load has {f:g} Hz; expected one of {known}{', ...' * (len(self.frequencies_hz) > 6)}"
             )
-        return self.displacement_amplitudes[:, near[0]].copy()
+        return named_array(self.displacement_amplitudes[:, near[0]], self.names)
 
     def _values(self, quantity: str, amplitudes: np.ndarray, times) -> np.ndarray:
         times = real_array(times, "times")
         if self.motion is not None:
             return getattr(self.motion, quantity)(np.mod(times, self.period))
-        return np.real(amplitudes @ np.exp(np.multiply.outer(1j * self.angular_frequencies, times)))
+        values = np.real(amplitudes @ np.exp(np.multiply.outer(1j * self.angular_frequencies, times)))
+        return named_array(values, self.rows if quantity == "reaction" else self.names)
 
 
 def steady_state(
@@ -485,9 +496,11 @@ def steady_state(
     if period is not None and not (loss_factor or system.loss_factors or system.delayed) and repeats:
         damped = system if modal_damping is None else system.with_modal_damping(modal_damping)
         motion = _periodic_motion(damped, force, period)
+        further = [OutputNames.of(damped).output(one.name, quantity) for one in further]
     units |= {one.name: one.unit for one in further}
+    amplitudes = named_array(answers[:n], system.names), named_array(answers[n:count], names[n:])
     further_values = answers[count:], tuple(further)
-    return SteadyState(system.names, names[n:], f, answers[:n], answers[n:count], errors, units, period, motion, *further_values)
+    return SteadyState(system.names, names[n:], f, *amplitudes, errors, units, period, motion, *further_values)
 
 
 def _periodic_motion(system: EquationsOfMotion, force: ImpulsiveSmooth | None, period: float) -> Motion | None:

@@ -1,10 +1,13 @@
 """Quantities by name in every analysis, against (K - w^2 M + i w C) x = f solved by NumPy and forces written out by hand."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import mbconstrained as mb
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
 HERTZ = np.array([0.0, 0.3, 1.7, 2.4, 9.0])
 
 
@@ -158,8 +161,8 @@ def test_rest_lengths_count_in_motions():
         ("force of mout", 'did you mean "force of mount"'),
         ("force on grond", 'did you mean "force on ground"'),
         ("torque on ground", "no coordinate is in rad"),
-        ("elongation of frame", 'there is no "elongation of frame"'),
-        ("reaction of mount", 'there is no "reaction of mount"'),
+        ("elongation of frame", '"frame" has no elongation: it is a coordinate'),
+        ("reaction of mount", '"mount" has no reaction: it is a spring or damper'),
         ("something else", 'known are, among others, .*"velocity of x"'),
         ("", 'there is no ""'),
     ],
@@ -167,3 +170,39 @@ def test_rest_lengths_count_in_motions():
 def test_names_that_are_none(name, message):
     with pytest.raises(mb.InputError, match=message):
         machine().frequency_response([1.0], ["machine"], [name])
+
+
+def test_the_ground_feels_modal_damping_in_a_steady_state():
+    """Sums of harmonics and the periodic motion in closed form have the same force; the balance of forces M x'' = f - F holds."""
+    system, load, t = machine(), mb.harmonic([3.0, 1.0], frequency_hz=0.5), np.linspace(0.0, 2.0, 9)
+    names = ["force on ground", "acceleration of frame", "acceleration of machine", "velocity of machine - frame"]
+    sums = system.steady_state(load, modal_damping=0.05, outputs=names).output(t)
+    closed = system.steady_state(load, period=2.0, modal_damping=0.05, outputs=names).output(t)
+    np.testing.assert_allclose(closed, sums, atol=1e-12 * np.abs(sums).max())
+    np.testing.assert_allclose(sums[0], 4 * np.cos(np.pi * t) - 3 * sums[1] - 2 * sums[2], atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["dropped_crate", "hopper", "stick_slip", "gear_rattle", "lifted_load"])
+def test_the_force_on_the_ground_balances_contacts_friction_and_ropes(name, tmp_path):
+    """w M x'' = w f - F in every phase: forces of contacts and friction are reactions, which act on the ground as springs do."""
+    text = (EXAMPLES / f"{name}.toml").read_text(encoding="utf-8")
+    what = "torque on ground" if name == "gear_rattle" else "force on ground"
+    (tmp_path / "scene.toml").write_text(f'{text}\n[[output.quantity]]\nof = "{what}"\n', encoding="utf-8")
+    scene = mb.read_scene(tmp_path / "scene.toml")
+    motion, system = scene.run().motion, scene.system
+    times = np.linspace(0.0, 0.98 * motion.end, 200) + 1e-4
+    force = system.quantities[what].values(motion, times)
+    along = np.array([float(unit == ("rad" if name == "gear_rattle" else "m")) for unit in system.units.values()])
+    loads = system.force if scene.equations.force is None else system.force + scene.equations.force
+    inertia = along @ system.mass @ motion.derivative(2)(times)
+    np.testing.assert_allclose(inertia, along @ loads(times) - force, atol=1e-9 * np.abs(force).max())
+    assert np.ptp(force) > 0.1 * np.abs(force).max()
+    assert motion.peaks(0.9 * motion.end, what).maximum[0] >= force[times <= 0.9 * motion.end].max() * (1 - 1e-9)
+
+
+def test_phases_with_equations_of_their_own_have_no_common_force_on_the_ground():
+    free = mb.MechanicalSystem([[1.0]], stiffness=[[4.0]])
+    stiff = mb.MechanicalSystem([[1.0]], stiffness=[[9.0]])
+    machine = mb.SwitchedSystem({"free": free, "stiff": stiff}, [mb.Transition("free", "stiff", when={"x1": 1.0}, above=0.5)])
+    with pytest.raises(mb.InputError, match="phases with equations of their own"):
+        machine.solve(velocity=[2.0], end=3.0).peaks(1.0, "force on ground")

@@ -12,6 +12,7 @@ inverse smaller. It is a bound where damping does not couple the modes with othe
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -19,12 +20,12 @@ import numpy as np
 
 from ...frequency.harmonic import Harmonic, LeftOut
 from ...ground.checks import real_array
-from ...ground.coordinate_units import force_unit, rate_unit, ratio_unit
+from ...ground.coordinate_units import force_unit, ratio_unit
 from ...ground.errors import InputError
 from ...ground.tolerances import EPS
 from ...linalg.division import accurate_product
 from ...polynomial.polynomial_matrix import PolynomialMatrix
-from ..channels import chosen_by_name
+from ..channels import Output, chosen_by_name
 from ..equations import EquationsOfMotion
 from .pencil import asymmetry, times
 from .undamped_modes import UndampedModes, undamped_modes
@@ -43,26 +44,29 @@ DEPENDENT = EPS**0.5
 
 
 def sparse_harmonic(
-    system: EquationsOfMotion, inputs, outputs, order: int, quantity: str, modal_damping, loss_factor, count: int
+    system: EquationsOfMotion, inputs, outputs: Sequence[Output], quantity: str, modal_damping, loss_factor, count: int
 ) -> Harmonic:
     """The reduced equations with the bound of the remainder."""
-    places = {name: i for i, name in enumerate(system.names)}
-    for what, chosen in (("inputs", inputs), ("outputs", outputs)):
-        if chosen is None:
-            raise InputError(f"{what}: a response of sparse matrices needs names of coordinates, such as {system.names[0]!r}")
-    into, out = (np.array(chosen_by_name(what, own, places, ())) for what, own in (("inputs", inputs), ("outputs", outputs)))
+    into = np.array(chosen_by_name("inputs", inputs, {name: i for i, name in enumerate(system.names)}, ()))
+    order = outputs[0].order
+    if order is None or any(one.order != order for one in outputs):
+        names = ", ".join(f'"{one.name}"' for one in outputs)
+        raise InputError(
+            f"outputs: found {names}; of sparse matrices expected motions or elongations, all of them displacements, velocities or "
+            "accelerations; or give arrays, as mass.toarray()"
+        )
     if asymmetry(system.damping)[0]:
         raise InputError("damping: frequency responses of sparse matrices need a symmetric one; give arrays, as damping.toarray()")
-    undamped = undamped_modes(system.pencil, count)
-    reduced = _Reduced(system.pencil, undamped, system.pencil.basis[np.concatenate([into, out])].toarray().T)
+    undamped, basis = undamped_modes(system.pencil, count), system.pencil.basis
+    sources = np.hstack([basis[into].toarray().T, basis.T @ np.array([one.rows[order] for one in outputs]).T])
+    reduced = _Reduced(system.pencil, undamped, sources)
     coefficients = reduced.coefficients
     coefficients[1] += reduced.modal_damping(modal_damping)
     m, forces = len(into), reduced.forces
     imaginary = None if loss_factor is None else loss_factor * coefficients[0]
-    of_inputs, of_outputs = (tuple(system.names[place] for place in own) for own in (into, out))
-    above = [rate_unit(system.units[name], order) for name in of_outputs]
+    of_inputs, of_outputs = tuple(system.names[place] for place in into), tuple(one.name for one in outputs)
     below = [force_unit(system.units[name]) for name in of_inputs]
-    units = np.array([[ratio_unit(one, other) for other in below] for one in above])
+    units = np.array([[ratio_unit(one.unit, other) for other in below] for one in outputs])
     left_out = None if undamped.complete else _Residuals(reduced, coefficients, imaginary, m)
     A, B, C = PolynomialMatrix(coefficients), forces[:, :m], forces[:, m:].T
     return Harmonic(A, B, C, order, imaginary, reduced.sizes, of_inputs, of_outputs, units, quantity, left_out)

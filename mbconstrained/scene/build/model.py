@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, get_args
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from ...ground.display import TextTable
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.quantities import Dimension, dimension, unit_of
-from ...mechanics.channels import FORCES, MOTIONS, Output, OutputNames
+from ...mechanics.channels import MOTIONS, Output, OutputNames
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...polynomial.reduced_equations import Reduction
 from ...response.events import start_of
@@ -25,10 +25,10 @@ from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import zero
 from ..file import shown
 from ..quantities.coordinates import Coordinates, beyond_noise
+from ..schema.scene_schema import QuantityKind
 from .forces import SceneForce
 
 if TYPE_CHECKING:
-    from ...mechanics.constraints import ConstraintRow
     from ...mechanics.system import MechanicalSystem
     from ...models.lumped import LumpedModel
     from ...response.solvability import Solvability
@@ -278,10 +278,13 @@ def rows_decision(rows: int, removed: int, none: str) -> Decision:
     return (True, f"{counted(rows + removed, 'row')}, {removed} of them dependent") if rows or removed else (False, none)
 
 
-def output_names(equations: Equations, rows: Sequence[ConstraintRow] | None = None) -> OutputNames:
+def output_names(equations: Equations) -> OutputNames:
     """The names of outputs of a model; of one that switches the rows are those of all phases."""
-    coordinates = equations.coordinates
-    return OutputNames(dict(zip(coordinates.names, coordinates.units)), equations.system, rows)
+    coordinates, switching = equations.coordinates, equations.switching
+    units = dict(zip(coordinates.names, coordinates.units))
+    if switching is None:
+        return OutputNames(units, equations.system)
+    return OutputNames(units, equations.system, switching.rows, switching.machine.machine.systems is None)
 
 
 def named_quantities(tables, names: OutputNames) -> Iterator[Output]:
@@ -296,15 +299,23 @@ def quantities_by_name(tables, names: OutputNames) -> dict[str, Output]:
     """The outputs of the tables by distinct names; an elongation with the name of its spring is "elongation of spring"."""
     result: dict[str, Output] = {}
     for table, one in zip(tables, named_quantities(tables, names)):
-        if one.name in names.without_own:
-            if one.name != table.of:
-                raise InputError(f"name: {shown(one.name)} is already the name of something else in the model; give another name")
-            kind = table.quantity or (FORCES[0] if one.elements else None)
-            one = one if kind in (None, *FORCES) else replace(one, name=f"{kind} of {one.name}")
+        if _is_another(one, names.without_own):
+            if table.name not in (None, table.of) or list(table.multipliers):
+                raise InputError(f"name: {shown(one.name)} is already the name of something else; give another name")
+            one = replace(one, name=f"{table.quantity} of {one.name}")
         if one.name in result:
             raise InputError(f"name: {shown(one.name)} is the name of two [[output.quantity]]; give one of them another name")
         result[one.name] = one
     return result
+
+
+def _is_another(one: Output, names: OutputNames) -> bool:
+    """Whether the name of a quantity already means something else."""
+    try:
+        known = names.output(one.name)
+    except InputError:
+        return False
+    return not np.array_equal(one.rows, known.rows) or one.reactions != known.reactions
 
 
 def _between(table, names: OutputNames) -> Output:
@@ -318,7 +329,7 @@ def _between(table, names: OutputNames) -> Output:
             known = ", ".join(names.directions)
             hint = nearest(name, (*names.directions, GROUND))
             raise InputError(f"between: there is no coordinate {shown(name)}{hint}; the coordinates are {known}")
-    units = {names.directions[name][1] for name in table.between if name != GROUND}
+    units = {names.directions[name] for name in table.between if name != GROUND}
     if first == second or len(units) != 1:
         raise InputError(f"between: found {shown(first)} and {shown(second)}; expected two coordinates of one unit")
     one = names.output(f"{kind} of {second} - {first}", what="between")
@@ -327,11 +338,16 @@ def _between(table, names: OutputNames) -> Output:
 
 def _of_one(table, names: OutputNames) -> Output:
     """A quantity by its name; of a spring or damper that is named alone its force, or another quantity of it."""
-    is_element = table.of in names.elements and table.of not in names.own
-    if is_element and table.of not in names.directions and table.quantity in MOTIONS:
-        raise InputError(f"quantity: found {shown(table.quantity)}; expected force, elongation or rate of a spring or damper")
-    one = names.output(table.of, table.quantity or ("force" if is_element else "displacement"), "of")
+    kinds = [kind for kind in get_args(QuantityKind) if table.of in names.kinds[kind]]
+    if table.quantity not in (None, *kinds):
+        expected = f"expected {', '.join(kinds)}" if kinds else "leave it out"
+        raise InputError(f"quantity: found {shown(table.quantity)} of {shown(table.of)}; {expected}")
+    one = names.output(table.of, table.quantity or ("force" if table.of in names.elements else "displacement"), "of")
     return replace(one, name=table.name or one.name)
+
+
+#: Quantities of products by their unit; others keep the name of the quantity.
+PRODUCTS = {"Pa": "stress", "N": "force", "N m": "moment", "m": "displacement", "J": "energy"}
 
 
 def _multiplied(one: Output, multiplier: tuple[float, Dimension | None]) -> Output:
@@ -340,6 +356,5 @@ def _multiplied(one: Output, multiplier: tuple[float, Dimension | None]) -> Outp
     if kind is None:
         return one.scaled(factor)
     product = dimension(one.unit.replace(" ", "*")).times(kind)
-    if product.units == dimension("Pa").units:
-        return one.scaled(factor, unit="Pa", quantity="stress")
-    return one.scaled(factor, unit=unit_of(product).replace("*", " "), quantity="product")
+    unit = "Pa" if product.units == dimension("Pa").units else unit_of(product).replace("*", " ")
+    return one.scaled(factor, unit=unit, quantity=PRODUCTS.get(unit, one.name))

@@ -89,6 +89,12 @@ class Switching:
         return "Of the phase at the start." if is_long else f"Of the phase {self.label}."
 
     @property
+    def rows(self) -> tuple[ConstraintRow, ...]:
+        """The constraint rows of all phases, and the directions of the forces of switches."""
+        others = (row for system in (self.machine.machine.systems or {}).values() for row in system.rows)
+        return tuple({row.name: row for row in (*others, *self.begin._reaction_rows)}.values())
+
+    @property
     def has_rows(self) -> bool:
         """Whether a phase has constraint rows, or a switch a force of its own: both are reactions."""
         systems = self.machine.phases.values() or (self.machine.system,)

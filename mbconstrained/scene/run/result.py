@@ -517,7 +517,7 @@ class Result:
     @cached_property
     def output_names(self) -> OutputNames:
         """The names of all quantities that are linear in the motion."""
-        return output_names(self.scene.equations, None if self.scene.equations.switching is None else self.rows)
+        return output_names(self.scene.equations)
 
     def _linear(self, outputs: Sequence[Output]) -> KindOfCurves:
         """Curves of quantities that are linear in the motion."""

@@ -330,6 +330,9 @@ def _flag_or_names(value):
     return value
 
 
+QuantityKind = Literal["force", "elongation", "rate", "displacement", "velocity", "acceleration"]
+
+
 class QuantityTable(Table):
     """A force, elongation, reaction, relative motion or stress, by a name that all analyses know."""
 
@@ -339,7 +342,7 @@ class QuantityTable(Table):
         '"reaction of pin", "force on ground"; or else between.'
     )  # fmt: skip
     between: Pair | None = Field(None, description='Two coordinates, e.g. ["wheel", "body"]: the second relative to the first.')
-    quantity: Literal["force", "elongation", "rate", "displacement", "velocity", "acceleration"] | None = Field(
+    quantity: QuantityKind | None = Field(
         None, description="Force (default), elongation or rate of an element; displacement (default) … of and between coordinates."
     )
     factor: Quantity | None = Field(None, description='A factor, e.g. "0.2 m" for the moment of a force with this arm.')

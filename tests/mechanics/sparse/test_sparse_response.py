@@ -129,3 +129,36 @@ def test_bounds_of_stiff_chains_contain_their_errors(n, spread, damping):
         for line, f in enumerate(frequencies):
             exact = exact_chain(K, M, C, f, into, out)
             assert abs(H.values[place, 0, line] - exact) <= H.error_estimate[place, 0, line] * abs(H.values[place, 0, line])
+
+
+def test_relative_motions_and_elongations_of_sparse_matrices():
+    """The same names as of arrays, and the same values as of arrays with all modes."""
+    models = []
+    for sparse in (True, False):
+        model = mb.LumpedModel()
+        for i in range(12):
+            model.mass(f"m{i}", 1.0 + 0.1 * i)
+        model.spring("ground", "m0", 900.0)
+        for i in range(11):
+            model.spring(f"m{i}", f"m{i + 1}", 1000.0 + 50 * i, name=f"k{i}")
+            model.damper(f"m{i}", f"m{i + 1}", 2.0)
+        models.append(model.assemble(sparse=sparse))
+    names, lines = ["m3", "m5 - m2", "elongation of k4"], np.linspace(0.1, 3.0, 9)
+    reduced, whole = (one.frequency_response(lines, ["m1"], names, count=count) for one, count in zip(models, (12, None)))
+    np.testing.assert_allclose(reduced.values, whole.values, rtol=1e-9)
+    assert (
+        reduced.harmonic.output_quantities
+        == whole.harmonic.output_quantities
+        == ("receptance", "relative displacement", "elongation")
+    )
+    rates = [
+        one.frequency_response(lines, ["m1"], ["velocity of m5 - m2", "rate of k4"], count=count)
+        for one, count in zip(models, (12, None))
+    ]
+    np.testing.assert_allclose(rates[0].values, rates[1].values, rtol=1e-9)
+    with pytest.raises(mb.InputError, match="all of them displacements"):
+        models[0].frequency_response(lines, ["m1"], ["m1", "velocity of m2"], count=4)
+    with pytest.raises(mb.InputError, match="motions or elongations"):
+        models[0].frequency_response(lines, ["m1"], ["force of k4"], count=4)
+    with pytest.raises(mb.InputError, match="force on ground is available for models with mass, damping and stiffness as arrays"):
+        models[0].frequency_response(lines, ["m1"], ["force on ground"], count=4)
