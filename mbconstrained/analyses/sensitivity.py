@@ -113,7 +113,11 @@ class Sensitivity(Analysis):
             if len(order):
                 groups = dict(zip(modes, changes[order].T))
                 yield row_plot(
-                    f"{quantity} by 1 % more of a parameter", [names[i] for i in order], groups, f"change of the {quantity}", unit
+                    f"{quantity}: change by 1 % of a parameter",
+                    [names[i] for i in order],
+                    groups,
+                    f"change of the {quantity}",
+                    unit,
                 )
 
     def _data(self) -> dict:

@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..ground.display import TextTable
+from ..ground.display import TextTable, with_unit
 from ..ground.errors import InputError
 from ..ground.notices import Notice
 from .animation import Animation, Deflections, Shapes, ascending_times, drawable
@@ -216,6 +216,15 @@ def scientific(text: str) -> str:
     ('1.5·10⁻⁹ m', '12 m')
     """
     return re.sub(r"(?<=\d)e([-+]\d+)", lambda power: f"·10{superscript(int(power[1]))}", text)
+
+
+def measured(value: float, unit: str) -> str:
+    """A number with its unit as a reader of a plot sees them.
+
+    >>> measured(1.5e-9, "N*m"), measured(0.5, "1")
+    ('1.5·10⁻⁹ N·m', '0.5')
+    """
+    return scientific(with_unit(value, unit_text(unit)))
 
 
 #: Shares of an axis below this are rounding errors.

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from ..ground.display import phase_labels, with_unit
+from ..ground.display import phase_labels
 from .animation import packed
 from .content import (
     LEAST_SHARE,
@@ -37,7 +37,7 @@ from .content import (
     TimeFunctions,
     axis_of,
     is_power,
-    scientific,
+    measured,
     shortened,
     superscript,
     typeset,
@@ -500,7 +500,7 @@ def _legend(plot: Plot, functions: PlotFunctions) -> str:
             f'<span title="{html.escape(name)}">{html.escape(shortened(label, PHASE_NAME))}</span></li>'
         )
     if plot.cells:
-        low, high = (scientific(with_unit(end, unit_text(plot.cells.unit))) for end in plot.cells.ends)
+        low, high = (measured(end, plot.cells.unit) for end in plot.cells.ends)
         bar = "".join(f'<rect x="{10 * i}" width="10" height="10" fill="{color}"/>' for i, color in enumerate(CELL_COLORS))
         rows.append(
             f'<li class="of-marks">{typeset(low)} <svg width="90" height="10" aria-hidden="true">{bar}</svg> {typeset(high)}</li>'
@@ -511,7 +511,9 @@ def _legend(plot: Plot, functions: PlotFunctions) -> str:
             '<div class="choice"><input type="search" placeholder="find a name" aria-label="find a name">'
             '<button type="button" data-choice="all">Show all</button><button type="button" data-choice="none">Hide all</button></div>\n'
         )
-    kinds = " many" * bool(choice) + " short" * (has_lines and 0 < max((len(curve.name) for curve in curves), default=0) <= SHORT)
+    kinds = " many" * bool(choice) + " short" * (
+        has_lines and plot.across is None and 0 < max((len(curve.name) for curve in curves), default=0) <= SHORT
+    )
     return f'{choice}<ul class="legend{kinds}">{"".join(rows)}</ul>'
 
 

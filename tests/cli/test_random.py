@@ -50,7 +50,12 @@ def test_plots_of_the_page(tmp_path):
     assert np.isclose(path.curves[1].values[0], rms) and np.isclose(path.curves[2].values[0], -rms)
     assert 0.5 < np.mean(np.abs(path.curves[0].values) < rms) < 0.85
     rough = Random.answer(read_scene(scene(tmp_path, '[random]\nquantity = "acceleration"\n' + WHITE)))
-    assert [plot.title for plot in rough.plots()] == ["spectrum of the acceleration", "RMS of octaves", "RMS up to a frequency"]
+    assert [plot.title for plot in rough.plots()] == [
+        "spectrum of the acceleration",
+        "RMS of octaves",
+        "RMS up to a frequency",
+        "spectrum of the input, force",
+    ]
 
 
 @pytest.mark.long

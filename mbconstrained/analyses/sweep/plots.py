@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...ground.display import with_unit
-from ...page.content import LEAST_SHARE, Cells, Curve, Guide, Marks, Plot, Scale, curve_with_gaps, shortened
+from ...page.content import LEAST_SHARE, Cells, Curve, Guide, Marks, Plot, Scale, curve_with_gaps, measured, shortened
 from .samples import QUANTILES, Estimate, rank_correlations
 
 #: Panels of an image.
@@ -85,7 +84,7 @@ class SweepPlots:
         orders = np.argsort(x), np.argsort(y)
         x, y, grid = x[orders[0]], y[orders[1]], values.reshape(shape)[np.ix_(*places)][np.ix_(*orders)].T
         texts = [
-            [f"{with_unit(a, across)}, {with_unit(b, up)}: {with_unit(value, unit) if np.isfinite(value) else 'no answer'}"]
+            [f"{measured(a, across)}, {measured(b, up)}: {measured(value, unit) if np.isfinite(value) else 'no answer'}"]
             for b, row in zip(y, grid)
             for a, value in zip(x, row)
         ]
@@ -108,7 +107,7 @@ class SweepPlots:
         (across, x), (unit, values) = self.column(name), self.values(figure)
         places = [i for i in self.kept[::step][np.argsort(x[self.kept[::step]], kind="stable")] if np.isfinite(values[i])]
         x, y, color = x[places], values[places], self.figures.index(figure)
-        texts = (f"sample {i + 1}: {name} = {with_unit(a, across)}, {figure} {with_unit(b, unit)}" for i, a, b in zip(places, x, y))
+        texts = (f"sample {i + 1}: {name} = {measured(a, across)}, {figure} {measured(b, unit)}" for i, a, b in zip(places, x, y))
         is_line = len(self.result.samples.variations) == 1 and not self.result.samples.random and len(np.unique(x)) == len(x)
         ends = x if is_line else x[[0, -1]] if x[0] < x[-1] else x[:1]
         curve = Curve(
@@ -229,7 +228,7 @@ def row_plot(
 
 
 def _texts(names: Sequence[str], values: np.ndarray, label: str, unit: str) -> tuple[str, ...]:
-    return tuple(f"{name}, {label}: {with_unit(value, unit)}" for name, value in zip(names, values) if np.isfinite(value))
+    return tuple(f"{name}, {label}: {measured(value, unit)}" for name, value in zip(names, values) if np.isfinite(value))
 
 
 def _edges(values: np.ndarray) -> np.ndarray:

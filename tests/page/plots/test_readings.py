@@ -122,7 +122,8 @@ def test_readings_of_example_pages_are_those_of_the_solver(path):
     panels = max(
         len(curve.function[0].breaks) for plot in plots for curve in plot.curves
     )  # one at least between two samples of a record
-    assert sum(len(part.get("codes", "")) for parts in functions.as_data()["sets"] for part in parts) < 40_000 + 1_000 * panels
+    size = sum(len(part.get("codes", "")) for parts in functions.as_data()["sets"] for part in parts)
+    assert size < max(40_000, 4_000 * sum(len(plot.curves) for plot in plots)) + 1_000 * panels
 
 
 def waves(times):
