@@ -145,7 +145,9 @@ def wrong_call(function: Callable, args: tuple, kwargs: Mapping[str, Any], name:
         return WrongCall(f"{name}: it is made by {made_by}")
     if unknown:
         takes = f"; it takes {listed(known, 20)}" if known else "; it takes none"
-        return WrongCall(f'{name}: there is no argument "{unknown[0]}"{proposed(unknown[0], known) or takes}')
+        return WrongCall(
+            f'{name}: there is no argument "{unknown[0]}"{proposed(unknown[0], known, getattr(owner, "_instead", None)) or takes}'
+        )
     if len(args) > len(by_position):
         by_name = [word for word in known if word not in by_position]
         further = f"; by name it takes {listed(by_name, 20)}" if by_name else ""

@@ -98,6 +98,7 @@ class MechanicalSystem(EquationsOfMotion):
         "plot": "solve(...).plot() draws a motion, frequency_response(...).plot() a frequency response",
         "run": "solve",
         "simulate": "solve",
+        **dict.fromkeys(("t", "t_eval", "t_span", "time", "times"), "a motion is a function of time: solve(...)(times)"),
     }
 
     def solve(

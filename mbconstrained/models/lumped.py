@@ -103,6 +103,8 @@ class LumpedModel(Displayed):
     """
 
     _instead: ClassVar = {
+        "add_constraint": "constrain",
+        **{f"add_{name}": name for name in ("mass", "spring", "damper", "force")},
         "build": "assemble",
         "frequency_response": "assemble().frequency_response",
         "modes": "assemble().modes",
