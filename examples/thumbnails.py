@@ -33,6 +33,10 @@ MOMENTS = {
     "seven_joint_arm": 0.9,
     "crane": 0.7,
     "flexible_arm": 0.4,
+    "rotor": 0.35,
+    "spindle": 0.35,
+    "three_storeys": 0.31,
+    "building_in_earthquake": 0.3,
 }
 
 

@@ -221,13 +221,39 @@ __all__ = ["exact", *_FILES]  # noqa: PLE0604  (names of the table)
 __all__.sort()
 
 
+#: Functions of other packages, and methods, that are expected of this module.
+_INSTEAD = {
+    "bode": "system.frequency_response(...).plot()",
+    "eig": "system.modes()",
+    "frf": "system.frequency_response(...)",
+    "load": "mb.read_scene",
+    "load_scene": "mb.read_scene",
+    "modes": "system.modes()",
+    "plot": "motion.plot()",
+    "random_response": "system.random_response(...)",
+    "run": 'mb.read_scene("FILE.toml").run()',
+    "simulate": "system.solve(...)",
+    "sine": "mb.harmonic",
+    "sweep": "scene.sweep(...)",
+}
+
+
+class _UnknownName(AttributeError):
+    """A name that does not exist; the text is made when it is read, since imports of rooms ask for their names here first."""
+
+    def __str__(self) -> str:
+        from .ground.by_name import proposed
+
+        return f'mbconstrained has no "{self.args[0]}"{proposed(self.args[0], __all__, _INSTEAD)}'
+
+
 def __getattr__(name: str):
     if name == "__version__":
         return import_module("importlib.metadata").version("mbconstrained")
     if name == "exact":
         return import_module(".exact", __name__)
     if name not in _FILES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        raise _UnknownName(name)
     globals()[name] = value = getattr(import_module(f".{_FILES[name]}", __name__), name)
     return value
 

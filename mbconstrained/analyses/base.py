@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 
 from ..exchange.trajectories import csv_of, write_arrays
-from ..ground.checks import nearest, optional_package
+from ..ground.by_name import answering
+from ..ground.checks import listed, nearest, optional_package
 from ..ground.display import WIDTH, Pictured, TextTable, finite_or_none
 from ..ground.errors import InputError
 from ..ground.files import Replacements
@@ -110,6 +111,26 @@ class Answer(Pictured):
             *self.texts,
             *("\n".join([title, *lines]) for title, lines in lists.items() if lines),
         ]
+
+    def __getitem__(self, name: str) -> Any:
+        """A part of the data, numbers in SI, such as ``answer["modes"]``; of a run also the displacement of a coordinate at its times.
+
+        Raises:
+            InputError: no part and no coordinate has this name.
+
+        >>> import mbconstrained as mb
+        >>> run = mb.read_scene("examples/two_masses.toml").run()
+        >>> run["x1"].shape
+        (1001,)
+        """
+        if name not in self.data:
+            raise InputError(
+                f'there is no "{name}"{nearest(str(name), self._entries())}; there are {listed([*self._entries()], 20)}'
+            )
+        return self.data[name]
+
+    def _entries(self) -> Iterable[str]:
+        return self.data
 
     def to_dict(self, files: Sequence[Path] = ()) -> dict:
         """The answer as plain data, numbers in SI: title, data, notices, whether it is to be trusted, files."""
@@ -312,7 +333,7 @@ class Analysis:
         )
         given = [*table, "Args:", *entries, ""] if entries else []
         ask.__doc__ = "\n".join([getdoc(cls) or "", "", *given, "Returns:", "    The ``Answer``."])
-        return ask
+        return answering(ask)
 
     @classmethod
     def changed(cls, own: Table | None, given: Mapping[str, Any], file_name: str) -> Table:

@@ -14,16 +14,23 @@ from ..frequency.frequency_response import FrequencyResponse
 from ..frequency.random.random_response import RandomResponse
 from ..frequency.shock.response_spectrum import PARTS, ShockResponseSpectrum
 from ..ground.display import with_unit
+from ..ground.errors import MbconstrainedError
+from ..mechanics.equations import EquationsOfMotion
+from ..mechanics.harmonic_response import frequency_response
 from ..mechanics.root_locus import RootLocus
 from ..page.content import Curve, Plot, Scale, curve_with_gaps
 from ..page.plots import axis_titles, image_groups, plot_image
 from ..response.response import Response
 from ..scene.build.data_files import Record
+from ..scene.run.scene import Scene
 from .base import Answer
 from .locus import locus_plot
 from .motion_plots import plots_of
 from .python_models import result_of
 from .random import response_plots
+
+#: The receptances of so many coordinates of a system are drawn.
+MOST_COORDINATES = 12
 
 #: Pictures below one object; a notebook is not the page.
 MOST_PICTURES = 6
@@ -31,7 +38,10 @@ MOST_PICTURES = 6
 
 def pictures(shown) -> str:
     """The plots of an object as HTML that a notebook shows; each picture is closed in itself and runs no script."""
-    groups = image_groups(plots(shown))
+    try:
+        groups = image_groups(plots(shown))
+    except MbconstrainedError:  # what is shown has no such answer, or none within float64
+        return ""
     more = f"<p>and {len(groups) - MOST_PICTURES} further pictures on the page</p>" if len(groups) > MOST_PICTURES else ""
     return "".join(map(_picture, groups[:MOST_PICTURES])) + more
 
@@ -52,6 +62,26 @@ def plots(shown) -> Iterable[Plot]:
 @plots.register
 def _(answer: Answer) -> Iterable[Plot]:
     return answer.plots()
+
+
+@plots.register
+def _(scene: Scene) -> Iterable[Plot]:
+    """The plots of its run."""
+    return scene.unwritten().run().plots()
+
+
+@plots.register
+def _(system: EquationsOfMotion) -> Iterator[Plot]:
+    """The receptance of each coordinate under a force on it; of a large model those of the first coordinates."""
+    if system.is_sparse:
+        return
+    names = system.names[:MOST_COORDINATES]
+    H = frequency_response(system, inputs=names, outputs=names)
+    for unit in dict.fromkeys(H.units.diagonal()):
+        own = [i for i in range(len(names)) if H.units[i, i] == unit]
+        curves = tuple(curve_with_gaps(names[i], np.abs(H.values[i, i])) for i in own)
+        scales: tuple[Scale, Scale] = ("log", "log")
+        yield Plot("receptance", unit, H.frequencies_hz, curves, across_unit="Hz", variable="frequency", scales=scales)
 
 
 @plots.register

@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from ..ground.by_name import answering
 from ..ground.checks import nearest, real_number, whole_number
 from ..ground.errors import InputError
+from ..ground.files import path_of
 from ..mechanics.modes import Modes
 from ..mechanics.motion import Motion
 from ..mechanics.switched.switched_motion import SwitchedMotion
@@ -27,6 +29,7 @@ from ..scene.run.stages import plan_of
 from ..scene.schema.entry_types import Table, validated
 from ..scene.schema.model_tables import MatricesTable
 from ..scene.schema.scene_schema import DrawingTable, InitialTable, OutputTable, SceneFile, TimeTable
+from .base import Answer
 from .run import RunAnswer
 
 if TYPE_CHECKING:
@@ -133,16 +136,26 @@ def _last_time(motion: Response) -> float:
     return float(f"{last + length:.2g}")
 
 
-def write_page(answer: Response | Modes, path, **options) -> Path:
-    """Write the static page of a motion or of modes."""
-    path = Path(path)
+def write_page(answer: Response | Modes | Answer | Scene, path, **options) -> Path:
+    """Write the static page of a motion, of modes, of an answer, or of the run of a scene."""
+    path = path_of(path)
     if isinstance(answer, Response):
         return result_of(answer, **options).write_page(path)
-    from ..analyses.modes import ModalAnalysis
+    if isinstance(answer, Modes):
+        from ..analyses.modes import ModalAnalysis
+
+        answer = ModalAnalysis.solve(_scene_of_modes(answer, **options))
+    elif options:
+        raise InputError(f"{next(iter(options))}: a page of an answer takes no options; give them in its scene")
+    if isinstance(answer, Scene):
+        answer = answer.unwritten().run()
+    if not isinstance(answer, Answer):
+        expected = "expected a motion, modes, an answer or a scene, such as system.solve(...) or scene.frequency()"
+        raise InputError(f"found an object of type {type(answer).__name__}; {expected}")
     from ..page.html import write_page as write
 
     path.parent.mkdir(parents=True, exist_ok=True)
-    write(path, ModalAnalysis.solve(_scene_of_modes(answer, **options)).page(), "inside")
+    write(path, answer.page(), "inside")
     return path
 
 
@@ -186,15 +199,19 @@ def view(answer: Response | Modes, height: int = 700, **options) -> PageView:
         return PageView(write_page(answer, Path(folder) / "view.html", **options).read_text(encoding="utf-8"), height)
 
 
-def show(answer: Response | Modes, **options) -> Path:
-    """Write the page of a motion or of modes to a temporary file and open it in the browser.
+@answering
+def show(answer: Response | Modes | Answer | Scene, **options) -> Path:
+    """Write the page of a motion, of modes, of an answer or of the run of a scene to a temporary file and open it in the browser.
 
     Args:
-        answer: a ``Motion``, ``Response`` or ``Modes``.
-        options: as of its ``write_page``.
+        answer: a ``Motion``, ``Response``, ``Modes``, ``Answer`` or ``Scene``.
+        options: of motions and modes, as of their ``write_page``.
 
     Returns:
         The path of the page.
+
+    Raises:
+        InputError: an object of another class.
     """
     path = write_page(answer, Path(tempfile.mkdtemp(prefix="mbconstrained-")) / "view.html", **options)
     webbrowser.open(path.as_uri())

@@ -67,6 +67,13 @@ class RunAnswer(Result, Answer):
         self.still_problem = self.formula_problem = ""
         self._together: Replacements | None = None
 
+    def __getitem__(self, name: str) -> Any:
+        names = self.scene.equations.coordinates.names
+        return self.values[names.index(name)] if name in names else super().__getitem__(name)
+
+    def _entries(self) -> Iterable[str]:
+        return (*self.scene.equations.coordinates.names, *self.data)
+
     @property
     def name(self) -> str:
         """Name of the scene."""

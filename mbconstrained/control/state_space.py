@@ -11,6 +11,7 @@ import numpy as np
 
 from ..frequency.frequency_response import FrequencyResponse, evaluated
 from ..frequency.harmonic import Harmonic
+from ..ground.by_name import answering
 from ..ground.display import TextTable
 from ..ground.notices import Notice
 from ..response.estimate import error_estimate
@@ -19,7 +20,7 @@ from ..response.response import Response
 from ..response.solve import solve
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
-from ..signals.inputs import zero
+from ..signals.inputs import named_rows, zero
 from .conversions import factored_realization, ordinary_form, rational_realization, realization_of, to_control, to_scipy
 from .matrix_fraction import checked_input
 from .state_equations import StateEquations, channel_places, delays_of_inputs, transfer_of
@@ -133,6 +134,7 @@ class StateSpaceResponse(Response):
         return error_estimate(self.together, times, self.output_of)
 
 
+@answering
 class StateSpace(StateEquations):
     """E x' = A x + B u, y = C x + D u, real, in continuous time, with E singular or not.
 
@@ -159,7 +161,7 @@ class StateSpace(StateEquations):
 
         Args:
             initial: x(0-), shape (n,), or a mapping from names of states to numbers, zero for the others; None for zeros.
-            input: u with p rows, see ``mbconstrained.signals``; it acts from t = 0 on. None for zero.
+            input: u with p rows, see ``mbconstrained.signals``, or by name, such as {"u": mb.step(1.0)}; from t = 0 on. None for zero.
             rank_tolerance: see ``mbconstrained.solve``.
 
         Returns:
@@ -169,7 +171,10 @@ class StateSpace(StateEquations):
             InputError: shapes that do not match, unknown names.
             SingularPolynomialMatrix: det (s E - A) = 0 for every s.
         """
-        u = zero(len(self.inputs)) if input is None else checked_input(input, len(self.inputs), "input")
+        places = {name: place for place, name in enumerate(self.inputs)}
+        if isinstance(input, Mapping):
+            input = named_rows(input, places, len(places), "input", "input")
+        u = zero(len(places)) if input is None else checked_input(input, len(places), "input")
         response = solve(self._pencil, self.start(initial)[None, :], u.mapped(self.B), rank_tolerance)
         return StateSpaceResponse(response.problem, response.solution, self, u)
 

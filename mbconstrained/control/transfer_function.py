@@ -18,6 +18,7 @@ import scipy.linalg
 
 from ..frequency.frequency_response import FrequencyResponse, evaluated
 from ..frequency.harmonic import Harmonic
+from ..ground.by_name import answering
 from ..ground.checks import real_array, real_number
 from ..ground.errors import InputError, Overflow
 from ..ground.notices import Notice, NoticeKind
@@ -503,6 +504,7 @@ class TransferFunctionResponse(Response):
         return self.gamma
 
 
+@answering
 def transfer_function_response(numerator, denominator, gamma: int | ImpulsiveSmooth = 1) -> TransferFunctionResponse:
     """Solve a(d/dt) y = b(d/dt) u from rest, u = I_gamma (Hauksdottir and Sigurdsson, Theorem 2).
 

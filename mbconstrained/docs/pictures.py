@@ -111,7 +111,7 @@ def _small(content: bytes) -> bytes:
     _, _, _, last = ImageChops.difference(picture, empty).getbbox() or (0, 0, 0, 0)
     picture = picture.crop((0, 0, picture.width, min(last + MARGIN, picture.height)))
     picture.thumbnail((WIDTH, 2 * WIDTH), Image.Resampling.LANCZOS)
-    picture.quantize(COLORS).save(file, format="png", optimize=True)
+    picture.quantize(COLORS, kmeans=3).save(file, format="png", optimize=True)
     return file.getvalue()
 
 

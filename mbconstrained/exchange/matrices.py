@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import scipy
 
+from ..ground.by_name import answering
 from ..ground.checks import counted, nearest, optional_package, real_array
 from ..ground.errors import InputError
 from ..ground.files import LARGEST_FILE, checked_file, damaged, read_isolated, readable_as
@@ -231,6 +232,7 @@ LARGEST_SPARSE_SIDE = 5_000_000  # of a sparse matrix, whose file has at most LA
 TEXT = (".csv", ".txt", ".dat")
 
 
+@answering
 def read_matrix(path: str | Path, array: str | None = None) -> np.ndarray | scipy.sparse.csc_array:
     """Read one matrix of finite real numbers from a file.
 

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..ground.by_name import Public
 from ..ground.checks import nearest, optional_package
 from ..ground.errors import InputError
 from ..ground.files import damaged, read_isolated
@@ -134,7 +135,7 @@ def _datasets(path: Path) -> list[dict]:
 
 
 @dataclass(frozen=True)
-class Geometry:
+class Geometry(Public):
     """Geometry of a model in a universal file: nodes and directions of its coordinates.
 
     Args:

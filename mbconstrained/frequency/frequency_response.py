@@ -7,16 +7,18 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import factorial
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
 from ..exchange.trajectories import csv_of, write_arrays
 from ..exchange.universal import UNIVERSAL, Geometry, write_frequency_responses
+from ..ground.by_name import answering
 from ..ground.checks import counted, names_of, optional_package, places_of, real_array, real_number
 from ..ground.display import Pictured, TextTable, notice_table, number_text
 from ..ground.errors import InputError, MbconstrainedError
 from ..ground.files import replacing
+from ..ground.named_arrays import named_array
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, FLOAT64_DIGITS, LINE_ACCURACY, SUM_SAFETY, TRUST_LIMIT
 from ..polynomial.delayed_terms import delayed_terms
@@ -51,6 +53,7 @@ MODAL_SIZE = 40
 COMPARED = 16
 
 
+@answering
 @dataclass(frozen=True, repr=False, eq=False)
 class FrequencyResponse(Pictured):
     """Frequency response H(i w): a load Re(f e^{+i w t}) has the steady-state response Re(H(i w) f e^{+i w t}).
@@ -78,6 +81,36 @@ class FrequencyResponse(Pictured):
     error_estimate: np.ndarray
     poles_on_lines: tuple[PoleOnLine, ...] = ()
 
+    _instead: ClassVar = {
+        "amplitude": "abs(H.values)",
+        "bode": "plot",
+        "frequencies": "frequencies_hz",
+        "magnitude": "abs(H.values)",
+        "nyquist": "plot",
+        "phase": "np.angle(H.values)",
+    }
+
+    def __post_init__(self):
+        for name in ("values", "error_estimate"):
+            object.__setattr__(self, name, named_array(getattr(self, name), self.outputs, self.inputs))
+
+    def __getitem__(self, key) -> np.ndarray:
+        """The values of an output by one of the inputs, ``H["cart", "road"]``, shape (F,); of a single input ``H["cart"]``.
+
+        Raises:
+            InputError: an unknown name; several inputs, of which none is named.
+
+        >>> import mbconstrained as mb
+        >>> H = mb.MechanicalSystem([[1.0]], [[0.2]], [[4.0]], names=["cart"]).frequency_response([0.0])
+        >>> H["cart"], H["cart", "cart"]
+        (array([0.25+0.j]), array([0.25+0.j]))
+        """
+        if isinstance(key, str):
+            if len(self.inputs) > 1:
+                raise InputError(f'found one name; expected those of an output and an input, such as ["{key}", "{self.inputs[0]}"]')
+            key = key, self.inputs[0]
+        return self.values[key]
+
     def _summary(self) -> str:
         sizes = ((self.outputs, "output"), (self.inputs, "input"), (self.frequencies_hz, "frequency"))
         several = {"frequency": "frequencies"}
@@ -104,7 +137,7 @@ class FrequencyResponse(Pictured):
     @property
     def units(self) -> np.ndarray:
         """The unit of each entry, shape (outputs, inputs)."""
-        return self.harmonic.units
+        return named_array(self.harmonic.units, self.outputs, self.inputs)
 
     @property
     def angular_frequencies(self) -> np.ndarray:

@@ -13,7 +13,7 @@ from types import ModuleType
 
 import numpy as np
 
-from .errors import InputError, MissingPackage
+from .errors import InputError, MissingPackage, UnknownIndex
 
 #: The extra with the packages for data exchange, as it is installed in the folder of a checkout.
 EXTRA = ".[exchange]"
@@ -86,7 +86,9 @@ def real_array(value, what: object, *, shape: tuple[int | None, ...] | None = No
     if is_sparse(value):
         value = value.toarray()
     if callable(value):
-        raise InputError(f"{what}: found a Python function; expected numbers{OF_FUNCTION}")
+        own = type(value).__module__.startswith(__package__.partition(".")[0])
+        found, advice = (f"an object of type {type(value).__name__}", "") if own else ("a Python function", OF_FUNCTION)
+        raise InputError(f"{what}: found {found}; expected numbers{advice}")
     try:
         array = np.asarray(value)
     except ValueError:
@@ -217,6 +219,19 @@ def places_of(chosen: Iterable, names: Sequence[str], what: str) -> list[int]:
     if not indices:
         raise InputError(f"{what}: none was named; give one or several of {', '.join(names[:6])}{', ...' * (len(names) > 6)}")
     return indices
+
+
+def item_of(index, count: int, what: str) -> int:
+    """The place in a sequence of so many items, counted from its end where it is negative; otherwise an error.
+
+    >>> item_of(-1, 3, "mode")
+    2
+    """
+    if isinstance(index, bool) or not isinstance(index, (int, np.integer)):
+        raise InputError(f"{what}: found {index!r}; expected a whole number or a slice")
+    if not -count <= index < count:
+        raise UnknownIndex(f"{what}: found {index}; there {'is' if count == 1 else 'are'} {count}, counted from 0")
+    return range(count)[index]
 
 
 def _sample(array: np.ndarray) -> str:

@@ -12,6 +12,7 @@ from itertools import zip_longest
 from pathlib import Path
 from textwrap import TextWrapper
 
+from .by_name import Public
 from .errors import InputError
 from .notices import Notice
 
@@ -44,7 +45,7 @@ class TextTable:
                 )
 
 
-class Displayed:
+class Displayed(Public):
     """A public object that prints as ``Name(summary)`` and shows its tables in a notebook.
 
     A subclass defines ``_summary`` and, for notebooks, ``_tables``; a dataclass needs ``repr=False``.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import numpy as np
@@ -14,6 +14,26 @@ class MbconstrainedError(Exception):
 
 class InputError(MbconstrainedError, ValueError):
     """An invalid value of an argument; the text states what was found, what was expected and the remedy."""
+
+
+class UnknownIndex(InputError, IndexError):
+    """A place beyond the end of a sequence."""
+
+
+class WrongCall(InputError, TypeError):
+    """A call with an unknown argument, without a necessary one or with too many; the text names it and the nearest one."""
+
+
+class UnknownAttribute(MbconstrainedError, AttributeError):
+    """A name that a public object does not have, with the nearest one; the text is made when it is read: ``hasattr`` needs none."""
+
+    def __init__(self, name: str, message: Callable[[str], str]):
+        super().__init__(name, message)
+        self.name = name  # Python adds a suggestion of its own where this is not set
+
+    def __str__(self) -> str:
+        name, message = self.args
+        return message(name)
 
 
 class SceneError(InputError):

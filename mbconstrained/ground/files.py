@@ -36,9 +36,21 @@ def readable_as(path: Path, failure: str) -> Iterator[None]:
         raise InputError(f"{path.name}: {failure} ({text})") from None
 
 
+def path_of(value, what: str = "path") -> Path:
+    """A path, or an InputError for what is none.
+
+    >>> path_of("two_masses.toml").suffix
+    '.toml'
+    """
+    try:
+        return Path(value)
+    except TypeError:
+        raise InputError(f'{what}: found {value!r}; expected a path as text, such as "examples/two_masses.toml"') from None
+
+
 def checked_file(path: str | Path) -> Path:
     """The path of a file that can be read."""
-    path = Path(path)
+    path = path_of(path)
     try:
         if not path.exists():
             others = [other.name for other in path.parent.glob("*") if other.is_file()] if path.parent.is_dir() else []

@@ -205,7 +205,7 @@ def boundary_solve(
         matrix, right_side = form.polynomial_matrix, form.force(applied)
     else:
         matrix = checked_matrix(A)
-        right_side = checked_force(force, matrix.size)
+        right_side = checked_force(force, matrix.size, matrix)
     conditions = (*_values(matrix, start, "start", False), *_values(matrix, end, "end", True))
     with within_float64():
         forced = Response._solved(Problem.checked(matrix, None, right_side))

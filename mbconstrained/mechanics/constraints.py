@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
 from typing import Literal
@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 import scipy
 
+from ..ground.by_name import Public, answering
 from ..ground.checks import is_sparse, names_of, nearest, real_array
 from ..ground.coordinate_units import check_unit, rate_unit
 from ..ground.errors import ContradictoryConstraints, InputError
@@ -35,7 +36,8 @@ MOST_NAMES = 12
 LEVELS: tuple[Level, ...] = ("position", "velocity", "acceleration")
 
 
-class Constraint:
+@answering
+class Constraint(Public):
     """The rows A x^(level) = b(t) of one constraint, b a constant or a signal for t > 0 (a prescribed motion).
 
     Args:
@@ -72,6 +74,11 @@ class Constraint:
         unit: str | None = None,
         uncertainty=None,
     ):
+        if isinstance(rows, Mapping):
+            by_name = 'by name a row is added to a lumped model: model.constrain({"cart": 1, "hook": -1})'
+            raise InputError(
+                f"constraint rows: found {rows!r}; expected the factors of all coordinates, such as [1, -1]; {by_name}"
+            )
         matrix = _sparse_rows(rows) if is_sparse(rows) else real_array(rows, "constraint rows")
         if matrix.ndim not in (1, 2):
             raise InputError(f"constraint rows: expected one row or a matrix, found an array of shape {matrix.shape}")
@@ -107,7 +114,7 @@ class Constraint:
 
 
 @dataclass(frozen=True, eq=False)
-class ConstraintRow:
+class ConstraintRow(Public):
     """One row a x^(level) = value + signal(t) of a system."""
 
     name: str  # its name

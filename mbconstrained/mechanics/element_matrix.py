@@ -7,13 +7,14 @@ from functools import cached_property
 
 import numpy as np
 
+from ..ground.by_name import Public
 from ..ground.checks import counted, real_array
 from ..ground.errors import InputError
 from ..ground.tolerances import noise_of
 from ..polynomial.coefficients import Factors
 
 
-class ElementMatrix:
+class ElementMatrix(Public):
     """B^T diag(k) B: one row of B and one constant for each spring, damper or mass of a system with n coordinates.
 
     ``MechanicalSystem`` takes it in the place of a matrix. Assembled in float64, a spring of 1 N/m that hangs on one of 1e16

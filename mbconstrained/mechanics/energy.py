@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
+from ..ground.by_name import Public
 from ..ground.checks import NamedNumbers, ReadOnly, counted, real_array
 from ..ground.display import Displayed
 from ..ground.errors import InputError
@@ -20,7 +21,7 @@ from .element_matrix import ElementMatrix
 
 
 @dataclass(frozen=True, eq=False)
-class Energy:
+class Energy(Public):
     """Energies in joules, each a number or shape (T,).
 
     Not included: the energy dissipated by dampers, and the work of forces that vary in time, of impulses and of

@@ -11,16 +11,17 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 
+from ..ground.by_name import answering
 from ..ground.checks import constant_zeros, counted, is_sparse, names_of, nearest, real_array, real_number
 from ..ground.coordinate_units import coordinate_units
-from ..ground.display import Displayed, TextTable, notice_table
+from ..ground.display import Pictured, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.threads import short_work
 from ..ground.tolerances import noise_of
 from ..polynomial.delayed_terms import DelayedTerm, delayed_terms
 from ..polynomial.polynomial_matrix import PolynomialMatrix
-from ..signals.inputs import ImpulsiveSmooth, step, zero
+from ..signals.inputs import ImpulsiveSmooth, named_rows, step, zero
 from .constrained_form import ConstrainedForm, constrained_form, explicit_acceleration
 from .constraints import LEVELS, Constraint, ConstraintRow, IndependentRows, checked_constraints, constraint_rows, independent_rows
 from .element_matrix import ElementMatrix, SpeedTable, modal_damping, relative_mass
@@ -50,7 +51,8 @@ class ElementForce(NamedTuple):
     unit: str
 
 
-class EquationsOfMotion(Displayed):
+@answering
+class EquationsOfMotion(Pictured):
     """Data of a ``MechanicalSystem``, without the answers to questions about it.
 
     Attributes:
@@ -128,7 +130,7 @@ class EquationsOfMotion(Displayed):
             self._independent = self._independent_rows()
         self._forms: dict[tuple[int, ...] | None, ConstrainedForm] = {}  # None: of all rows at their levels
         self.origin: Any = None
-        varies = isinstance(force, ImpulsiveSmooth)
+        varies = force is not None and _varies(force)
         self.excitation = self._signal(force) if varies else None
         self.static_force = self._vector(static_force, "static_force") + self._vector(None if varies else force, "force")
         self.static_force.flags.writeable = False
@@ -301,7 +303,7 @@ class EquationsOfMotion(Displayed):
         Args:
             displacement, velocity: x and x', shape (n,) or by name. Rows at position and velocity level enter by their
                 derivative, A x'' = 0 where b is constant, also where the state violates them.
-            force: f in addition to the system's own at that time, a constant vector (n,) or by name.
+            force: f in addition to the system's own at that time, as in ``MechanicalSystem.solve``.
             time: of the system's own force and prescribed motions (s).
 
         Returns:
@@ -456,6 +458,8 @@ class EquationsOfMotion(Displayed):
 
             return square_sparse(value.matrix if isinstance(value, ElementMatrix) else value, what, size)
         matrix = np.zeros((size, size)) if value is None else value.matrix if isinstance(value, ElementMatrix) else value
+        if isinstance(matrix, (int, float)):
+            raise InputError(f"{what}: found {matrix!r}; expected a matrix, of one coordinate [[{matrix!r}]]")
         matrix = real_array(matrix, what, shape=(size, size))
         if len(matrix) != matrix.shape[1]:
             raise InputError(f"{what}: expected a square matrix, found {matrix.shape[0]} x {matrix.shape[1]}")
@@ -482,28 +486,26 @@ class EquationsOfMotion(Displayed):
 
     def _resistance(self, displacement, velocity, force, time) -> np.ndarray:
         """C x' + K x - f."""
-        applied = self.force(real_number(time, "time", minimum=0.0)) + self._vector(force, "force")
+        time = real_number(time, "time", minimum=0.0)
+        applied = self.force(time) + (self._signal(force)(time) if _varies(force) else self._vector(force, "force"))
         x, v = self._start(displacement, velocity)
         return self.damping @ v + self.stiffness @ x - applied
 
     def _applied(self, force) -> ImpulsiveSmooth:
         """The system's own force and another, as a function of time or a constant vector."""
-        if force is None:
-            return self.force
-        if isinstance(force, Mapping) and any(isinstance(one, ImpulsiveSmooth) for one in force.values()):
-            total = self.force
-            for name, one in force.items():
-                signal = one if isinstance(one, ImpulsiveSmooth) else step([real_number(one, f"force of {name}")])
-                if signal.size != 1:
-                    raise InputError(f"force of {name}: found {signal.size} rows; expected one, as of mb.step(5.0)")
-                total = total + signal.mapped(self._vector({name: 1.0}, "force")[:, None])
-            return total
-        return self.force + self._signal(force if isinstance(force, ImpulsiveSmooth) else step(self._vector(force, "force")))
+        return self.force if force is None else self.force + self._signal(force)
 
-    def _signal(self, signal: ImpulsiveSmooth) -> ImpulsiveSmooth:
-        if signal.size != self.size:
-            raise InputError(f"force: it has {signal.size} rows; expected one for each of the {self.size} coordinates")
-        return signal
+    def _signal(self, force) -> ImpulsiveSmooth:
+        """A force in order or by name, a function of time or constant, as a function of time with n rows."""
+        if isinstance(force, Mapping) and _varies(force):
+            return named_rows(force, {name: place for place, name in enumerate(self.names)}, self.size, "force")
+        if not isinstance(force, ImpulsiveSmooth):
+            return step(self._vector(force, "force"))
+        if force.size != self.size:
+            hint = f', such as {{"{self.names[0]}": mb.step(5.0)}}'
+            rows = f"found {counted(force.size, 'row')}; expected one for each of the {counted(self.size, 'coordinate')}"
+            raise InputError(f"force: {rows}, or signals by name{hint}")
+        return force
 
     def _vector(self, value, what: str) -> np.ndarray:
         """A vector (n,) that is given in order or by name."""
@@ -525,6 +527,11 @@ class EquationsOfMotion(Displayed):
                 raise InputError(f"uncertainty: found {name!r}{nearest(str(name), known)}; expected {', '.join(known)}")
         bounds = {name: np.abs(real_array(value, f"uncertainty of the {name}", shape=shape)) for name, value in given.items()}
         return tuple(bounds.get(name, constant_zeros(shape)) for name in known)
+
+
+def _varies(force) -> bool:
+    """Whether a force, or a part of one given by name, is a function of time."""
+    return any(isinstance(one, ImpulsiveSmooth) for one in (force.values() if isinstance(force, Mapping) else (force,)))
 
 
 def _rounding(part: ElementMatrix) -> np.ndarray:

@@ -15,6 +15,7 @@ from ..frequency.random.random_response import RandomResponse
 from ..frequency.random.spectra import KINDS
 from ..frequency.random.spectral_matrix import SpectralMatrix
 from ..frequency.shock.extrema import Extrema, RootMeanSquares, extrema, root_mean_squares
+from ..ground.by_name import answering
 from ..ground.checks import counted, evaluation_times, places_of, real_array
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError, MbconstrainedError, Overflow
@@ -32,6 +33,7 @@ from .stacked_poles import StackedPoles, StackedTransfer, in_parts, stacked_pole
 from .system import MechanicalSystem
 
 
+@answering
 def family(
     mass,
     damping=None,
@@ -223,10 +225,7 @@ class Family(Displayed):
                 start[:, place] = real_array(value, what, shape=(count, base.size))
             else:
                 start[:, place] = base._vector(value, what)
-        if force is None:
-            added = zero(base.size)
-        else:
-            added = base._signal(force if isinstance(force, ImpulsiveSmooth) else step(base._vector(force, "force")))
+        added = zero(base.size) if force is None else base._signal(force)
         return FamilyMotion(self, start, added if base.excitation is None else base.excitation + added)
 
     def frequency_response(

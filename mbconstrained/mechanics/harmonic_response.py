@@ -22,6 +22,7 @@ from ..ground.checks import counted, nearest, real_array, real_number, whole_num
 from ..ground.coordinate_units import force_unit, rate_unit, ratio_unit
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
+from ..ground.named_arrays import named_array
 from ..ground.tolerances import SAME_FREQUENCY
 from ..linalg.arrays import full
 from ..polynomial.delayed_terms import DelayedTerm
@@ -103,7 +104,7 @@ def frequency_response(
 
 def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to=None, count=None) -> Harmonic:
     """The matrices of one response; the arguments are those of ``frequency_response``."""
-    if quantity not in QUANTITIES:
+    if not isinstance(quantity, str) or quantity not in QUANTITIES:
         raise InputError(
             f"quantity: found {quantity!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(quantity), QUANTITIES)}"
         )
@@ -420,13 +421,14 @@ class SteadyState(Displayed):
             raise InputError(
                 f"frequency_hz: no load has {f:g} Hz; expected one of {known}{', ...' * (len(self.frequencies_hz) > 6)}"
             )
-        return self.displacement_amplitudes[:, near[0]].copy()
+        return named_array(self.displacement_amplitudes[:, near[0]], self.names)
 
     def _values(self, quantity: str, amplitudes: np.ndarray, times) -> np.ndarray:
         times = real_array(times, "times")
         if self.motion is not None:
             return getattr(self.motion, quantity)(np.mod(times, self.period))
-        return np.real(amplitudes @ np.exp(np.multiply.outer(1j * self.angular_frequencies, times)))
+        values = np.real(amplitudes @ np.exp(np.multiply.outer(1j * self.angular_frequencies, times)))
+        return named_array(values, self.rows if quantity == "reaction" else self.names)
 
 
 def steady_state(
@@ -496,8 +498,9 @@ def steady_state(
         motion = _periodic_motion(damped, force, period)
         further = [OutputNames.of(damped).output(one.name, quantity) for one in further]
     units |= {one.name: one.unit for one in further}
+    amplitudes = named_array(answers[:n], system.names), named_array(answers[n:count], names[n:])
     further_values = answers[count:], tuple(further)
-    return SteadyState(system.names, names[n:], f, answers[:n], answers[n:count], errors, units, period, motion, *further_values)
+    return SteadyState(system.names, names[n:], f, *amplitudes, errors, units, period, motion, *further_values)
 
 
 def _periodic_motion(system: EquationsOfMotion, force: ImpulsiveSmooth | None, period: float) -> Motion | None:

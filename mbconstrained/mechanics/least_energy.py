@@ -167,8 +167,6 @@ class _Plant:
 
 
 def _plant(system: MechanicalSystem | StateSpace, inputs, start, end, force) -> _Plant:
-    if not (force is None or isinstance(force, ImpulsiveSmooth)):
-        raise InputError(f"force: found {type(force).__name__}; expected an input, such as mb.step([1.0, 0.0])")
     if isinstance(system, StateSpace):
         return _state_space_plant(system, inputs, start, end, force)
     if not isinstance(system, MechanicalSystem):
@@ -180,7 +178,7 @@ def _plant(system: MechanicalSystem | StateSpace, inputs, start, end, force) -> 
         raise InputError(f'inputs: "{rows[0]}" is a constraint row; expected coordinates on which forces act')
     places = np.array([channel.direction for channel in chosen]).T
     first, last = _state(system, start, "start"), _state(system, end, "end")
-    form = system.constrained_form()
+    force, form = None if force is None else system._signal(force), system.constrained_form()
     with within_float64():
         pair = form.polynomial_matrix.jordan_pairs().finite
     on_rows = np.zeros((len(pair.C), system.size))
@@ -201,6 +199,8 @@ def _plant(system: MechanicalSystem | StateSpace, inputs, start, end, force) -> 
 
 
 def _state_space_plant(system: StateSpace, inputs, start, end, force) -> _Plant:
+    if not (force is None or isinstance(force, ImpulsiveSmooth)):
+        raise InputError(f"force: found {type(force).__name__}; expected an input, such as mb.step([1.0, 0.0])")
     known = dict(zip(system.inputs, range(len(system.inputs))))
     if not known:
         raise InputError("system: the state space has no inputs; give B")

@@ -8,18 +8,20 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import islice, pairwise
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 import scipy
 
 from ..exchange.trajectories import write_arrays
 from ..exchange.universal import UNIVERSAL, Geometry, write_modes
-from ..ground.checks import counted, nearest, whole_number
+from ..ground.by_name import Public
+from ..ground.checks import counted, item_of, whole_number
 from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Presented, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.files import replacing
+from ..ground.named_arrays import NamedArray, named_array
 from ..ground.notices import Notice, NoticeKind
 from ..ground.threads import short_work
 from ..ground.tolerances import (
@@ -54,7 +56,7 @@ STILL = ("drift", "offset", "decay")
 
 
 @dataclass(frozen=True, eq=False)
-class Mode:
+class Mode(Public):
     """A finite eigenvalue of a mechanical system (of a complex pair the one above the real axis) with its shapes and meaning.
 
     A(s) u = 0 with the eigenvalue s and a shape u; the free motion of the mode is Re(u e^{s t}).
@@ -63,7 +65,8 @@ class Mode:
         kind: "oscillation", "decay", "growth", "rigid body", "drift" or "offset".
         eigenvalue: s in 1/s.
         multiplicity: multiplicity of s as a root of det A(s).
-        shapes: the independent shapes, one a column, shape (n, g), the largest entry of each 1; none for drift.
+        shapes: the independent shapes, one a column, shape (n, g), the largest entry of each 1; none for drift. Of ``Modes`` with the
+            names of the coordinates, ``mode.shapes["cart"]``.
         system: to which it belongs, for its energies; None where these are unknown.
     """
 
@@ -77,6 +80,19 @@ class Mode:
     def energy_parts(self) -> EnergyParts | None:
         """M and K as sums of named parts; None where the energies are unknown."""
         return None if self.system is None else self.system.energy_parts
+
+    _instead: ClassVar = {"frequency": "frequency_hz", "damping": "damping_ratio", "period": "1 / frequency_hz"}
+
+    @property
+    def shape(self) -> np.ndarray:
+        """The only shape, (n,), with the names of the coordinates: ``mode.shape["cart"]``.
+
+        Raises:
+            InputError: none or several shapes, which ``shapes`` has.
+        """
+        if (count := self.shapes.shape[1]) != 1:
+            raise InputError(f"shape: this mode has {counted(count, 'shape')} ({self.text}); they are the columns of shapes")
+        return named_array(self.shapes[:, 0], *getattr(self.shapes, "names", ()))
 
     @property
     def natural_frequency(self) -> float:
@@ -160,23 +176,35 @@ class Modes(Presented, Sequence):
     complete: bool | None = field(default=None, kw_only=True)
     notices: tuple[Notice, ...] = field(default=(), kw_only=True)
 
+    _instead: ClassVar = {
+        "damping": "damping_ratios",
+        "frequencies": "frequencies_hz",
+    }
+
+    def __post_init__(self):
+        named = (
+            m if isinstance(m.shapes, NamedArray) else replace(m, shapes=named_array(m.shapes, self.names)) for m in self.modes
+        )
+        object.__setattr__(self, "modes", tuple(named))
+
     def __len__(self) -> int:
         return len(self.modes)
 
     def __getitem__(self, index):
         """A ``Mode``; for a slice ``Modes``; for the name of a coordinate its part of the shapes of the oscillating modes, shape (m,).
 
+        Raises:
+            InputError: an unknown name, a number beyond the last mode.
+
         >>> from mbconstrained import MechanicalSystem
         >>> modes = MechanicalSystem([[1.0, 0], [0, 1.0]], stiffness=[[2.0, -1], [-1, 2.0]], names=["cart", "load"]).modes()
         >>> bool(np.isclose(abs(modes["cart"][0]), abs(modes["load"][0])))
         True
         """
-        if isinstance(index, str):
-            if index not in self.names:
-                raise InputError(f'modes: there is no coordinate "{index}"{nearest(index, self.names)}')
-            return self.shapes[self.names.index(index)]
+        if isinstance(index, (str, list)):
+            return self.shapes[index]
         if not isinstance(index, slice):
-            return self.modes[index]
+            return self.modes[item_of(index, len(self), "mode")]
         return Modes(self.modes[index], self.names, polynomial_matrix=self.polynomial_matrix, system=self.system)
 
     def _summary(self) -> str:
@@ -221,7 +249,7 @@ class Modes(Presented, Sequence):
     def shapes(self) -> np.ndarray:
         """Shapes of the oscillating modes, shape (n, m); real where all are. A defective eigenvalue repeats its last."""
         columns = [mode.shapes[:, min(i, mode.shapes.shape[1] - 1)] for mode in self.oscillating for i in range(mode.multiplicity)]
-        return np.array(columns).T if columns else np.zeros((len(self.names), 0))
+        return named_array(np.array(columns).T if columns else np.zeros((len(self.names), 0)), self.names)
 
     @cached_property
     def shares(self) -> tuple[tuple[EnergyShares, ...], ...]:

@@ -14,6 +14,7 @@ from ..exchange.trajectories import RATES, Curves
 from ..ground.checks import counted, nearest, real_array, whole_number
 from ..ground.coordinate_units import force_unit, impulse_unit, rate_unit
 from ..ground.errors import InputError, within_float64
+from ..ground.named_arrays import named_array
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, noise_of
 from ..linalg.rank import Noisy
@@ -192,11 +193,14 @@ class SystemMotion:
 
     def _relative(self, values: np.ndarray, relative_to: str | None) -> np.ndarray:
         if relative_to is None:
-            return values
+            return self._named(values)
         system, other = self.system, reference(self.system, relative_to)  # I - e a, e the coordinates of the unit of a x
         matrix = np.eye(system.size) - np.outer([own == other.unit for own in system.units.values()], other.direction)
         along = np.moveaxis(values, self._coordinate_axis, 0)
-        return np.moveaxis(np.tensordot(matrix, along, 1), 0, self._coordinate_axis)
+        return self._named(np.moveaxis(np.tensordot(matrix, along, 1), 0, self._coordinate_axis))
+
+    def _named(self, values: np.ndarray) -> np.ndarray:
+        return named_array(values, *[()] * self._coordinate_axis, self.names)
 
     def energy(self, times) -> Energy:
         """Kinetic, strain and static energy at a time or at times (T,), in J; of S motions of shape (S,) or (S, T)."""
@@ -279,7 +283,7 @@ class Motion(SystemMotion, Response):
         >>> weight.solve().reaction(1.0).round(6)
         array([19.62])
         """
-        return self.reaction_function(times)
+        return named_array(self.reaction_function(times), tuple(row.name for row in self._reaction_rows))
 
     @cached_property
     def reaction_function(self) -> BohlFunction:

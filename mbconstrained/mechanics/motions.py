@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..ground.checks import counted, real_array
+from ..ground.checks import counted, item_of, real_array
 from ..ground.errors import InputError
+from ..ground.named_arrays import named_array
 from ..response.choose import Request
 from ..response.solve import Responses, solve_many
 from ..signals.impulsive import ImpulsiveSmooth
@@ -37,7 +38,7 @@ class Motions(SystemMotion, Responses):
     def __getitem__(self, index: int | slice) -> Motion | Any:
         if isinstance(index, slice):
             return replace(self, initial=self.initial[index], forces=self.forces[index], applied=self.applied[index])
-        place = range(len(self))[index]  # IndexError where there is none
+        place = item_of(index, len(self), "motion")
         return motion_of(self.system, self.initial[place], self.applied[place], self.rank_tolerance, self.request)
 
     def reaction(self, times) -> np.ndarray:
@@ -46,7 +47,8 @@ class Motions(SystemMotion, Responses):
         terms = ((system.stiffness, self), (system.damping, self.velocity), (system.mass, self.acceleration))
         total = sum(np.einsum("kn,sn...->sk...", G @ matrix, of(times)) for matrix, of in terms)
         forces = {id(force): G @ force(times) for force in self.applied}
-        return total - np.array([forces[id(force)] for force in self.applied])
+        values = total - np.array([forces[id(force)] for force in self.applied])
+        return named_array(values, (), tuple(row.name for row in system.rows))
 
 
 def motions_of(

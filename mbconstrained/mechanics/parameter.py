@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from ..ground.by_name import Public, answering
 from ..ground.checks import nearest, real_array, real_number
 from ..ground.errors import InputError
 from ..ground.tolerances import DIFFERENCE_STEP, EPS
@@ -46,8 +47,9 @@ class Assembled(Protocol):
     def rows(self) -> tuple[ConstraintRow, ...]: ...
 
 
+@answering
 @dataclass(frozen=True, eq=False)
-class Parameter:
+class Parameter(Public):
     """A parameter of a system, with the derivatives of its equations; omitted ones are zero.
 
     Attributes:

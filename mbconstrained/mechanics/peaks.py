@@ -13,6 +13,7 @@ from ..ground.checks import counted, nearest, real_array, real_number
 from ..ground.coordinate_units import force_unit, rate_unit
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
+from ..ground.named_arrays import named_array
 from ..ground.tolerances import STEP_AGREEMENT, noise_of
 from ..signals.bohl import BohlFunction
 from .channels import Output, OutputNames, closed_form
@@ -159,17 +160,17 @@ class Peaks(Displayed):
     @property
     def maximum(self) -> np.ndarray:
         """Largest values, shape (r,)."""
-        return self.extrema.maximum
+        return named_array(self.extrema.maximum, self.names)
 
     @property
     def minimum(self) -> np.ndarray:
         """Smallest values, shape (r,)."""
-        return self.extrema.minimum
+        return named_array(self.extrema.minimum, self.names)
 
     @property
     def largest(self) -> np.ndarray:
         """Largest moduli, shape (r,)."""
-        return self.extrema.largest
+        return named_array(self.extrema.largest, self.names)
 
 
 def peaks(motion, end: float, of: str | Sequence[str] = "displacement", combinations=None, names=None) -> Peaks:

@@ -19,6 +19,7 @@ import scipy
 from ..ground.checks import counted, real_number
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
+from ..ground.named_arrays import named_array
 from ..ground.threads import short_work
 from ..ground.tolerances import EPS, NEWTON_STEP, noise_of
 from ..linalg.arrays import block_diag
@@ -428,7 +429,7 @@ class UnbalanceResponse(Displayed):
     @property
     def amplitudes(self) -> np.ndarray:
         """|x| in m or rad, shape (S, n)."""
-        return np.abs(self.values)
+        return named_array(np.abs(self.values), (), self.system.names)
 
     def _tables(self) -> tuple[TextTable, ...]:
         rows = (

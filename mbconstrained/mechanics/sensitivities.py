@@ -15,6 +15,7 @@ from ..exact.splitting import Branch, Splitting, splitting
 from ..ground.checks import counted
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
+from ..ground.named_arrays import named_array
 from ..ground.notices import Notice, doubts_of
 from ..ground.threads import short_work
 from ..ground.tolerances import EPS, REFINEMENT_STEPS, SHOWN_INFLUENCE, SPLITTING_ROUNDING, noise_of
@@ -377,7 +378,7 @@ class Sensitivities(Displayed):
             for each in self.of_modes
             for branches in zip(*each.branches)
         ]
-        return np.array(columns, dtype=complex).reshape(-1, len(self.parameters)).T
+        return named_array(np.array(columns, dtype=complex).reshape(-1, len(self.parameters)).T, self.names)
 
     @property
     def defective(self) -> tuple[DefectiveEigenvalue, ...]:
@@ -396,7 +397,7 @@ class Sensitivities(Displayed):
         The given matrices are taken as exact; the derivatives of parameters have rounding errors, or their own ``error``.
         """
         columns = [each.errors for each in self.of_modes for _ in range(each.mode.multiplicity)]
-        return np.array(columns, dtype=float).reshape(-1, len(self.parameters)).T
+        return named_array(np.array(columns, dtype=float).reshape(-1, len(self.parameters)).T, self.names)
 
     @property
     def error_estimate(self) -> float:
@@ -420,12 +421,12 @@ class Sensitivities(Displayed):
         s, slopes = self.modes.eigenvalues[self._oscillating], self.eigenvalues[:, self._oscillating]
         with np.errstate(invalid="ignore"):
             values = (s.conj() * slopes).real / np.abs(s)
-        return np.where(np.isfinite(slopes), values, np.inf) + 0.0
+        return named_array(np.where(np.isfinite(slopes), values, np.inf) + 0.0, self.names)
 
     @property
     def frequencies_hz(self) -> np.ndarray:
         """Derivatives of the natural frequencies, in Hz per unit of the parameter."""
-        return self.natural_frequencies / (2 * np.pi)
+        return named_array(self.natural_frequencies / (2 * np.pi), self.names)
 
     @property
     def damping_ratios(self) -> np.ndarray:
@@ -433,13 +434,13 @@ class Sensitivities(Displayed):
         s, slopes = self.modes.eigenvalues[self._oscillating], self.eigenvalues[:, self._oscillating]
         with np.errstate(invalid="ignore"):
             values = -(slopes.real + (-s.real / np.abs(s)) * self.natural_frequencies) / np.abs(s)
-        return np.where(np.isfinite(slopes), values, np.inf)
+        return named_array(np.where(np.isfinite(slopes), values, np.inf), self.names)
 
     @property
     def logarithmic(self) -> np.ndarray:
         """Logarithmic derivatives (p / w) dw/dp of the natural frequencies, per cent per per cent, shape (P, m)."""
         values = np.array([parameter.value for parameter in self.parameters])
-        return self.natural_frequencies * values[:, None] / self.modes.natural_frequencies
+        return named_array(self.natural_frequencies * values[:, None] / self.modes.natural_frequencies, self.names)
 
     def shapes(self, name: str) -> np.ndarray:
         """du/dp of the oscillating modes, shape (n, m); the largest entry of each u is 1 and stays 1.

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
+from ..ground.by_name import answering
 from ..ground.checks import is_table, whole_number
 from ..ground.errors import InputError
 from ..response.choose import Evaluations, Request
@@ -33,6 +34,7 @@ DEFAULT_MODE_COUNT = 50
 DEFAULT_ROOT_COUNT = 10
 
 
+@answering
 class MechanicalSystem(EquationsOfMotion):
     """M x'' + C x' + K x = f + A^T lambda with the constraint rows A x^(level) = b, in SI units, for t in s.
 
@@ -48,7 +50,7 @@ class MechanicalSystem(EquationsOfMotion):
         constraints: ``Constraint`` objects, or sparse matrices of rows that are zero at position level. Dependent rows are left
             out and reported in ``notices``.
         names: names of the n coordinates; x1, x2, ... by default.
-        force: f from t = 0 on: a constant vector (n,), a mapping from names, or an ImpulsiveSmooth with n rows (N, N m).
+        force: f from t = 0 on: a constant vector (n,) or an ImpulsiveSmooth with n rows, in N or N m; or by name as in ``solve``.
         static_force: constant vector (n,) of rest lengths and weights, in addition to the force. Its potential counts in the
             energy, as that of a constant force does.
         units: units of each coordinate, "m" or "rad", by name or in order; "m" by default.
@@ -85,6 +87,19 @@ class MechanicalSystem(EquationsOfMotion):
     >>> bool(np.allclose(modes.natural_frequencies, 2 * np.sin(np.arange(1, 11) * np.pi / 2002), rtol=1e-9)), modes.none_missed
     (True, True)
     """
+
+    _instead: ClassVar = {
+        "eig": "modes().eigenvalues",
+        "eigenvalues": "modes().eigenvalues",
+        "eigenvectors": "modes().shapes",
+        "damping_ratios": "modes().damping_ratios",
+        "frequencies_hz": "modes().frequencies_hz",
+        "natural_frequencies": "modes().natural_frequencies",
+        "plot": "solve(...).plot() draws a motion, frequency_response(...).plot() a frequency response",
+        "run": "solve",
+        "simulate": "solve",
+        **dict.fromkeys(("t", "t_eval", "t_span", "time", "times"), "a motion is a function of time: solve(...)(times)"),
+    }
 
     def solve(
         self,
@@ -132,7 +147,7 @@ class MechanicalSystem(EquationsOfMotion):
         self._refuse_loss_factors()
         request = Request(evaluations)
         several_forces = is_table(force) or (
-            isinstance(force, (list, tuple)) and any(isinstance(f, ImpulsiveSmooth) for f in force)
+            isinstance(force, (list, tuple)) and any(isinstance(f, (ImpulsiveSmooth, Mapping)) for f in force)
         )
         several = several_forces or is_table(displacement) or is_table(velocity)
         if several:
@@ -266,7 +281,7 @@ class MechanicalSystem(EquationsOfMotion):
         The static force of the system, its own excitation and the values of its constraint rows count too.
 
         Args:
-            force: sum of harmonics, or a record of one period, in addition to the system's own.
+            force: sum of harmonics, or a record of one period, in addition to the system's own; by rows or by name as in ``solve``.
             period: T in s of records, which repeat.
             harmonics: number of harmonics of a periodic record.
             modal_damping, loss_factor: as in ``frequency_response``.

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple,
 
 import numpy as np
 
+from ..ground.by_name import Public
 from ..ground.checks import ReadOnly, real_number
 from ..ground.coordinate_units import GROUND, rate_unit
 from ..ground.errors import InputError, named, shown
@@ -100,7 +101,7 @@ def numbers_of(kind: type[Element]) -> dict[str, Numeric]:
 
 
 @dataclass(frozen=True)
-class Element:
+class Element(Public):
     """Base of all elements."""
 
     name: Annotated[str, "A name for messages and the drawing; by default of kind and ends."] = field(default="", kw_only=True)

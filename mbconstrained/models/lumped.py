@@ -11,12 +11,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 import scipy
 
-from ..ground.checks import OF_FUNCTION, counted, nearest, real_number
+from ..ground.by_name import answering, wrong_call
+from ..ground.checks import counted, nearest, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed, TextTable
 from ..ground.errors import InputError, named
@@ -28,7 +29,7 @@ from ..mechanics.energy import EnergyParts
 from ..mechanics.equations import ElementForce
 from ..mechanics.parameter import Parameter
 from ..mechanics.system import MechanicalSystem
-from ..signals.inputs import ImpulsiveSmooth, zero
+from ..signals.inputs import ImpulsiveSmooth, named_rows, zero
 from . import elements as catalogue
 from . import switching
 from .elements import (
@@ -62,7 +63,13 @@ def _adds(kind: Callable[Fields, Added]) -> Callable[Concatenate[LumpedModel, Fi
     """The method of a model that adds an element of a class, with the arguments and the description of the class."""
 
     def add(self, *args, **kwargs):
-        return self._add(kind(*args, **kwargs))
+        try:
+            element = kind(*args, **kwargs)
+        except TypeError as problem:
+            if problem.__traceback__.tb_next is not None:  # from within the class
+                raise
+            raise wrong_call(kind, args, kwargs, kind.kind) from None
+        return self._add(element)
 
     entries = entries_of(kind)  # type: ignore[arg-type]
     parameters, lines = [], []
@@ -95,6 +102,17 @@ class LumpedModel(Displayed):
     [[3000.0]]
     """
 
+    _instead: ClassVar = {
+        "add_constraint": "constrain",
+        **{f"add_{name}": name for name in ("mass", "spring", "damper", "force")},
+        "build": "assemble",
+        "frequency_response": "assemble().frequency_response",
+        "modes": "assemble().modes",
+        "solve": "assemble().solve",
+        "system": "assemble()",
+    }
+
+    @answering
     def __init__(self):
         self._elements: dict[str, Element] = {}
         self._parts: dict[str, Element] = {}
@@ -159,18 +177,20 @@ class LumpedModel(Displayed):
     constrain = _adds(catalogue.Relation)
     prescribe = _adds(catalogue.PrescribedMotion)
 
+    @answering
     def gravity(self, acceleration: float | str) -> None:
         """A force m g along the axis on every mass, on a rotor along z; negative where the axis points upwards (m/s^2)."""
         with named("gravity"):
             acceleration = quantity(acceleration, "m/s^2") if isinstance(acceleration, str) else acceleration
         self.gravity_along = real_number(acceleration, "gravity")
 
-    def force(self, name: str, signal: ImpulsiveSmooth) -> None:
+    @answering
+    def force(self, name: str, signal: ImpulsiveSmooth | float) -> None:
         """A force on a body from t = 0 on, in addition to earlier ones.
 
         Args:
             name: name of the body.
-            signal: with one row, in N, or N m on a body that turns; such as ``mb.step([2.0])``.
+            signal: with one row, in N, or N m on a body that turns, such as ``mb.step(2.0)``; a number is constant.
 
         Raises:
             InputError: an unknown body or the ground, a signal with several rows.
@@ -178,15 +198,14 @@ class LumpedModel(Displayed):
         self._check_body("force", name)
         if name == GROUND:
             raise InputError('force: found "ground", which does not move; name a body')
-        if not isinstance(signal, ImpulsiveSmooth) or signal.size != 1:
-            advice = OF_FUNCTION if callable(signal) and not isinstance(signal, ImpulsiveSmooth) else ""
-            raise InputError(f"force on {name}: expected a signal with one row, such as mb.step([1.0]){advice}")
+        signal = named_rows({name: signal}, {name: 0}, 1, "force")
         self._forces[name] = self._forces[name] + signal if name in self._forces else signal
 
     def incidence(self) -> Incidence:
         """The factors K = B^T diag(k) B, C = B^T diag(c) B, M = diag(m)."""
         return incidence_of(self.elements, self.coordinates)
 
+    @answering
     def assemble(self, sparse: bool = False) -> MechanicalSystem | SwitchedSystem:
         """M x'' + C x' + K x = f of all elements: rest lengths and weights are its static force, ties its constraint rows.
 
@@ -271,7 +290,7 @@ class LumpedModel(Displayed):
         if turning:
             system.has_one_axis = False
             system.speed_tables, system.unbalance, system.whirl_matrix = turning.tables, turning.unbalance, turning.whirl
-        loss_factors = {element.name: getattr(element, "loss_factor", 0.0) for element in with_parts(elements)}
+        loss_factors = {element.name: vars(element).get("loss_factor", 0.0) for element in with_parts(elements)}
         system.loss_factors = {name: factor for name, factor in loss_factors.items() if factor}
         system.elements = ElementForces(elements, names)
         if not sparse and not (turning and turning.stiffness.any()):
@@ -417,7 +436,7 @@ def incidence_of(elements: Sequence[Element], names: Sequence[str], dtype: type 
 
 
 def _branches(links: Sequence[Link], field: str, names: Sequence[str], dtype: type, sparse: bool) -> BranchRows:
-    links = [link for link in links if getattr(link, field, 0.0)]
+    links = [link for link in links if vars(link).get(field, 0.0)]
     rest = [link.rest if field == "stiffness" else 0.0 for link in links]
     return BranchRows(
         incidence=_rows([link.row for link in links], names, dtype, sparse),
@@ -455,7 +474,7 @@ class ElementForces(Mapping):
     def __getitem__(self, name: str) -> ElementForce:
         link = self._links[name]
         row = coordinate_row(link.row, self._names)
-        return ElementForce(row, -link.rest, getattr(link, "stiffness", 0.0), getattr(link, "damping", 0.0), link.unit)
+        return ElementForce(row, -link.rest, vars(link).get("stiffness", 0.0), vars(link).get("damping", 0.0), link.unit)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._links)

@@ -369,7 +369,7 @@ class Release(Element):
 def released(element: Link | Tie, release: Release, row: Row, unit: str) -> Switch:
     """The switch of a spring, damper or tie that is released."""
     if isinstance(element, Link):
-        branch = ForceBranch(row, getattr(element, "stiffness", 0.0), element.rest, getattr(element, "damping", 0.0))
+        branch = ForceBranch(row, vars(element).get("stiffness", 0.0), element.rest, vars(element).get("damping", 0.0))
         switch = releasable(element.name, (), (branch,), release.at, release.guards(row, element.name, branch))
     else:
         tie = Constraint(row, level=element.level, value=element.row_value, names=element.name)

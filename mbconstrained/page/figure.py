@@ -188,8 +188,9 @@ def figure_data(drawing: Drawing, takes: Sequence[KeyFrames], overlay: Overlay =
     }
     if overlay:
         data["overlay"] = overlay_entries
-    if traced := [[i, list(point)] for i, body in enumerate(drawing.bodies) for point in body.traced]:
-        data["orbits"] = {"points": traced, "window": drawing.revolution}
+    if any(link.kind == "shaft" for link in drawing.links):
+        traced = [[i, list(point)] for i, body in enumerate(drawing.bodies) for point in body.traced]
+        data["rotors"] = {"points": traced, "window": drawing.revolution}
     if any(link.states or link.kind in SWITCHING for link in drawing.links):
         data["switching"] = True
     if drawing.posing and drawing.posing.names:

@@ -29,7 +29,7 @@ from ..ground.errors import InputError, MbconstrainedError
 from ..ground.files import Replacements
 from ..ground.notices import Notice
 from .animation import MODE, Animation, Deflections, KeyFrames, ModePicture, Shapes, cycle, key_frames, packed
-from .content import Formulas, PageContent, shortened, typeset
+from .content import Formulas, PageContent, scientific, shortened, typeset
 from .drawing import Drawing
 from .figure import figure_data, force_scale, invisible_errors
 from .plots import PlotFunctions, plot_figures
@@ -134,8 +134,10 @@ def _marks(figure: dict, slow: bool | None) -> str:
     if slow is not None:
         boxes += f'<label><input type="checkbox" id="slow" autocomplete="off"{" checked" * slow}> slow at events</label>\n'
     return f"""<div class="controls shown further">
-{boxes}<button type="button" id="reset">Reset view</button>
+{boxes}<div class="together">
+<button type="button" id="reset">Reset view</button>
 <button type="button" id="keys" aria-label="Keyboard" title="Keyboard">?</button>
+</div>
 <div class="recordings">
 <button type="button" id="frames" hidden>Save frames</button>
 <button type="button" id="gif" hidden>Save GIF</button>
@@ -335,13 +337,22 @@ def _list(
     )
 
 
+def _factor(factor: float) -> str:
+    """A factor with three digits.
+
+    >>> _factor(135714.3), _factor(5e6)
+    ('136000', '5·10⁶')
+    """
+    return scientific(f"{float(f'{factor:.3g}'):g}")
+
+
 def _scale_note(drawing: Drawing, mode: ModePicture, moves: bool) -> str:
     """The drawing's note, and the factors by which the mode is magnified."""
-    factors = [f"shape drawn × {mode.scale:g}"] if mode.paths else []
+    factors = [f"shape drawn × {_factor(mode.scale)}"] if mode.paths else []
     if any(body.moves for body in drawing.bodies):
-        factors.append(f"displacements of the shape drawn × {drawing.scale * mode.scale:g}")
+        factors.append(f"displacements of the shape drawn × {_factor(drawing.scale * mode.scale)}")
     if any(body.turns for body in drawing.bodies):
-        factors.append(f"angles × {drawing.turn_scale * mode.scale:g}")
+        factors.append(f"angles × {_factor(drawing.turn_scale * mode.scale)}")
     return "\n".join(filter(None, (drawing.note, "not to scale: " + ", ".join(factors) if moves else "does not move")))
 
 
@@ -521,7 +532,7 @@ def _parts(content: PageContent) -> tuple[list[str], dict, list[str], dict[str, 
     if data:
         names += [
             *_ANIMATION,
-            *[f"{name}.js" for name in ("overlay", "posing", "switching", "orbits") if name in data["figure"]],
+            *[f"{name}.js" for name in ("overlay", "posing", "switching", "rotors") if name in data["figure"]],
             script,
         ]
         blocks["motion-data"] = data
@@ -566,15 +577,15 @@ def _magnification(animation: Animation, frames: KeyFrames) -> str:
     drawing = animation.drawing
     texts = []
     if any(body.path and body.path.moves for body in drawing.bodies) and drawing.scale != 1:
-        texts.append(f"motion drawn {drawing.scale:g} × as large")
+        texts.append(f"motion drawn {_factor(drawing.scale)} × as large")
     elif any(body.moves for body in drawing.bodies) and drawing.scale != 1:
-        texts.append(f"displacements drawn {drawing.scale:g} × as large")
+        texts.append(f"displacements drawn {_factor(drawing.scale)} × as large")
     if any(body.turns for body in drawing.bodies) and drawing.turn_scale != 1:
-        texts.append(f"angles drawn {drawing.turn_scale:g} × as large")
+        texts.append(f"angles drawn {_factor(drawing.turn_scale)} × as large")
     if animation.overlay.forces:
         texts.append(f"arrows: {animation.overlay.description}, {force_scale(animation.overlay.forces)}")
     if any(body.traced for body in drawing.bodies):
-        texts.append("orange: orbits over the last revolution")
+        texts.append("orange: orbits" + " over the last revolution" * (drawing.revolution is not None))
     levels = {level for link in drawing.links for _, level in link.states}
     texts += [", ".join(ENGAGEMENTS[level] for level in sorted(levels, reverse=True))] if levels else []
     if frames.stride > 1:

@@ -46,7 +46,7 @@ _STAGE_ONLY = """<style>
 header, footer, .controls, details {{ display: none !important; }}
 main {{ max-width: none; padding: 0; }}
 section {{ border: 0; border-radius: 0; margin: 0; display: flex; flex-direction: column; height: 100vh; }}
-#stage {{ flex: 1; min-height: 0; }}
+#stage {{ flex: 1; min-height: 0; max-height: none; }}
 .event:not(.shown) {{ display: none; }}
 #stage .magnification {{ left: 120px; }}
 #stage::after {{ content: "t = {time:.6g} s"; position: absolute; left: 14px; top: 10px; font-size: 12.5px; color: var(--muted); }}

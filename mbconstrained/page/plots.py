@@ -341,7 +341,8 @@ def _guides(plot: Plot, across: Axis, up: Axis) -> list[str]:
         if ends := guide.ends(across, up):
             (a, b), (c, d) = ends
             data = f"M{CELLS * a:.0f} {CELLS * (1 - b):.0f}L{CELLS * c:.0f} {CELLS * (1 - d):.0f}"
-            lines.append(f'<path class="guide {guide.kind}" d="{data}"/>')
+            name = f' data-name="{html.escape(guide.name)}"' if guide.name else ""
+            lines.append(f'<path class="guide {guide.kind}"{name} d="{data}"/>')
     lines = [*_cell_rectangles(plot.cells, across, up), *lines] if plot.cells else lines
     if not lines:
         return []
@@ -779,11 +780,11 @@ def _draw(axes: Axes, plot: Plot, panels: int) -> bool:
                 "marker": _MARKERS[marks.shape],
                 "linestyle": "none",
                 "markersize": 4,
-                "label": label or "_",
-                "clip_on": False,
-                "zorder": 3,
+                "markerfacecolor": color if marks.shape == "dot" else "white",
             }
-            axes.plot(*marks.points.T, color=color, markerfacecolor=color if marks.shape == "dot" else "white", **style)
+            axes.plot(*marks.points.T, color=color, label=label or "_", clip_on=False, zorder=3, **style)
+            if marks.curve is not None and not curves[marks.curve].parts:
+                axes.lines[marks.curve].set(**style)  # in the legend, too
     if 0.0 in up.ticks:
         axes.axhline(0.0, color=LINE, linewidth=0.8, zorder=0.9)
     title, xlabel, ylabel = _image_titles(plot, panels)

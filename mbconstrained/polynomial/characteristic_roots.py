@@ -14,6 +14,7 @@ from math import ceil
 
 import numpy as np
 
+from ..ground.by_name import answering
 from ..ground.checks import counted, whole_number
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
@@ -97,6 +98,7 @@ class CharacteristicRoots(Displayed):
         return tuple(result)
 
 
+@answering
 def characteristic_roots(A: PolynomialMatrix, delayed, count: int = 10) -> CharacteristicRoots:
     """Return the rightmost roots s of det(A(s) + sum of A_j(s) e^(-s delay_j)) = 0.
 

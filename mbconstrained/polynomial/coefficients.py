@@ -9,11 +9,13 @@ from functools import cached_property
 
 import numpy as np
 
+from ..ground.by_name import Public, answering
 from ..ground.checks import constant_zeros, counted, names_of, real_array
 from ..ground.errors import InputError, SingularPolynomialMatrix
 
 
-class PolynomialCoefficients:
+@answering
+class PolynomialCoefficients(Public):
     """Data of a ``PolynomialMatrix``, without the answers to questions about it."""
 
     def __init__(

@@ -10,6 +10,7 @@ from numbers import Number
 
 import numpy as np
 
+from ..ground.by_name import answering
 from ..ground.checks import real_number
 from ..ground.errors import IllConditioned, InputError, SingularPolynomialMatrix, within_float64
 from ..linalg.staircase import SingularPencil
@@ -25,6 +26,7 @@ from .structure import Structure
 MOST_PAIR_STATES = 150
 
 
+@answering
 class PolynomialMatrix(PolynomialCoefficients):
     """A(s) = A_0 + A_1 s + ... + A_q s^q, real, of any declared degree q >= 0 (Moysis et al., Eq. 4).
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..ground.by_name import answering
 from ..ground.checks import counted
 from ..ground.display import Displayed, TextTable
 from ..ground.errors import OUT_OF_RANGE, IllConditioned, within_float64
@@ -65,6 +66,7 @@ class Admissibility(Displayed):
         return self.is_impulse_free and not self.jump.any()
 
 
+@answering
 def admissible(A: PolynomialMatrix, initial=None, force: ImpulsiveSmooth | None = None) -> Admissibility:
     """Test values at 0- against (58) and (60) of Moysis et al., both as corrected: with f^(j)(0+), Toeplitz in (60).
 
@@ -74,7 +76,7 @@ def admissible(A: PolynomialMatrix, initial=None, force: ImpulsiveSmooth | None 
     Args:
         A: the polynomial matrix, degree q, size r.
         initial: x^(i)(0-) as row i, shape (q, r); None for zeros.
-        force: f with r rows, None for zero; its own Dirac impulses act for all values at 0- and are left out here.
+        force: f with r rows as in ``solve``, None for zero; its own Dirac impulses act for all values at 0- and are left out here.
 
     Returns:
         An ``Admissibility``.
@@ -90,7 +92,7 @@ def admissible(A: PolynomialMatrix, initial=None, force: ImpulsiveSmooth | None 
     >>> violation.equations, violation.coordinates, violation.amount
     ((('equation 1', 0),), (('x1', 0), ('x2', 0)), 1.0)
     """
-    smooth = checked_force(force, checked_matrix(A).size).smooth
+    smooth = checked_force(force, checked_matrix(A).size, A).smooth
     start = solve(A, initial, ImpulsiveSmooth(smooth))
     with within_float64():
         answer = _admissibility(A, start)

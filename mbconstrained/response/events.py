@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..ground.by_name import Public
 from ..ground.errors import Overflow
 from ..ground.tolerances import noise_of
 from ..linalg.rank import Noisy, stacked
@@ -16,7 +17,7 @@ from .problem import ScaledForce, power_of_two_of, scaled_force, scaled_impulses
 
 
 @dataclass(frozen=True, eq=False)
-class Event:
+class Event(Public):
     """Jumps and Dirac impulses of x at one time after t = 0.
 
     Attributes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import log2
 
@@ -20,7 +20,7 @@ from ..polynomial.delayed_terms import DelayedTerm, delayed_terms
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.bohl import BohlFunction, Restarts
 from ..signals.impulsive import ImpulsiveLoad, ImpulsiveSmooth
-from ..signals.inputs import step, zero
+from ..signals.inputs import named_rows, step, zero
 
 # The initial value problem A(d/dt) x = f with validated data, and the problem with data perturbed by a rounding error.
 
@@ -66,7 +66,7 @@ class Problem:
         if initial is None and past is not None:
             initial = [past.derivative(order).coefficients @ states_before(past, terms[-1].delay) for order in range(A.degree)]
         initial = np.zeros(shape) if initial is None else real_array(initial, "initial", shape=shape)
-        return cls(A, initial, checked_force(force, A.size), rank_tolerance, terms, past)
+        return cls(A, initial, checked_force(force, A.size, A), rank_tolerance, terms, past)
 
     def moved(self, seed: int) -> Problem:
         """The problem with all data perturbed, entry by entry, by about a rounding error."""
@@ -80,14 +80,19 @@ class Problem:
 def checked_matrix(A) -> PolynomialMatrix:
     """A(s), or an InputError."""
     if not isinstance(A, PolynomialMatrix):
-        raise InputError(f"A: found {type(A).__name__}; expected a PolynomialMatrix, e.g. mb.PolynomialMatrix([A0, A1, A2])")
+        method = next((f"; it is solved by its method {name}" for name in ("solve", "run") if hasattr(type(A), name)), "")
+        expected = "expected a PolynomialMatrix, e.g. mb.PolynomialMatrix([A0, A1, A2])"
+        raise InputError(f"A: found {type(A).__name__}; {expected}{method}")
     return A
 
 
-def checked_force(force, size: int) -> ImpulsiveSmooth:
-    """A force with so many rows, zero for None, or an InputError."""
+def checked_force(force, size: int, A: PolynomialMatrix | None = None) -> ImpulsiveSmooth:
+    """A force with so many rows, zero for None, or an InputError; by the names of the equations of A(s), or of as many coordinates."""
     if force is None:
         return zero(size)
+    if isinstance(force, Mapping) and A is not None:
+        places = {name: place for names in (A.coordinates, A.equations) if len(names) == size for place, name in enumerate(names)}
+        return named_rows(force, places, size, "force", "equation or coordinate")
     if not isinstance(force, ImpulsiveSmooth):
         advice = OF_FUNCTION if callable(force) else f"; make it with {FORCE_FUNCTIONS}"
         raise InputError(f"force: found {type(force).__name__}{advice}")

@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, ClassVar, cast
 
 import numpy as np
 
 from ..exchange.trajectories import Exported
-from ..ground.checks import counted, places_of, whole_number
-from ..ground.display import Pictured, Presented, TextTable, notice_table
-from ..ground.errors import MbconstrainedError, within_float64
+from ..ground.checks import counted, listed, places_of, whole_number
+from ..ground.display import Displayed, Pictured, Presented, TextTable, notice_table
+from ..ground.errors import InputError, MbconstrainedError, within_float64
+from ..ground.named_arrays import named_array
 from ..ground.notices import Evidence, Notice
 from ..ground.threads import short_work
 from ..ground.tolerances import PROVED_RESTARTS, PROVED_STATES, noise_of
@@ -38,6 +39,31 @@ if TYPE_CHECKING:
 
 #: Number of coordinates named where a response is shown in one line.
 MOST_NAMES = 6
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class CoordinateFunction(Displayed):
+    """One coordinate of a response for t > 0: called with a time it gives a number, with times of shape (T,) as many.
+
+    Attributes:
+        name: the coordinate.
+        function: in closed form, one row.
+    """
+
+    name: str
+    function: BohlFunction
+
+    _instead: ClassVar = {"velocity": "derivative()", "acceleration": "derivative(2)"}
+
+    def __call__(self, times) -> np.ndarray:
+        return self.function(times)[0]
+
+    def derivative(self, order: int = 1) -> CoordinateFunction:
+        """The derivative of this order."""
+        return CoordinateFunction(self.name, self.function.derivative(order))
+
+    def _summary(self) -> str:
+        return self.name
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -214,7 +240,25 @@ class Response(Exported, Presented, Pictured):
             InputError: negative or not finite times.
             Overflow: a value leaves the range of float64.
         """
-        return self.function(times)
+        return named_array(self.function(times), self.polynomial_matrix.coordinates)
+
+    _instead: ClassVar = dict.fromkeys(("t", "time", "times"), "it is a function of time: call it with times of your choice")
+
+    def __getitem__(self, name: str) -> CoordinateFunction:
+        """The function of one coordinate: ``x["cart"](t)``, ``x["cart"].derivative()(t)``.
+
+        Raises:
+            InputError: no such coordinate.
+
+        >>> from mbconstrained import solve
+        >>> A = PolynomialMatrix([[[2.0]], [[1.0]]], coordinates=["level"])
+        >>> level = solve(A, initial=[[3.0]])["level"]
+        >>> level([0.0, 1.0]).round(3), round(level.derivative()(0.0), 3)
+        (array([3.   , 0.406]), np.float64(-6.0))
+        """
+        if not isinstance(name, str):
+            raise InputError(f"found {name!r}; expected the name of a coordinate: {listed(self.polynomial_matrix.coordinates)}")
+        return CoordinateFunction(name, self.of(name))
 
     @cached_property
     def pairs(self) -> JordanPairs:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..ground.by_name import Public, answering
 from ..ground.checks import counted, listed, places_of, real_array
 from ..ground.display import Displayed, TextTable, notice_table, number_text, signed, table_text
 from ..ground.errors import InputError, NotSolvable, SingularPolynomialMatrix, named, within_float64
@@ -52,7 +53,7 @@ MOST_NAMES = 12
 
 
 @dataclass(frozen=True)
-class Condition:
+class Condition(Public):
     """A combination of equations without coordinates: the same combination of the forces must vanish.
 
     Attributes:
@@ -190,6 +191,7 @@ def sum_text(terms, variable: str = "") -> str:
     return text or "0"
 
 
+@answering
 def solvability(
     A: PolynomialMatrix,
     initial=None,
@@ -205,7 +207,7 @@ def solvability(
     Args:
         A: the polynomial matrix, degree q, m x n.
         initial: x^(i)(0-) as row i, shape (q, n); None for zeros.
-        force: f with m rows, in the units of the equations; None for zero.
+        force: f with m rows as in ``solve``, in the units of the equations; None for zero.
         free: coordinates to choose, by name, with their signals; others are chosen where these are not enough.
         rank_tolerance: conditions count as satisfied up to this part of their terms; None for rounding errors of float64.
 
@@ -344,7 +346,7 @@ def _completed(A, initial, force, free: Mapping, rank_tolerance: float | None) -
 
     (m, n), q = checked_matrix(A).shape, A.degree
     initial = np.zeros((q, n)) if initial is None else real_array(initial, "initial", shape=(q, n))
-    force = checked_force(force, m)
+    force = checked_force(force, m, A)
     kernels = _kernels(A, rank_tolerance)
     rank, left, right = kernels.rank, kernels.left, kernels.right
     required, signals = _checked_free(A, right, free)

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..ground.checks import counted, evaluation_times, optional_package, places_of, real_array, whole_number
+from ..ground.by_name import answering
+from ..ground.checks import counted, evaluation_times, item_of, optional_package, places_of, real_array, whole_number
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError, Overflow, SingularPolynomialMatrix
+from ..ground.named_arrays import named_array
 from ..ground.notices import Notice, NoticeKind
 from ..ground.threads import short_work
 from ..linalg.blocks import CHUNK_ENTRIES
@@ -158,7 +160,7 @@ class Responses(Displayed):
     def __getitem__(self, index: int | slice) -> Response | Any:
         if isinstance(index, slice):
             return replace(self, initial=self.initial[index], forces=self.forces[index])
-        place = range(len(self))[index]  # IndexError where there is none
+        place = item_of(index, len(self), "solution")
         return self._solved(self.initial[place], self.forces[place])
 
     def __iter__(self) -> Iterator[Response]:
@@ -174,7 +176,7 @@ class Responses(Displayed):
             InputError: negative or not finite times.
             Overflow: a value leaves the range of float64.
         """
-        return self.function(times)
+        return named_array(self.function(times), (), self.polynomial_matrix.coordinates)
 
     def derivative(self, order: int = 1) -> ManyFunctions:
         """Return the classical derivatives for t > 0, as functions of the same kind."""
@@ -355,7 +357,7 @@ def solve_many(A: PolynomialMatrix, initial, force, rank_tolerance: float | None
             f"force: found {counted(len(forces), 'force')} for {counted(len(starts), 'start')}; give as many, or one for all"
         )
     nothing = zero(r)
-    checked = {id(one): checked_force(one, r) for one in forces}
+    checked = {id(one): checked_force(one, r, A) for one in forces}
     members = (checked[id(one)] for one in forces)
     return Responses(A, starts, tuple(nothing if one.is_zero else one for one in members), rank_tolerance, request)
 
@@ -363,6 +365,7 @@ def solve_many(A: PolynomialMatrix, initial, force, rank_tolerance: float | None
 # A(d/dt) x = f from values at 0-, in closed form.
 
 
+@answering
 def solve(
     A: PolynomialMatrix,
     initial=None,
@@ -386,7 +389,8 @@ def solve(
     Args:
         A: the polynomial matrix, degree q, size r.
         initial: x^(i)(0-) as row i, shape (q, r); None for zeros. Of shape (S, q, r): S starts at once.
-        force: f with r rows, see ``mbconstrained.signals``; None for zero. A list of S forces: S solutions at once.
+        force: f with r rows, see ``mbconstrained.signals``, or by the names of equations or coordinates, such as
+            {"cart": mb.step(5.0)}; None for zero. A list of S forces: S solutions at once.
         rank_tolerance: overrides how rank decisions are made: a difference of entries of A(s) counts as zero if it is no
             larger than this part of them (1e-9 for measured data, say); None for rounding errors of float64.
         delayed: terms with dead time, A_j(s) by their delays in s: a polynomial matrix, a list of coefficients, or one matrix. The equations
@@ -444,7 +448,7 @@ def solve(
 
 def _is_family(initial, force) -> bool:
     """Whether several starts or forces are given."""
-    if isinstance(force, (list, tuple)) and any(isinstance(one, ImpulsiveSmooth) for one in force):
+    if isinstance(force, (list, tuple)) and any(isinstance(one, (ImpulsiveSmooth, Mapping)) for one in force):
         return True
     try:
         return np.ndim(initial) == 3

@@ -16,6 +16,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
+from ..ground.by_name import Public
 from ..ground.checks import nearest, real_array, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
@@ -32,7 +33,7 @@ _NOWHERE = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
-class Connection:
+class Connection(Public):
     """The base of all connections: two frames, each fixed in a body.
 
     Attributes:
@@ -379,7 +380,7 @@ class Bushing(Support):
 
 
 @dataclass(frozen=True)
-class PointMotion:
+class PointMotion(Public):
     """The displacement of a point of a body along a direction that is fixed in space, or its rotation about it.
 
     As an output it is that displacement (m) or small rotation (rad), as an input the force (N) or torque (N m) that works

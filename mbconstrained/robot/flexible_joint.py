@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..ground.by_name import Public
 from ..ground.checks import real_number
 from ..ground.errors import InputError
 from ..ground.tolerances import noise_of
@@ -26,7 +27,7 @@ def _check_numbers(part: Motor | FlexibleJoint, what: str, positive: tuple[str, 
 
 
 @dataclass(frozen=True)
-class Motor:
+class Motor(Public):
     """A motor that drives a joint through a rigid gear.
 
     It adds to the joint's mass, stiffness and damping
@@ -62,7 +63,7 @@ class Motor:
 
 
 @dataclass(frozen=True)
-class FlexibleJoint:
+class FlexibleJoint(Public):
     """A motor that drives a joint through an elastic gear, its angle theta measured behind the gear:
 
         B theta'' + (k + c d/dt) (theta - q) + k_d theta' + k_p theta = tau,        B = gear_ratio^2 motor_inertia

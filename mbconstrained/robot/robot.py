@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from ..ground.by_name import answering
 from ..ground.errors import InputError
 from ..mechanics.constraints import Level
 from .connections import PointMotion
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 _ORIGIN = (0.0, 0.0, 0.0)
 
 
+@answering
 class Robot(RobotModel):
     """A tree of joints from a URDF, with loops, springs and flexible joints.
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..ground.by_name import Public
 from ..ground.checks import nearest, real_array, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError, named
@@ -79,7 +80,7 @@ class StickingContact(Switch):
         return "closed" if touches and not slides.any() else "open"
 
 
-class RobotSwitch:
+class RobotSwitch(Public):
     """The base of parts of a robot with several states."""
 
     @property

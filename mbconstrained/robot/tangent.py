@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ..ground.by_name import Public
 from ..ground.checks import counted, nearest, real_array, real_number
 from ..ground.errors import InputError
 from ..ground.tolerances import SAME_JOINT_VALUE
@@ -243,7 +244,7 @@ class MimicRow:
 
 
 @dataclass(frozen=True)
-class JointGear:
+class JointGear(Public):
     """A gear or rack between two joints: q_joint = ratio q_leader + offset.
 
     Attributes:

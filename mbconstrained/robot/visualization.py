@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 from xml.etree import ElementTree
@@ -151,8 +151,8 @@ def _elements(description: ElementTree.Element, tag: str = "visual"):
 BONE, JOINT = 0.035, 0.06
 
 
-def bones_of(model, links: LinkFrames) -> tuple[Visual, ...]:
-    """Cylinders from the joint of each link to those behind it, and balls at the joints, of a robot whose links have no shapes.
+def bones_of(model, links: LinkFrames, connections: Iterable[ConnectionPoints] = ()) -> tuple[Visual, ...]:
+    """Cylinders from the joint of each link to those behind it and to its connections, and balls at the joints.
 
     The last link of a chain reaches as far beyond its centre of mass as a uniform rod with its moment of inertia would.
     """
@@ -163,6 +163,11 @@ def bones_of(model, links: LinkFrames) -> tuple[Visual, ...]:
             ends[parent].append(np.array(model.jointPlacements[joint].translation))
     for anchor in map(links.link, links.names):
         ends[anchor.joint].append(anchor.point)
+    for one in connections:
+        for body, point in ((one.body1, one.point1), (one.body2, one.point2)):
+            if body != GROUND:
+                anchor = links.link(body)
+                ends[anchor.joint].append(anchor.point + anchor.rotation @ point)
     for joint, own in ends.items():
         inertia, lever = model.inertias[joint], np.array(model.inertias[joint].lever)
         if joint and inertia.mass > 0 and not any(map(np.any, own)) and lever.any():

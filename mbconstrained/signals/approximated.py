@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial import Chebyshev, Polynomial, chebyshev
 
+from ..ground.by_name import answering
 from ..ground.checks import real_number
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
@@ -143,6 +144,7 @@ class Approximation(ImpulsiveSmooth):
     error: float = 0.0
 
 
+@answering
 def approximated(function: Callable, end: float, *, tolerance: float = APPROXIMATION_TOLERANCE) -> Approximation:
     """The function for 0 <= t < end, zero afterwards, by piecewise polynomials of degree 10.
 

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..ground.by_name import Public
 from ..ground.checks import counted, evaluation_times, real_array, real_number, whole_number
 from ..ground.errors import InputError, Overflow, within_float64
 from ..ground.threads import short_work
@@ -149,7 +150,7 @@ def later_times(times: np.ndarray, delay: float, gaps: np.ndarray | float = 0.0)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class BohlFunction:
+class BohlFunction(Public):
     """f(t) = C e^{J t} v for t >= 0, evaluated at any times in any order, without time steps.
 
     Attributes:

@@ -8,6 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 
+from ..ground.by_name import Public
 from ..ground.checks import counted, real_array, real_number
 from ..ground.errors import InputError
 from ..ground.notices import Notice, distinct
@@ -48,7 +49,7 @@ class ExactRecord:
 
 
 @dataclass(frozen=True, eq=False)
-class ImpulsiveLoad:
+class ImpulsiveLoad(Public):
     """An impulsive load: the sum over k of impulses[k] delta^(k)(t - time).
 
     Attributes:
@@ -117,7 +118,7 @@ def without_phase_noise(value: float, phase: float) -> float:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class ImpulsiveSmooth:
+class ImpulsiveSmooth(Public):
     """An impulsive-smooth function f(t) = smooth(t) + sum of impulses[k] delta^(k)(t) + later impulses, zero before t = 0.
 
     Functions of equal size add; a number, or ``mapped`` a matrix, multiplies them.
@@ -227,6 +228,8 @@ class ImpulsiveSmooth:
         return self._changed(self.smooth.mapped(matrix), lambda impulse: matrix @ impulse, matrix)
 
     def __add__(self, other: ImpulsiveSmooth) -> ImpulsiveSmooth:
+        if isinstance(other, (int, float)) and other:
+            raise InputError(f"inputs: found {other!r} as a term; a constant input is mb.step({other!r})")
         if not isinstance(other, ImpulsiveSmooth):
             return NotImplemented
         if self.size != other.size:
@@ -237,7 +240,7 @@ class ImpulsiveSmooth:
 
     def __radd__(self, other) -> ImpulsiveSmooth:
         """0 + f, so that sum() of inputs works."""
-        return self if isinstance(other, (int, float)) and other == 0 else NotImplemented
+        return self if isinstance(other, (int, float)) and other == 0 else self + other
 
     def __mul__(self, factor: float) -> ImpulsiveSmooth:
         return self._changed(self.smooth * factor, lambda impulse: impulse * factor, factor)

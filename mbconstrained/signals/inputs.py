@@ -7,10 +7,11 @@ the units of the rows that the input loads, such as N or N m. Inputs add, and ``
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from ..ground.by_name import answering
 from ..ground.checks import nearest, real_array, real_number, whole_number
 from ..ground.errors import InputError
 from ..ground.tolerances import noise_of
@@ -34,6 +35,26 @@ def zero(size: int) -> ImpulsiveSmooth:
     return ImpulsiveSmooth(BohlFunction(np.zeros((size, 0)), (), np.zeros(0)))
 
 
+def named_rows(signals: Mapping, places: Mapping[str, int], size: int, what: str, names: str = "coordinate") -> ImpulsiveSmooth:
+    """The input with so many rows of which some are given by name, each a signal with one row or a constant; the others are zero.
+
+    >>> named_rows({"load": step(5.0), "cart": 2.0}, {"cart": 0, "load": 1}, 2, "force")(1.0)
+    array([2., 5.])
+    """
+    total = zero(size)
+    for name, one in signals.items():
+        if name not in places:
+            raise InputError(f'{what}: there is no {names} "{name}"{nearest(str(name), places)}')
+        signal = one if isinstance(one, ImpulsiveSmooth) else step([real_number(one, f"{what} of {name}")])
+        if signal.size != 1:
+            raise InputError(f"{what} of {name}: found {signal.size} rows; expected one, as of mb.step(5.0)")
+        column = np.zeros((size, 1))
+        column[places[name]] = 1.0
+        total = total + signal.mapped(column)
+    return total
+
+
+@answering
 def term(
     vector,
     *,
@@ -78,6 +99,7 @@ def term(
     return _chain(np.multiply.outer(vector, [cosine, -sine]), turn, power, origin)
 
 
+@answering
 def step(vector) -> ImpulsiveSmooth:
     """The step f(t) = v for t >= 0, I_1 of Hauksdottir's inputs, for v of shape (r,).
 
@@ -88,6 +110,7 @@ def step(vector) -> ImpulsiveSmooth:
     return term(vector)
 
 
+@answering
 def ramp(vector) -> ImpulsiveSmooth:
     """The ramp f(t) = v t for t >= 0, I_2 of Hauksdottir's inputs, for v of shape (r,) per second.
 
@@ -98,6 +121,7 @@ def ramp(vector) -> ImpulsiveSmooth:
     return term(vector, power=1)
 
 
+@answering
 def power(vector, gamma: int) -> ImpulsiveSmooth:
     """The input f(t) = v I_gamma(t) of Hauksdottir, whose Laplace transform is v s^(-gamma).
 
@@ -128,6 +152,7 @@ def power(vector, gamma: int) -> ImpulsiveSmooth:
     return _chain(vector[:, None] / divisor, np.zeros((1, 1)), int(gamma) - 1, origin)
 
 
+@answering
 def impulse(vector, order: int = 0) -> ImpulsiveSmooth:
     """The Dirac impulse f(t) = v delta^(order)(t) at t = 0.
 
@@ -148,6 +173,7 @@ def impulse(vector, order: int = 0) -> ImpulsiveSmooth:
     return ImpulsiveSmooth(zero(len(vector)).smooth, (*zeros, vector)).described_by(ExactInput(ExactImpulse(vector, order)))
 
 
+@answering
 def harmonic(
     vector, *, angular_frequency: float | None = None, frequency_hz: float | None = None, phase: float = 0.0
 ) -> ImpulsiveSmooth:
@@ -176,6 +202,8 @@ def harmonic(
 
 def _vector(value) -> np.ndarray:
     """The vector; a number is one row."""
+    if isinstance(value, Mapping):
+        raise InputError(f'vector: found {value!r}; inputs by name are written as force={{"cart": mb.step(5.0)}}')
     number = np.ndim(value) == 0 and value is not None and not isinstance(value, str)
     return real_array([value] if number else value, "vector", shape=(None,))
 
@@ -211,6 +239,7 @@ def _rate_unit(diagonal, power) -> float:
 LINEAR = np.array([[0.0, 1.0], [0.0, 0.0]])
 
 
+@answering
 def pulse(vector, *, start: float = 0.0, duration: float, shape: str = "rectangle") -> ImpulsiveSmooth:
     """A pulse of peak v for start <= t < start + duration, zero before and after, with u = (t - start) / duration:
 
@@ -280,6 +309,7 @@ PULSES: dict[str, Callable] = {
 }
 
 
+@answering
 def sampled(times, values) -> ImpulsiveSmooth:
     """A record: linear between its samples, zero before the first and after the last one.
 

@@ -61,7 +61,7 @@ def test_natural_guesses_are_answered(scene):
     assert scene.system is scene.equations.system
     modes = scene.system.modes()
     assert np.array_equal(modes[modes.names[1]], modes.shapes[1])
-    with pytest.raises(mb.InputError, match="there is no coordinate"):
+    with pytest.raises(mb.InputError, match='there is no "nothing"'):
         modes["nothing"]
 
 

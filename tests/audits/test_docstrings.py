@@ -8,7 +8,6 @@ import importlib
 import inspect
 import io
 import re
-from contextlib import redirect_stdout
 
 import pytest
 
@@ -90,6 +89,22 @@ def test_described_arguments_exist():
     expect_none(offenders, "describe the arguments that there are")
 
 
+class _Finder(doctest.DocTestFinder):
+    """Finds the examples of decorated functions, too, whose globals are those of the decorator."""
+
+    def _from_module(self, module, object):
+        return super()._from_module(module, inspect.unwrap(object))
+
+
+def test_examples_of_decorated_functions_are_found():
+    names = {
+        test.name.rpartition(".")[2]
+        for test in _Finder().find(importlib.import_module("mbconstrained.signals.inputs"))
+        if test.examples
+    }
+    assert {"step", "ramp", "harmonic", "pulse"} <= names
+
+
 @pytest.mark.parametrize("place", ["__init__", *(name for name in LAYER if name != "__main__")])
 def test_examples_in_docstrings_are_true(place):
     failures = []
@@ -97,10 +112,10 @@ def test_examples_in_docstrings_are_true(place):
         if room(file) == place and not file.endswith(
             "conf.py"
         ):  # Sphinx executes its configuration, with what the extra [docs] brings
-            report = io.StringIO()
-            with redirect_stdout(report):
-                result = doctest.testmod(importlib.import_module(module_name(file)), optionflags=doctest.NORMALIZE_WHITESPACE)
-            if result.failed:
+            report, runner = io.StringIO(), doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
+            for test in _Finder().find(importlib.import_module(module_name(file)), module_name(file)):
+                runner.run(test, out=report.write)
+            if runner.failures:
                 failures.append(f"{file}\n{report.getvalue()}")
     expect_none(failures, "the examples must give what they show")
 

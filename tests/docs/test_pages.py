@@ -135,6 +135,7 @@ THEORY = {
     "Laurent": "laurent-coefficient",
     "staircase": "staircase",
     "saltation": "saltation-matrix",
+    "Floquet": "floquet-multiplier",
 }
 
 

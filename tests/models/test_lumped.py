@@ -161,8 +161,8 @@ def built(method, *arguments, **named):
         (built("gravity", float("nan")), "gravity: .* a finite number"),
         (built("force", "hok", mb.step([1.0])), 'force: there is no body "hok"; did you mean "hook"'),
         (built("force", "ground", mb.step([1.0])), 'force: found "ground", which does not move'),
-        (built("force", "cart", mb.step([1.0, 2.0])), "force on cart: expected a signal with one row"),
-        (built("force", "cart", 3.0), "force on cart: expected a signal with one row, such as mb.step"),
+        (built("force", "cart", mb.step([1.0, 2.0])), "force of cart: found 2 rows; expected one, as of mb.step"),
+        (built("force", "cart", np.sin), "force of cart: found a Python function; .* mb.approximated"),
     ],
 )
 def test_errors_name_what_is_wrong(act, message):

@@ -603,6 +603,8 @@ def sweep(scene: Scene, parameters: Mapping[str, Any] | None = None, **options) 
 
 def study_of(scene: Scene, parameters: Mapping[str, Any] | None, options: Mapping[str, Any]) -> tuple[Sweep, Scene]:
     """The study of a scene, and the scene of its middle sample."""
+    if not isinstance(parameters or {}, Mapping):
+        raise InputError(f'parameters: found {parameters!r}; expected ranges by name, such as {{"k": "1..3 N/mm:50"}}')
     own = scene.table.vary
     given = {} if own is None else {name: getattr(own, name) for name in own.model_fields_set}
     table = validated({**given, **options, "parameters": {**given.get("parameters", {}), **(parameters or {})}}, "vary", VaryTable)

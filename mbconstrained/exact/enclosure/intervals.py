@@ -11,6 +11,7 @@ from math import floor, log10
 import flint
 import numpy as np
 
+from ...ground.by_name import Public
 from ...ground.checks import counted, whole_number
 from ...ground.errors import InputError, Overflow
 from ...ground.notices import Notice
@@ -20,7 +21,7 @@ from ..rational import known_matrix, rational, rational_matrix, working_precisio
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Enclosure:
+class Enclosure(Public):
     """Lower and upper bounds of values, proved by ball arithmetic.
 
     Attributes:

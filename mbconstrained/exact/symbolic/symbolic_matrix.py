@@ -13,6 +13,7 @@ import sympy
 from sympy.polys.domains.domain import Domain
 from sympy.polys.matrices import DomainMatrix
 
+from ...ground.by_name import Public
 from ...ground.checks import names_of
 from ...ground.errors import InputError, SingularPolynomialMatrix
 from ...polynomial.polynomial_matrix import PolynomialMatrix
@@ -46,7 +47,7 @@ class LocalSmithForm:
     terms: tuple[RootPolynomials, ...]  # the root polynomials of every k_j > 0
 
 
-class SymbolicPolynomialMatrix(ExactMatrix):
+class SymbolicPolynomialMatrix(ExactMatrix, Public):
     """A(s) = A_0 + A_1 s + ... + A_q s^q, square, over the field of rational functions of its symbols (Moysis et al., Eq. 4).
 
     The symbols are independent, generic and positive: masses, stiffnesses, dampings, lengths.

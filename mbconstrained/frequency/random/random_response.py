@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
+from ...ground.by_name import answering
 from ...ground.checks import counted, nearest, optional_package, real_array, real_number, whole_number
 from ...ground.coordinate_units import density_unit
 from ...ground.display import Pictured, TextTable, notice_table, number_text
 from ...ground.errors import InputError
+from ...ground.named_arrays import named_array
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import CLUSTER_SAFETY, EPS, FLOAT64_DIGITS, NOISE_SAFETY, PROVED_ACCURACY, REPORTED_ERROR, TRUST_LIMIT
 from ...linalg import lapack
@@ -310,6 +312,7 @@ def _numerical_decays(transfer: SpectralTransfer) -> np.ndarray:
 ALWAYS_PROVED, MOST_PROVED = 256, 2048
 
 
+@answering
 @dataclass(frozen=True, repr=False, eq=False)
 class RandomResponse(Pictured):
     """Stationary Gaussian outputs of zero mean, with the one-sided spectra G_y = H G_u H^H per Hz.
@@ -450,7 +453,7 @@ class RandomResponse(Pictured):
     @property
     def white_part(self) -> np.ndarray:
         """One-sided intensity per Hz of the white noise in each output, shape (p,); infinite where the output is rougher."""
-        return self._exists(0).white_part
+        return named_array(self._exists(0).white_part, self.outputs)
 
     @property
     def covariance(self) -> np.ndarray:
@@ -458,12 +461,12 @@ class RandomResponse(Pictured):
         finite, integral = self._integral(0)
         result = np.full((len(self.outputs),) * 2, np.inf)
         result[np.ix_(finite, finite)] = integral.values[0].real
-        return result
+        return named_array(result, self.outputs, self.outputs)
 
     @property
     def rms(self) -> np.ndarray:
         """sqrt(E[y^2]), shape (p,)."""
-        return np.sqrt(self.moment(0))
+        return named_array(np.sqrt(self.moment(0)), self.outputs)
 
     @property
     def error_estimate(self) -> np.ndarray:
@@ -480,7 +483,7 @@ class RandomResponse(Pictured):
         result, values = np.zeros(len(self.outputs)), integral.values[0].diagonal().real
         lost = np.where(integral.errors[0] == np.inf, np.inf, 0.0)
         result[finite] = np.where(values > 0, integral.errors[0] / np.where(values > 0, values, 1.0), lost)
-        return result
+        return named_array(result, self.outputs)
 
     def moment(self, order: int) -> np.ndarray:
         """The spectral moment: the integral of f^order G_y(f) df, f in Hz; moment 0 is the variance.
@@ -494,7 +497,7 @@ class RandomResponse(Pictured):
         finite, integral = self._integral(order)
         result = np.full(len(self.outputs), np.inf)
         result[finite] = integral.values[0].diagonal().real
-        return result
+        return named_array(result, self.outputs)
 
     def rms_in_bands(self, edges_hz) -> np.ndarray:
         """RMS values of the parts of the outputs between frequencies, exact as those of the whole.
@@ -523,7 +526,7 @@ class RandomResponse(Pictured):
         for band, (low, high) in enumerate(itertools.pairwise(edges) if len(whole) < len(squares) else ()):
             own = np.setdiff1d(self._finite_within(low, high), whole)
             squares[own, band] = spectral_integral(transfer, spectra.within(low, high), (0,), own).values[0].diagonal().real
-        return np.sqrt(np.maximum(squares, 0.0))
+        return named_array(np.sqrt(np.maximum(squares, 0.0)), self.outputs)
 
     def _finite_within(self, low: float, high: float) -> np.ndarray:
         """The indices of the outputs whose variance is finite between two frequencies."""
@@ -539,7 +542,7 @@ class RandomResponse(Pictured):
             frequencies_hz: positive, ascending, shape (F,).
         """
         f = real_array(frequencies_hz, "frequencies_hz", shape=(None,))
-        return np.sqrt(np.cumsum(np.square(self.rms_in_bands([0.0, *f])), axis=1))
+        return named_array(np.sqrt(np.cumsum(np.square(self.rms_in_bands([0.0, *f])), axis=1)), self.outputs)
 
     def psd(self, frequencies_hz) -> np.ndarray:
         """Return one-sided power spectral densities of the outputs, shape (p, F), in the squared unit per Hz.
@@ -547,7 +550,7 @@ class RandomResponse(Pictured):
         Args:
             frequencies_hz: shape (F,).
         """
-        return self.cross_psd(frequencies_hz).diagonal().T.real
+        return named_array(self.cross_psd(frequencies_hz).diagonal().T.real, self.outputs)
 
     def cross_psd(self, frequencies_hz) -> np.ndarray:
         """Return one-sided cross spectral densities H G_u H^H, complex, shape (p, p, F).
@@ -564,7 +567,7 @@ class RandomResponse(Pictured):
             if own.any():
                 middle = a + 1.0 if np.isinf(b) else (a + b) / 2
                 result[:, :, own] = np.einsum("aif,ijf,bjf->abf", H[..., own], spectra(f[own], middle), H[..., own].conj())
-        return result
+        return named_array(result, self.outputs, self.outputs)
 
     def to_xarray(self, frequencies_hz):
         """The spectra as a ``DataArray`` with the dimensions output and frequency (Hz), RMS values and units as coordinates.
@@ -623,17 +626,18 @@ class RandomResponse(Pictured):
         level, variance = real_number(level, "level"), self.moment(0)
         with np.errstate(divide="ignore", invalid="ignore"):
             rate = _root_of_ratio(self.moment(2), variance) * np.exp(-np.square(level) / (2 * variance))
-        return np.where(variance > 0, rate, 0.0)
+        return named_array(np.where(variance > 0, rate, 0.0), self.outputs)
 
     @property
     def peak_rate(self) -> np.ndarray:
         """Maxima per second, sqrt(m_4 / m_2) (Rice 1945), shape (p,)."""
-        return _root_of_ratio(self.moment(4), self.moment(2))
+        return named_array(_root_of_ratio(self.moment(4), self.moment(2)), self.outputs)
 
     @property
     def irregularity(self) -> np.ndarray:
         """Upward zero crossings by maxima, m_2 / sqrt(m_0 m_4): 1 for a narrow band, shape (p,)."""
-        return _root_of_ratio(self.moment(2), self.moment(0)) / np.maximum(self.peak_rate, np.finfo(float).tiny)
+        ratio = _root_of_ratio(self.moment(2), self.moment(0)) / np.maximum(self.peak_rate, np.finfo(float).tiny)
+        return named_array(ratio, self.outputs)
 
     def expected_maximum(self, duration: float) -> np.ndarray:
         """The mean of the largest |y| over a duration, sigma (g + 0.5772 / g), g = sqrt(2 ln(2 n T)), n the rate of upward zero crossings.
@@ -655,7 +659,8 @@ class RandomResponse(Pictured):
             raise InputError(f"duration: found {T:g} s, about {cycles.min() / 2:.2g} periods; the formula holds for many periods")
         with np.errstate(divide="ignore", invalid="ignore"):
             g = np.sqrt(2 * np.log(np.maximum(cycles, np.e)))
-        return np.where(np.isinf(variance), np.inf, np.sqrt(variance) * (g + np.euler_gamma / g))
+        largest = np.where(np.isinf(variance), np.inf, np.sqrt(variance) * (g + np.euler_gamma / g))
+        return named_array(largest, self.outputs)
 
     def damage_rate(self, exponent: float, strength: float = 1.0, method: str = "dirlik") -> np.ndarray:
         """Fatigue damage per second by Miner's rule, cycles of the amplitude a taking N(a) = (strength / a)^exponent of them, shape (p,).
@@ -692,7 +697,7 @@ class RandomResponse(Pictured):
             )
             damage, limit = rate * sigma**k * shape, moments[1] / moments[0] * each if k > 1 else np.inf
         damage = np.where(np.isinf(moments[4]), np.where(np.isinf(moments[2]), np.inf, limit), damage)
-        return np.where(moments[0] > 0, damage, 0.0)
+        return named_array(np.where(moments[0] > 0, damage, 0.0), self.outputs)
 
     # Functions of time.
 

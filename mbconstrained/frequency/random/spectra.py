@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...ground.by_name import answering
 from ...ground.checks import nearest, real_array, real_number
 from ...ground.display import Displayed, number_text
 from ...ground.errors import InputError
@@ -240,6 +241,7 @@ class Spectrum(Displayed):
         return tuple(sorted({edge for piece in self.pieces for edge in (piece.lower, piece.upper)}))
 
 
+@answering
 def psd(frequencies_hz, values, of: str = "force", unit: str | None = None, interpolation: str = "log-log") -> Spectrum:
     """Tabulated one-sided power spectral density, zero outside the table.
 
@@ -302,6 +304,7 @@ def psd(frequencies_hz, values, of: str = "force", unit: str | None = None, inte
     return Spectrum(own, of, f"table from {f[0]:g} Hz to {f[-1]:g} Hz{_conversion(unit, of)}")
 
 
+@answering
 def white_noise(intensity: float, of: str = "force", unit: str | None = None) -> Spectrum:
     """White noise of the one-sided intensity G per Hz; a force on one mass gives E[x^2] = G / (4 c k).
 
@@ -321,6 +324,7 @@ def white_noise(intensity: float, of: str = "force", unit: str | None = None) ->
     return Spectrum((PowerLaw(0.0, np.inf, level),) if level else (), of, f"white noise{_conversion(unit, of)}")
 
 
+@answering
 def rational_spectrum(
     intensity: float, numerator: Sequence[float], denominator: Sequence[float], of: str = "force", unit: str | None = None
 ) -> Spectrum:
@@ -354,6 +358,7 @@ def rational_spectrum(
     return Spectrum(pieces, of, f"filtered white noise{_conversion(unit, of)}")
 
 
+@answering
 def kanai_tajimi(intensity: float, frequency_hz: float = 2.5, damping_ratio: float = 0.6, unit: str | None = None) -> Spectrum:
     """Ground acceleration of an earthquake: white noise through a layer of soil, F(s) = (2 z w s + w^2) / (s^2 + 2 z w s + w^2).
 
@@ -375,6 +380,7 @@ def kanai_tajimi(intensity: float, frequency_hz: float = 2.5, damping_ratio: flo
     return Spectrum(spectrum.pieces, spectrum.of, f"Kanai-Tajimi, soil of {frequency_hz:g} Hz{_conversion(unit, spectrum.of)}")
 
 
+@answering
 def dryden(rms: float, speed: float, length: float, component: str = "longitudinal") -> Spectrum:
     """The velocity of atmospheric turbulence along a flight: sigma^2 as total power, correlation length L, flight speed V.
 
@@ -411,6 +417,7 @@ ROAD_CLASSES = {letter: 16 / 1000**2 * 4.0**number for number, letter in enumera
 ROAD_RANGE = (0.011, 2.83)
 
 
+@answering
 def road_profile(road_class: str, speed: float, waviness: float = 2.0) -> Spectrum:
     """The displacement of a wheel on a road of ISO 8608: G(n) = G(n0) (n / n0)^-waviness, n0 = 0.1 cycles/m, n = f / speed.
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import scipy
 
+from ...ground.by_name import answering
 from ...ground.checks import counted, nearest, optional_package, real_array, real_number
 from ...ground.display import Pictured
 from ...ground.errors import InputError
@@ -575,6 +576,7 @@ class ShockResponseSpectrum(Pictured):
         return xarray.DataArray(values, coords, ("part", "frequency"), self.quantity, attributes)
 
 
+@answering
 def shock_response_spectrum(
     signal: ImpulsiveSmooth,
     frequencies_hz,

@@ -13,6 +13,7 @@ import scipy
 from ...ground.checks import counted, places_of
 from ...ground.display import Displayed, TextTable, notice_table
 from ...ground.errors import IllConditioned, InputError, MbconstrainedError
+from ...ground.named_arrays import named_array
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import CORRECTION_RESIDUAL, EPS, FREQUENCY_GAP, NOISE_SAFETY, RESONANCE_RATIO, ROUNDED_FREE, noise_of
 from ...linalg.arrays import full, kept
@@ -425,7 +426,7 @@ class SparseMotion(SystemMotion, Displayed):
     def __call__(self, times) -> np.ndarray:
         """x at a time (-> (n,)) or at times (T,) (-> (n, T)), in m or rad; t >= 0, t = 0 means 0+."""
         values = self.shapes @ self.amplitudes(times)
-        return values + (self.offset if values.ndim == 1 else self.offset[:, None])
+        return self._named(values + (self.offset if values.ndim == 1 else self.offset[:, None]))
 
     def _rate(self, order: int, times) -> np.ndarray:
         return self.shapes @ self.amplitudes.derivative(order)(times) if order else self(times)
@@ -445,7 +446,7 @@ class SparseMotion(SystemMotion, Displayed):
 
     def reaction(self, times) -> np.ndarray:
         """The multipliers lambda of the independent constraint rows, M x'' + C x' + K x = f + A^T lambda; without those of x_rest."""
-        return self.reaction_function(times)
+        return named_array(self.reaction_function(times), self.row_names)
 
     @cached_property
     def reaction_function(self) -> BohlFunction:

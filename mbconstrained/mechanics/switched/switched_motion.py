@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...ground.by_name import Public
 from ...ground.checks import counted
 from ...ground.coordinate_units import force_unit, impulse_unit
 from ...ground.display import TextTable, notice_table, with_unit
@@ -51,7 +52,7 @@ REPORTED = 6
 
 
 @dataclass(frozen=True, eq=False)
-class SwitchEvent:
+class SwitchEvent(Public):
     """A switch from one phase to the next, or an impact within a phase.
 
     Attributes:

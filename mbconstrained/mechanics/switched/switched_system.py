@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...ground.by_name import answering
 from ...ground.checks import counted, nearest, real_number, whole_number
 from ...ground.display import Displayed, TextTable
 from ...ground.errors import InputError, within_float64
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from .periodic import PeriodicMotion
 
 
+@answering
 class SwitchedSystem(Displayed):
     """A mechanical system that changes its equations: each phase M x'' + C x' + K x = f + A^T lambda with rows of its own.
 
@@ -283,15 +285,15 @@ class SwitchedSystem(Displayed):
 
         return follow(self, force_pattern, frequencies_hz, start, periods, most_points)
 
-    def __getattr__(self, name: str):
+    def _lacks(self, name: str) -> str:
         from ..system import MechanicalSystem
 
-        if not name.startswith("_") and hasattr(MechanicalSystem, name):
-            raise AttributeError(
-                f"a switched system has no {name}: its equations change. Take those of one phase, such as "
-                f"system.phase({', '.join(repr(next(iter(switch.states))) for switch in self.switches)}).{name}"
-            )
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        if not hasattr(MechanicalSystem, name):
+            return super()._lacks(name)
+        states = ", ".join(repr(next(iter(switch.states))) for switch in self.switches)
+        return (
+            f"a switched system has no {name}: its equations change. Take those of one phase, such as system.phase({states}).{name}"
+        )
 
     def _summary(self) -> str:
         if self.phases:

@@ -13,6 +13,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from ...ground.by_name import Public, answering
 from ...ground.checks import nearest, real_number
 from ...ground.errors import InputError
 from ..constraints import Constraint, Level
@@ -378,8 +379,9 @@ def latch(
 # Transitions between phases that are given as whole systems.
 
 
+@answering
 @dataclass(frozen=True)
-class Transition:
+class Transition(Public):
     """The end of a phase of a ``SwitchedSystem`` and the one that follows.
 
     It takes place at a time, or where a linear combination of displacements, velocities or multipliers rises above or falls below a

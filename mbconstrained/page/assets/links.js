@@ -291,43 +291,7 @@ class Belt {
   }
 }
 
-// A shaft through its stations: a beam without load between them. Its slope is that of the body where that tilts, else the mean one
-// between the neighbours.
-class Shaft {
-  constructor({ stations }) {
-    this.radius = 0.2;
-    this.wire = new Wire(12 * (stations.length - 1), this.radius, steel, 24);
-    this.caps = [bar(this.radius, steel), bar(this.radius, steel)];
-    this.object = group(this.wire.object, ...this.caps);
-  }
-
-  update(from, to, over, stations) {
-    const places = stations.map(({ position }) => position);
-    const lengths = places.slice(1).map((place, i) => place.distanceTo(places[i]));
-    const slopes = stations.map(({ slope }, i) => slope || this.meanSlope(places, Math.max(i - 1, 0), Math.min(i + 1, places.length - 1)));
-    const count = lengths.length;
-    this.wire.follow((share, point, normal) => {
-      const part = Math.min(Math.floor(share * count), count - 1);
-      const [s, length] = [share * count - part, lengths[part]];
-      const r = 1 - s;
-      normal.set(0, 0, 1);
-      point.addScaledVector(places[part], r * r * (1 + 2 * s)).addScaledVector(places[part + 1], s * s * (1 + 2 * r));
-      point.addScaledVector(slopes[part], length * s * r * r).addScaledVector(slopes[part + 1], -length * s * s * r);
-    });
-    this.caps.forEach((cap, k) => {
-      const [end, sign] = [k ? count : 0, k ? 0.01 : -0.01];
-      stretch(cap, 0, lay(cap, places[end], places[end].clone().addScaledVector(slopes[end], sign)));
-      cap.position.copy(places[end]);
-    });
-  }
-
-  meanSlope(places, before, after) {
-    return places[after].clone().sub(places[before]).normalize();
-  }
-}
-
 const kinds = {
-  shaft: Shaft,
   spring: Spring,
   damper: Damper,
   strut: Strut,

@@ -111,6 +111,7 @@ function listen() {
   control("more").addEventListener("click", () => {
     const all = document.querySelector(".motion").classList.toggle("all");
     control("more").setAttribute("aria-expanded", all);
+    control("more").textContent = all ? "Less" : "More";
   });
   window.addEventListener("hashchange", () => page.follow(location.hash));
   window.addEventListener("themechange", () => player.stage && player.stage.setTheme(theme.dark));

@@ -6,6 +6,7 @@
 const cells = 10000; // of the square in which curves are written, as wide and as high as the axes
 const near = 14; // px from a curve to the pointer that highlights it
 const pressed = 4; // px that the pointer moves at most in a press
+const [atEdge, nearEnd] = [1e-9, 0.9]; // shares of an axis: of a point at its end, and from which there is no room for a name
 const tableRows = 2001; // of a table of functions
 const scrolling = 400; // ms after the wheel has scrolled the page in which it goes on scrolling
 const plots = { all: [], sets: [], phases: null, seek: null, pointed: null, variable: "time", time: null, hover: null, over: null, scrolled: -Infinity };
@@ -562,6 +563,25 @@ class PlottedFigure {
     }
     this.add("line", { class: "axis", y2: height }, ticks);
     this.add("line", { class: "axis", x2: "100%", y1: height, y2: height }, ticks);
+    for (const line of this.guides ? this.guides.querySelectorAll("[data-name]") : []) this.nameGuide(line);
+  }
+
+  // The name of a line next to the end of its part that is shown, as in plots.py.
+  nameGuide(line) {
+    const views = [this.across.view, this.up.view];
+    const [a, b, c, d] = line.getAttribute("d").match(/-?\d+/g).map((text) => text / cells);
+    const [from, to] = [[a, 1 - b], [c, 1 - d]].map((point) => point.map((value, k) => (value - views[k][0]) / (views[k][1] - views[k][0])));
+    const step = to.map((value, k) => value - from[k]);
+    if (step.some((value, k) => value === 0 && Math.abs(from[k] - 0.5) > 0.5)) return;
+    const hits = step.map((value, k) => (value === 0 ? [0, 1] : [-from[k] / value, (1 - from[k]) / value].sort((one, other) => one - other)));
+    const [begin, end] = [Math.max(0, hits[0][0], hits[1][0]), Math.min(1, hits[0][1], hits[1][1])];
+    if (end <= begin) return;
+    const [start, [x, y]] = [begin, end].map((part) => from.map((value, k) => value + part * step[k]));
+    const [left, right, top] = [x < atEdge, x > 1 - atEdge, y > 1 - atEdge];
+    const starts = left || (top && start[0] < x && x < nearEnd);
+    const down = this.height * (1 - y) + (step[1] > 0 && (left || right) && y < nearEnd ? -4 : 11);
+    const place = { x: `${(100 * x).toFixed(2)}%`, y: Math.min(down, this.height - 3).toFixed(1), dx: starts ? 4 : -4, "text-anchor": starts ? "start" : "end" };
+    this.add("text", { class: "guide-name", ...place }, this.ticks).textContent = line.dataset.name;
   }
 }
 

@@ -28,7 +28,7 @@ class Stage {
     this.links = figure.links.map((link, i) => this.addLink(link, i));
     this.names = new Names(this, boxes);
     this.overlay = figure.overlay ? new Overlay(this, figure.overlay) : null; // its script is included only where needed
-    this.orbits = figure.orbits ? new Orbits(this, figure.orbits) : null;
+    this.orbits = figure.rotors ? new Orbits(this, figure.rotors) : null;
     this.addLight();
     this.addCamera();
     this.viewer.set_3d_pane_size = () => this.fit(); // instead of the viewer's own, which fills the window
@@ -188,8 +188,7 @@ class Stage {
     const width = this.pane.clientWidth || 800;
     const margin = 1 + 70 / width;
     const wanted = Math.round(Math.min(520, Math.max(240, (width * (up + 0.25)) / across)));
-    const lines = this.pane.querySelector(".magnification").offsetHeight;
-    const header = lines > 30 ? lines : 0; // more than one line over the picture has space of its own
+    const header = this.pane.querySelector(".magnification").offsetHeight; // the text over the picture has space of its own
     this.pane.style.height = `${wanted + header}px`;
     const height = this.pane.clientHeight - header; // a style sheet may set another
     const half = Math.max(across * margin, ((up + Math.max(0.3, (70 * up) / height)) * width) / height);

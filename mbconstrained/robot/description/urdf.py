@@ -16,6 +16,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
+from ...ground.by_name import Public
 from ...ground.checks import listed, nearest, real_array, real_number
 from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
@@ -543,7 +544,7 @@ def read_srdf(path: str | Path) -> SemanticDescription:
 
 
 @dataclass(frozen=True)
-class Payload:
+class Payload(Public):
     """A body fixed to a link, such as the load of a gripper.
 
     Attributes:

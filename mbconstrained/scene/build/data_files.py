@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...ground.by_name import answering
 from ...ground.checks import counted, real_number
 from ...ground.display import Pictured
 from ...ground.errors import InputError, named, shown
@@ -63,6 +64,7 @@ class Record(Pictured):
         return f"{named}{counted(len(self.times), 'sample')}{until}{f' in {self.unit}' if self.unit else ''}"
 
 
+@answering
 def read_record(
     path: str | Path,
     *,

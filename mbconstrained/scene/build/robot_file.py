@@ -7,9 +7,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...ground.by_name import answering
 from ...ground.checks import nearest
 from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError, named, shown
+from ...ground.files import path_of
 from ...ground.quantities import count_texts, quantity
 from ..file import ROBOT_FILE, EntryError, at, inside, robot_tables
 from ..schema.entry_types import validated
@@ -301,6 +303,7 @@ class RobotData:
         return f"{self.name}/{self.names.path.name}"
 
 
+@answering
 def read_robot(path: str | Path, *, package_dirs: Sequence[str | Path] = (), locked: Mapping[str, float] | None = None):
     """Read a robot and the content of its file.
 
@@ -317,7 +320,8 @@ def read_robot(path: str | Path, *, package_dirs: Sequence[str | Path] = (), loc
         SceneError: a file that cannot be read, or something in it that is wrong; the text names file, place, what was
             found and what was expected.
     """
-    path = Path(path) / ROBOT_FILE if Path(path).is_dir() else Path(path)
+    path = path_of(path)
+    path = path / ROBOT_FILE if path.is_dir() else path
     data = robot_data(path, *robot_tables(path), package_dirs)
     with at(data.place, "the robot"):
         data = data.with_locked(locked or {})

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ...ground.by_name import answering
 from ...ground.errors import InputError, shown
 from ...ground.quantities import Dimension, any_quantity, described, unit_of
 
@@ -112,6 +113,7 @@ class Distribution:
 Variation = Values | Distribution
 
 
+@answering
 def linspace(start, stop, count: int) -> Values:
     """Evenly spaced values of a parameter, both ends included.
 

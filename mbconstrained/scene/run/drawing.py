@@ -410,14 +410,12 @@ class RobotPicture:
     """
 
     def __init__(self, scene: RobotScene, table: DrawingTable | None = None):
-        from ...robot.visualization import bones_of
-
         self.scene = scene
         self._full = full = table is not None and table.full_meshes
         with at(scene.data.urdf_place):
             own = scene.robot.visuals()
             shapes = own or scene.robot.visuals(collision=True)
-            self._visuals = visuals = shapes or bones_of(scene.robot.model, scene.robot.link_frames)
+            self._visuals = visuals = shapes or self._bones()
         large = {id(item.vertices) for item in visuals if item.triangles > MOST_TRIANGLES}
         missing = dict.fromkeys(item.note for item in visuals if item.note)
         notes = ["links drawn as their collision geometry"] * bool(shapes and not own)
@@ -427,6 +425,12 @@ class RobotPicture:
         self.note = ", ".join(notes)
         with at(scene.data.urdf_place):
             self.solids = solids_of(visuals, full=full)
+
+    def _bones(self) -> tuple[Visual, ...]:
+        from ...robot.visualization import bones_of
+
+        robot = self.scene.robot
+        return bones_of(robot.model, robot.link_frames, robot.connection_points(self.scene.posture))
 
     def poses(self, values: np.ndarray, scale: float = 1.0) -> dict[str, Poses]:
         """The poses of all links."""

@@ -7,11 +7,13 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from types import MethodType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ...analyses import ANALYSES, load
+from ...ground.by_name import answering
 from ...ground.checks import nearest
 from ...ground.errors import InputError, SingularPolynomialMatrix, shown
+from ...ground.files import path_of
 from ...ground.quantities import count_texts
 from ...ground.units import unit_in_si
 from ..build.equations import equations_of
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
     from .plan import Plan
 
 
+@answering
 @dataclass(frozen=True, repr=False)
 class Scene(SceneData):
     """A scene that was read, validated and assembled, but not solved; ``read_scene`` gives one.
@@ -56,6 +59,18 @@ class Scene(SceneData):
         settings: values set from outside.
         file_name: of the file, in messages; it knows what comes from other files.
     """
+
+    _instead: ClassVar = {
+        "eigenvalues": "system.modes().eigenvalues",
+        "frequency_response": "system.frequency_response",
+        "motion": "run().motion",
+        "names": "equations.coordinates.names",
+        "random_response": "system.random_response",
+        "simulate": "run",
+        "solve": "run",
+        "steady_state": "system.steady_state",
+    }
+    _made_by: ClassVar = 'mb.read_scene("FILE.toml")'
 
     if TYPE_CHECKING:
 
@@ -208,7 +223,7 @@ class Scene(SceneData):
         Raises:
             MbconstrainedError: the equations have no answer, or none within the range of float64.
         """
-        return load("run").answer(self, progress, folder=folder)
+        return load("run").answer(self, progress, folder=None if folder is None else path_of(folder, "folder"))
 
 
 @dataclass(frozen=True)
@@ -230,6 +245,7 @@ for _name in ANALYSES:
         setattr(Scene, METHOD_NAMES.get(_name, _name), Question(_name))
 
 
+@answering
 def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> Scene:
     """Read and validate a scene file, assemble its equations and check that they determine a motion, without solving.
 
@@ -252,7 +268,9 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None) -> S
     >>> scene.title
     'Two masses with a redundant coordinate'
     """
-    path = Path(path)
+    path = path_of(path)
+    if not isinstance(settings or {}, Mapping):
+        raise InputError(f'settings: found {settings!r}; expected values by name, such as {{"time.end": "50 s"}}')
     costs = Costs()
     scene = assembled(path, *read_tables(path), settings or {}, costs)
     scene.check_drawing()

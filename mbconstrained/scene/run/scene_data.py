@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 from ...ground.checks import counted
-from ...ground.display import Displayed
+from ...ground.display import Pictured
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS, noise_of
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class SceneData(Displayed):
+class SceneData(Pictured):
     """Data of a ``Scene``, without the answers to questions about it; its attributes.
 
     Attributes:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mbconstrained.page.content import Curve, Marks, PageContent, Plot, TimeFunctions, axis_of, curve_with_gaps
+from mbconstrained.page.content import Curve, Guide, Marks, PageContent, Plot, TimeFunctions, axis_of, curve_with_gaps
 from mbconstrained.page.html import write_page
 from tests.page.browser import needs_chromium
 
@@ -206,3 +206,24 @@ def test_a_point_of_a_complex_plane_has_the_value_of_the_parameter(diagrams):
         lit = "[...document.querySelectorAll('figure')][1].querySelector('.legend .lit')?.textContent"
         assert f"branch {branch}" in diagrams.evaluate(lit)
     assert diagrams.messages == []
+
+
+def test_the_name_of_a_line_stays_at_the_end_of_its_part(browser, tmp_path):
+    """y = 2 x leaves the picture at the middle of its upper edge, also in a part about a point of it; elsewhere it has no name."""
+    row = np.linspace(0.0, 10.0, 11)
+    line = Guide("2×", (0.0, 0.0), (10.0, 20.0), "line")
+    plot = Plot("frequencies", "Hz", row, (Curve("mode", row),), across_unit="rev/min", variable="speed", guides=(line,))
+    browser.size(1100, 900)
+    browser.open(write_page(tmp_path / "page.html", PageContent("t", plots=(plot,))))
+    names = "[...document.querySelectorAll('.guide-name')].map((text) => [text.textContent, text.getAttribute('x'), text.getAttribute('y')])"
+    assert browser.evaluate(names) == [["2×", "50.00%", "11.0"]]
+    for _ in range(3):
+        wheel(browser, 0, 0.25, 0.5, -200)
+    ((text, x, y),) = browser.evaluate(names)
+    assert text == "2×" and float(x.rstrip("%")) == pytest.approx(50.0, abs=0.5) and y == "11.0"
+    browser.evaluate("document.querySelector('.whole').click()")
+    browser.wait(0.1)
+    assert browser.evaluate(names) == [["2×", "50.00%", "11.0"]]
+    for _ in range(3):
+        wheel(browser, 0, 0.95, 0.05, -200)
+    assert browser.evaluate(names) == [] and browser.messages == []

@@ -144,7 +144,12 @@ def test_a_robot_without_shapes_is_drawn_as_bones_between_its_joints():
 
 
 def test_bones_are_drawn_where_there_is_no_other_shape_and_the_page_reports_them(tmp_path):
+    """The crank has no joint behind it; its bone ends at the point of the spring."""
     press(tmp_path, TOML, re.sub("<visual>.*?</visual>", "", URDF))
     for drawing in both_drawings(scene_of(tmp_path, SCENE)):
-        kinds = {body.name: [solid.kind for solid in body.solids] for body in drawing.bodies if body.shape == "solids"}
-        assert kinds["crank"] == ["sphere", "cylinder"] and "links drawn as bones between their joints" in drawing.note
+        drawn = {body.name: body for body in drawing.bodies if body.shape == "solids"}
+        assert [solid.kind for solid in drawn["crank"].solids] == ["sphere", "cylinder"]
+        assert drawn["crank"].solids[1].size[1] == pytest.approx(0.2) and drawn["crank"].solids[1].placement[0, 3] == pytest.approx(
+            0.1
+        )
+        assert "links drawn as bones between their joints" in drawing.note
