@@ -73,7 +73,8 @@ class Shock(Analysis):
                 raise InputError(f"peaks {lacking}{'' if system is None else '; give arrays'}")
             motion, end = cast("Motion", scene.equations.solve()), table.end or scene.table.time.end
             every = tuple(one for one in (motion.peaks(end, of) for of in QUANTITIES) if one.names)
-            if outputs := list(system.quantities) if table.outputs is None else table.outputs:
+            further = [name for name in system.quantities if name not in system.elements]  # whose forces have peaks anyway
+            if outputs := further if table.outputs is None else table.outputs:
                 every += (motion.peaks(end, outputs),)
             part = None if excitation is None else _Spectrum(table, scene.equations.coordinates.shown, *excitation)
         own: tuple[Notice, ...] = () if part is None else part.spectrum.notices
