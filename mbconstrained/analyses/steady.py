@@ -213,7 +213,7 @@ class _Cycle:
             drawing = drawing_of_robot(RobotPicture(equations.robot_scene, table), values, table)
         else:
             scales = {key: getattr(table, key) for key in ("scale", "turn_scale") if table and key in table.model_fields_set}
-            drawing = drawing_of(self.scene, values, **scales)
+            drawing = replace(drawing_of(self.scene, values, **scales), revolution=None)  # orbits are those of the whole cycle
         return Animation(drawing, equations.coordinates.names, times, values, rates)
 
     # Plots.

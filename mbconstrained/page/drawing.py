@@ -340,7 +340,7 @@ class Drawing:
     view: View | None = None  # the point of view, or None for one that shows most
     turn: Vector = (0.0, 0.0, 0.0)  # rotation vector (rad) of the whole drawing, applied last
     posing: SliderPosing | None = None  # by sliders, of a robot, or None
-    revolution: float | None = None  # duration of a revolution of the rotors in s, or None
+    revolution: float | None = None  # duration of the orbits, a revolution of the rotors, in s; None for the whole motion
 
     def __post_init__(self):
         for name, count in Counter(body.name for body in self.bodies).items():

@@ -134,8 +134,10 @@ def _marks(figure: dict, slow: bool | None) -> str:
     if slow is not None:
         boxes += f'<label><input type="checkbox" id="slow" autocomplete="off"{" checked" * slow}> slow at events</label>\n'
     return f"""<div class="controls shown further">
-{boxes}<button type="button" id="reset">Reset view</button>
+{boxes}<div class="together">
+<button type="button" id="reset">Reset view</button>
 <button type="button" id="keys" aria-label="Keyboard" title="Keyboard">?</button>
+</div>
 <div class="recordings">
 <button type="button" id="frames" hidden>Save frames</button>
 <button type="button" id="gif" hidden>Save GIF</button>
@@ -583,7 +585,7 @@ def _magnification(animation: Animation, frames: KeyFrames) -> str:
     if animation.overlay.forces:
         texts.append(f"arrows: {animation.overlay.description}, {force_scale(animation.overlay.forces)}")
     if any(body.traced for body in drawing.bodies):
-        texts.append("orange: orbits over the last revolution")
+        texts.append("orange: orbits" + " over the last revolution" * (drawing.revolution is not None))
     levels = {level for link in drawing.links for _, level in link.states}
     texts += [", ".join(ENGAGEMENTS[level] for level in sorted(levels, reverse=True))] if levels else []
     if frames.stride > 1:

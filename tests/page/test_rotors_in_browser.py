@@ -12,7 +12,8 @@ from tests.page.contents import positions
 from tests.page.drawing.test_bars import shaft
 
 pytestmark = [needs_chromium, pytest.mark.long]
-TIMES, SPEED, TIME = np.linspace(0, 1, 201), 4 * np.pi, 0.8
+SPEED, TIME = 4 * np.pi, 0.8
+TIMES = np.linspace(0, 1, 201)  # two revolutions
 
 
 def rings(name: str, sides: int) -> str:
@@ -32,8 +33,8 @@ def rings(name: str, sides: int) -> str:
     }})()"""
 
 
-@pytest.fixture
-def whirling(browser, tmp_path):
+@pytest.fixture(params=[2 * np.pi / SPEED, None], ids=["run", "cycle"])
+def whirling(request, browser, tmp_path):
     """The page of a rotor in circular whirl with a tilt, its drawing and the values of its coordinates."""
     model = shaft()
     names = model.coordinates
@@ -44,7 +45,7 @@ def whirling(browser, tmp_path):
         amplitude = 1e-3 * (-1.0 if angle else amplitudes[body])
         values.append(amplitude * np.cos(SPEED * TIMES - (np.pi / 2 if plane == "z" else 0.0)))
     drawing = lumped_drawing(model.elements, names, np.array(values))
-    drawing = type(drawing)(**{**vars(drawing), "revolution": 2 * np.pi / SPEED})
+    drawing = type(drawing)(**{**vars(drawing), "revolution": request.param})
     animation = Animation(drawing, names, TIMES, np.array(values))
     browser.open(write_page(tmp_path / "page.html", PageContent("t", animation=animation)))
     browser.evaluate(f"mbconstrained.pause(), mbconstrained.seek({TIME})")
@@ -82,16 +83,16 @@ def test_the_shaft_bends_as_a_beam_without_load_between_its_stations(whirling):
     assert browser.messages + browser.state()["errors"] == []
 
 
-def test_an_orbit_is_the_path_over_the_last_revolution_that_ends_at_the_point(whirling):
+def test_an_orbit_is_the_path_over_the_last_revolution_that_ends_at_the_point_or_over_the_whole_motion(whirling):
     browser, drawing, names, values = whirling
     bodies = {body.name: body for body in drawing.bodies}
     orbit = np.array(browser.evaluate(rings("orbit 0", 6)))
-    path = positions(drawing, bodies["compressor"], names, values)
-    now = np.searchsorted(TIMES, TIME)
-    assert orbit[-1] == pytest.approx(path[:, now], abs=1e-4)
-    assert orbit[0] == pytest.approx(orbit[-1], abs=1e-4)  # a circle of one revolution
+    path, last = positions(drawing, bodies["compressor"], names, values), TIME if drawing.revolution else TIMES[-1]
+    assert orbit[-1] == pytest.approx(path[:, np.searchsorted(TIMES, last)], abs=1e-4)
+    assert orbit[0] == pytest.approx(orbit[-1], abs=1e-4)
     radius = np.linalg.norm(orbit - bodies["compressor"].rest, axis=1)
     assert radius == pytest.approx(1e-3 * drawing.scale, rel=1e-3)
     angle = np.unwrap(np.arctan2(orbit[:, 2] - bodies["compressor"].rest[2], orbit[:, 1] - bodies["compressor"].rest[1]))
-    assert angle[-1] - angle[0] == pytest.approx(2 * np.pi, rel=1e-3)
-    assert "orbits over the last revolution" in browser.evaluate("document.querySelector('.magnification').textContent")
+    assert angle[-1] - angle[0] == pytest.approx(2 * np.pi * (1 if drawing.revolution else 2), rel=1e-3)
+    caption = browser.evaluate("document.querySelector('.magnification').textContent")
+    assert "orange: orbits" in caption and ("over the last revolution" in caption) is bool(drawing.revolution)

@@ -45,7 +45,7 @@ class Orbits {
     Object.assign(this, { stage: stage, window: window });
     this.traces = points.map(([number, point], k) => {
       const { moves, turns } = stage.figure.bodies[number];
-      const wire = new Wire(128, 0.026, orbitColor, 6);
+      const wire = new Wire(240, 0.026, orbitColor, 6);
       const dot = overlay(new THREE.SphereGeometry(0.065, 16, 12), orbitColor, 1, 9);
       Object.assign(wire.object.material, { depthTest: false, transparent: true });
       Object.assign(wire.object, { castShadow: false, receiveShadow: false, renderOrder: 8 });
