@@ -32,7 +32,7 @@ def test_matrices_are_copied_and_frozen():
         ({"mass": np.eye(2), "units": {"x3": "m"}}, 'units: there is no coordinate "x3"'),
         ({"mass": np.eye(2), "units": ["m"]}, "units: 1 given for 2 coordinates"),
         ({"mass": np.eye(2), "force": [1.0]}, "force: expected shape 2, found 1"),
-        ({"mass": np.eye(2), "force": mb.step([1.0])}, "force: it has 1 rows; expected one for each of the 2 coordinates"),
+        ({"mass": np.eye(2), "force": mb.step([1.0])}, "force: found 1 row; expected one for each of the 2 coordinates"),
     ],
 )
 def test_wrong_input_is_named(arguments, message):
