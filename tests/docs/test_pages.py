@@ -94,11 +94,15 @@ def test_the_blocks_of_a_page_run_in_order(page, folder, command, monkeypatch):
             check_excerpt(text, printed)
 
 
+def without_blocks(page: Path) -> str:
+    return re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+
+
 def test_links_between_pages_and_to_files_lead_somewhere():
     missing = [
         f"{page.relative_to(DOCS)}: {target}"
         for page in PAGES
-        for target in re.findall(r"\]\(([^)#:\s]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8"))
+        for target in re.findall(r"\]\(([^)#:\s]+)(?:#[^)]*)?\)", without_blocks(page))
         if not (page.parent / target).exists()
     ]
     assert not missing
@@ -106,7 +110,7 @@ def test_links_between_pages_and_to_files_lead_somewhere():
 
 def headings(page: Path) -> set[str]:
     """Anchors of the headings of a page, as GitHub makes them."""
-    titles = re.findall(r"^#+ (.+)$", re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.M | re.S), re.M)
+    titles = re.findall(r"^#+ (.+)$", without_blocks(page), re.M)
     return {re.sub(r"[^\w -]", "", title).lower().replace(" ", "-") for title in titles}
 
 
