@@ -152,8 +152,8 @@ def test_robots_are_sampled_on_their_motion_with_outputs_and_a_page(tmp_path):
     outputs = continuous.curves("output").values
     assert np.allclose(answer.values[3:], outputs, atol=1e-12 * np.abs(outputs).max())
     assert [plot.quantity for plot in answer.plots()].count("output") == 2
-    assert "middle x" in (tmp_path / "trapezoid.csv").read_text().splitlines()[0]
-    assert (tmp_path / "trapezoid.html").stat().st_size > 100_000 and not answer.animation.rates.any()
+    assert "middle x" in (tmp_path / f"{answer.name}.csv").read_text().splitlines()[0]
+    assert (tmp_path / f"{answer.name}.html").stat().st_size > 100_000 and not answer.animation.rates.any()
     path = next(body.path for body in answer.animation.drawing.bodies if body.path is not None and body.path.count > 1)
     poses = path.positions.reshape(3, -1, 6)
     assert (poses == poses[:, :, :1]).all()  # nothing moves between samples
