@@ -250,7 +250,7 @@ class _Counted:
                 Curve(name, np.maximum(values, 0.5), i, drawn=values > 0) for i, (name, values) in enumerate(numbers.items())
             )
             yield Plot(
-                "cycles of at least a range", "1", factor * ranges, curves, across_unit=unit, quantity="cycles", variable="range",
+                "cycles of at least a range", "", factor * ranges, curves, across_unit=unit, quantity="cycles", variable="range",
                 scales=("linear", "log"),
             )  # fmt: skip
 

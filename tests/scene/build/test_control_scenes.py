@@ -210,8 +210,8 @@ CASES = [  # base, what is replaced, by what, message
     (
         "states",
         'C = [[1, 0]]\nunits = { y1 = "m", x1',
-        'normal_form = true\nunits = { q1 = "V", x1',
-        r'model\.units: .*found \'V\'; expected "m", "rad"',
+        'normal_form = true\nunits = { q1 = "kg", x1',
+        r'model\.units: .*found \'kg\'; expected "m", "rad"',
     ),
 ]
 
