@@ -46,7 +46,7 @@ COLUMNS, ROWS, DECIBELS = 72, 54, 60.0
 STEPS, GOLDEN = 32, (5**0.5 - 1) / 2
 
 #: Distance from a resonance, as a part of its speed, and the growth from there to the resonance itself that only a pole has.
-BESIDE, GROWTH = 1e-3, 1e5
+OFFSET, GROWTH = 1e-3, 1e5
 
 #: The quantity of the frequency response by that of the outputs.
 RESPONSES = {"displacement": "receptance", "velocity": "mobility", "acceleration": "accelerance", "torque": "force"}
@@ -276,9 +276,9 @@ class _RunUp:
             return np.zeros((len(self.outputs), 0))
         places = np.searchsorted(self.orders, [one.order for one in self.critical])
         speeds = np.array([one.speed for one in self.critical])
-        values, beside = (np.abs(self.at(places, factor * speeds)) for factor in (1.0, 1.0 + BESIDE))
+        values, near = (np.abs(self.at(places, factor * speeds)) for factor in (1.0, 1.0 + OFFSET))
         undamped = np.array([not _is_damped(one) for one in self.critical])
-        return np.where(undamped & ~(values <= GROWTH * beside), np.inf, values)
+        return np.where(undamped & ~(values <= GROWTH * near), np.inf, values)
 
     # The answer.
 

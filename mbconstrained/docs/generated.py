@@ -137,7 +137,7 @@ def _tables(schema: dict) -> Iterator[str]:
         yield f"## {title}\n\n{_cell(table.get('description', ''))}\n\n{head}" + "\n".join(rows)
 
 
-#: The end of a description that the column of units says shorter.
+#: The end of a description that the column of units has shorter.
 UNIT_TEXT = re.compile(r"\s*(?:In (?:\S+), or a text with a unit of .*|A plain number\.)$")
 
 

@@ -16,8 +16,8 @@ import shlex
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import chdir, nullcontext, redirect_stderr, redirect_stdout, suppress
-from doctest import DocTestParser
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from doctest import ELLIPSIS, NORMALIZE_WHITESPACE, DocTestParser, DocTestRunner
 from pathlib import Path
 from unittest.mock import patch
 
@@ -93,13 +93,13 @@ def _execute(text: str) -> None:
     """Run the blocks of Python of a page; the same plot is the same file at any time."""
     from ..page.plots import page_style
 
-    names: dict = {}
+    examples, flags = DocTestParser().get_doctest(text, {}, "page", None, 0), NORMALIZE_WHITESPACE | ELLIPSIS
     style: dict[str, object] = {"figure.figsize": (7.0, 3.0), "figure.constrained_layout.use": True, "text.parse_math": True}
     undated = patch.dict(os.environ, SOURCE_DATE_EPOCH="0")
     with page_style(**style), undated, redirect_stdout(io.StringIO()):
-        for example in DocTestParser().get_examples(text):
-            with suppress(Exception) if example.exc_msg else nullcontext():
-                exec(compile(example.source, "page", "single"), names)  # our own text, not a user's
+        failed, _ = DocTestRunner(verbose=False, optionflags=flags).run(examples)
+    if failed:
+        raise RuntimeError(f"{failed} examples of a page fail")
 
 
 def _small(content: bytes) -> bytes:

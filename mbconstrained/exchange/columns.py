@@ -155,7 +155,7 @@ def number_table(path: Path, header: int = 0, sheet: str | None = None, decimal:
             f"{path.name}, line {start + 1}: found {columns} numbers under {columns // 2} names; commas that separate columns cannot begin "
             f"decimals, too: write decimal points or semicolons, or give header = {start} if these are {columns} columns"
         )
-    if decimal is None and not texts and (quick := _plain(lines, start, separator, columns)) is not None:
+    if decimal is None and not texts and (quick := _read_digits(lines, start, separator, columns)) is not None:
         return NumberTable(path.name, *quick, heads)
     reader = _RowReader(path, separator, columns, texts, decimal)
     return reader.table(lambda: ((number, line) for number, line in enumerate(lines[start:], start + 1) if line.strip()), heads)
@@ -190,7 +190,7 @@ def _texts_of(line: str, separator: str | None) -> frozenset[int]:
     return frozenset(range(len(entries))) if is_empty else texts
 
 
-def _plain(lines: list[str], start: int, separator: str | None, columns: int) -> tuple[np.ndarray, np.ndarray] | None:
+def _read_digits(lines: list[str], start: int, separator: str | None, columns: int) -> tuple[np.ndarray, np.ndarray] | None:
     """Numbers and lines of a body of digits, signs and one mark alone, by NumPy's reader; None for any other."""
     comma = "" if separator == "," else ","
     body = lines[start:]
@@ -233,7 +233,7 @@ class _Marks:
         return _Marks(next(iter(self.decimals), None), self.thousands | others) if again else None
 
 
-_PLAIN = re.compile(r"[+-]?(?:\d+([.,]?)\d*|([.,])\d+)(?:[eEdD][+-]?\d+)?")
+_UNGROUPED = re.compile(r"[+-]?(?:\d+([.,]?)\d*|([.,])\d+)(?:[eEdD][+-]?\d+)?")
 _GROUPED = re.compile(r"([+-]?[1-9]\d{0,2}(?:([.,'’ \u00a0\u202f])\d{3})(?:\2\d{3})*)(?:(?!\2)([.,])(\d*))?")
 _SPECIAL = re.compile(r"[+-]?(?:nan|inf|infinity)", re.IGNORECASE)
 
@@ -243,15 +243,15 @@ def _number(entry: str, marks: _Marks) -> float | None:
     entry = entry.strip(' "\u00a0')
     if not entry:
         return np.nan
-    plain, grouped = _PLAIN.fullmatch(entry), _GROUPED.fullmatch(entry)
-    mark = (plain[1] or plain[2] or "") if plain else ""
-    if grouped and (not plain or mark in marks.thousands):
+    ungrouped, grouped = _UNGROUPED.fullmatch(entry), _GROUPED.fullmatch(entry)
+    mark = (ungrouped[1] or ungrouped[2] or "") if ungrouped else ""
+    if grouped and (not ungrouped or mark in marks.thousands):
         marks.thousands.add(grouped[2])
         marks.example = marks.example or entry
         if grouped[3]:
             marks.decimals.add(grouped[3])
         return float(f"{grouped[1].replace(grouped[2], '')}.{grouped[4] or 0}")
-    if not plain:
+    if not ungrouped:
         return float(entry) if _SPECIAL.fullmatch(entry) else None
     if mark:
         (marks.either if grouped else marks.decimals).add(mark)
@@ -408,7 +408,7 @@ class _RowReader:
             raise InputError(f"{self.path.name}: column {place + 1}: found dates that do not exist, or in more than one order")
         if any(other != times[0] for other in times[1:]):
             raise InputError(
-                f"{self.path.name}: column {place + 1}: day and month of the dates cannot be told apart; write them as 2024-12-31"
+                f"{self.path.name}: column {place + 1}: day and month of the dates are ambiguous; write them as 2024-12-31"
             )
         return np.array(times[0], dtype=object).astype(float) / 1e9
 

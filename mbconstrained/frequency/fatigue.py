@@ -124,15 +124,15 @@ def rainflow(history) -> CycleCount:
     True
     """
     values = real_array(history, "history", shape=(None,))
-    found: list[tuple[float, float, float]] = []
+    cycles: list[tuple[float, float, float]] = []
     stack: list[float] = []
     for point in turning_points(values).tolist():
         stack.append(point)
         while len(stack) > 2 and abs(stack[-1] - stack[-2]) >= (own := abs(stack[-2] - stack[-3])):
-            found.append((own, (stack[-2] + stack[-3]) / 2, 0.5 if len(stack) == 3 else 1.0))
+            cycles.append((own, (stack[-2] + stack[-3]) / 2, 0.5 if len(stack) == 3 else 1.0))
             del stack[-3 : -2 if len(stack) == 3 else -1]
-    found += [(abs(after - before), (after + before) / 2, 0.5) for before, after in pairwise(stack)]
-    return CycleCount(*np.array(found).reshape(-1, 3).T)
+    cycles += [(abs(after - before), (after + before) / 2, 0.5) for before, after in pairwise(stack)]
+    return CycleCount(*np.array(cycles).reshape(-1, 3).T)
 
 
 def turning_points(values: np.ndarray) -> np.ndarray:

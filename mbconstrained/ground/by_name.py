@@ -53,7 +53,7 @@ class Public:
     """A public object, whose unknown attributes are answered with the nearest name.
 
     A subclass may list expressions for attributes that are expected of it, or remarks, in ``_instead``, and the function that makes
-    its objects in ``_made_by``. If it has entries, their names are its ``names``, or ``_entries``.
+    its objects in ``_factory``. If it has entries, their names are its ``names``, or ``_entries``.
 
     >>> class Spring(Public):
     ...     stiffness = 3.0
@@ -65,7 +65,7 @@ class Public:
     """
 
     _instead: ClassVar[Mapping[str, str]] = {}
-    _made_by: ClassVar[str] = ""
+    _factory: ClassVar[str] = ""
 
     if not TYPE_CHECKING:  # for type checkers an unknown attribute is an error
 
@@ -141,8 +141,8 @@ def wrong_call(function: Callable, args: tuple, kwargs: Mapping[str, Any], name:
     missing = [one.name for one in parameters if one.default is one.empty and one.name not in {*by_position[: len(args)], *kwargs}]
     known = [one.name for one in parameters]
     unknown = [word for word in kwargs if word not in known]
-    if made_by := getattr(owner, "_made_by", "") if function.__name__ == "__init__" else "":
-        return WrongCall(f"{name}: it is made by {made_by}")
+    if factory := getattr(owner, "_factory", "") if function.__name__ == "__init__" else "":
+        return WrongCall(f"{name}: it is made by {factory}")
     if unknown:
         takes = f"; it takes {listed(known, 20)}" if known else "; it takes none"
         return WrongCall(

@@ -31,7 +31,8 @@ def nearest(word: str, known: Iterable[str]) -> str:
     """
     word = str(word)
     similar = difflib.get_close_matches(word, [str(k) for k in known], n=3, cutoff=0.6)
-    match = next((one for one in similar if _mistakes(word, one) <= (len(word) > 5) + (len(word) > 9) + 1), "")
+    allowed = {one: 1 + sum(max(len(word), len(one)) > length for length in (5, 9)) for one in similar}
+    match = next((one for one in similar if _mistakes(word, one) <= allowed[one]), "")
     return f'; did you mean "{match}"?' if match else ""
 
 
@@ -87,8 +88,8 @@ def real_array(value, what: object, *, shape: tuple[int | None, ...] | None = No
         value = value.toarray()
     if callable(value):
         own = type(value).__module__.startswith(__package__.partition(".")[0])
-        found, advice = (f"an object of type {type(value).__name__}", "") if own else ("a Python function", OF_FUNCTION)
-        raise InputError(f"{what}: found {found}; expected numbers{advice}")
+        kind_text, advice = (f"an object of type {type(value).__name__}", "") if own else ("a Python function", OF_FUNCTION)
+        raise InputError(f"{what}: found {kind_text}; expected numbers{advice}")
     try:
         array = np.asarray(value)
     except ValueError:

@@ -124,7 +124,7 @@ def advice(text: str, number: float, kind: Dimension, unit: str) -> str:
         return '; the standard acceleration of gravity is gn, or g alone: write "0.3 gn"'
     if unit == "N" and kind == dimension("kg"):
         return "; the weight of a mass is given in N, lbf or kgf"
-    if "A" in dict(kind.units) and "A" not in dict(dimension(unit).units):
+    if "A" in dict(kind.units) and unit != "s" and "A" not in dict(dimension(unit).units):
         return '; of a circuit, the coordinates of matrices have their unit in units below [model], e.g. units = { charge = "C" }'
     return ""
 

@@ -248,11 +248,11 @@ class OutputNames:
 
     def output(self, text: str, kind: str = "displacement", what: str = "outputs") -> Output:
         """The output of this name."""
-        if (plain := self._plain(text, kind, what)) is not None:
-            return plain
+        if (one := self._of_name(text, kind, what)) is not None:
+            return one
         word, of, rest = text.partition(" of ")
-        if of and word in KINDS and (found := self._of_kind(word, rest, text, what)) is not None:
-            return found
+        if of and word in KINDS and (one := self._of_kind(word, rest, text, what)) is not None:
+            return one
         if (direction := self._difference(text)) is not None:
             return self._motion(text, kind if kind in MOTIONS else "displacement", *direction, is_relative=True)
         for unit, name in ON_GROUND.items():
@@ -283,7 +283,7 @@ class OutputNames:
         groups = ((MOTIONS, moving), (FORCES, [*elements, *rows]), (ELONGATIONS, elements), ((REACTION,), rows))
         return {kind: known for kinds, known in groups for kind in kinds}
 
-    def _plain(self, name: str, kind: str, what: str) -> Output | None:
+    def _of_name(self, name: str, kind: str, what: str) -> Output | None:
         """A name alone: of a quantity, a coordinate with its motion, an element with its force, a row with its reaction."""
         if name in self.own and name not in self.elements:
             return self.own[name]
@@ -362,7 +362,7 @@ class OutputNames:
         return Output(text, REACTION, force_unit(row.unit), np.zeros((3, len(row.coefficients))), {name: 1.0})
 
     def _on_ground(self, text: str, unit: str, what: str) -> Output:
-        """w^T (K x + C x' - A^T lambda), w of ones at the coordinates along which the ground is pushed: what is not inertia or load."""
+        """w^T (K x + C x' - A^T lambda), w of ones at the coordinates in the direction of the ground's force."""
         if self.system is None or self.system.is_sparse:
             raise InputError(
                 f"{what}: {text} is available for models with mass, damping and stiffness as arrays; name springs instead"

@@ -57,7 +57,7 @@ def test_dates_and_times_of_day_are_seconds_after_the_first(tmp_path):
     with pytest.raises(InputError, match="a time of day that passes midnight needs its date"):
         mb.read_record(tmp_path / "b.csv")
     (tmp_path / "c.csv").write_text("time;a\n01/02/2024 10:00:00;1\n02/03/2024 10:00:00;2\n")
-    with pytest.raises(InputError, match="day and month of the dates cannot be told apart"):
+    with pytest.raises(InputError, match="day and month of the dates are ambiguous"):
         mb.read_record(tmp_path / "c.csv")
 
 

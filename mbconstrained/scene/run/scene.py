@@ -70,7 +70,7 @@ class Scene(SceneData):
         "solve": "run",
         "steady_state": "system.steady_state",
     }
-    _made_by: ClassVar = 'mb.read_scene("FILE.toml")'
+    _factory: ClassVar = 'mb.read_scene("FILE.toml")'
 
     if TYPE_CHECKING:
 

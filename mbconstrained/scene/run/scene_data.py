@@ -71,7 +71,7 @@ class SceneData(Pictured):
     @property
     def files_read(self) -> frozenset[Path]:
         """Resolved paths of the scene and of its data files."""
-        found, values = {self.path.resolve()}, [self.table.model, self.table.force, self.table.motion, self.table.random]
+        files, values = {self.path.resolve()}, [self.table.model, self.table.force, self.table.motion, self.table.random]
         while values:
             value = values.pop()
             if isinstance(value, list):
@@ -79,8 +79,8 @@ class SceneData(Pictured):
             elif isinstance(value, BaseModel):
                 values += vars(value).values()
                 if isinstance(name := getattr(value, "file", None), str):
-                    found.add((self.path.parent / name).resolve())
-        return frozenset(found)
+                    files.add((self.path.parent / name).resolve())
+        return frozenset(files)
 
     @property
     def times(self) -> np.ndarray:

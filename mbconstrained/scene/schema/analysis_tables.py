@@ -259,9 +259,9 @@ class RandomInputTable(CurveTable):
         if not any(units):
             return data
         if len(units) > 1 or "unit" in data:
-            found = [unit or "numbers without a unit" for unit in (*units, *([data["unit"]] if "unit" in data else []))]
+            named = [unit or "numbers without a unit" for unit in (*units, *([data["unit"]] if "unit" in data else []))]
             raise InputError(
-                f"found values in {' and '.join(map(str, dict.fromkeys(found)))}; give all of them with the same unit, or unit alone"
+                f"found values in {' and '.join(map(str, dict.fromkeys(named)))}; give all of them with the same unit, or unit alone"
             )
         numbers = {key: value for (key, _), (value, _) in changed.items()}
         own = {"soil": {**soil, "intensity": numbers.pop("intensity")}} if "intensity" in numbers else {}

@@ -336,7 +336,7 @@ _FORCES = (StepTable, RampTable, PowerTable, ImpulseTable, HarmonicTable, TermTa
 FORCES: dict[str, type[ForceBase]] = {get_args(table.model_fields["kind"].annotation)[0]: table for table in _FORCES}
 
 
-#: What the values of signals are in prescribed motions, where "level" says of what.
+#: Descriptions of the values of prescribed motions, whose quantity is the level.
 _VALUES = {
     "step": "The displacement, velocity or acceleration; 0 by default: a support at rest, whose motion may be random or any frequency.",
     "ramp": 'Its rate, e.g. "2 mm/s" of a displacement.',

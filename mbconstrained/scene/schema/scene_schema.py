@@ -250,7 +250,7 @@ class TimeTable(Table):
     hold: Literal[0, 1] = Field(1, description="In discrete time, forces between samples: 0 constant, 1 linear.")
 
     def __getattr__(self, name: str):
-        """Without a table, what needs the last time is told so."""
+        """Without a table the last time is an InputError."""
         if name == "end":
             raise InputError(MISSING_TIME)
         return super().__getattr__(name)
