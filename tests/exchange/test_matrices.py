@@ -153,7 +153,7 @@ BAD_FILES = [
         "a.csv",
         b"# only words\n",
         None,
-        r"a\.csv: found no line of numbers (the first one is .# only words.); expected columns of numbers",
+        r"a\.csv: found no line of numbers \(the first one is .# only words.\); expected columns of numbers",
     ),
     ("a.csv", b"1,2\n3\n", None, r"a\.csv, line 2: it has another number of columns than the lines before it \(1, not 2\)"),
     ("a.csv", b"1,2\nx,4\n", None, r"a\.csv, line 2: found 'x,4'; expected numbers separated by commas"),

@@ -167,7 +167,7 @@ def test_stresses_are_forces_by_areas_and_moments_by_section_moduli(tmp_path):
     ("tables", "message"),
     [
         (['of = "tyre"', 'of = "tyre"'], 'name: "tyre" is the name of two'),
-        (['name = "force on ground"\nof = "tyre"'], '"force on ground" is already the name of something else'),
+        (['name = "force on ground"\nof = "suspension"'], '"force on ground" is already the name of something else'),
         (['name = "body"\nof = "tyre"'], '"body" is already the name of something else'),
         (['of = "tyre"\ndivided_by = "40 mm^2"'], "name: missing; a quantity with a factor"),
         (['name = "s"\nof = "tyre"\ndivided_by = "0 mm^2"'], "divided_by: found 0"),
