@@ -167,7 +167,8 @@ def drawn(modes):
             if body.turns
         ]
         move = max(np.abs(place).max() for place in places.values())
-        change = max((np.abs(places[link.end] - places[link.start]).max() for link in drawing.links), default=0.0)
+        linked = [link for link in drawing.links if link.kind != "shaft"]  # a shaft bends
+        change = max((np.abs(places[link.end] - places[link.start]).max() for link in linked), default=0.0)
         found.append((move, change, max((np.abs(turn).max() for turn in turns), default=0.0)))
     return drawing, found
 
