@@ -32,10 +32,12 @@ from .answer import (
     answer,
     claim,
     leave,
+    page_titles,
     read,
     results_folder,
     setting,
     several_values,
+    tell_replaced,
     viewer_of,
 )
 
@@ -173,9 +175,11 @@ class _Writing:
         usual = {*(self.analysis.formats or formats_of(output)), *(["pictures"] if self.plots else [])}
         formats = usual if self.page is None else {"page"} if self.page else set()
         viewer: Any = self.viewer or (output.viewer if output else "inside")
+        titles = page_titles(Path(self.out)) if self.out else {}
         files = one.write(self.folder(source), formats, viewer) if formats else []
         if files and not self.out:
             claim(files[0].parent, source)
+        tell_replaced(titles, files)
         show(self.json, lambda: one.to_dict(files), lambda: one.blocks(files, verbose=self.verbose))
         return FINE if one.is_trusted else NOT_TRUSTED
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from html import unescape
 from json import dumps, loads
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -82,6 +83,24 @@ def claim(folder: Path, source: Path | None) -> None:
         return
     with replacing(RESULTS / OWNERS) as temporary:
         temporary.write_text(dumps({**owners, folder.name: str(source.absolute())}, indent=2) + "\n", encoding="utf-8")
+
+
+def page_titles(folder: Path) -> dict[Path, str]:
+    """The titles of the pages in a folder."""
+    return {page: _page_title(page) for page in folder.glob("*.html")}
+
+
+def tell_replaced(before: Mapping[Path, str], files: Sequence[Path]) -> None:
+    """Name the pages of other titles that have been replaced: --out may choose one folder for scenes of one name."""
+    for page in files:
+        if (title := before.get(page)) and title != _page_title(page):
+            typer.echo(f'{page}: replaces the page of "{title}"', err=True)
+
+
+def _page_title(page: Path) -> str:
+    with page.open(encoding="utf-8", errors="replace") as file:
+        title = re.search("<title>(.*?)</title>", file.read(4096), re.DOTALL)
+    return unescape(title[1]) if title else ""
 
 
 def _owners() -> dict[str, str]:

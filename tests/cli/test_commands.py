@@ -422,6 +422,16 @@ def test_results_of_two_scenes_of_one_name_do_not_overwrite_each_other(command, 
     assert (code, err) == (0, "") and "results/cart/cart.html" in out
 
 
+def test_pages_that_are_replaced_in_a_chosen_folder_are_named(command, tmp_path):
+    one, two = two_of_one_name(tmp_path)
+    two.write_text(f'title = "Another <cart>"\n{OSCILLATOR}', encoding="utf-8")
+    for path in (one, one):
+        assert command("run", path, "--out", "both")[::2] == (0, "")
+    code, _, err = command("run", two, "--out", "both")
+    assert code == 0 and err.startswith('both/cart.html: replaces the page of "') and err.count("\n") == 1
+    assert command("run", one, "--out", "both")[2] == 'both/cart.html: replaces the page of "Another <cart>"\n'
+
+
 @pytest.mark.parametrize("content", ["", "[1]", '{"cart": 3}', "{"])
 def test_a_damaged_note_of_owners_is_made_again(command, tmp_path, content):
     one, _ = two_of_one_name(tmp_path)
