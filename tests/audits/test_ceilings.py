@@ -24,7 +24,7 @@ LINES = {
     "__init__": 269,
     "__main__": 8,
     "analyses": 13064,
-    "cli": 1049,
+    "cli": 1076,
     "control": 2552,
     "docs": 506,
     "exact": 7336,
