@@ -56,7 +56,7 @@ def _picture(group: tuple[Plot, ...]) -> str:
 @singledispatch
 def plots(shown) -> Iterable[Plot]:
     """The plots of an object."""
-    raise NotImplementedError(type(shown).__name__)
+    raise NotImplementedError(type(shown).__name__)  # each type with pictures is registered below
 
 
 @plots.register

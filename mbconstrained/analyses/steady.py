@@ -151,7 +151,7 @@ class _Cycle:
 
     def of_coordinates(self, order: int, times: np.ndarray) -> np.ndarray:
         """The coordinates or their rates."""
-        raise NotImplementedError
+        raise NotImplementedError  # by the kind of cycle
 
     # The answer.
 
@@ -165,7 +165,7 @@ class _Cycle:
 
     def notices(self) -> Iterator[Notice]:
         """Whether the steady state is reached."""
-        raise NotImplementedError
+        raise NotImplementedError  # by the kind of cycle
 
     def tables(self) -> Iterator[TextTable]:
         """Extreme and RMS values."""

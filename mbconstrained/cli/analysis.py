@@ -25,19 +25,16 @@ from .answer import (
     DataFolders,
     Json,
     Out,
+    Results,
     ScenePath,
     Settings,
     SharedViewer,
     Verbose,
     answer,
-    claim,
     leave,
-    page_titles,
     read,
-    results_folder,
     setting,
     several_values,
-    tell_replaced,
     viewer_of,
 )
 
@@ -118,15 +115,14 @@ def command(analysis: type[Analysis]):
         writing = _Writing(analysis, out, json, viewer_of(shared_viewer, compress), page, plots, verbose)
 
         def work(scene) -> int:
+            results = Results(scene and scene.path, out)
             if analysis.progress and analysis.formats != TEXT:
-                _check_writable(writing.folder(scene.path if scene else None))  # before hours of computation
+                _check_writable(results.folder)  # before hours of computation
             with _progress(analysis.progress) as progress:
                 answer_of = partial(analysis.answer, scene) if scene else analysis.answer_without_scene
                 one = answer_of(progress, **chosen)
             return (
-                writing.text(one, scene)
-                if analysis.formats == TEXT
-                else writing.files(one, scene and scene.path, scene and scene.table.output)
+                writing.text(one, scene) if analysis.formats == TEXT else writing.files(one, results, scene and scene.table.output)
             )
 
         if not source:
@@ -141,7 +137,7 @@ def command(analysis: type[Analysis]):
             answer(source, json, work, settings, data_folder)
         if settings:
             raise typer.BadParameter("values are set in a scene; this is a record", param_hint="--set")
-        leave(Path(source).name, json, lambda: writing.files(*_of_record(analysis, Path(source), chosen, reading)))
+        leave(Path(source).name, json, lambda: writing.files(*_of_record(analysis, Path(source), chosen, reading, out)))
 
     run.__signature__ = inspect.Signature(  # type: ignore[attr-defined]  # functions have it only once it is set
         [
@@ -165,21 +161,17 @@ class _Writing:
     plots: bool
     verbose: bool
 
-    def folder(self, source: Path | None) -> Path:
-        return Path(self.out) if self.out else results_folder(source)
-
-    def files(self, one: Answer, source: Path | None, output: OutputTable | None) -> int:
+    def files(self, one: Answer, results: Results, output: OutputTable | None) -> int:
         from ..analyses.base import formats_of
         from .printing import show
 
         usual = {*(self.analysis.formats or formats_of(output)), *(["pictures"] if self.plots else [])}
         formats = usual if self.page is None else {"page"} if self.page else set()
         viewer: Any = self.viewer or (output.viewer if output else "inside")
-        titles = page_titles(Path(self.out)) if self.out else {}
-        files = one.write(self.folder(source), formats, viewer) if formats else []
-        if files and not self.out:
-            claim(files[0].parent, source)
-        tell_replaced(titles, files)
+        files: list[Path] = []
+        if formats:
+            with results.replacing() as files:
+                files += one.write(results.folder, formats, viewer)
         show(self.json, lambda: one.to_dict(files), lambda: one.blocks(files, verbose=self.verbose))
         return FINE if one.is_trusted else NOT_TRUSTED
 
@@ -310,13 +302,13 @@ def _check_writable(folder: Path) -> None:
         pass
 
 
-def _of_record(analysis, path: Path, chosen: dict, reading: dict):
+def _of_record(analysis, path: Path, chosen: dict, reading: dict, out: str):
     from ..ground.quantities import quantity
     from ..scene.schema.scene_schema import OutputTable
 
     column, step = reading["column"], reading["step"]
     own = {**reading, "step": quantity(step, "s") if step else None, "column": int(column) if (column or "").isdigit() else column}
-    return analysis.of_record(path, analysis.changed(None, chosen, path.name), **own), path, OutputTable()
+    return analysis.of_record(path, analysis.changed(None, chosen, path.name), **own), Results(path, out), OutputTable()
 
 
 def _write(path: Path, text: str, scene: Path) -> None:

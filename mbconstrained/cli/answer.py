@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import cached_property
 from html import unescape
 from json import dumps, loads
 from pathlib import Path
@@ -64,37 +66,60 @@ def answer(
     leave(Path(path).name, json, lambda: work(read(path, values, data_folders or ())))
 
 
-def results_folder(source: Path | None) -> Path:
-    """The folder of the results of a scene or record, None for none: results/NAME, or with a number where that has those of another file."""
-    name = source.stem if source else "gallery"
-    owners, number = _owners(), 1
-    while source and (owner := owners.get(_numbered(name, number))) and Path(owner) != source.absolute() and Path(owner).exists():
-        number += 1
-    if number > 1:
-        typer.echo(f"results/{name} has the results of {owners[name]}; these are in results/{_numbered(name, number)}", err=True)
-    return RESULTS / _numbered(name, number)
+class Results:
+    """The folder that the results of a scene or record are written into, and what is told of others' results there.
 
+    Args:
+        source: the scene or record; None for none.
+        out: the folder that --out chooses; an empty text for results/NAME, or with a number where that has the results of another file.
+    """
 
-def claim(folder: Path, source: Path | None) -> None:
-    """Note whose results a folder has."""
-    from ..ground.files import replacing
+    def __init__(self, source: Path | None, out: str):
+        self.source, self.out = source, out
 
-    if source is None or (owners := _owners()).get(folder.name) == str(source.absolute()):
-        return
-    with replacing(RESULTS / OWNERS) as temporary:
-        temporary.write_text(dumps({**owners, folder.name: str(source.absolute())}, indent=2) + "\n", encoding="utf-8")
+    @cached_property
+    def folder(self) -> Path:
+        """The folder; another one than results/NAME is told."""
+        if self.out:
+            return Path(self.out)
+        name = self.source.stem if self.source else "gallery"
+        owners, number = _owners(), 1
+        while (
+            self.source
+            and (owner := owners.get(_numbered(name, number)))
+            and Path(owner) != self.source.absolute()
+            and Path(owner).exists()
+        ):
+            number += 1
+        if number > 1:
+            typer.echo(
+                f"results/{name} has the results of {owners[name]}; these are in results/{_numbered(name, number)}", err=True
+            )
+        return RESULTS / _numbered(name, number)
 
+    @contextmanager
+    def replacing(self) -> Iterator[list[Path]]:
+        """A list for the files that are written inside: the folder is noted as that of the scene, replaced pages of other titles are named.
 
-def page_titles(folder: Path) -> dict[Path, str]:
-    """The titles of the pages in a folder."""
-    return {page: _page_title(page) for page in folder.glob("*.html")}
+        --out may choose one folder for scenes of one name.
+        """
+        titles = {page: _page_title(page) for page in self.folder.glob("*.html")} if self.out else {}
+        files: list[Path] = []
+        yield files
+        if files and not self.out:
+            self._claim(files[0].parent)
+        for page in files:
+            if (title := titles.get(page)) and title != _page_title(page):
+                typer.echo(f'{page}: replaces the page of "{title}"', err=True)
 
+    def _claim(self, folder: Path) -> None:
+        """Note whose results a folder has."""
+        from ..ground.files import replacing
 
-def tell_replaced(before: Mapping[Path, str], files: Sequence[Path]) -> None:
-    """Name the pages of other titles that have been replaced: --out may choose one folder for scenes of one name."""
-    for page in files:
-        if (title := before.get(page)) and title != _page_title(page):
-            typer.echo(f'{page}: replaces the page of "{title}"', err=True)
+        if self.source is None or (owners := _owners()).get(folder.name) == str(self.source.absolute()):
+            return
+        with replacing(RESULTS / OWNERS) as temporary:
+            temporary.write_text(dumps({**owners, folder.name: str(self.source.absolute())}, indent=2) + "\n", encoding="utf-8")
 
 
 def _page_title(page: Path) -> str:

@@ -17,16 +17,13 @@ from .answer import (
     DataFolders,
     Json,
     Out,
+    Results,
     ScenePath,
     Settings,
     SharedViewer,
     Verbose,
     answer,
-    claim,
     leave,
-    page_titles,
-    results_folder,
-    tell_replaced,
     viewer_of,
 )
 
@@ -119,12 +116,11 @@ def _run(
         loaded = loaded.with_viewer(viewer) if viewer else loaded
         loaded = loaded.with_plot_images() if plots else loaded
         loaded = loaded if moment is None else loaded.with_still(moment)
-        titles = page_titles(Path(out)) if out else {}
-        with stage_progress() as progress:
-            result = loaded.run(Path(out) if out else results_folder(loaded.path), progress)
-        if result.files and not out:
-            claim(result.files[0].parent, loaded.path)
-        tell_replaced(titles, result.files)
+        results = Results(loaded.path, out)
+        with results.replacing() as files:
+            with stage_progress() as progress:
+                result = loaded.run(results.folder, progress)
+            files += result.files
         show(json, result.to_dict, lambda: result.blocks() if verbose else overview(result, line_width()))
         return FINE if result.is_trusted else NOT_TRUSTED
 

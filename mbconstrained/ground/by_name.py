@@ -125,7 +125,7 @@ def answering(called: Called) -> Called:
                 raise
             raise wrong_call(called, args, kwargs) from None
 
-    return call  # type: ignore[return-value]
+    return call  # type: ignore[return-value]  # it takes and returns what the function does
 
 
 def wrong_call(function: Callable, args: tuple, kwargs: Mapping[str, Any], name: str = "") -> WrongCall:

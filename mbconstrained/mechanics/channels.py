@@ -8,7 +8,7 @@ output is a quantity that is linear in the motion, with one grammar of names for
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -72,10 +72,11 @@ def row_channels(system: EquationsOfMotion) -> list[Channel]:
     return [Channel(row.name, row.coefficients, row.unit, place) for place, row in enumerate(system.rows)]
 
 
-def support_of(system: EquationsOfMotion, channel: Channel) -> Channel:
-    """The constraint row that prescribes the motion of a channel, by the name of the channel; the channel itself where none does."""
-    rows = [row for row in row_channels(system) if (row.direction == channel.direction).all()]
-    return rows[0]._replace(name=channel.name) if rows and channel.row is None else channel
+def support_of(channel: Channel, rows: Iterable[Channel]) -> Channel:
+    """The first of some constraint rows that is on the motion of a channel, by the name of the channel; the channel itself where none is."""
+    if channel.row is not None:
+        return channel
+    return next((row._replace(name=channel.name) for row in rows if (row.direction == channel.direction).all()), channel)
 
 
 def names_given(what: str, chosen, known: Sequence[str]) -> list[str]:

@@ -115,9 +115,8 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     chosen, rows = QUANTITIES[quantity], system.rows
     known_inputs = chosen_by_name("inputs", inputs, channels(system, "inputs"), coordinate_channels(system))
     if inputs is not None:  # a force on a support that moves changes its reaction alone
-        supports = [support_of(system, one) for one in known_inputs]
-        moves = [one.row is not None and rows[one.row].signal is not None for one in supports]
-        known_inputs = [support if moving else one for support, moving, one in zip(supports, moves, known_inputs)]
+        moving = [channel for channel, row in zip(row_channels(system), rows) if row.signal is not None]
+        known_inputs = [support_of(one, moving) for one in known_inputs]
     known_outputs = _outputs(system, outputs, quantity, known_inputs)
     _check(quantity, known_inputs, known_outputs)
     levels = [0 if quantity == "transmissibility" else row.order for row in rows]

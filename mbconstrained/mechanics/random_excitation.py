@@ -13,7 +13,7 @@ from ..frequency.random.spectral_matrix import SpectralMatrix, spectral_matrix
 from ..ground.checks import nearest
 from ..ground.errors import InputError
 from ..polynomial.polynomial_matrix import PolynomialMatrix
-from .channels import MOTIONS, Channel, OutputNames, channels, chosen_by_name, support_of
+from .channels import MOTIONS, Channel, OutputNames, channels, chosen_by_name, row_channels, support_of
 from .equations import EquationsOfMotion
 from .harmonic_response import delayed_unknowns, saddle_point, with_outputs
 
@@ -91,7 +91,7 @@ def _input(system: EquationsOfMotion, name: str, of: str) -> Channel:
                 f'excitation of "{name}": a constraint row has a prescribed motion; expected a spectrum of="acceleration", "velocity" or "displacement"'
             )
         return channel
-    support = support_of(system, channel)
+    support = support_of(channel, row_channels(system))
     if support.row is None:
         raise InputError(
             f'excitation of "{name}": nothing prescribes its motion; expected a spectrum of="force", or a row such as mb.Constraint({{"{name}": 1}}), in a scene [[motion]] with coordinate = "{name}"'

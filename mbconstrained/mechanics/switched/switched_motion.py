@@ -320,7 +320,7 @@ class SwitchedMotion(Motion):
     # Rows of all phases.
 
     @property
-    def _has_common_equations(self) -> bool:  # type: ignore[override]
+    def _has_common_equations(self) -> bool:  # type: ignore[override]  # of other motions it is no property
         return self.solution.sequence.machine.systems is None
 
     @cached_property
