@@ -67,42 +67,29 @@ def answer(
 
 
 class Results:
-    """The folder that the results of a scene or record are written into, and what is told of others' results there.
-
-    Args:
-        source: the scene or record; None for none.
-        out: the folder that --out chooses; an empty text for results/NAME, or with a number where that has the results of another file.
-    """
+    """The folder of the results of a scene or record: that of --out, results/NAME, or with a number where that has those of another file."""
 
     def __init__(self, source: Path | None, out: str):
-        self.source, self.out = source, out
+        self.source, self.out = source and source.absolute(), out
 
     @cached_property
     def folder(self) -> Path:
-        """The folder; another one than results/NAME is told."""
         if self.out:
             return Path(self.out)
-        name = self.source.stem if self.source else "gallery"
-        owners, number = _owners(), 1
+        name, owners, number = self.source.stem if self.source else "gallery", _owners(), 1
         while (
             self.source
-            and (owner := owners.get(_numbered(name, number)))
-            and Path(owner) != self.source.absolute()
-            and Path(owner).exists()
+            and (owner := Path(owners.get(own := _numbered(name, number), self.source))) != self.source
+            and owner.exists()
         ):
             number += 1
         if number > 1:
-            typer.echo(
-                f"results/{name} has the results of {owners[name]}; these are in results/{_numbered(name, number)}", err=True
-            )
+            typer.echo(f"results/{name} has the results of {owners[name]}; these are in results/{own}", err=True)
         return RESULTS / _numbered(name, number)
 
     @contextmanager
     def replacing(self) -> Iterator[list[Path]]:
-        """A list for the files that are written inside: the folder is noted as that of the scene, replaced pages of other titles are named.
-
-        --out may choose one folder for scenes of one name.
-        """
+        """A list for the files that are written inside; pages of other titles that they replace in a folder of --out are named."""
         titles = {page: _page_title(page) for page in self.folder.glob("*.html")} if self.out else {}
         files: list[Path] = []
         yield files
@@ -116,10 +103,9 @@ class Results:
         """Note whose results a folder has."""
         from ..ground.files import replacing
 
-        if self.source is None or (owners := _owners()).get(folder.name) == str(self.source.absolute()):
-            return
-        with replacing(RESULTS / OWNERS) as temporary:
-            temporary.write_text(dumps({**owners, folder.name: str(self.source.absolute())}, indent=2) + "\n", encoding="utf-8")
+        if self.source and (owners := _owners()).get(folder.name) != str(self.source):
+            with replacing(RESULTS / OWNERS) as temporary:
+                temporary.write_text(dumps({**owners, folder.name: str(self.source)}, indent=2) + "\n", encoding="utf-8")
 
 
 def _page_title(page: Path) -> str:
