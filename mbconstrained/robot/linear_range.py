@@ -15,7 +15,7 @@ import copy
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeGuard
 
 import numpy as np
 from scipy.linalg import null_space
@@ -25,7 +25,6 @@ from ..ground.display import Displayed
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import DIFFERENCED, EPS, LOOPS_CLOSED_AS_ROUNDED, MUJOCO_RATE, MUJOCO_STEP, NOISE_SAFETY, SAME_AS_MUJOCO
-from ..mechanics.switched.switched_motion import SwitchedMotion
 from .description.mjcf import MOST_NAMED, quaternion_places, quiet, read_mjcf
 from .posture_search import attached_load
 from .robot_model import RobotModel
@@ -35,6 +34,7 @@ from .switching import Grip, grip_notices
 if TYPE_CHECKING:
     from ..mechanics.equations import EquationsOfMotion
     from ..mechanics.motion import Motion
+    from ..mechanics.switched.switched_motion import SwitchedMotion
 
 #: The relative error of the forces from which a motion is said to leave the linear range.
 LARGEST_DEVIATION = 0.1
@@ -123,16 +123,21 @@ def range_notices(motion: Motion, posture: Posture, grips: Sequence[Grip]) -> tu
     ranges = _linear_ranges(motion, posture, None)
     ranges = sorted(ranges, key=lambda one: -one.deviation)[:MOST_PHASES]
     notices = tuple(notice for one in ranges for notice in one.notices)
-    if not isinstance(motion, SwitchedMotion):
+    if not _is_switched(motion):
         return notices
     worst = ranges[0]
     about = Notice(NoticeKind.SWITCH, f"all contacts keep their directions, as motions are small about the posture; {worst.text}")
     return (*(notices or (about,)), *grip_notices(grips, motion))
 
 
+def _is_switched(motion: Motion) -> TypeGuard[SwitchedMotion]:
+    """Whether the motion has phases; their module is not imported for robots without switches."""
+    return hasattr(motion, "phases")
+
+
 def _linear_ranges(motion: Motion, posture: Posture, times) -> list[LinearRange]:
     """The range in each phase, one of a motion without."""
-    if not isinstance(motion, SwitchedMotion):
+    if not _is_switched(motion):
         times = _horizon(motion) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
         return [_Deviation(motion, posture, times, motion.system, 0.0).linear_range()]
     if times is None:
