@@ -201,7 +201,7 @@ class RoadTable(Table):
     """A road of ISO 8608."""
 
     road_class: Literal["A", "B", "C", "D", "E", "F", "G", "H"] = Field(alias="class", description="A (very good) to H.")
-    speed: Velocity = Field(gt=0, description='Of the vehicle, e.g. "20 m/s".')  # type: ignore[valid-type]
+    speed: Velocity = Field(gt=0, description='Of the vehicle, e.g. "20 m/s".')
 
 
 class SoilTable(Table):
@@ -210,7 +210,7 @@ class SoilTable(Table):
     intensity: Density = Field(
         gt=0, description="Intensity of the acceleration of the rock, one-sided, in the unit of the density."
     )
-    frequency: Frequency = Field(2.5, gt=0, description="Natural frequency of the soil.")  # type: ignore[valid-type]
+    frequency: Frequency = Field(2.5, gt=0, description="Natural frequency of the soil.")
     damping_ratio: Number = Field(0.6, gt=0, description="Damping ratio of the soil.")
 
 
