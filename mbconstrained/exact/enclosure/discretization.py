@@ -1,4 +1,4 @@
-"""State spaces, with E singular or not, from sample to sample under a hold of the inputs and delays, by exponentials of matrices in balls.
+"""Exponentials of matrices in balls: x' = A x + B u from sample to sample under a hold of the inputs and delays.
 
 Between samples the input is v + m s, s the time since the sample. The exponential of [[A, B, 0], [0, 0, I], [0, 0, 0]] t has
 Phi(t) = e^(A t), Gamma_1 = integral of Phi(t - s) B ds and Gamma_2 = integral of Phi(t - s) B s ds in its first row (Van Loan 1978).
@@ -7,8 +7,8 @@ An input that is late by m steps and a part rho of a step switches within the st
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, TypeAlias
 
@@ -16,25 +16,16 @@ import flint
 import numpy as np
 import scipy
 
-from ..exact.rational import rational, rational_matrix, working_precision
-from ..ground.checks import real_number
-from ..ground.errors import InputError
-from ..ground.notices import Notice, NoticeKind
-from .conversions import through
-from .state_equations import StateEquations, delays_of_inputs
+from ...ground.notices import Notice
+from ..rational import rational, rational_matrix, working_precision
 
 Hold: TypeAlias = Literal[0, 1, "impulse"]
-
-HOLDS = (0, 1, "impulse")
 
 #: Bits of the exponentials, and the size up to which they are computed so; larger ones in float64.
 BITS, LARGEST_BALLS = 320, 120
 
 #: A delay that is a multiple of the step to this part of a step is one.
 SAME_SAMPLE = Fraction(1, 2**44)
-
-#: Each step of a delay is a state.
-MOST_DELAYED = 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,66 +41,6 @@ class DiscretizedSystem:
     start_input: np.ndarray  # what u_0 adds to the first states, shape (N, p)
     delayed: tuple[tuple[int, int], ...]  # of each added state the number of its input, and how many samples before
     notices: tuple[Notice, ...] = ()
-
-
-def discretized_system(
-    system: StateEquations, step, hold: Hold = 1, delays: Mapping[str, float] | None = None
-) -> DiscretizedSystem:
-    """Discretize E x' = A x + B u, y = C x + D u; where E is singular, its finite Jordan pair and the polynomial part of G(s)."""
-    step = Fraction(real_number(step, "step", positive=True))
-    if isinstance(hold, bool) or hold not in HOLDS:
-        raise InputError(f"hold: found {hold!r}; expected 0 (constant between samples), 1 (linear between samples) or 'impulse'")
-    late = _delays(system, delays, step)
-    n, nothing = len(system.A), np.zeros(system.D.shape)
-    is_ordinary = bool((system.E == np.eye(n)).all())
-    pairs = None if is_ordinary else system.polynomial_matrix().jordan_pairs()
-    if pairs is None or not any(pairs.structure.infinite_divisors):
-        _refuse_feedthrough(system, system.D, hold)
-        E = None if is_ordinary else system.E
-        return _discretized(system.A, system.B, system.C, system.D, nothing, late, step, hold, E)
-    polynomial = [through(system, order) for order in range(pairs.structure.highest_impulse + 1)] or [nothing]
-    for order in range(len(polynomial) - 1, 0, -1):
-        _refuse_impulses(system, polynomial[order], order, hold)
-    D, slopes = system.D + polynomial[0], polynomial[1] if len(polynomial) > 1 else nothing
-    _refuse_feedthrough(system, D, hold)
-    finite = pairs.finite
-    result = _discretized(finite.J, finite.B @ system.B, system.C @ finite.C, D, slopes, late, step, hold)
-    texts = (
-        f'{system.outputs[i]}: the part that follows the derivative of "{system.inputs[j]}" is that just before each sample'
-        for i, j in np.argwhere(slopes)
-    )
-    return replace(result, start_map=finite.B @ system.E, notices=tuple(Notice(NoticeKind.KINK, text) for text in texts))
-
-
-def _refuse_impulses(system: StateEquations, factors: np.ndarray, order: int, hold) -> None:
-    """Refuse outputs that follow a derivative of an input that is not smooth enough between samples."""
-    if factors.any() and (hold != 1 or order > 1):
-        i, j = np.argwhere(factors)[0]
-        which = {1: "derivative", 2: "second derivative"}.get(order, f"derivative of order {order}")
-        remedy = "give hold=1, or leave this output out" if order == 1 else "leave this output out"
-        raise InputError(
-            f'hold={hold!r}: the output "{system.outputs[i]}" follows the {which} of the input "{system.inputs[j]}", which has '
-            f"Dirac impulses at the samples there; {remedy}"
-        )
-
-
-def _refuse_feedthrough(system: StateEquations, D: np.ndarray, hold) -> None:
-    if hold == "impulse" and D.any():
-        i, j = np.argwhere(D)[0]
-        text = f'hold="impulse": the output "{system.outputs[i]}" follows the input "{system.inputs[j]}" itself'
-        raise InputError(f"{text}, which is a train of Dirac impulses; leave this output out")
-
-
-def _delays(system: StateEquations, delays: Mapping[str, float] | None, step: Fraction) -> list[Fraction]:
-    """The delay of each input in s."""
-    late = [Fraction(delay) for delay in delays_of_inputs(system, delays)]
-    for name, delay in zip(system.inputs, late):
-        if delay > MOST_DELAYED * step:
-            raise InputError(
-                f"delay of {name}: found {float(delay):g} s, which is more than {MOST_DELAYED} steps of {float(step):g} s, a state for each; "
-                "give a larger step, or delay the input itself"
-            )
-    return late
 
 
 @dataclass(frozen=True)
@@ -146,7 +77,7 @@ class _Continuous:
         return _Continuous(self.A, B, self.C, D)
 
 
-def _discretized(
+def discretized(
     A, B, C, D, slopes, delays: Sequence[Fraction], step: Fraction, hold: Hold, descriptor: np.ndarray | None = None
 ) -> DiscretizedSystem:
     """E x' = A x + B u, y = C x + D u + slopes u' (the u' before the sample, of a linear hold alone), E regular, rounded once."""
