@@ -62,9 +62,8 @@ def test_a_viewer_that_was_left_behind_is_named_and_the_rest_is_shown(browser, t
 
 def test_a_browser_that_cannot_unpack_says_so_and_shows_plots_and_tables(browser, tmp_path):
     page = write_page(tmp_path / "page.html", two_masses_content(), "compressed")
-    old = browser.call("Page.addScriptToEvaluateOnNewDocument", source="delete window.DecompressionStream")
-    browser.open(page).wait(0.1)
-    browser.call("Page.removeScriptToEvaluateOnNewDocument", **old)
+    with browser.beginning_with("delete window.DecompressionStream"):
+        browser.open(page).wait(0.1)
     assert "too old to decompress it" in browser.evaluate("document.querySelector('.missing').innerText")
     assert browser.evaluate("document.querySelectorAll('svg.plot path').length") == 3
     assert browser.messages == []
