@@ -13,31 +13,12 @@ from tests.scene.scenes import scene_of
 CAR = """
 [model]
 kind = "lumped"
-
-[[model.mass]]
-name = "wheel"
-mass = 40
-
-[[model.mass]]
-name = "body"
-mass = 400
-
-[[model.spring]]
-name = "tyre"
-between = ["ground", "wheel"]
-stiffness = 2e5
-
-[[model.spring]]
-name = "suspension"
-between = ["wheel", "body"]
-stiffness = 2e4
-rest_length = 0.3
-
-[[model.damper]]
-name = "shock absorber"
-between = ["wheel", "body"]
-damping = 1500
-
+mass = [{ name = "wheel", mass = 40 }, { name = "body", mass = 400 }]
+spring = [
+  { name = "tyre", between = ["ground", "wheel"], stiffness = 2e5 },
+  { name = "suspension", between = ["wheel", "body"], stiffness = 2e4, rest_length = 0.3 },
+]
+damper = [{ name = "shock absorber", between = ["wheel", "body"], damping = 1500 }]
 [initial]
 displacement = { wheel = 0.01, body = 0.35 }
 
