@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 
 from ...ground.by_name import answering
-from ...ground.checks import counted, nearest, optional_package, real_array, real_number, whole_number
+from ...ground.checks import check_known, counted, optional_package, places_of, real_array, real_number, whole_number
 from ...ground.coordinate_units import density_unit
 from ...ground.display import Pictured, TextTable, notice_table, number_text
 from ...ground.errors import InputError
@@ -678,8 +678,7 @@ class RandomResponse(Pictured):
             In 1/s.
         """
         k, strength = real_number(exponent, "exponent", positive=True), real_number(strength, "strength", positive=True)
-        if method not in METHODS:
-            raise InputError(f"method: found {method!r}; expected one of {', '.join(METHODS)}{nearest(str(method), METHODS)}")
+        check_known(method, METHODS, "method")
         moments = {order: self.moment(order) for order in (0, 1, 2, 4)}
         sigma = np.sqrt(moments[0]) / strength
         each = (np.sqrt(2.0) * sigma) ** k * scipy.special.gamma(1 + k / 2)
@@ -714,10 +713,7 @@ class RandomResponse(Pictured):
         Raises:
             InputError: unknown names.
         """
-        unknown = [name for name in names if name not in self.outputs]
-        if unknown:
-            raise InputError(f"outputs: there is no {unknown[0]!r}{nearest(str(unknown[0]), self.outputs)}")
-        own, at = self.harmonic, [self.outputs.index(name) for name in names]
+        own, at = self.harmonic, places_of(names, self.outputs, "output")
         return replace(self, harmonic=replace(own, outputs=own.outputs[at], output_names=names, units=own.units[at]))
 
     def covariance_over_time(self, times, initial_covariance=None, modulation=None) -> np.ndarray:
