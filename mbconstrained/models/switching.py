@@ -370,12 +370,9 @@ def released(element: Link | Tie, release: Release, row: Row, unit: str) -> Swit
     """The switch of a spring, damper or tie that is released."""
     if isinstance(element, Link):
         branch = ForceBranch(row, vars(element).get("stiffness", 0.0), element.rest, vars(element).get("damping", 0.0))
-        switch = releasable(element.name, (), (branch,), release.at, release.guards(row, element.name, branch))
-    else:
-        tie = Constraint(row, level=element.level, value=element.row_value, names=element.name)
-        switch = releasable(element.name, (tie,), (), release.at, release.guards(row, element.name, None))
-    switch.unit = unit
-    return switch
+        return releasable(element.name, (), (branch,), release.at, release.guards(row, element.name, branch), unit)
+    tie = Constraint(row, level=element.level, value=element.row_value, names=element.name)
+    return releasable(element.name, (tie,), (), release.at, release.guards(row, element.name, None), unit)
 
 
 def with_release(switches: Sequence[Switch], release: Release, row: Row) -> tuple[Switch, ...]:

@@ -23,6 +23,7 @@ from ...ground.tolerances import CLOSED_ORBIT, EPS, SAME_FREQUENCY, STABILITY_MA
 from ...linalg.exponential import block_states
 from ...signals.bohl import FreeRestarts
 from ...signals.inputs import term
+from ..harmonic_sums import common_rate
 from ..peaks import Peaks, peaks
 from .phase import STILL, Phase, Source
 from .sequence import MOST_EVENTS, Key, PhaseSequence, _replaced
@@ -264,7 +265,7 @@ class PeriodMap:
         They vanish from an order up to the second on, at all times, where as many as there are states do so after it.
         """
         source = self.source
-        G, w, listed, sizes = self._generator, source.at(time), [], []
+        G, w, listed, sizes = source.generator, source.at(time), [], []
         for _ in range(len(w) + 2):
             listed.append(source.coefficients @ w)
             sizes.append(np.abs(source.coefficients).max(axis=1) * np.abs(w).max())
@@ -272,10 +273,6 @@ class PeriodMap:
         rates = np.array(listed).T
         rates[[source.place(signal).start for signal in self.shifts.signals], 0] = 0.0
         return rates, np.array(sizes).T
-
-    @cached_property
-    def _generator(self) -> np.ndarray:
-        return scipy.linalg.block_diag(*self.source.blocks)
 
     @cached_property
     def is_autonomous(self) -> bool:
@@ -287,13 +284,10 @@ class PeriodMap:
         return self.is_smooth and not later.any()
 
     def force_period(self) -> float:
-        """The period of harmonic forces, or an InputError."""
-        rates = np.linalg.eigvals(self._generator)
-        harmonic = np.unique(np.round(np.abs(rates.imag[np.abs(rates.imag) > 0]), 12))
-        if self.is_smooth and len(harmonic) and not rates.real.any():
-            ratios = harmonic / harmonic[0]
-            if (np.abs(ratios - np.round(ratios)) <= SAME_FREQUENCY * ratios).all():
-                return 2 * np.pi / float(harmonic[0])
+        """The common period of harmonic forces, or an InputError."""
+        rates = np.linalg.eigvals(self.source.generator)
+        if self.is_smooth and not rates.real.any() and (base := common_rate(np.abs(rates.imag))):
+            return 2 * np.pi / base
         raise InputError("period: found none; the force does not tell it: give the period in s after which it repeats")
 
     def check_force(self) -> None:
@@ -354,7 +348,8 @@ class _Shifts:
         self._rows = source.coefficients[[source.place(signal).start for signal in self.signals]]
         N = _null_space(np.vstack([np.zeros((1, n)), *fixed]))
         A = np.array([row.coefficients for row in moving]).reshape(-1, n) @ N
-        self._matrix, self._solved = A, N @ np.linalg.pinv(A)
+        self._matrix, self._inverse = A, np.linalg.pinv(A)
+        self._solved = N @ self._inverse
         self.free = N @ _null_space(A)
 
     def between(self, first: np.ndarray, last: np.ndarray) -> np.ndarray | None:
@@ -362,14 +357,9 @@ class _Shifts:
         moved = self._rows @ (last - first)
         size = np.abs(self._rows).max(axis=1, initial=0.0) * np.abs([first, last]).max(initial=0.0)
         moved[np.abs(moved) <= np.sqrt(EPS) * size] = 0.0
-        d = self._solved @ moved
-        if np.abs(moved).max(initial=0.0) and not self._fits(moved):
-            return None
-        return d
-
-    def _fits(self, moved: np.ndarray) -> bool:
-        rest = moved - self._matrix @ (np.linalg.pinv(self._matrix) @ moved)
-        return bool(np.abs(rest).max() <= np.sqrt(EPS) * np.abs(moved).max())
+        rest = moved - self._matrix @ (self._inverse @ moved)
+        fits = (np.abs(rest) <= np.sqrt(EPS) * np.abs(moved).max(initial=0.0)).all()
+        return self._solved @ moved if fits else None
 
 
 def _null_space(matrix: np.ndarray) -> np.ndarray:
@@ -398,7 +388,7 @@ class Orbit:
         self.moved = np.zeros(2 * n)
         if shift is not None:
             self.moved[:n] = shift
-            drift_rate = map.shifts.between(np.zeros(len(source.at(offset))), map._generator @ source.at(offset))
+            drift_rate = map.shifts.between(np.zeros(len(source.at(offset))), source.generator @ source.at(offset))
             if drift_rate is not None:
                 self.rate[:n] -= drift_rate
         difference = self.end - z - self.moved
@@ -478,29 +468,26 @@ class Orbit:
         return PeriodicMotion(motion, self.period, multipliers, own.residual(self.sizes), drift, shifts)
 
 
-def states_over(sequence: PhaseSequence, count: int) -> tuple[np.ndarray, np.ndarray, list]:
-    """Times, z there, and the segments they are in, ``count`` in each phase."""
-    times, states, segments = [], [], []
-    for segment in sequence.segments:
-        if segment.duration > 0:
-            since = np.linspace(0.0, segment.duration, count)
-            y = block_states(segment.phase.blocks, np.tile(segment.state[:, None], count), since)
-            times.append(segment.time + since)
-            states.append(np.vstack([segment.phase.C @ y, segment.phase.V @ y]))
-            segments += [segment] * count
-    return np.concatenate(times), np.hstack(states), segments
+def states_over(sequence: PhaseSequence, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Times and z there, ``count`` in each phase."""
+    times, states = [], []
+    for segment in sequence.lasting:
+        since = np.linspace(0.0, segment.duration, count)
+        y = block_states(segment.phase.blocks, np.tile(segment.state[:, None], count), since)
+        times.append(segment.time + since)
+        states.append(np.vstack([segment.phase.C @ y, segment.phase.V @ y]))
+    return np.concatenate(times), np.hstack(states)
 
 
 def along(map: PeriodMap, sequence: PhaseSequence, time: float, offset: float = 0.0, turned: float = 0.0) -> tuple[Key, np.ndarray]:
     """The phase and z just after a time of a sequence that began at an offset, for a start at another, with prescribed displacements there."""
-    segment = [one for one in sequence.segments if one.duration > 0 and one.time <= time][-1]
+    segment = [one for one in sequence.lasting if one.time <= time][-1]
     y = segment.phase.flow.states(segment.state, time - segment.time)
-    key = next(key for key, phase in sequence.phases.items() if phase is segment.phase)
     z = np.concatenate([segment.phase.C @ y, segment.phase.V @ y])
     shift = map.shifts.between(map.source.at(turned), map.source.at(offset + time))
     if shift is not None:
         z[: map.size] -= shift
-    return key, z
+    return segment.phase.key, z
 
 
 # The search.
@@ -681,7 +668,7 @@ def _slowest(map: PeriodMap, key: Key) -> float:
 def _return_time(map: PeriodMap, sequence: PhaseSequence, z: np.ndarray) -> float:
     """The time at which a motion first comes back near its start."""
     count = max(SAMPLES, RETURN_SAMPLES // max(len(sequence.segments), 1))
-    times, states, _ = states_over(sequence, count)
+    times, states = states_over(sequence, count)
     n = map.size
     moved = np.array(
         [shift if (shift := map.shifts.between(map.source.at(0.0), map.source.at(t))) is not None else np.zeros(n) for t in times]

@@ -61,6 +61,11 @@ class Source:
         self.coefficients, self.blocks, self.restarts = smooth.coefficients, smooth.blocks, smooth.restarts
         self.loads = {0.0: total.impulses, **{load.time: load.impulses for load in total.later}}
 
+    @cached_property
+    def generator(self) -> np.ndarray:
+        """J_f."""
+        return block_matrix(self.blocks)
+
     @property
     def knots(self) -> np.ndarray:
         """Times at which the force starts, stops, changes or has impulses, in s."""
@@ -126,6 +131,7 @@ class Phase:
     """The equations of one phase with the force.
 
     Args:
+        key: the states of all switches.
         name: for messages.
         system: the equations.
         branches: those among the equations, whose forces at x = 0 are in addition to the source.
@@ -136,6 +142,7 @@ class Phase:
 
     def __init__(
         self,
+        key: tuple[str, ...],
         name: str,
         system: MechanicalSystem,
         branches: Sequence[ForceBranch],
@@ -143,7 +150,7 @@ class Phase:
         guards: Sequence[Guard],
         longest: float,
     ):
-        self.name, self.system, self.source, self.guards = name, system, source, tuple(guards)
+        self.key, self.name, self.system, self.source, self.guards = key, name, system, source, tuple(guards)
         self.constant = sum((branch.load for branch in branches), np.zeros(system.size))
         potentials = [branch.potential for branch in branches]
         self.potential_force = system.static_force + sum((force for force, _ in potentials), np.zeros(system.size))
@@ -153,7 +160,7 @@ class Phase:
         self.load_map = S
         loads = S @ source.coefficients
         loads[: form.null_space.shape[1]] += np.outer(form.null_space.T @ self.constant, source.coefficients[-1])
-        self.generator = block_matrix(source.blocks)
+        self.generator = source.generator
         A0, A1, A2 = (np.pad(matrix, (0, m)) for matrix in form.polynomial_matrix.coefficients)
         A0[:n, n:], A0[n:, n:], A1[n:, n:] = -loads, -self.generator, np.eye(m)
         names = [f"force {i + 1}" for i in range(m)]

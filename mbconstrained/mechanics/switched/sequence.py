@@ -218,8 +218,13 @@ class PhaseSequence:
         if key not in self.phases:
             machine = self.machine
             guards = [guard for _, guard in machine.guards(key)]
-            self.phases[key] = Phase(machine.label(key), *machine.system_of(key), self.source, guards, self.end)
+            self.phases[key] = Phase(key, machine.label(key), *machine.system_of(key), self.source, guards, self.end)
         return self.phases[key]
+
+    @property
+    def lasting(self) -> list[PhaseSegment]:
+        """The segments that last, of a sequence that has been run."""
+        return [segment for segment in self.segments if segment.duration > 0]
 
     # The course.
 
@@ -334,26 +339,6 @@ class PhaseSequence:
             for (place, guard), own in zip(self.machine.guards(record.after), sign)
             if guard.dwell and own < 0 and not guard.is_opposite
         }
-
-    def momentum_residual(self, record: SwitchRecord) -> float:
-        """|M jump of x' + C jump of x - sum of impulses| relative to the largest momentum, where all impulses are Dirac impulses."""
-        if not record.impulses or any(any(sizes[1:]) for sizes in record.impulses.values()) or record.coordinate_impulses:
-            return 0.0
-        systems = [*(phase.system for phase in record.phases), *(self.machine.systems or {}).values()]
-        rows = {row.name: row.coefficients for system in systems for row in system.rows}
-        for switch in self.machine.switches:
-            if switch.contact is not None:
-                rows.setdefault(switch.name, switch.contact.row)
-        if not set(record.impulses) <= set(rows):
-            return 0.0
-        system = record.phases[1].system
-        terms = [system.mass @ (record.v[1] - record.v[0]), system.damping @ (record.x[1] - record.x[0])]
-        terms += [-rows[name] * sizes[0] for name, sizes in record.impulses.items()]
-        sizes = (
-            [system.mass @ v for v in record.v] + terms + [np.abs(system.mass) @ record.terms[1]]
-        )  # of which they have rounding errors
-        largest = max(float(np.abs(size).max(initial=0.0)) for size in sizes)
-        return float(np.abs(sum(terms)).max(initial=0.0)) / largest if largest else 0.0
 
     def _stop(self, record: SwitchRecord) -> None:
         last = [one.time for one in self.records[-3:]]

@@ -165,17 +165,21 @@ class Switch:
 
     Attributes:
         name: of the part.
-        states: by name.
-        times: states that it takes at given times, (time, state or from which state to which), ascending.
-        contact: its rigid contact; None without.
+        states: by name, the first one at the start.
+        times: states that it takes at given times, ascending.
         unit: unit of its displacement.
+        contact: its rigid contact; None without.
     """
 
-    unit: str = "m"
-    contact: UnilateralContact | None = None
-
-    def __init__(self, name: str, states: Mapping[str, SwitchState], times: Sequence[TimedChange] = ()):
-        self.name, self.states, self.times = name, dict(states), tuple(times)
+    def __init__(
+        self,
+        name: str,
+        states: Mapping[str, SwitchState],
+        times: Sequence[TimedChange] = (),
+        unit: str = "m",
+        contact: UnilateralContact | None = None,
+    ):
+        self.name, self.states, self.times, self.unit, self.contact = name, dict(states), tuple(times), unit, contact
 
     def start(self, x: np.ndarray, v: np.ndarray) -> str:
         """The state at the start."""
@@ -206,8 +210,8 @@ class StartSwitch(Switch):
         limits: ascending (limit, state): the state of the first limit above the value at the start.
     """
 
-    def __init__(self, name, states, row, limits, order: int = 0, times: Sequence[TimedChange] = ()):
-        super().__init__(name, states, times)
+    def __init__(self, name, states, row, limits, order: int = 0, times: Sequence[TimedChange] = (), unit: str = "m"):
+        super().__init__(name, states, times, unit)
         self.row, self.limits, self.order = row, limits, order
 
     def start(self, x: np.ndarray, v: np.ndarray) -> str:
@@ -221,18 +225,14 @@ class StartSwitch(Switch):
 def rigid_contact(name: str, row: np.ndarray, gap: float, restitution: float, unit: str = "m") -> Switch:
     """a x + gap >= 0 without deformation: impacts by Newton's law of restitution, rest at zero, lift-off where the force would pull."""
     none = np.zeros(len(row))
-    switch = Switch(
-        name,
-        {
-            "open": SwitchState(guards=(Guard("closed", row, none, -gap, restitution=restitution, text="closes"),)),
-            "closed": SwitchState(
-                rows=(Constraint(row, value=-gap, names=name, unit=unit),),
-                guards=(Guard("open", none, none, reactions={name: 1.0}, text="opens"),),
-            ),
-        },
-    )
-    switch.contact, switch.unit = UnilateralContact(row, gap, restitution, "open", "closed"), unit
-    return switch
+    states = {
+        "open": SwitchState(guards=(Guard("closed", row, none, -gap, restitution=restitution, text="closes"),)),
+        "closed": SwitchState(
+            rows=(Constraint(row, value=-gap, names=name, unit=unit),),
+            guards=(Guard("open", none, none, reactions={name: 1.0}, text="opens"),),
+        ),
+    }
+    return Switch(name, states, unit=unit, contact=UnilateralContact(row, gap, restitution, "open", "closed"))
 
 
 def elastic_contact(name: str, row: np.ndarray, gap: float, stiffness: float, damping: float = 0.0, unit: str = "m") -> Switch:
@@ -247,9 +247,7 @@ def elastic_contact(name: str, row: np.ndarray, gap: float, stiffness: float, da
         returns = Guard("closed", stiffness * row, damping * row, stiffness * rest, text="closes")
         states["closed"] = SwitchState(branches=(branch,), guards=(opens, separates))
         states["separating"] = SwitchState(guards=(opens, returns))
-    switch = StartSwitch(name, states, row, [(rest, "closed"), (np.inf, "open")])
-    switch.unit = unit
-    return switch
+    return StartSwitch(name, states, row, [(rest, "closed"), (np.inf, "open")], unit=unit)
 
 
 def piecewise_spring(
@@ -321,22 +319,16 @@ def friction(
                 guards=(Guard("stuck", none, -row, beyond="forward", text="sticks"),),
             ),
         }
-    engages = next(iter(states)) if np.isinf(static) else "stuck"
-    times = []
-    if engaged > 0 or np.isfinite(until):
-        states["open"] = SwitchState()
-    if engaged > 0:
-        times.append(TimedChange(engaged, engages, ("open",), "engages"))
+    acting, times, off = tuple(states), [], {"open": SwitchState()}
     if np.isfinite(until):
-        times.append(TimedChange(until, "open", tuple(state for state in states if state != "open"), "is released"))
+        states, times = {**states, **off}, [TimedChange(until, "open", acting, "is released")]
+    if engaged > 0:
+        engages = "locked" if np.isinf(static) else "stuck"
+        states, times = {**off, **states}, [TimedChange(engaged, engages, ("open",), "engages"), *times]
     if engaged > 0 or np.isinf(static):
-        switch = Switch(
-            name, {key: states[key] for key in sorted(states, key=lambda key: key != ("open" if engaged > 0 else engages))}, times
-        )
-    else:
-        switch = StartSwitch(name, states, row, [(0.0, "backward"), (np.nextafter(0, 1), "stuck"), (np.inf, "forward")], 1, times)
-    switch.unit = unit
-    return switch
+        return Switch(name, states, times, unit)
+    limits = [(0.0, "backward"), (np.nextafter(0, 1), "stuck"), (np.inf, "forward")]
+    return StartSwitch(name, states, row, limits, 1, times, unit)
 
 
 def releasable(
@@ -345,10 +337,12 @@ def releasable(
     branches: Sequence[ForceBranch],
     at: float | None,
     guards: Sequence[Guard],
+    unit: str,
 ) -> Switch:
     """Rows and forces that act until a time or until a guard falls to zero."""
     times = [] if at is None else [TimedChange(at, "released", ("attached",), "is released")]
-    return Switch(name, {"attached": SwitchState(tuple(rows), tuple(branches), tuple(guards)), "released": SwitchState()}, times)
+    states = {"attached": SwitchState(tuple(rows), tuple(branches), tuple(guards)), "released": SwitchState()}
+    return Switch(name, states, times, unit)
 
 
 def latch(
@@ -363,17 +357,14 @@ def latch(
     position = distance is not None and at is None
     level: Level = "position" if position else "velocity"
     joined = Constraint(row, level=level, value=distance if position else 0.0, names=name, unit=unit)
-    times = [TimedChange(at, "closed", ("open",), "closes")] if at is not None else []
-    states = {"closed": SwitchState(rows=(joined,))}
+    closed = SwitchState(rows=(joined,))
     if not position:
-        switch = Switch(name, {"open": SwitchState(), **states}, times)
-    else:
-        above = Guard("closed", row, none, distance, text="closes")
-        below = Guard("closed", -row, none, -distance, text="closes")
-        states = {"open above": SwitchState(guards=(above,)), "open below": SwitchState(guards=(below,)), **states}
-        switch = StartSwitch(name, states, row, [(distance, "open below"), (np.inf, "open above")])
-    switch.unit = unit
-    return switch
+        times = [TimedChange(at, "closed", ("open",), "closes")] if at is not None else []
+        return Switch(name, {"open": SwitchState(), "closed": closed}, times, unit)
+    above = Guard("closed", row, none, distance, text="closes")
+    below = Guard("closed", -row, none, -distance, text="closes")
+    states = {"open above": SwitchState(guards=(above,)), "open below": SwitchState(guards=(below,)), "closed": closed}
+    return StartSwitch(name, states, row, [(distance, "open below"), (np.inf, "open above")], unit=unit)
 
 
 # Transitions between phases that are given as whole systems.
