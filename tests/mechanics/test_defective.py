@@ -29,7 +29,7 @@ BASES = {
     "chains of two and one": polynomial(DOUBLE, ZERO, ZERO, (A * B, A + B, 1)),
     "free body": polynomial((1, 0, 1), (-1, 0, 0), (-1, 0, 0), (1, 0, 1)),
 }
-CASES = [(name, seed) for name in BASES for seed in range(7)]
+CASES = [(name, seed) for name in BASES for seed in (0, 1, 2, 6)]  # of M, C, K; 6 moves all masses
 
 
 def slope_of(name, seed):

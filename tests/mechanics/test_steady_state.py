@@ -81,7 +81,7 @@ def test_a_support_that_jumps_at_the_end_of_each_period():
         [mb.Constraint([1, 0], value=mb.sampled([0.0, 2.0], [[0.0, 1.0]]), names="base")],
         ["support", "mass"],
     )
-    steady = system.steady_state(period=2.0, harmonics=2000)
+    steady = system.steady_state(period=2.0, harmonics=1000)
     t = np.linspace(0.2, 1.8, 5)
     series = np.real(steady.displacement_amplitudes @ np.exp(2j * np.pi * np.outer(steady.frequencies_hz, t)))
     np.testing.assert_allclose(steady.displacement(t)[1], series[1], atol=2e-6)
@@ -111,14 +111,14 @@ def test_what_has_no_steady_state_is_refused():
         spring.steady_state(mb.sampled([0.0, 1.0], [[0.0, 1.0]]), period=0.5)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_free_bodies_under_a_record_have_a_bounded_cycle(seed):
     """A driveline that turns freely is somewhere: without a mean torque it oscillates about 0, and differences are those of its harmonics."""
     random = np.random.default_rng(seed)
     J, k, c = random.uniform(1, 3, 2), random.uniform(50, 500), random.uniform(1, 5)
     twist = np.array([[1.0, -1.0], [-1.0, 1.0]])
     record = mb.sampled([0, 0.1, 0.2, 0.3, 0.4], [[0, 1, 0, -1, 0], [0] * 5])
-    steady = mb.MechanicalSystem(np.diag(J), c * twist, k * twist).steady_state(record, period=0.4, harmonics=200)
+    steady = mb.MechanicalSystem(np.diag(J), c * twist, k * twist).steady_state(record, period=0.4, harmonics=100)
     times = np.linspace(0, 0.4, 41)
     w = steady.angular_frequencies
     F = (

@@ -5,7 +5,6 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
-import pytest
 from hypothesis import given
 
 import mbconstrained as mb
@@ -56,17 +55,6 @@ def test_nearest_values_are_those_of_least_squares_on_exact_conditions(problem: 
         size = scale_of(problem.initial, change)
         assert np.abs(values.ravel() - problem.initial.ravel() - change).max() <= BAR * size
         assert np.abs(matrix @ values.ravel() - right).max() <= BAR * size * scale_of(matrix)
-
-
-@pytest.mark.long
-@given(problems(largest_size=3, with_impulses=False))
-def test_dimensions_of_the_sets_are_those_of_the_exact_conditions(problem: Problem):
-    q, r = problem.sample.degree, problem.sample.size
-    if not q:
-        return
-    (jump, _), (impulse, _) = conditions(problem)
-    ranks = [np.linalg.matrix_rank(matrix, rtol=1e-9) if matrix.size else 0 for matrix in (jump, impulse)]
-    assert mb.admissible(problem.sample.matrix).dimensions == (q * r - ranks[0], q * r - ranks[1], q * r)
 
 
 @given(problems(with_impulses=False))
