@@ -237,13 +237,7 @@ class PeriodicMotion(Displayed):
 
 
 class PeriodMap:
-    """z after one period, from z at its start, which may be at any time of the period of the force.
-
-    Args:
-        system: the ``SwitchedSystem``.
-        force: in addition to its own.
-        period: T in s; None where it is not prescribed.
-    """
+    """z after one period T, None where it is not prescribed, from z at its start, which may be at any time of the period of the force."""
 
     def __init__(self, system, force, period: float | None):
         self.system, self.force, self.period = system, force, period
@@ -328,12 +322,7 @@ class PeriodMap:
 
 
 class _Shifts:
-    """Displacements d that change no force and no condition of the system: of free bodies, and of bodies with a prescribed motion.
-
-    Attributes:
-        signals: of rows at position level, which may move on.
-        free: basis of the shifts without those of prescribed motions, shape (n, f).
-    """
+    """Displacements d that change no force and no condition of the system: of free bodies, and of bodies with a prescribed motion."""
 
     def __init__(self, system, source: Source):
         n = system.system.size
@@ -344,13 +333,13 @@ class _Shifts:
         fixed += [branch.direction[None] for state in states for branch in state.branches if branch.stiffness]
         fixed += [row.rows for state in states for row in state.rows if row.level == "position"]
         moving = {row.name: row for row in rows if row.signal is not None}.values()
-        self.signals = [row.signal for row in moving]
+        self.signals = [row.signal for row in moving]  # which may move on
         self._rows = source.coefficients[[source.place(signal).start for signal in self.signals]]
         N = _null_space(np.vstack([np.zeros((1, n)), *fixed]))
         A = np.array([row.coefficients for row in moving]).reshape(-1, n) @ N
         self._matrix, self._inverse = A, np.linalg.pinv(A)
         self._solved = N @ self._inverse
-        self.free = N @ _null_space(A)
+        self.free = N @ _null_space(A)  # a basis of the shifts without those of prescribed motions, shape (n, f)
 
     def between(self, first: np.ndarray, last: np.ndarray) -> np.ndarray | None:
         """The shift by a change of the states of the force, shape (n,); None where there is none."""

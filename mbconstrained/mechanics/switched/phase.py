@@ -42,12 +42,7 @@ START_NOISE = 4 * EPS
 
 
 class Source:
-    """All that acts from outside: the force on the n coordinates, those of some phases only, the signals of constraint rows, and the constant 1.
-
-    Args:
-        applied: the force in all phases, n rows.
-        signals: signals of constraint rows, one row each, and excitations of phases, n rows each.
-    """
+    """All that acts from outside: the force on the n coordinates, those of some phases only, the signals of constraint rows, and the constant 1."""
 
     def __init__(self, applied: ImpulsiveSmooth, signals: Sequence[ImpulsiveSmooth]):
         self.size, self.signals = applied.size, list(signals)
@@ -105,21 +100,13 @@ class Source:
 
 @dataclass(frozen=True, eq=False)
 class PhaseEntry:
-    """The states of a phase just after a switch.
+    """The states of a phase just after a switch."""
 
-    Attributes:
-        state: y.
-        size: its rounding errors relative to NOISE.
-        jump: of x and x', shape (2, n); exactly zero where they are continuous.
-        impulses: arrays (n,) of x, the k-th multiplies the k-th derivative of Dirac's delta.
-        reactions: of the multipliers, arrays (k,) in the order of the rows.
-    """
-
-    state: np.ndarray
-    size: np.ndarray
-    jump: np.ndarray
-    impulses: tuple[np.ndarray, ...]
-    reactions: tuple[np.ndarray, ...]
+    state: np.ndarray  # y
+    size: np.ndarray  # its rounding errors relative to NOISE
+    jump: np.ndarray  # of x and x', shape (2, n); exactly zero where they are continuous
+    impulses: tuple[np.ndarray, ...]  # of x, shape (n,) each, the k-th multiplies the k-th derivative of Dirac's delta
+    reactions: tuple[np.ndarray, ...]  # those of the multipliers, shape (k,) each, in the order of the rows
 
     @property
     def is_smooth(self) -> bool:
@@ -128,27 +115,17 @@ class PhaseEntry:
 
 
 class Phase:
-    """The equations of one phase with the force.
-
-    Args:
-        key: the states of all switches.
-        name: for messages.
-        system: the equations.
-        branches: those among the equations, whose forces at x = 0 are in addition to the source.
-        source: the force.
-        guards: by which it may end.
-        longest: the longest time of interest, s.
-    """
+    """The equations of one phase with the force."""
 
     def __init__(
         self,
-        key: tuple[str, ...],
-        name: str,
+        key: tuple[str, ...],  # the states of all switches
+        name: str,  # for messages
         system: MechanicalSystem,
-        branches: Sequence[ForceBranch],
+        branches: Sequence[ForceBranch],  # those among the equations, whose forces at x = 0 are in addition to the source
         source: Source,
-        guards: Sequence[Guard],
-        longest: float,
+        guards: Sequence[Guard],  # by which it may end
+        longest: float,  # time of interest, s
     ):
         self.key, self.name, self.system, self.source, self.guards = key, name, system, source, tuple(guards)
         self.constant = sum((branch.load for branch in branches), np.zeros(system.size))
@@ -265,9 +242,7 @@ class Phase:
     ) -> PhaseEntry:
         """The states just after a switch, from x, x' before it, the states of the force after it, and its impulses there.
 
-        Args:
-            x, v, w, loads: these.
-            before: moduli of values from which x and x' were computed, and whose rounding errors they have.
+        ``before`` are moduli of values from which x and x' were computed, and whose rounding errors they have.
         """
         n, stack = self.system.size, np.concatenate([x, v, w])
         sizes = np.abs(stack)

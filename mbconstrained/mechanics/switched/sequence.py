@@ -40,69 +40,43 @@ SMALL_BOUNCE = EPS**0.5
 
 @dataclass(eq=False)
 class PhaseSegment:
-    """One phase between two times.
-
-    Attributes:
-        phase: with its equations.
-        time, remainder: the begin, s, and its rounding error.
-        state: y there.
-        duration: s.
-        jump: the derivative of (x, x') at the begin with respect to that before it, shape (2 n, 2 n), for sensitivities.
-        event: the switch at the begin, where there is one.
-    """
+    """One phase between two times."""
 
     phase: Phase
-    time: float
-    remainder: float
-    state: np.ndarray
-    jump: Callable[[], np.ndarray]
-    duration: float = 0.0
-    event: SwitchRecord | None = None
+    time: float  # of the begin, s
+    remainder: float  # its rounding error
+    state: np.ndarray  # y there
+    jump: Callable[[], np.ndarray]  # the derivative of (x, x') there with respect to that before it, shape (2 n, 2 n)
+    duration: float = 0.0  # s
+    event: SwitchRecord | None = None  # the switch at the begin, where there is one
 
 
 @dataclass(eq=False)
 class SwitchRecord:
-    """A switch, while the phase that follows is searched and afterwards.
+    """A switch, while the phase that follows is searched and afterwards."""
 
-    Attributes:
-        time, remainder: in s, and its rounding error.
-        before, after: the states of the switches.
-        x, v: displacement and velocity before and after.
-        terms: sums of the moduli of the terms of x and v before.
-        force: the states of the force after it.
-        loads: impulses of the force that are still to act.
-        zeros: how many derivatives of outputs, the value among them, are exactly zero, whatever their rounding errors.
-        impulses: by name, by order.
-        coordinate_impulses: of x, by order.
-        guard, guard_row: the guard that fell to zero, and its row on the states before.
-        phases: before and after.
-        grazing: whether the guard only touches zero.
-        resting: where infinitely many bounces are summed, the time of rest.
-        texts: what happens.
-        maps: derivatives of (x, x') after each step with respect to those before it.
-        impacts: their number.
-    """
-
-    time: float
-    remainder: float
+    time: float  # in s
+    remainder: float  # its rounding error
     before: Key
     after: Key
-    x: list[np.ndarray]
-    v: list[np.ndarray]
-    terms: tuple[np.ndarray, np.ndarray]
-    force: np.ndarray
-    loads: Sequence[np.ndarray] = ()
+    x: list[np.ndarray]  # displacement before and after
+    v: list[np.ndarray]  # velocity before and after
+    terms: tuple[np.ndarray, np.ndarray]  # sums of the moduli of the terms of x and v before
+    force: np.ndarray  # the states of the force after it
+    loads: Sequence[np.ndarray] = ()  # impulses of the force that are still to act
+    # how many derivatives of outputs, the value among them, are exactly zero, whatever their rounding errors
     zeros: dict[Functional, int] = field(default_factory=dict)
-    impulses: dict[str, list[float]] = field(default_factory=dict)
-    coordinate_impulses: tuple[np.ndarray, ...] = ()
-    guard: Guard | None = None
-    guard_row: np.ndarray | None = None
-    phases: tuple[Phase, ...] = ()
-    grazing: bool = False
-    resting: float | None = None
-    texts: list[str] = field(default_factory=list)
+    impulses: dict[str, list[float]] = field(default_factory=dict)  # by name, by order
+    coordinate_impulses: tuple[np.ndarray, ...] = ()  # of x, by order
+    guard: Guard | None = None  # that fell to zero
+    guard_row: np.ndarray | None = None  # its row on the states before
+    phases: tuple[Phase, ...] = ()  # before and after
+    grazing: bool = False  # whether the guard only touches zero
+    resting: float | None = None  # where infinitely many bounces are summed, the time of rest
+    texts: list[str] = field(default_factory=list)  # what happens
+    # derivatives of (x, x') after each step with respect to those before it
     maps: list[Callable[[], np.ndarray]] = field(default_factory=list)
-    impacts: int = 0
+    impacts: int = 0  # their number
 
     def turn(self, place: int, state: str) -> None:
         """Let one switch take a state."""
@@ -130,13 +104,7 @@ class SwitchRecord:
 
 
 class Machine:
-    """The phases of a switched system, each made when it is first entered.
-
-    Args:
-        system: the equations common to all phases; None where every phase has its own.
-        switches: its switches.
-        systems: the whole systems by state of the only switch, where there is one.
-    """
+    """The equations of all phases: common ones with those of the states of switches, or whole systems by the state of the only switch."""
 
     def __init__(self, system: MechanicalSystem, switches: Sequence[Switch], systems: Mapping[str, MechanicalSystem] | None = None):
         self.system, self.switches, self.systems = system, tuple(switches), systems
@@ -195,14 +163,7 @@ def _with_branches(matrix, branches: Sequence[ForceBranch], field: str):
 
 
 class PhaseSequence:
-    """The computation of one motion.
-
-    Args:
-        machine: the phases.
-        source: the force.
-        end: of the motion, s.
-        most_events: it stops with a message after so many switches.
-    """
+    """The computation of one motion up to its end in s, which stops with a message after too many events; phases are made when first entered."""
 
     def __init__(self, machine: Machine, source: Source, end: float, most_events: int):
         self.machine, self.source, self.end, self.most = machine, source, end, most_events

@@ -38,29 +38,18 @@ def functional(
 
 @dataclass(frozen=True, eq=False)
 class Guard:
-    """g = d x + c x' + sum of factor times multiplier - value, positive while the state lasts.
+    """g = d x + c x' + sum of factor times multiplier - value, positive while the state lasts."""
 
-    Attributes:
-        target: the state that follows where it falls to zero.
-        displacement, velocity: d and c, shape (n,).
-        value: what is subtracted.
-        reactions: factors of the multipliers of constraint rows by name.
-        beyond: the state that follows where it is negative at once, not zero first; None for the same.
-        restitution: of an impact along d; None for a guard that is none.
-        dwell: so long, in s, it must stay negative before the state ends.
-        text: for reports.
-    """
-
-    target: str
-    displacement: np.ndarray
-    velocity: np.ndarray
+    target: str  # the state that follows where it falls to zero
+    displacement: np.ndarray  # d, shape (n,)
+    velocity: np.ndarray  # c, shape (n,)
     value: float = 0.0
-    reactions: Mapping[str, float] = field(default_factory=dict)
-    beyond: str | None = None
-    restitution: float | None = None
-    dwell: float = 0.0
-    text: str = ""
-    is_opposite: bool = False
+    reactions: Mapping[str, float] = field(default_factory=dict)  # factors of the multipliers of constraint rows by name
+    beyond: str | None = None  # the state that follows where it is negative at once, not zero first; None for the same
+    restitution: float | None = None  # of an impact along d; None for a guard that is none
+    dwell: float = 0.0  # so long, in s, it must stay negative before the state ends
+    text: str = ""  # for reports
+    is_opposite: bool = False  # whether it ends a dwell
 
     @cached_property
     def functional(self) -> Functional:
@@ -87,18 +76,16 @@ class Guard:
 
 @dataclass(frozen=True, eq=False)
 class ForceBranch:
-    """A force -(stiffness (a x - rest) + damping a x') along a, and a constant one; both on the coordinates by a^T.
-
-    Attributes:
-        stored: the energy of the spring at a x = rest, J; None where the constant force is none of a spring, as friction.
-    """
+    """A force -(stiffness (a x - rest) + damping a x') along a, and a constant one; both on the coordinates by a^T."""
 
     direction: np.ndarray
     stiffness: float = 0.0
     rest: float = 0.0
     damping: float = 0.0
     constant: float = 0.0
-    stored: float | None = 0.0
+    stored: float | None = (
+        0.0  # the energy of the spring at a x = rest, J; None where the constant force is none of a spring, as friction
+    )
 
     @property
     def load(self) -> np.ndarray:
@@ -115,39 +102,24 @@ class ForceBranch:
 
 @dataclass(frozen=True, eq=False)
 class SwitchState:
-    """The rows, forces and guards of a switch while it is in a state.
-
-    Attributes:
-        rows: constraint rows.
-        branches: forces.
-        guards: by which the state ends.
-        slips: whether its force is bounded, so that it passes on no impulse: the state that it takes during impacts; None where it is not.
-    """
+    """The rows, forces and guards of a switch while it is in a state."""
 
     rows: tuple[Constraint, ...] = ()
     branches: tuple[ForceBranch, ...] = ()
-    guards: tuple[Guard, ...] = ()
-    slips: str | None = None
+    guards: tuple[Guard, ...] = ()  # by which the state ends
+    slips: str | None = None  # where its force is bounded, so that it passes on no impulse: the state that it takes during impacts
 
 
 @dataclass(frozen=True, eq=False)
 class UnilateralContact:
-    """A rigid contact a x + gap >= 0 among the states of a switch.
+    """A rigid contact a x + gap >= 0 among the states of a switch."""
 
-    Attributes:
-        row: a.
-        gap: at x = 0.
-        restitution: e of a x' after an impact = -e a x' before it.
-        open, closed: the states.
-        sliding: of a contact that sticks, with further rows while it is closed, the state without these, which follows where it can neither
-            stick nor separate; None for others.
-    """
-
-    row: np.ndarray
-    gap: float
-    restitution: float
-    open: str
+    row: np.ndarray  # a
+    gap: float  # at x = 0
+    restitution: float  # e of a x' after an impact = -e a x' before it
+    open: str  # the states
     closed: str
+    # that without further rows, of a contact that sticks by them, which follows where it can neither stick nor separate; None for others
     sliding: str | None = None
 
     @cached_property
@@ -161,23 +133,15 @@ class UnilateralContact:
 
 
 class Switch:
-    """A named part with several states.
-
-    Attributes:
-        name: of the part.
-        states: by name, the first one at the start.
-        times: states that it takes at given times, ascending.
-        unit: unit of its displacement.
-        contact: its rigid contact; None without.
-    """
+    """A named part with several states, the first one at the start."""
 
     def __init__(
         self,
         name: str,
         states: Mapping[str, SwitchState],
-        times: Sequence[TimedChange] = (),
-        unit: str = "m",
-        contact: UnilateralContact | None = None,
+        times: Sequence[TimedChange] = (),  # ascending
+        unit: str = "m",  # of its displacement
+        contact: UnilateralContact | None = None,  # where it is a rigid one
     ):
         self.name, self.states, self.times, self.unit, self.contact = name, dict(states), tuple(times), unit, contact
 
@@ -188,27 +152,16 @@ class Switch:
 
 @dataclass(frozen=True)
 class TimedChange:
-    """A change of state at a time.
+    """A change of state at a time."""
 
-    Attributes:
-        time: in s.
-        target: the state that follows.
-        sources: the states in which it takes place; empty for all.
-        text: for reports.
-    """
-
-    time: float
-    target: str
-    sources: tuple[str, ...] = ()
-    text: str = ""
+    time: float  # in s
+    target: str  # the state that follows
+    sources: tuple[str, ...] = ()  # the states in which it takes place; empty for all
+    text: str = ""  # for reports
 
 
 class StartSwitch(Switch):
-    """A switch whose state at the start depends on a displacement or a velocity along a row.
-
-    Args:
-        limits: ascending (limit, state): the state of the first limit above the value at the start.
-    """
+    """A switch whose state at the start is that of the first ascending limit above the displacement, or velocity, along a row."""
 
     def __init__(self, name, states, row, limits, order: int = 0, times: Sequence[TimedChange] = (), unit: str = "m"):
         super().__init__(name, states, times, unit)
@@ -296,10 +249,7 @@ def friction(
 ) -> Switch:
     """Coulomb friction along a: a force of the kinetic size against a x', exactly at rest as long as that takes no more than the static one.
 
-    Args:
-        kinetic, static: limits of the force, in N or N m; infinite for a rigid connection.
-        engaged: acts from this time on, in s.
-        until: until then.
+    Infinite limits are those of a rigid connection. It acts between the times engaged and until, in s.
     """
     none = np.zeros(len(row))
     stuck = Constraint(row, level="velocity", names=name, unit=unit)
