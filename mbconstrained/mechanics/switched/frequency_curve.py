@@ -328,7 +328,7 @@ class _Branch:
         w = 2 * np.pi * self.frequencies[0] / self.periods
         map = self.map(w)
         map.check_force()
-        orbit = cleared(forced_orbit(map, z))
+        orbit = cleared(forced_orbit(map, z, np.zeros(2 * map.size)))
         direction = np.append(np.zeros(len(orbit.z)), np.sign(self.frequencies[-1] - self.frequencies[0]))
         return _Point(orbit, self._tangent(orbit, self.scales(orbit), direction))
 

@@ -66,7 +66,7 @@ class ContactSet:
         total, own = np.eye(2 * n), np.flatnonzero(p > 0)
         if len(own):
             by = np.linalg.solve(self.mobility[np.ix_(own, own)], (1 + restitution[own])[:, None] * self.rows[own])
-            total[:, n:] -= np.vstack([self.phase.C, self.phase.V]) @ self.response[:, own] @ by
+            total[:, n:] -= self.phase.outputs @ self.response[:, own] @ by
         return total
 
 

@@ -420,7 +420,7 @@ class Orbit:
         n, free, phase = self.map.size, self.map.shifts.free, self.last
         size = self.sizes
         M = self.matrix * size / size[:, None]
-        project = np.vstack([phase.C, phase.V]) @ phase.start[:, : 2 * n] * size / size[:, None]
+        project = phase.entry_map() * size / size[:, None]
         kept = round(float(np.trace(project)))
         shifts = [np.vstack([free, np.zeros_like(free)])]
         if self.map.is_autonomous:
@@ -488,6 +488,7 @@ def find_periodic(system, period, guess, force, begin: np.ndarray | None = None)
     start = None if guess is None else start_of(system, guess)
     with within_float64():
         map = PeriodMap(system, force, T)
+        begin = np.zeros(2 * map.size) if begin is None else begin
         if map.is_autonomous:
             return _free(map, T, start, begin).periodic_motion()
         map.period = T = map.force_period() if T is None else T
@@ -516,9 +517,9 @@ def start_of(system, guess) -> np.ndarray:
     return np.concatenate([values.ravel(), np.zeros(2 * n - values.size)])
 
 
-def forced_orbit(map: PeriodMap, start: np.ndarray | None, begin: np.ndarray | None = None) -> Orbit:
-    """The closed orbit with a given period."""
-    T, z = map.period, _first_of(map, start, begin)
+def forced_orbit(map: PeriodMap, start: np.ndarray | None, begin: np.ndarray) -> Orbit:
+    """The closed orbit with a given period, near a start if there is one, or else near the motion after some periods."""
+    T, z = map.period, begin if start is None else start
     key = map.system._first_key(z[: map.size], z[map.size :])
     if start is not None:
         try:
@@ -615,15 +616,9 @@ def _shorter_step(orbit: Orbit, step: np.ndarray, sizes: np.ndarray, residual: f
     return None
 
 
-def _first_of(map: PeriodMap, *values: np.ndarray | None) -> np.ndarray:
-    """The first state that is given, or rest at zero."""
-    return next((one for one in values if one is not None), np.zeros(2 * map.size))
-
-
-def _free(map: PeriodMap, period: float | None, start: np.ndarray | None, begin: np.ndarray | None = None) -> Orbit:
+def _free(map: PeriodMap, period: float | None, start: np.ndarray | None, begin: np.ndarray) -> Orbit:
     """The closed orbit of a motion without a prescribed period."""
-    n = map.size
-    z = _first_of(map, start, begin)
+    n, z = map.size, begin if start is None else start
     key = map.system._first_key(z[:n], z[n:])
     if start is not None and period is not None:
         return _moving(newton(map.orbit(key, z, period), free_period=True))

@@ -164,12 +164,14 @@ class Phase:
         outputs = scaling.columns[:, None] * (form.C @ parts.basis) * scale
         self.C, self.of_force = outputs[:n], outputs[n:]
         self.V = self.C @ self.J
+        self.outputs = np.vstack([self.C, self.V])
         units = np.zeros((2, n + m, 2 * n + m))  # of x, x' and w
         for order in (0, 1):
             units[order, :n, order * n : (order + 1) * n] = np.eye(n)
         units[0, n:, 2 * n :], units[1, n:, 2 * n :] = np.eye(m), self.generator
         stack = companion.scaled_stack(units)
         self.start = (parts.inverse @ (form.finite_start @ stack)) / scale[:, None]
+        self.begin = self.start[:, : 2 * n]  # of x and x' alone
         self.input = scaling.time * (parts.inverse @ form.B)[:, :n] * scaling.rows[:n] / scale[:, None]
         self._start_size = np.abs(self.start) * (START_NOISE / NOISE)
         infinite = form.infinite_start.data @ stack
@@ -264,6 +266,10 @@ class Phase:
         least = NOISE * float(np.abs(initial).max(initial=0.0)) / self.pairs.form.companion.scaling.time
         own = _without_noise([impulse[:n] for impulse in begin.impulses], least)
         return PhaseEntry(y, size, jump, own, self._reactions(jump, own, loads))
+
+    def entry_map(self) -> np.ndarray:
+        """The derivative of (x, x') at the begin with respect to those just before it."""
+        return self.outputs @ self.begin
 
     def start_jump(self, initial: np.ndarray, y: np.ndarray) -> np.ndarray:
         """x and x' at t = 0 from y less the initial ones, shape (2, n), zero within rounding errors."""

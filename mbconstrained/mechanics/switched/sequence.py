@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
+from functools import cached_property, reduce
 from itertools import combinations, islice, product
 from typing import TYPE_CHECKING
 
@@ -46,9 +47,15 @@ class PhaseSegment:
     time: float  # of the begin, s
     remainder: float  # its rounding error
     state: np.ndarray  # y there
-    jump: Callable[[], np.ndarray]  # the derivative of (x, x') there with respect to that before it, shape (2 n, 2 n)
+    maps: Sequence[Callable[[], np.ndarray]]  # derivatives of (x, x') after each step of the switch with respect to those before it
     duration: float = 0.0  # s
     event: SwitchRecord | None = None  # the switch at the begin, where there is one
+
+    @cached_property
+    def jump(self) -> np.ndarray:
+        """The derivative of (x, x') at the begin with respect to those before the switch, shape (2 n, 2 n)."""
+        first, *others = self.maps
+        return reduce(lambda total, one: one() @ total, others, first())
 
 
 @dataclass(eq=False)
@@ -280,19 +287,23 @@ class PhaseSequence:
         if not entry.is_smooth:
             self._move(record, phase, entry)
         record.x[1], record.v[1] = phase.C @ entry.state, phase.V @ entry.state
-        record.maps.append(_map_of(phase))
+        record.maps.append(phase.entry_map)
         self._begin(record, phase, entry, order, sign)
 
     def _begin(self, record: SwitchRecord, phase: Phase, entry: PhaseEntry, order: np.ndarray, sign: np.ndarray) -> None:
         old = self.segments[-1].phase if self.segments else phase
         record.phases, record.texts = (old, phase), list(filter(None, record.texts))
-        segment = PhaseSegment(phase, record.time, record.remainder, entry.state, _product(record.maps))
+        segment = PhaseSegment(phase, record.time, record.remainder, entry.state, record.maps)
         later = record.texts or record.after != record.before or entry.jump.any() or record.grazing
         if record.impulses or record.coordinate_impulses or (self.segments and later):
             self.records.append(record)
             segment.event = record
             if len(self.records) > self.most:
-                self._stop(record)
+                last = ", ".join(f"{one.time:.9g} s" for one in self.records[-3:])
+                raise NotUnique(
+                    f"the motion switches more than {self.most} times before {self.end:g} s, last at {last}; give an earlier end, or a "
+                    "larger most_events"
+                )
         self.segments.append(segment)
         self.key, self.size, self.orders, self.signs = record.after, entry.size, order, sign
         self.deadlines = {
@@ -300,13 +311,6 @@ class PhaseSequence:
             for (place, guard), own in zip(self.machine.guards(record.after), sign)
             if guard.dwell and own < 0 and not guard.is_opposite
         }
-
-    def _stop(self, record: SwitchRecord) -> None:
-        last = [one.time for one in self.records[-3:]]
-        raise NotUnique(
-            f"the motion switches more than {self.most} times before {self.end:g} s, last at {', '.join(f'{t:.9g} s' for t in last)}; "
-            "give an earlier end, or a larger most_events"
-        )
 
     # Guards.
 
@@ -387,7 +391,7 @@ class PhaseSequence:
             record.add_impulse(name, sizes)
         if entry.impulses:
             record.coordinate_impulses = entry.impulses
-        record.maps.append(_map_of(phase))
+        record.maps.append(phase.entry_map)
         record.x[1], record.v[1] = phase.C @ entry.state, phase.V @ entry.state
         record.loads = ()
         record.forget(bool(entry.jump[0].any()))
@@ -618,21 +622,3 @@ def _impulse_unit(unit: str, order: int) -> str:
     from ...ground.coordinate_units import force_unit, impulse_unit
 
     return impulse_unit(force_unit(unit), order)
-
-
-# Sensitivities of values after a switch to those before it.
-
-
-def _map_of(phase: Phase) -> Callable[[], np.ndarray]:
-    """The derivative of (x, x') at the begin of a phase with respect to those just before it."""
-    return lambda: np.vstack([phase.C, phase.V]) @ phase.start[:, : 2 * phase.system.size]
-
-
-def _product(maps: Sequence[Callable[[], np.ndarray]]) -> Callable[[], np.ndarray]:
-    def derivative() -> np.ndarray:
-        result = maps[0]()
-        for one in maps[1:]:
-            result = one() @ result
-        return result
-
-    return derivative

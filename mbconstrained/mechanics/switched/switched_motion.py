@@ -482,7 +482,7 @@ class SwitchedMotion(Motion):
                 S, along, own_along = _saltation(previous, segment, F, y)
                 radians = float(previous.phase.flow.rates.max(initial=0.0)) * previous.duration
                 noise = EPS * (OWN_NOISE + NOISE_BY_RADIAN * radians) * _sizes(previous, y)
-                own = segment.jump() @ (_without_guard(segment, n) * noise)
+                own = segment.jump @ (_without_guard(segment, n) * noise)
                 if along is not None and own_along is not None:
                     # a guard is searched by what its value gains in the phase: a short flight has errors of its own size
                     gained = np.concatenate([noise[n:] * previous.duration, noise[n:]])
@@ -538,7 +538,7 @@ class SwitchedMotion(Motion):
             rows = rows @ phase.J
         if not len(rows):
             return 0.0
-        moved = block_states(phase.blocks, phase.start[:, : 2 * n], np.full(2 * n, since))
+        moved = block_states(phase.blocks, phase.begin, np.full(2 * n, since))
         y = phase.flow.states(segment.state, since)
         A = rows @ moved
         radians = float(phase.flow.rates.max(initial=0.0)) * since
@@ -663,7 +663,7 @@ def _text_of(record: SwitchRecord) -> str:
 def transition_matrix(sequence: PhaseSequence) -> np.ndarray:
     """The derivative of (x, x') at the end of a sequence with respect to those at 0-."""
     with np.errstate(over="ignore", invalid="ignore"):
-        total = sequence.segments[0].jump()
+        total = sequence.segments[0].jump
         waiting: list[tuple[float, Guard, np.ndarray]] = []
         for previous, segment in pairwise(sequence.segments):
             F, y = _transition(previous)
@@ -675,7 +675,7 @@ def transition_matrix(sequence: PhaseSequence) -> np.ndarray:
                         total = total + np.outer(_change_of_rate(previous, segment, y), along)
                         break
         last = sequence.segments[-1]
-        return np.vstack([last.phase.C, last.phase.V]) @ (_transition(last)[0] @ total)
+        return last.phase.outputs @ (_transition(last)[0] @ total)
 
 
 def _begun_dwells(previous: PhaseSegment, segment: PhaseSegment, F: np.ndarray, y: np.ndarray):
@@ -697,7 +697,7 @@ def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
 def _transition(segment: PhaseSegment) -> tuple[np.ndarray, np.ndarray]:
     """The derivative of the states at the end of a segment with respect to (x, x') at its begin, and the states there."""
     phase, n = segment.phase, segment.phase.system.size
-    moved = block_states(phase.blocks, phase.start[:, : 2 * n], np.full(2 * n, segment.duration))
+    moved = block_states(phase.blocks, phase.begin, np.full(2 * n, segment.duration))
     return moved, phase.flow.states(segment.state, segment.duration)
 
 
@@ -718,9 +718,8 @@ def _saltation(
     With the guard g and its rate: S = D F - (z+' - D z-') dt, dt = -dg / g' (saltation matrix; Leine and Nijmeijer, Dynamics and Bifurcations
     of Non-Smooth Mechanical Systems, 2004, section 7.4). Then that of the time with respect to (x, x') at the end of the previous.
     """
-    phase, D = previous.phase, segment.jump()
-    outputs, own = np.vstack([phase.C, phase.V]), phase.start[:, : 2 * phase.system.size]
-    moved, record = D @ (outputs @ F), segment.event
+    phase, D = previous.phase, segment.jump
+    moved, record = D @ (phase.outputs @ F), segment.event
     if record is None or record.guard_row is None:
         return moved, None, None
     row = record.guard_row @ phase.J if record.grazing else record.guard_row  # grazing is the minimum of a guard
@@ -728,7 +727,7 @@ def _saltation(
     if rate == 0:
         unknown = np.full(F.shape[1], np.inf)
         return moved, unknown, unknown
-    along, own_along = -(row @ F) / rate, -(row @ own) / rate
+    along, own_along = -(row @ F) / rate, -(row @ phase.begin) / rate
     if record.grazing:  # nothing changes there
         return moved, along, own_along
     change = _change_of_rate(previous, segment, y)
@@ -738,5 +737,5 @@ def _saltation(
 def _change_of_rate(previous: PhaseSegment, segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
     """D z-' - z+', by which a later switch changes z."""
     before, after = previous.phase, segment.phase
-    rate = np.vstack([before.C, before.V]) @ (before.J @ y)
-    return segment.jump() @ rate - np.vstack([after.C, after.V]) @ (after.J @ segment.state)
+    rate = before.outputs @ (before.J @ y)
+    return segment.jump @ rate - after.outputs @ (after.J @ segment.state)
