@@ -252,7 +252,7 @@ class SwitchedMotion(Motion):
         )
 
     def _momentum_residual(self, record: SwitchRecord) -> float:
-        """That of an event with Dirac impulses alone."""
+        """The residual of the balance of momentum at an event with Dirac impulses alone; 0 at others."""
         rows, sizes = self.impulse_rows, record.impulses.values()
         if not sizes or any(any(one[1:]) for one in sizes) or record.coordinate_impulses or not set(record.impulses) <= set(rows):
             return 0.0
