@@ -84,7 +84,7 @@ class _Level:
 
 
 class PhaseFlow:
-    """y(t) = e^{J t} y_0 by the blocks of J, with guards g = c y - b by rows c, shape (p, n), and values b; over the longest time of interest in s."""
+    """y(t) = e^{J t} y_0 by the blocks of J, up to a longest time in s, with guards g = c y - b by p rows c and values b."""
 
     def __init__(self, blocks: Sequence[np.ndarray], rows: np.ndarray, values: np.ndarray, longest: float):
         self.blocks, self.rows, self.values, self.longest = tuple(blocks), rows, values, longest

@@ -237,7 +237,7 @@ class PeriodicMotion(Displayed):
 
 
 class PeriodMap:
-    """z after one period T, None where it is not prescribed, from z at its start, which may be at any time of the period of the force."""
+    """z after a period T, None where it is not prescribed, from z at its start, which may be at any time of that of the force."""
 
     def __init__(self, system, force, period: float | None):
         self.system, self.force, self.period = system, force, period

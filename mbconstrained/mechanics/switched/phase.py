@@ -42,7 +42,7 @@ START_NOISE = 4 * EPS
 
 
 class Source:
-    """All that acts from outside: the force on the n coordinates, those of some phases only, the signals of constraint rows, and the constant 1."""
+    """All that acts from outside: the force on the coordinates, those of some phases, the signals of constraint rows, and the constant 1."""
 
     def __init__(self, applied: ImpulsiveSmooth, signals: Sequence[ImpulsiveSmooth]):
         self.size, self.signals = applied.size, list(signals)

@@ -111,7 +111,7 @@ class SwitchRecord:
 
 
 class Machine:
-    """The equations of all phases: common ones with those of the states of switches, or whole systems by the state of the only switch."""
+    """The equations of all phases: common ones with those of the states of switches, or whole ones by the state of the only switch."""
 
     def __init__(self, system: MechanicalSystem, switches: Sequence[Switch], systems: Mapping[str, MechanicalSystem] | None = None):
         self.system, self.switches, self.systems = system, tuple(switches), systems
@@ -170,7 +170,7 @@ def _with_branches(matrix, branches: Sequence[ForceBranch], field: str):
 
 
 class PhaseSequence:
-    """The computation of one motion up to its end in s, which stops with a message after too many events; phases are made when first entered."""
+    """The computation of one motion up to its end, s, or an error after too many events; phases are made when first entered."""
 
     def __init__(self, machine: Machine, source: Source, end: float, most_events: int):
         self.machine, self.source, self.end, self.most = machine, source, end, most_events

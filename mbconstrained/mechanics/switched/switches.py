@@ -119,7 +119,7 @@ class UnilateralContact:
     restitution: float  # e of a x' after an impact = -e a x' before it
     open: str  # the states
     closed: str
-    # that without further rows, of a contact that sticks by them, which follows where it can neither stick nor separate; None for others
+    # of a contact that sticks by further rows, that without these, which follows where it can neither stick nor separate
     sliding: str | None = None
 
     @cached_property
