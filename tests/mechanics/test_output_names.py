@@ -1,13 +1,11 @@
 """Quantities by name in every analysis, against (K - w^2 M + i w C) x = f solved by NumPy and forces written out by hand."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import mbconstrained as mb
+from tests.scene.scenes import EXAMPLES, scene_of
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
 HERTZ = np.array([0.0, 0.3, 1.7, 2.4, 9.0])
 
 
@@ -187,8 +185,7 @@ def test_the_force_on_the_ground_balances_contacts_friction_and_ropes(name, tmp_
     """w M x'' = w f - F in every phase: forces of contacts and friction are reactions, which act on the ground as springs do."""
     text = (EXAMPLES / f"{name}.toml").read_text(encoding="utf-8")
     what = "torque on ground" if name == "gear_rattle" else "force on ground"
-    (tmp_path / "scene.toml").write_text(f'{text}\n[[output.quantity]]\nof = "{what}"\n', encoding="utf-8")
-    scene = mb.read_scene(tmp_path / "scene.toml")
+    scene = scene_of(tmp_path, f'{text}\n[[output.quantity]]\nof = "{what}"\n')
     motion, system = scene.run().motion, scene.system
     times = np.linspace(0.0, 0.98 * motion.end, 200) + 1e-4
     force = system.quantities[what].values(motion, times)
