@@ -136,7 +136,7 @@ def four_bar(p, kind="revolute", loops=None, **options):
     return Linkage(*robot_of(four_bar_text(p, kind), loops=loops, **options), dict(zip(("j1", "j2", "j3"), p["guess"])))
 
 
-def four_bar_with_pin(p, kind="rigid", turned=0.0):
+def four_bar_with_pin(p, turned=0.0):
     """The pin hangs at the tip of the coupler by a real joint j4 and is fastened to the rocker."""
     pin = link("pin", p["pin_mass"], (p["pin_offset"], 0, 0), (1e-3, 1e-3, p["pin_inertia"]))
     j4 = joint("j4", "coupler", "pin", at=(p["lengths"][1], 0, 0))
@@ -145,7 +145,7 @@ def four_bar_with_pin(p, kind="rigid", turned=0.0):
         (0, 0, 0),
         "rocker",
         (p["lengths"][2], 0, 0),
-        kind=kind,
+        kind="rigid",
         rotation1=(0, 0, turned),
         rotation2=(0, 0, turned),
         name="closure",

@@ -28,8 +28,8 @@ from tests.robot.reference import Reference
 # ---------------------------------------------------------------- units
 
 
-@pytest.mark.parametrize("mass", [1e-9, 1.0, 1e6])
-@pytest.mark.parametrize("length", [1e-6, 1e-3, 1.0, 1e4])
+@pytest.mark.parametrize("mass", [1e-9, 1e6])
+@pytest.mark.parametrize("length", [1e-6, 1e4])
 @pytest.mark.parametrize("name", ["four-bar", "skew hanging four-bar", "six-bar", "slider-crank", "four-bar with a pin"])
 def test_small_and_large_linkages(name, length, mass):
     # lengths times a, masses times b, gravity times a, torsion springs times b a^2, line springs times b: the same w
