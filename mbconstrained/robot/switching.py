@@ -11,6 +11,7 @@ derivative of its force belongs to K whether it is open or closed.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -31,12 +32,12 @@ from .statics import cleaned_rows
 
 if TYPE_CHECKING:
     from ..mechanics.switched.switched_motion import SwitchedMotion
+    from ..mechanics.switched.switched_system import SwitchedSystem
+    from .linearized import LinearizedRobot
     from .statics import Posture
 
 #: Times at which forces of feet are compared with their cones.
 CONE_TIMES = 400
-
-_AXES = ("x", "y", "z")
 
 
 @dataclass(frozen=True, eq=False)
@@ -368,38 +369,27 @@ class ClosingLoop(RobotSwitch):
         return (Switch(name, states, release),), None
 
 
-@dataclass(frozen=True, eq=False)
-class RobotSwitches:
-    """The parts of a switched robot.
+def switched_robot(linear: LinearizedRobot, parts: Sequence[RobotSwitch]) -> SwitchedSystem:
+    """The robot with parts that have several states; the force at rest of a loop that they replace acts in all phases."""
+    from ..mechanics.switched.switched_system import SwitchedSystem
 
-    Attributes:
-        switches: with all states.
-        loops: names of loops of the posture that are rows of some phases only.
-        load: J^T lambda of these loops at the posture, shape (n,).
-        grips: contacts that do not slide.
-    """
-
-    switches: tuple[Switch, ...]
-    loops: tuple[str, ...]
-    load: np.ndarray
-    grips: tuple[Grip, ...]
-
-
-def robot_switches(posture: Posture, size: int, parts: Sequence[RobotSwitch]) -> RobotSwitches:
-    """Parts with several states at a posture, over a number of coordinates."""
     wanted = "mb.JointStop, mb.PointContact, mb.LiftingFoot or mb.ClosingLoop"
     for part in parts or (None,):
         if not isinstance(part, RobotSwitch):
             raise InputError(f"with_switches: found {'nothing' if part is None else type(part).__name__}; expected {wanted}")
+    posture, size = linear.posture, linear.size
     own = [part._switches(posture, size) for part in parts]
     switches = [switch for several, _ in own for switch in several]
-    loops = [part.opened for part in parts if part.opened is not None]
     names = [switch.name for switch in switches]
     for name in names:
         if names.count(name) > 1:
             raise InputError(f'with_switches: "{name}" is given twice; give one of them another name')
-    load = sum((_load_of(posture, size, name) for name in loops), np.zeros(size))
-    return RobotSwitches(tuple(switches), tuple(loops), load, tuple(grip for _, grip in own if grip is not None))
+    loops = tuple(part.opened for part in parts if part.opened is not None)
+    rows = [row for item in posture.loops if item.connection.name in loops for row in item.connection.row_names]
+    common = copy(linear.without_rows(rows))
+    common.static_force = linear.static_force - sum((_load_of(posture, size, name) for name in loops), np.zeros(size))
+    common.switched_loops, common.grips = loops, tuple(grip for _, grip in own if grip is not None)
+    return SwitchedSystem.of_switches(common, tuple(switches))
 
 
 def _contact(name, row, gap, restitution, stiffness, damping, unit: str) -> tuple[Switch, ...]:
@@ -430,7 +420,7 @@ def _split(
     nonzero = np.abs(normal) > 0
     aligned = nonzero.sum() == 1
     across = np.eye(3)[~nonzero] if aligned else np.linalg.svd(normal[None])[2][1:]
-    words = [axis for axis, own in zip(_AXES, nonzero) if not own] if aligned else ["shift 1", "shift 2"]
+    words = [axis for axis, own in zip("xyz", nonzero) if not own] if aligned else ["shift 1", "shift 2"]
     clean = _clean(posture, size, np.vstack([normal, across]) @ rows, ["m"] * 3)
     kept = [(f"{name} {word}", row) for word, row in zip(words, clean[1:]) if row.any()]
     constraints = tuple(Constraint(row, level="velocity", names=own, unit="m") for own, row in kept)
