@@ -10,7 +10,6 @@ from tests.robot.linkages import (
     BUILDERS,
     GROUND,
     PLANE,
-    Linkage,
     allowed,
     bar,
     given,
@@ -18,8 +17,8 @@ from tests.robot.linkages import (
     known_frequencies,
     linearized,
     link,
+    linkage,
     null_space,
-    robot_of,
     urdf,
 )
 from tests.robot.random_robots import random_case, random_link
@@ -185,7 +184,7 @@ def test_bennetts_linkage_moves():
         "third", (a, 0, 0), "ground", (-b, 0, 0), kind="hinge", rotation1=(alpha, 0, 0), rotation2=(-beta, 0, 0), name="last"
     )
     stiffness, rest = {"j1": 30.0}, {"j1": 1.0}
-    described = Linkage(*robot_of(text, loops=[loop], joint_stiffness=stiffness, joint_rest=rest), {})
+    described = linkage(text, {}, loops=[loop], joint_stiffness=stiffness, joint_rest=rest)
     # tan(t1/2) tan(t2/2) = sin((alpha + beta)/2) / sin((beta - alpha)/2), opposite angles equal and opposite
     t1 = 1.0
     t2 = 2 * np.arctan(np.sin((beta + alpha) / 2) / np.sin((beta - alpha) / 2) / np.tan(t1 / 2))
