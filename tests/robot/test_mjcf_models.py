@@ -10,6 +10,7 @@ import pytest
 import mbconstrained as mb
 from mbconstrained.robot import linear_range
 from mbconstrained.robot.description import mjcf
+from tests.robot import linkages
 from tests.robot.linkages import null_space
 from tests.robot.mjcf_models import Generator, Oracle, compiled_here
 
@@ -258,6 +259,39 @@ def test_a_linkage_rests_by_the_forces_of_mujoco_in_a_state_of_its_file(tmp_path
     force = oracle.force(posture.configuration)
     assert N.shape == (4, 1) and np.abs(robot.linearize(posture).constraint_matrix @ N).max() < 1e-12
     assert np.abs(N.T @ force).max() < 1e-10 * np.abs(force).max()
+
+
+def test_four_bar_simulated_with_stiff_connections():
+    # MuJoCo holds loops by stiff springs and its own integrator: frequencies agree as the step goes to zero, 4e-6 here
+    p = linkages.given("four-bar")
+    robot, guess = linkages.four_bar(p)
+    posture = robot.equilibrium(guess)
+    _, coupler, rocker = p["lengths"]
+    text = linkages.four_bar_text(p)
+    specification = mujoco.MjSpec.from_string(text)
+    specification.option.gravity, specification.option.timestep = np.array(linkages.PLANE), 1e-3
+    equality = specification.add_equality()
+    equality.type, equality.objtype = mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtObj.mjOBJ_BODY
+    equality.name1, equality.name2 = "coupler", "rocker"
+    equality.solref = [0.002, 1.0]
+    equality.data[:3] = (coupler, 0, 0)
+    model = specification.compile()
+    number = model.joint("j1").id
+    model.jnt_stiffness.reshape(model.njnt, -1)[number, 0] = p["stiffness"]  # later entries: powers of the deflection
+    model.qpos_spring[model.joint("j1").qposadr[0]] = p["rest"]
+    model.eq_data[0, 3:6] = (rocker, 0, 0)  # MuJoCo put it where the coupler ends at zero angles: elsewhere
+    data = mujoco.MjData(model)
+    for name, value in posture.joints.items():
+        data.qpos[model.joint(name).qposadr[0]] = value
+    mujoco.mj_forward(model, data)
+    mujoco.mj_step(model, data, 400)
+    data.qvel[:] = 0
+    A = np.zeros((2 * model.nv, 2 * model.nv))
+    mujoco.mjd_transitionFD(model, data, 1e-6, True, A, None, None, None)
+    values = np.log(np.linalg.eigvals(A).astype(complex)) / model.opt.timestep
+    slow = min(values[np.abs(values.imag) > 1e-3], key=lambda s: abs(s))
+    assert abs(slow) == pytest.approx(linkages.known_frequencies("four-bar")[0], rel=2e-5)
+    assert abs(slow) == pytest.approx(robot.linearize(posture).modes().natural_frequencies[0], rel=2e-5)
 
 
 def test_geoms_are_shapes(tmp_path, here):

@@ -11,7 +11,6 @@ from tests.robot.linkages import (
     GROUND,
     PLANE,
     allowed,
-    bar,
     given,
     joint,
     known_frequencies,
@@ -21,8 +20,7 @@ from tests.robot.linkages import (
     null_space,
     urdf,
 )
-from tests.robot.random_robots import random_case, random_link
-from tests.robot.reference import Reference
+from tests.robot.random_robots import random_case
 
 # ---------------------------------------------------------------- units
 
@@ -56,50 +54,6 @@ def _scaled_constants(text: str, length: float, mass: float) -> str:
 
 
 # ---------------------------------------------------------------- joints
-
-
-def test_floating_joint_is_a_free_base():
-    body = link("body", 2.0, (0.1, -0.2, 0.05), (0.3, 0.4, 0.5, 0.02, 0.01, -0.03))
-    arm = (bar("arm", 0.7, 0.5, 0.01), joint("j1", "body", "arm", at=(0.2, 0, 0), axis=(0, 1, 0)))
-    mount = mb.Bushing(
-        "body", (0.1, 0.2, 0.3), "ground", (0.1, 0.2, 0.3), stiffness=(300, 400, 500), turning_stiffness=(30, 40, 50), name="mount"
-    )
-    options = {"springs": [mount], "joint_stiffness": {"j1": 9.0}, "joint_rest": {"j1": 0.4}}
-    free = mb.Robot(urdf(body, *arm), base="free", **options)
-    floating = mb.Robot(urdf(GROUND, body, *arm, joint("float", "frame", "body", "floating")), **options)
-    first, second = (robot.linearize(robot.equilibrium({"j1": 0.3})) for robot in (free, floating))
-    assert second.modes().natural_frequencies == pytest.approx(first.modes().natural_frequencies, rel=1e-9)
-    assert second.size == 7 and tuple(second.units.values()) == tuple(first.units.values())
-
-
-def test_links_on_fixed_joints_are_one_body_with_their_parent():
-    # a tool bolted on, turned and moved: its mass, and points and frames in its own axes
-    rng = np.random.default_rng(5)
-    at, turned = (0.3, -0.1, 0.2), (0.4, 1.1, -0.6)
-    base = urdf(GROUND, bar("upper", 1, 0.6), bar("lower", 1, 0.5), *(random_link(rng, "tool"),), link("nail"),
-                joint("j1", "frame", "upper", axis=(0, 1, 0)), joint("j2", "upper", "lower", at=(0.6, 0, 0), axis=(0.1, 1, 0.3)),
-                joint("j3", "lower", "tool", "TYPE", at=at, turned=turned),
-                joint("bolt", "tool", "nail", "fixed", at=(0, 0.1, 0), turned=(0, 0, 1)))  # fmt: skip
-    loop = mb.Loop("nail", (0.1, 0, 0.2), "ground", name="tip")
-    options = {"loops": [loop], "joint_stiffness": {"j1": 50.0, "j2": 40.0}, "joint_rest": {"j1": 0.5, "j2": 0.7}}
-    bolted = mb.Robot(base.replace('"TYPE"', '"fixed"'), **options)
-    locked = mb.Robot(base.replace('"TYPE"', '"continuous"'), locked={"j3": 0.0}, **options)
-    guess = {"j1": 0.5, "j2": 0.7}
-    first, second = (robot.equilibrium(guess, hold="all") for robot in (bolted, locked))
-    a, b = bolted.linearize(first), locked.linearize(second)
-    assert bolted.joints == locked.joints == ("j1", "j2") and set(bolted.bodies) == set(locked.bodies)
-    assert np.allclose(a.mass, b.mass, rtol=1e-13) and np.allclose(a.stiffness, b.stiffness, rtol=1e-12)
-    reference = Reference(
-        base.replace('"TYPE"', '"fixed"'),
-        loops=(loop,),
-        joint_stiffness=options["joint_stiffness"],
-        joint_rest=options["joint_rest"],
-    )
-    q = reference.start = reference.configuration(guess)
-    N = null_space(reference.rows(q))
-    expected = N.T @ reference.stiffness(q, reference.multipliers(q, first.reactions)) @ N
-    assert np.allclose(N.T @ a.stiffness @ N, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max(initial=1))
-    assert np.allclose(allowed(a) @ allowed(a).T, N @ N.T, atol=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(4))
