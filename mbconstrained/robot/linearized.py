@@ -534,9 +534,16 @@ class LinearizedRobot(MechanicalSystem):
         >>> [event.text for event in swing.solve({"hinge": 0.1}, end=1.0).events]
         ['hinge stop impact']
         """
-        from .switching import switched_robot
+        from ..mechanics.switched.switched_system import SwitchedSystem
+        from .switching import load_of, robot_switches
 
-        return switched_robot(self, parts)
+        switches, grips = robot_switches(self.posture, self.size, parts)
+        loops = tuple(part.opened for part in parts if part.opened is not None)
+        rows = (row for item in self.posture.loops if item.connection.name in loops for row in item.connection.row_names)
+        common = copy(self.without_rows(rows))
+        common.static_force = self.static_force - load_of(self.posture, self.size, loops)
+        common.switched_loops, common.grips = loops, grips
+        return SwitchedSystem.of_switches(common, switches)
 
     def without_rows(self, names: Iterable[str]) -> LinearizedRobot:
         """Return the robot without some of its constraint rows, such as those of a moving base that another motion replaces.

@@ -11,7 +11,6 @@ derivative of its force belongs to K whether it is open or closed.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from copy import copy
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -32,8 +31,6 @@ from .statics import cleaned_rows
 
 if TYPE_CHECKING:
     from ..mechanics.switched.switched_motion import SwitchedMotion
-    from ..mechanics.switched.switched_system import SwitchedSystem
-    from .linearized import LinearizedRobot
     from .statics import Posture
 
 #: Times at which forces of feet are compared with their cones.
@@ -369,27 +366,19 @@ class ClosingLoop(RobotSwitch):
         return (Switch(name, states, release),), None
 
 
-def switched_robot(linear: LinearizedRobot, parts: Sequence[RobotSwitch]) -> SwitchedSystem:
-    """The robot with parts that have several states; the force at rest of a loop that they replace acts in all phases."""
-    from ..mechanics.switched.switched_system import SwitchedSystem
-
+def robot_switches(posture: Posture, size: int, parts: Sequence[RobotSwitch]) -> tuple[tuple[Switch, ...], tuple[Grip, ...]]:
+    """The switches of parts at a posture, over a number of coordinates, and the contacts that do not slide."""
     wanted = "mb.JointStop, mb.PointContact, mb.LiftingFoot or mb.ClosingLoop"
     for part in parts or (None,):
         if not isinstance(part, RobotSwitch):
             raise InputError(f"with_switches: found {'nothing' if part is None else type(part).__name__}; expected {wanted}")
-    posture, size = linear.posture, linear.size
     own = [part._switches(posture, size) for part in parts]
-    switches = [switch for several, _ in own for switch in several]
+    switches = tuple(switch for several, _ in own for switch in several)
     names = [switch.name for switch in switches]
     for name in names:
         if names.count(name) > 1:
             raise InputError(f'with_switches: "{name}" is given twice; give one of them another name')
-    loops = tuple(part.opened for part in parts if part.opened is not None)
-    rows = [row for item in posture.loops if item.connection.name in loops for row in item.connection.row_names]
-    common = copy(linear.without_rows(rows))
-    common.static_force = linear.static_force - sum((_load_of(posture, size, name) for name in loops), np.zeros(size))
-    common.switched_loops, common.grips = loops, tuple(grip for _, grip in own if grip is not None)
-    return SwitchedSystem.of_switches(common, tuple(switches))
+    return switches, tuple(grip for _, grip in own if grip is not None)
 
 
 def _contact(name, row, gap, restitution, stiffness, damping, unit: str) -> tuple[Switch, ...]:
@@ -464,10 +453,14 @@ def _shifts(posture: Posture, item: Attached) -> np.ndarray:
     return -moved if item.connection.body2 == GROUND else moved
 
 
-def _load_of(posture: Posture, size: int, name: str) -> np.ndarray:
-    """J^T lambda of a loop at the posture, shape (n,)."""
-    _, pose, gradient, places = next(one for one in posture.balance.loops if one[0].connection.name == name)
-    force = pose.jacobian.T @ (gradient.T @ posture.multipliers[places])
+def load_of(posture: Posture, size: int, loops: Sequence[str]) -> np.ndarray:
+    """J^T lambda of some loops at the posture, shape (n,)."""
+    own = [
+        pose.jacobian.T @ (gradient.T @ posture.multipliers[places])
+        for item, pose, gradient, places in posture.balance.loops
+        if item.connection.name in loops
+    ]
+    force = sum(own, np.zeros(len(posture.robot.coordinates)))
     return np.pad(force, (0, size - len(force)))
 
 
