@@ -134,7 +134,7 @@ def _is_switched(motion: Motion) -> TypeGuard[SwitchedMotion]:
 
 
 def _deviations(motion: Motion, posture: Posture, times) -> list[_Deviation]:
-    """Those of each phase, one of a motion without, the largest first."""
+    """The deviation in each phase, the largest first; one of a motion without phases."""
     if not _is_switched(motion):
         times = _horizon(motion) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
         return [_Deviation(motion, posture, times, motion.system, 0.0)]
