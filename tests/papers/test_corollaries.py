@@ -54,8 +54,9 @@ OVERDAMPED = {**VALUES, c: 20, c1: 50, c2: 60}
 
 
 def numbers(matrix, A, values):
-    at = {**values, **{symbol: R(i - 2, 3) for i, symbol in enumerate(initial_symbols(A))}}
-    return [complex(sympy.N(sympy.S(entry).subs(at), 30)) for entry in matrix]
+    at = {symbol: sympy.S(value) for symbol, value in values.items()}
+    at |= {symbol: R(i - 2, 3) for i, symbol in enumerate(initial_symbols(A))}
+    return [complex(sympy.N(sympy.S(entry).xreplace(at), 30)) for entry in matrix]
 
 
 @pytest.mark.parametrize("A", MODELS, ids=lambda A: f"{A.size}x{A.degree}")
