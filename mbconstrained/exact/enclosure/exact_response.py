@@ -223,18 +223,16 @@ class Begun:
         for k, column in enumerate(self._balls):
             factors.append([flint.acb(flint.arb(time**k / factorial(k))) for time in times])
             columns.append([flint.acb(c) for c in column])
-        return *self._exact_at(times), real_sums(factors, columns, len(times), self.size)
-
-    def _exact_at(self, times: Sequence[flint.fmpq]) -> tuple[flint.fmpz_mat, flint.fmpz]:
-        """Exact parts in whole numbers, without greatest common divisors."""
+        balls = real_sums(factors, columns, len(times), self.size)
         if not self._exact:
-            return flint.fmpz_mat(len(times), self.size), flint.fmpz(1)
+            return flint.fmpz_mat(len(times), self.size), flint.fmpz(1), balls
+        # in whole numbers, without greatest common divisors
         highest, of_times = len(self._exact) - 1, lcm(*(int(time.q) for time in times))
         steps = [time.p * (of_times // time.q) for time in times]
-        columns, scale = flint.fmpq_mat([[c / factorial(k) for c in own] for k, own in enumerate(self._exact)]).numer_denom()
+        numerators, scale = flint.fmpq_mat([[c / factorial(k) for c in own] for k, own in enumerate(self._exact)]).numer_denom()
         unit = flint.fmpz(of_times)
         powers = flint.fmpz_mat([[step**k * unit ** (highest - k) for k in range(highest + 1)] for step in steps])
-        return powers * columns, scale * unit**highest
+        return powers * numerators, scale * unit**highest, balls
 
 
 def real_sums(
