@@ -245,7 +245,7 @@ def test_memory_is_that_of_the_answer_and_of_what_is_kept():
         finally:
             tracemalloc.stop()
 
-    times = np.linspace(0.0, 5.0, 250)
+    times = np.linspace(0.0, 5.0, 500)
     for question in (lambda one: one.modes().eigenvalues, lambda one: one.solve(np.ones(4))(times)):
         (small, own), (large, answer) = highest(600, question), highest(1200, question)
         assert large - answer <= 2.1 * (small - own)
