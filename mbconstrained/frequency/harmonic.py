@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 import scipy
@@ -18,6 +20,7 @@ from ..linalg.elimination import as_slice
 from ..linalg.scaling import joint_scaling
 from ..polynomial.delayed_terms import DelayedTerm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..signals.bohl import consecutive
 from .pole_residue_form import ModalSum, PoleResidueForm
 
 # A(i w) X = B for many lines w at once, with an error estimate of every entry of C X.
@@ -53,17 +56,11 @@ BY_MATRICES = 16
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """C A(i w)^-1 B at F lines.
+    """C A(i w)^-1 B at F lines."""
 
-    Attributes:
-        values: shape (p, m, F).
-        errors: estimates of the absolute errors, shape (p, m, F); infinite where A(i w) is singular to working precision.
-        solutions: A(i w)^-1 B, shape (r, m, F), where they were requested.
-    """
-
-    values: np.ndarray
-    errors: np.ndarray
-    solutions: np.ndarray | None = None
+    values: np.ndarray  # shape (p, m, F)
+    errors: np.ndarray  # estimates of the absolute errors; infinite where A(i w) is singular to working precision
+    solutions: np.ndarray | None = None  # A(i w)^-1 B, shape (r, m, F), where they were requested
 
     @property
     def relative(self) -> np.ndarray:
@@ -133,7 +130,7 @@ class StructuredSolver:
             if factors is None:
                 break
             self._pass(values, errors, solutions, left, nu, factors, accuracy, is_first=not attempt)
-            own = _consecutive(left)
+            own = consecutive(left)
             left = left[(errors[..., own] > accuracy * np.abs(values[..., own])).any(axis=(0, 1))]
         self._pass(values, errors, solutions, left, nu, None, accuracy)
         if solutions is not None:
@@ -165,7 +162,7 @@ class StructuredSolver:
                 error = np.where(np.abs(H) < np.finfo(float).tiny / EPS, np.inf, error)
             if not (finite := np.isfinite(error) & np.isfinite(H)).all():
                 H[~finite], error[~finite] = 0.0, np.inf
-            own = _consecutive(part)
+            own = consecutive(part)
             if not is_first:
                 better = error < errors[..., own]
                 H, error = np.where(better, H, values[..., own]), np.where(better, error, errors[..., own])
@@ -238,32 +235,20 @@ class StructuredSolver:
         if pattern.sum() > FULL * r * r + 4 * r and r > 4:
             return None
         A = self._at(nu)
-        A = np.where(pattern & (A == 0), EPS, A)
-        try:
-            lu = scipy.sparse.linalg.splu(scipy.sparse.csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=THRESHOLD)
-        except RuntimeError:  # exactly singular: another line has an order
-            generic = nu * (1 + THRESHOLD) + THRESHOLD
-            A = self._at(generic)
-            try:
-                lu = scipy.sparse.linalg.splu(scipy.sparse.csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=THRESHOLD)
-            except RuntimeError:
-                return None
+        for matrix in (np.where(pattern & (A == 0), EPS, A), self._at(nu * (1 + THRESHOLD) + THRESHOLD)):
+            with suppress(RuntimeError):  # exactly singular: another line has an order
+                sparse = scipy.sparse.csc_array(matrix)
+                lu = scipy.sparse.linalg.splu(sparse, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=THRESHOLD)
+                break
+        else:
+            return None
         rows, columns = np.argsort(lu.perm_r), np.argsort(lu.perm_c)
         result = _Pattern.of(pattern[np.ix_(rows, columns)], rows, columns)
         return None if result.operations > FULL * r**3 / 3 + 8 * r else result
 
     def _at(self, nu: float) -> np.ndarray:
         """A(i nu), shape (r, r)."""
-        factors = (
-            (1j * nu) ** int(power) * np.exp(-1j * nu * delay) if delay else (1j * nu) ** int(power)
-            for power, delay in zip(self.powers, self.delays)
-        )
-        return sum(matrix * factor for matrix, factor in zip(self.coefficients, factors))
-
-
-def _consecutive(lines: np.ndarray) -> slice | np.ndarray:
-    """Ascending numbers of lines as a slice, which needs no copies, where none is left out."""
-    return slice(lines[0], lines[-1] + 1) if len(lines) and lines[-1] - lines[0] == len(lines) - 1 else lines
+        return _matrices(self.coefficients, self.functions(np.array([nu])))[0]
 
 
 def _sums(coefficients, powers) -> np.ndarray:
@@ -295,24 +280,16 @@ def _bilinear(sizes, terms) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class _Pattern:
-    """The filled pattern of the permuted matrix.
+    """The filled pattern of the permuted matrix."""
 
-    Attributes:
-        rows, columns: the permutations, shape (r,).
-        own: places of the entries of A in the factors, with their rows and columns there.
-        lower, upper: for each pivot the rows below it and the columns right of it.
-        place: place of each entry of the factors.
-        operations: of the elimination.
-    """
-
-    row_order: np.ndarray
+    row_order: np.ndarray  # the permutations, shape (r,)
     column_order: np.ndarray
-    rows: np.ndarray
+    rows: np.ndarray  # of the entries of the factors, in the permuted matrix
     columns: np.ndarray
-    lower: list[list[int]]
-    upper: list[list[int]]
-    place: dict[tuple[int, int], int]
-    operations: int
+    lower: list[list[int]]  # for each pivot the rows below it
+    upper: list[list[int]]  # and the columns right of it
+    place: dict[tuple[int, int], int]  # of each entry among those of the factors
+    operations: int  # of the elimination
 
     @classmethod
     def of(cls, pattern, row_order, column_order) -> _Pattern:
@@ -465,17 +442,15 @@ def _lu(matrix):
 # The matrices of a frequency response: s^p C A(s)^-1 B, with names and units of its inputs and outputs.
 
 
-class LeftOut:
+class LeftOut(Protocol):
     """Part of the response that a reduced model omits."""
 
     @property
     def highest_hz(self) -> float:
         """The highest frequency up to which the errors are bounded."""
-        raise NotImplementedError
 
     def bound(self, omega: np.ndarray) -> np.ndarray:
         """Bounds of the absolute errors of C A^-1 B at w in rad/s, shape (p, m, F)."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True, eq=False)

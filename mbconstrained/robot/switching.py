@@ -66,11 +66,9 @@ class StickingContact(Switch):
         frictionless = rigid_contact(name, row, gap, 0.0)
         sliding = frictionless.states["closed"]
         closed = replace(sliding, rows=(*sliding.rows, *across))
-        super().__init__(name, frictionless.states | {"closed": closed, "sliding": sliding})
-        self.contact, self.sticking = (
-            replace(frictionless.contact, sliding="sliding"),
-            np.vstack([row, *(one.rows for one in across)]),
-        )
+        contact = replace(frictionless.contact, sliding="sliding")
+        super().__init__(name, frictionless.states | {"closed": closed, "sliding": sliding}, contact=contact)
+        self.sticking = np.vstack([row, *(one.rows for one in across)])
 
     def start(self, x: np.ndarray, v: np.ndarray) -> str:
         touches = np.isclose(self.contact.row @ x, -self.contact.gap, rtol=STILL, atol=0.0)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...ground.by_name import answering
-from ...ground.checks import nearest, real_array, real_number
+from ...ground.checks import check_known, real_array, real_number
 from ...ground.display import Displayed, number_text
 from ...ground.errors import InputError
 from ...ground.tolerances import SPECTRAL_ACCURACY
@@ -19,16 +19,10 @@ from ...ground.tolerances import SPECTRAL_ACCURACY
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """G(f) = level (f / lower)^exponent between two corner frequencies; a constant where the exponent is 0.
-
-    Attributes:
-        lower, upper: in Hz; the upper one may be infinite where the exponent is 0.
-        level: G at the lower corner.
-        exponent: slope in a plot with two logarithmic axes.
-    """
+    """G(f) = level (f / lower)^exponent between two corner frequencies in Hz; a constant where the exponent is 0."""
 
     lower: float
-    upper: float
+    upper: float  # may be infinite where the exponent is 0
     level: complex
     exponent: float = 0.0
 
@@ -56,17 +50,12 @@ class PowerLaw:
 
 @dataclass(frozen=True)
 class Line:
-    """G(f) = level + slope_per_hz (f - lower) between two corner frequencies.
-
-    Attributes:
-        lower, upper: in Hz.
-        level, end: G at both.
-    """
+    """A straight line between two corner frequencies in Hz."""
 
     lower: float
     upper: float
-    level: complex
-    end: complex
+    level: complex  # G at the lower corner
+    end: complex  # and at the upper one
 
     slope = 0
 
@@ -96,16 +85,10 @@ class Line:
 
 @dataclass(frozen=True)
 class Rational:
-    """G(f) = intensity |F(i w)|^2, F(s) = numerator(s) / denominator(s), w = 2 pi f: white noise through a filter.
+    """G(f) = intensity |F(i w)|^2, F(s) = numerator(s) / denominator(s), w = 2 pi f: white noise through a filter."""
 
-    Attributes:
-        intensity: intensity of the white noise, one-sided per Hz.
-        numerator, denominator: coefficients, highest power first.
-        lower, upper: 0 and infinity.
-    """
-
-    intensity: float
-    numerator: tuple[float, ...]
+    intensity: float  # of the white noise, one-sided per Hz
+    numerator: tuple[float, ...]  # coefficients, highest power first
     denominator: tuple[float, ...]
     lower: float = 0.0
     upper: float = np.inf
@@ -263,12 +246,8 @@ def psd(frequencies_hz, values, of: str = "force", unit: str | None = None, inte
     4.0
     """
     f = real_array(frequencies_hz, "frequencies_hz", shape=(None,))
-    if of not in KINDS:
-        raise InputError(f"of: found {of!r}; expected one of {', '.join(KINDS)}{nearest(str(of), KINDS)}")
-    if interpolation not in INTERPOLATIONS:
-        raise InputError(
-            f"interpolation: found {interpolation!r}; expected one of {', '.join(INTERPOLATIONS)}{nearest(str(interpolation), INTERPOLATIONS)}"
-        )
+    check_known(of, KINDS, "of")
+    check_known(interpolation, INTERPOLATIONS, "interpolation")
     is_cross = np.iscomplexobj(np.asarray(values))
     G = np.asarray(values, dtype=complex) if is_cross else real_array(values, "values", shape=(None,))
     count = len(f) - (interpolation == "steps")
@@ -318,8 +297,7 @@ def white_noise(intensity: float, of: str = "force", unit: str | None = None) ->
     >>> white_noise(2.0)
     Spectrum(of force, white noise)
     """
-    if of not in KINDS:
-        raise InputError(f"of: found {of!r}; expected one of {', '.join(KINDS)}{nearest(str(of), KINDS)}")
+    check_known(of, KINDS, "of")
     level = real_number(intensity, "intensity", minimum=0.0) * _factor(unit, of)
     return Spectrum((PowerLaw(0.0, np.inf, level),) if level else (), of, f"white noise{_conversion(unit, of)}")
 
@@ -400,15 +378,11 @@ def dryden(rms: float, speed: float, length: float, component: str = "longitudin
         real_number(rms, "rms", minimum=0.0),
         real_number(length, "length", positive=True) / real_number(speed, "speed", positive=True),
     )
+    check_known(component, ("longitudinal", "lateral", "vertical"), "component")
     if component == "longitudinal":
         above, below, intensity = [1.0], [T, 1.0], 4 * sigma**2 * T
-    elif component in ("lateral", "vertical"):
-        above, below, intensity = [np.sqrt(3.0) * T, 1.0], [T**2, 2 * T, 1.0], 2 * sigma**2 * T
     else:
-        expected = ("longitudinal", "lateral", "vertical")
-        raise InputError(
-            f"component: found {component!r}; expected one of {', '.join(expected)}{nearest(str(component), expected)}"
-        )
+        above, below, intensity = [np.sqrt(3.0) * T, 1.0], [T**2, 2 * T, 1.0], 2 * sigma**2 * T
     return Spectrum(rational_spectrum(intensity, above, below, "velocity").pieces, "velocity", f"Dryden, {component}")
 
 

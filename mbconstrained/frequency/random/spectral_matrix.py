@@ -21,27 +21,18 @@ EACH_PIECE = 9
 
 @dataclass(frozen=True, eq=False)
 class SpectralMatrix:
-    """S(f) with the spectra on the diagonal and S_ij = coherence_ij sqrt(S_i S_j) e^{-i w (delay_i - delay_j)}, or given cross spectra.
+    """S(f) with the spectra on the diagonal and S_ij = coherence_ij sqrt(S_i S_j) e^{-i w (delay_i - delay_j)}, or given cross spectra."""
 
-    Attributes:
-        names: names of the m inputs.
-        spectra: spectra of each.
-        coherence: square roots of the ordinary coherence, symmetric, shape (m, m).
-        delays: in s, shape (m,).
-        cross: given entries (i, j) with i < j.
-    """
-
-    names: tuple[str, ...]
-    spectra: tuple[Spectrum, ...]
-    coherence: np.ndarray
-    delays: np.ndarray
-    cross: Mapping[tuple[int, int], Spectrum] = field(default_factory=dict)
+    names: tuple[str, ...]  # names of the m inputs
+    spectra: tuple[Spectrum, ...]  # spectra of each
+    coherence: np.ndarray  # square roots of the ordinary coherence, symmetric, shape (m, m)
+    delays: np.ndarray  # in s, shape (m,)
+    cross: Mapping[tuple[int, int], Spectrum] = field(default_factory=dict)  # given entries (i, j) with i < j
 
     @property
     def corners(self) -> np.ndarray:
         """Corner frequencies of all entries in Hz, ascending; the last may be infinite."""
-        own = [corner for spectrum in (*self.spectra, *self.cross.values()) for corner in spectrum.corners]
-        return np.unique(own)
+        return np.unique([corner for spectrum in (*self.spectra, *self.cross.values()) for corner in spectrum.corners])
 
     @property
     def longest_delay(self) -> float:
@@ -49,14 +40,19 @@ class SpectralMatrix:
         return max(self.shifts, default=0.0)
 
     @property
+    def coupled(self) -> np.ndarray:
+        """Which inputs are coherent or have a cross spectrum, shape (m, m)."""
+        coupled = self.coherence != 0
+        for i, j in self.cross:
+            coupled[i, j] = coupled[j, i] = True
+        return coupled
+
+    @property
     def groups(self) -> list[list[int]]:
         """The indices of inputs that depend on each other, directly or indirectly."""
         from scipy.sparse.csgraph import connected_components
 
-        coupled = self.coherence != 0
-        for i, j in self.cross:
-            coupled[i, j] = coupled[j, i] = True
-        count, label = connected_components(coupled, directed=False)
+        count, label = connected_components(self.coupled, directed=False)
         return [np.flatnonzero(label == number).tolist() for number in range(count)]
 
     def of_inputs(self, chosen: list[int]) -> SpectralMatrix:

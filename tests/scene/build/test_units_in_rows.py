@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.scene.run.scene import read_scene
 from tests.scene.scenes import scene_of
 
 CAR = """
@@ -33,28 +32,15 @@ z1 = 20
 
 [model]
 kind = "lumped"
-
-[[model.inertia]]
-name = "a"
-inertia = 1
-
-[[model.inertia]]
-name = "b"
-inertia = 1
-
-[[model.gear]]
-between = ["a", "b"]
-teeth = ["=z1", 60]
-
+inertia = [{ name = "a", inertia = 1 }, { name = "b", inertia = 1 }]
+gear = [{ between = ["a", "b"], teeth = ["=z1", 60] }]
 [time]
 end = 1
 """
 
 
 def system(tmp_path, text, *change):
-    path = tmp_path / "scene.toml"
-    path.write_text(text.replace(*change) if change else text, encoding="utf-8")
-    return read_scene(path).equations.system
+    return scene_of(tmp_path, text.replace(*change) if change else text).equations.system
 
 
 @pytest.mark.parametrize("pitch", ['"1.01 m"', '"101 cm"', '"=a"'])
