@@ -293,7 +293,7 @@ class DiscreteRunAnswer(RunAnswer):
         title = title or ("output" if self._called == "outputs" else "displacement" if unit == "m" else "samples")
         return Plot(
             f"{title}, sample by sample",
-            "" if shown == "1" else shown,
+            shown,
             self.numbers.astype(float),
             tuple(curves),
             across_unit="",

@@ -27,7 +27,7 @@ from ..scene.schema.analysis_tables import FatigueTable
 from ..signals.impulsive import ImpulsiveSmooth
 from .base import Analysis, Answer
 from .random import random_response
-from .shock import excitation_of, natural_range, no_spectrum, prescribed_rows
+from .shock import excitation_of, natural_range, no_spectrum
 
 if TYPE_CHECKING:
     from ..frequency.random.random_response import RandomResponse
@@ -69,7 +69,7 @@ class Fatigue(Analysis):
             histories = _histories(scene, settings, motion, end)
             random = _random(scene, settings, list(histories))
             part = _Counted(settings, scene.equations.coordinates.shown, histories, end, random, settings.quantity)
-            spectra, motions = tuple(_spectra(scene, settings)), prescribed_rows(scene)
+            spectra, motions = tuple(_spectra(scene, settings)), scene.table.prescribed
             omitted = () if spectra or not motions else (no_spectrum(scene, "fatigue damage spectrum", motions),)
             notices = distinct(scene.notices, scene.equations.form_notices, motion.notices, omitted)
             return _answer(scene.name, scene.title, scene.table.source, part, scene.heading, spectra, notices)
@@ -131,7 +131,7 @@ def _random(scene: Scene, settings: FatigueTable, outputs: list[str]) -> RandomR
 
 def _spectra(scene: Scene, settings: FatigueTable) -> Iterator[_Damage]:
     """The damage spectra of the support: under its motion, and under that of [random]."""
-    if (excitation := excitation_of(scene, settings.of, prescribed_rows(scene))) is not None:
+    if (excitation := excitation_of(scene, settings.of, scene.table.prescribed)) is not None:
         coordinate, unit, signal = excitation
         if unit == "m":
             yield _Damage(settings, coordinate, signal)

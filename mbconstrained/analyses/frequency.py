@@ -139,7 +139,7 @@ def frequency_plots(
     titled = [(unit, entries, response.harmonic.quantity_of([entry.i for entry in entries])) for unit, entries in groups.items()]
     for unit, entries, quantity in titled:
         own = f" ({unit})" if [other for _, _, other in titled].count(quantity) > 1 else ""
-        titles = f"{quantity}{own}{by}", quantity, "" if unit == "1" else unit
+        titles = f"{quantity}{own}{by}", quantity, unit
         for kind in table.plots:
             plots += _KINDS[kind](drawn, entries, *titles)
     return tuple(plots)
@@ -350,8 +350,7 @@ class Frequency(Analysis):
         table, scene = self.table, self.scene.table
         if table.inputs is not None:
             return table.inputs
-        names = [name for motion in scene.motion for name in motion.rows]
-        motions = [row.name for row in self.system.rows if row.name in names]
+        motions = [row.name for row in self.system.rows if row.name in scene.prescribed]
         if table.quantity == "transmissibility":
             if not (motions or self.system.rows):
                 raise InputError(
@@ -362,11 +361,7 @@ class Frequency(Analysis):
             return motions
         known = channels(self.system, "outputs" if self.is_inverse else "inputs")
         loaded = [load.title for load in scene.force if load.title in known]
-        return list(dict.fromkeys(loaded)) or [name for name in self.system.names if name not in self._prescribed]
-
-    @property
-    def _prescribed(self) -> set[str]:
-        return {coordinate for motion in self.scene.table.motion for coordinate, _ in motion.rows.values()}
+        return list(dict.fromkeys(loaded)) or [name for name in self.system.names if name not in scene.prescribed.values()]
 
     def _outputs(self) -> list[str] | None:
         if self.table.outputs is not None:
@@ -384,7 +379,8 @@ class Frequency(Analysis):
             return self._inputs()
         if self.system.named_directions("outputs"):  # of a robot
             return list(self.system.named_directions("outputs"))
-        moving = [name for name in self.system.names if name not in self._prescribed] or list(self.system.names)
+        prescribed = self.scene.table.prescribed.values()
+        moving = [name for name in self.system.names if name not in prescribed] or list(self.system.names)
         return [*moving, *(name for name in self.system.quantities if name not in self.system.names)]
 
     def _lines(self) -> np.ndarray:

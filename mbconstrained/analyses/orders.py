@@ -96,7 +96,7 @@ def _excitations(scene: Scene, table: OrdersTable) -> Iterator[_Excitation]:
     """The excitations of the table, and the unbalance of a rotor."""
     system, rotor = scene.equations.system, scene.equations.rotor
     known = channels(system, "inputs")
-    prescribed = {coordinate: row for motion in scene.table.motion for row, (coordinate, _) in motion.rows.items()}
+    prescribed = {coordinate: row for row, coordinate in scene.table.prescribed.items()}
     for number, one in enumerate(table.excitation, 1):
         with named(f"excitation[{number}]"):
             (channel,) = chosen_by_name("on", prescribed.get(one.on, one.on), known, ())
@@ -413,7 +413,7 @@ class _RunUp:
 
     def _plot(self, title: str, quantity: str, unit: str, curves: Sequence[Curve], **more) -> Plot:
         axes: dict[str, Any] = {"across_unit": "rev/min", "variable": "speed", "quantity": quantity}
-        return Plot(title, "" if unit == "1" else unit, self.speeds / RPM, tuple(curves), **axes, **more)
+        return Plot(title, unit, self.speeds / RPM, tuple(curves), **axes, **more)
 
     def _by_order(self, output: int) -> Iterator[Plot]:
         """The amplitude of each order over the speed, the largest first, and the RMS value of all."""

@@ -111,8 +111,7 @@ def random_arguments(scene: Scene, table: RandomTable | None) -> tuple[tuple, di
     if len(excitation) < len(table.input):
         raise InputError("two [[random.input]] have the same name in on; add their spectra")
     delays = {entry.on: entry.delay for entry in table.input} if any(entry.delay for entry in table.input) else None
-    prescribed = {coordinate for motion in scene.table.motion for coordinate, _ in motion.rows.values()}
-    free = [name for name in equations.system.names if name not in prescribed]
+    free = [name for name in equations.system.names if name not in scene.table.prescribed.values()]
     outputs = table.outputs
     if outputs is None and table.quantity in RATES:
         outputs = [*free, *(name for name in equations.system.quantities if name not in free)]

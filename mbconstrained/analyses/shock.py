@@ -60,7 +60,7 @@ class Shock(Analysis):
     def solve(cls, scene: Scene, settings: ShockTable | None) -> Answer:
         """The answer of a scene with mass, damping and stiffness."""
         table, system = settings or ShockTable(), scene.equations.system
-        motions = prescribed_rows(scene)
+        motions = scene.table.prescribed
         with at(scene.file_name, "shock.of"):
             excitation = excitation_of(scene, table.of, motions)
         with at(scene.file_name, "shock"):
@@ -237,11 +237,6 @@ class _Spectrum:
                 if exponent < 0 and left[1] > up.high and right[1] > up.low:
                     name = ""  # from the upper to the right edge: the rising lines have their names there
                 yield Guide(name, right, left) if is_at_left else Guide(name, left, right)
-
-
-def prescribed_rows(scene: Scene) -> dict[str, str]:
-    """Coordinates by the names of the rows that prescribe them."""
-    return {name: coordinate for motion in scene.table.motion for name, (coordinate, _) in motion.rows.items()}
 
 
 def excitation_of(scene: Scene, of: str | None, motions: Mapping[str, str]) -> tuple[str, str, ImpulsiveSmooth] | None:

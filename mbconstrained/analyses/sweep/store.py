@@ -42,7 +42,6 @@ MOST_MEMORY = 4e9
 #: Share of the size of numbers that remains after the best compression.
 LEAST_SIZE = 0.5
 
-_MARK = ".zgroup"
 _KEY = "mbconstrained"
 
 

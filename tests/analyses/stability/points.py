@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mbconstrained.analyses.stability.point import Point
-from mbconstrained.analyses.stability.scaling_factors import ScalingSweep
+from mbconstrained.analyses.stability.stability import ScalingSweep
 from mbconstrained.ground.tolerances import EPS
 
 

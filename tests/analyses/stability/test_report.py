@@ -7,8 +7,8 @@ import pytest
 import mbconstrained as mb
 from mbconstrained.analyses.stability.gallery import GALLERY, system
 from mbconstrained.analyses.stability.point import Point, points_of
-from mbconstrained.analyses.stability.scaling_factors import ScalingSweep
 from mbconstrained.analyses.stability.stability import (
+    ScalingSweep,
     StabilityReport,
     digit_table,
     gallery_report,
