@@ -47,11 +47,6 @@ def test_what_is_wrong_without_a_warning_is_not_trusted_and_nothing_else_is():
     assert report(spring(WRONG.sweeps[0].points[2], WRONG.sweeps[0].points[3])).is_trusted
 
 
-def test_a_broken_promise_is_told():
-    found = report(spring(point(1.0), broken=("spring at 1: undamped is False, declared True",)))
-    assert found.sentences[-1] == "Not as declared: spring at 1: undamped is False, declared True."
-
-
 def test_fewer_digits_than_the_data_allow_are_told():
     found = report(
         spring(point(1.0, right=9.0, expected=15.0, claimed=8.0), point(2.0, right=8.0, expected=8.1, claimed=8.0)), of_scene=True

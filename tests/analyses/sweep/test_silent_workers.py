@@ -83,47 +83,30 @@ def test_the_process_of_an_endless_sample_ends_with_the_run(tmp_path):
 
 
 @pytest.mark.long
-def test_a_stopped_dask_worker_is_named_and_its_chunk_is_done_by_the_other(study, tmp_path, monkeypatch):
+def test_a_dask_worker_that_is_stopped_is_named_and_left_out_and_other_code_is_refused(study, tmp_path, monkeypatch):
+    """First it is stopped during a run, whose other worker may be done before anybody misses it, then before one."""
     pytest.importorskip("distributed")
     study.run(store=tmp_path / "expected.zarr")
     monkeypatch.setattr(execution, "SILENCE", 4.0)
-    messages = []
+    said = "has not answered for 4 s; others compute its chunk"
     with cluster(tmp_path) as workers:
-        stopped = workers.workers[0]
+        stopped = workers.workers[0].pid
 
-        def progress(done, count):
+        def stop(done, count):
             if done == 1:
-                os.kill(stopped.pid, signal.SIGSTOP)
+                os.kill(stopped, signal.SIGSTOP)
 
-        try:
-            study.run(store=tmp_path / "k.zarr", dask=workers.address, progress=progress, message=messages.append)
-        finally:
-            os.kill(stopped.pid, signal.SIGCONT)
-    assert bytes_of(tmp_path / "k.zarr") == bytes_of(tmp_path / "expected.zarr")
-    assert messages == [] or "has not answered for 4 s; others compute its chunk" in messages[0]
-
-
-@pytest.mark.long
-def test_a_dask_worker_that_is_stopped_before_the_run_is_left_out(study, tmp_path, monkeypatch):
-    pytest.importorskip("distributed")
-    monkeypatch.setattr(execution, "SILENCE", 4.0)
-    messages = []
-    study.run(store=tmp_path / "expected.zarr")
-    with cluster(tmp_path) as workers:
-        study.run(dask=workers.address)  # both are there
-        os.kill(workers.workers[0].pid, signal.SIGSTOP)
-        try:
-            study.run(store=tmp_path / "k.zarr", dask=workers.address, message=messages.append)
-        finally:
-            os.kill(workers.workers[0].pid, signal.SIGCONT)
-    assert bytes_of(tmp_path / "k.zarr") == bytes_of(tmp_path / "expected.zarr")
-    assert len(messages) == 1 and "has not answered for 4 s; others compute its chunk" in messages[0]
-
-
-@pytest.mark.long
-def test_dask_workers_with_other_code_are_refused(study, tmp_path, monkeypatch):
-    pytest.importorskip("distributed")
-    with cluster(tmp_path) as workers:
+        for name, progress in (("during", stop), ("before", None)):
+            messages = []
+            try:
+                study.run(store=tmp_path / f"{name}.zarr", dask=workers.address, progress=progress, message=messages.append)
+            finally:
+                os.kill(stopped, signal.SIGCONT)
+            assert bytes_of(tmp_path / f"{name}.zarr") == bytes_of(tmp_path / "expected.zarr")
+            assert (messages == [] and progress) or (len(messages) == 1 and said in messages[0])
+            study.run(dask=workers.address)  # both are there again
+            if progress:
+                os.kill(stopped, signal.SIGSTOP)
         monkeypatch.setattr(execution, "CODE", "0" * 64)
         with pytest.raises(mb.InputError, match="has other code of the package mbconstrained, perhaps under the same version"):
             study.run(dask=workers.address)
