@@ -271,6 +271,11 @@ class Analysis:
         return Answer(kind=cls.name, name=scene.name, **{**own, **fields})
 
     @classmethod
+    def of_file(cls, path: Path, source: str, **fields: Any) -> Answer:
+        """An answer with these fields on a file that is no scene."""
+        return Answer(kind=cls.name, name=path.stem, title=path.name, source=source, **fields)
+
+    @classmethod
     def answer(cls, scene: Any, progress: Callable | None = None, **given) -> Answer:
         """The answer of a scene with some settings in the place of those in its table, by the names of its entries."""
         if scene.table.time.step_domain == "discrete" and scene.equations.are_bare:
