@@ -12,7 +12,7 @@ import numpy as np
 from ..control.transfer_function import transfer_function_response
 from ..frequency.features import Antiresonance, Peak, frequencies_by_poles, poles_of
 from ..frequency.frequency_response import FrequencyResponse, arrays_of, evaluated, frequency_response
-from ..frequency.plots import AXIS_FACTORS
+from ..frequency.plots import AXIS_FACTORS, continuous_phase, principal_phase
 from ..frequency.pole_residue_form import poles_on_axis
 from ..ground.checks import counted
 from ..ground.coordinate_units import force_unit, rate_unit
@@ -180,23 +180,14 @@ def _bode(drawn: _Drawn, entries: list[_Entry], title: str, quantity: str, unit:
 
 def _phase(drawn: _Drawn, entries: list[_Entry]) -> Callable[[_Entry, np.ndarray, np.ndarray], np.ndarray]:
     """Phases in degrees, continued beyond 180 by the number of turns at the lines where requested."""
-
-    def principal(H: np.ndarray) -> np.ndarray:
-        angles = np.degrees(np.angle(H))
-        return np.where(angles > 180.0 - 1e-9, angles - 360.0, angles)  # past an undamped resonance -180
-
     if drawn.table.phase != "unwrapped":
-        return lambda entry, _, H: principal(H)
-    turns = {each: drawn.harmonic.dead_time(each.j) for each in entries}
-
-    def undelayed(each: _Entry) -> np.ndarray:  # dead times may turn it by more than half a turn from line to line
-        return np.unwrap(principal(drawn.values[each.i, each.j] * np.exp(2j * np.pi * turns[each] * drawn.lines)), period=360.0)
-
-    along = {each: undelayed(each) for each in entries}
+        return lambda entry, _, H: principal_phase(H)
+    dead_times, values = drawn.harmonic.dead_time, drawn.values
+    along = {each: continuous_phase(values[each.i, each.j], drawn.lines, dead_times(each.j)) for each in entries}
 
     def unwrapped(entry: _Entry, frequencies: np.ndarray, H: np.ndarray) -> np.ndarray:
-        own, near = principal(H), np.interp(frequencies, drawn.lines, along[entry]) - 360.0 * turns[entry] * frequencies
-        return own + 360.0 * np.round((near - own) / 360.0)
+        own = principal_phase(H)
+        return own + 360.0 * np.round((np.interp(frequencies, drawn.lines, along[entry]) - own) / 360.0)
 
     return unwrapped
 

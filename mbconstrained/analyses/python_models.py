@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from ..frequency.frequency_response import FrequencyResponse
+from ..frequency.plots import principal_phase
 from ..frequency.random.random_response import RandomResponse
 from ..frequency.shock.response_spectrum import PARTS, ShockResponseSpectrum
 from ..ground.by_name import answering
@@ -302,9 +303,7 @@ def _(response: FrequencyResponse) -> Iterator[Plot]:
         name = f"{response.outputs[i]} by {response.inputs[j]}" if several else str(response.outputs[i])
         groups.setdefault(str(response.units[i, j]), []).append((name, np.asarray(response.values)[i, j]))
     for unit, entries in groups.items():
-        amplitudes, phases = (
-            tuple(curve_with_gaps(name, part(H)) for name, H in entries) for part in (np.abs, lambda H: np.degrees(np.angle(H)))
-        )
+        amplitudes, phases = (tuple(curve_with_gaps(name, part(H)) for name, H in entries) for part in (np.abs, principal_phase))
         scale: Scale = "log" if is_log else "linear"
         up: Scale = "log" if any((curve.values > 0).any() for curve in amplitudes) else "linear"
         more: dict[str, Any] = {"across_unit": "Hz", "variable": "frequency", "image": f"{response.quantity} {unit}"}

@@ -131,40 +131,27 @@ class StabilityReport:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """The result as sentences."""
-        return (self._trust(), self._counts(), *self._extremes(), *self._promises())
+        """The result as sentences: trust, counts, the fewest digits, the answer furthest below what the data determine, properties."""
+        return tuple(self._sentences())
 
-    def _trust(self) -> str:
+    def _sentences(self) -> Iterator[str]:
         judged, wrong = sum(len(sweep.answers) for sweep in self.sweeps), self.count("wrong")
-        if not judged:
-            return "No answer was compared with exact arithmetic."
-        answers = f"{counted(judged, 'answer')} compared with exact arithmetic"
-        return f"{wrong or 'None'} of {answers} {'are' if wrong > 1 else 'is'} wrong without a warning."
-
-    def _counts(self) -> str:
+        answers = f"{wrong or 'None'} of {counted(judged, 'answer')} compared with exact arithmetic {'are' if wrong > 1 else 'is'}"
+        yield f"{answers} wrong without a warning." if judged else "No answer was compared with exact arithmetic."
         counts = [f"{counted(self.count('right'), 'answer')} had the digits that the estimate claims"]
         counts += [f"{self.count(verdict)} {text}" for verdict, text in VERDICTS.items() if self.count(verdict)]
-        return f"{', '.join(counts)}."
-
-    def _extremes(self) -> tuple[str, ...]:
-        """The smallest number of digits without a warning, and the answer furthest below what the data determine."""
-        silent = [(sweep, point) for sweep in self.sweeps for point in sweep.answers if point.verdict == "right"]
-        if not silent:
-            return ()
-        sweep, least = min(silent, key=lambda pair: pair[1].right)
-        sentences = [f"Fewest digits without a warning: {_digits(sweep, least)}."]
-        known = [(sweep, point) for sweep, point in silent if not math.isnan(point.expected)]
-        sweep, short = max(known, key=lambda pair: pair[1].expected - pair[1].right, default=(sweep, least))
-        if short.expected - short.right > SHORT:
-            sentences.append(f"Furthest below what the data determine: {_digits(sweep, short)}.")
-        return tuple(sentences)
-
-    def _promises(self) -> tuple[str, ...]:
-        """Whether the systems of the gallery have their declared properties."""
-        broken = [promise for sweep in self.sweeps for promise in sweep.broken]
-        if broken:
-            return (f"Not as declared: {'; '.join(broken)}.",)
-        return () if self.of_scene else ("The declared properties of the systems hold, by exact arithmetic.",)
+        yield f"{', '.join(counts)}."
+        if silent := [(sweep, point) for sweep in self.sweeps for point in sweep.answers if point.verdict == "right"]:
+            sweep, least = min(silent, key=lambda pair: pair[1].right)
+            yield f"Fewest digits without a warning: {_digits(sweep, least)}."
+            known = [(sweep, point) for sweep, point in silent if not math.isnan(point.expected)]
+            sweep, short = max(known, key=lambda pair: pair[1].expected - pair[1].right, default=(sweep, least))
+            if short.expected - short.right > SHORT:
+                yield f"Furthest below what the data determine: {_digits(sweep, short)}."
+        if broken := [promise for sweep in self.sweeps for promise in sweep.broken]:
+            yield f"Not as declared: {'; '.join(broken)}."
+        elif not self.of_scene:
+            yield "The declared properties of the systems hold, by exact arithmetic."
 
     def answer(self, name: str) -> Answer:
         """Digits, the reasons of all verdicts but "right", and curves; of a scene those of all its factors together, too."""

@@ -291,20 +291,8 @@ def _runs(process: int) -> bool:
 
 def column_name(parameter: str) -> str:
     """The name of the array of a parameter, different from all axes and other arrays."""
-    reserved = (
-        STATUS,
-        REASON,
-        CHECKSUM,
-        "chunk",
-        "sample",
-        "mode",
-        "response",
-        "output",
-        "frequency",
-        "damping ratio",
-        "time (s)",
-        "frequency (Hz)",
-    )
+    axes = ("chunk", "sample", "mode", "response", "output", "time (s)", "frequency (Hz)")
+    reserved = (STATUS, REASON, CHECKSUM, *axes, "frequency", "damping ratio")
     return f"parameter {parameter}" if parameter in reserved else parameter
 
 
