@@ -14,8 +14,7 @@ from ..ground.display import TextTable, number_text, with_unit
 from ..mechanics.energy import EnergyShares
 from ..response.events import Event
 from ..response.response_notices import counts
-from ..scene.quantities.coordinates import Coordinates
-from ..scene.quantities.output_units import OutputUnits
+from ..scene.quantities.coordinates import Coordinates, OutputUnits
 from ..scene.run.result import ReportedImpulse, Result, forces_of_rows, impulses_of, jumps_of
 from ..signals.impulsive import ImpulsiveLoad
 

@@ -153,11 +153,7 @@ def _contact(balance: Balance, item: Attached, places: slice | None, wrench: np.
 
 
 def _exceeded(
-    balance: Balance,
-    free: np.ndarray,
-    multipliers: np.ndarray,
-    feet: Sequence[tuple[PostureContact, np.ndarray]],
-    tolerance: float,
+    balance: Balance, free: np.ndarray, multipliers: np.ndarray, feet: Sequence[tuple[PostureContact, np.ndarray]], tolerance: float
 ) -> list[Exceeded]:
     """Feet that exceed their limits; where the load sharing of loops is undetermined, only if every share exceeds them."""
     J = balance.scaled_jacobian[:, free].T

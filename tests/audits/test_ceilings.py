@@ -37,7 +37,7 @@ LINES = {
     "page": 5386,
     "polynomial": 3778,
     "response": 8308,
-    "robot": 9312,
+    "robot": 9317,
     "scene": 11375,
     "signals": 1972,
 }

@@ -49,15 +49,7 @@ def bar(name: str, mass: float, length: float, spin: float = 1e-3) -> str:
 
 
 def joint(
-    name,
-    parent,
-    child,
-    kind="revolute",
-    at=(0, 0, 0),
-    turned=(0, 0, 0),
-    axis=(0, 0, 1),
-    limits=(-1e6, 1e6),
-    damping=0.0,
+    name, parent, child, kind="revolute", at=(0, 0, 0), turned=(0, 0, 0), axis=(0, 0, 1), limits=(-1e6, 1e6), damping=0.0
 ) -> str:
     """A joint; limits are left out for kinds that have none."""
     limit = (
@@ -113,10 +105,7 @@ def double_pendulum(p, springs=(), kind="revolute", **options):
         joint("j2", "upper", "lower", kind, at=(first, 0, 0), damping=damping[1]),
     )
     if "rest" in p:
-        options |= {
-            "joint_stiffness": dict(zip(("j1", "j2"), p["stiffness"])),
-            "joint_rest": dict(zip(("j1", "j2"), p["rest"])),
-        }
+        options |= {"joint_stiffness": dict(zip(("j1", "j2"), p["stiffness"])), "joint_rest": dict(zip(("j1", "j2"), p["rest"]))}
     return Linkage(*robot_of(model, springs=springs, gravity=PLANE, **options), dict(zip(("j1", "j2"), p["guess"])))
 
 
@@ -135,22 +124,12 @@ def four_bar_text(p, kind="revolute", *more: str) -> str:
 
 
 def four_bar_loop(p, **options):
-    return mb.Loop(
-        "coupler",
-        (p["lengths"][1], 0, 0),
-        "rocker",
-        (p["lengths"][2], 0, 0),
-        name="closure",
-        **options,
-    )
+    return mb.Loop("coupler", (p["lengths"][1], 0, 0), "rocker", (p["lengths"][2], 0, 0), name="closure", **options)
 
 
 def four_bar(p, kind="revolute", loops=None, **options):
     options.setdefault("gravity", PLANE)
-    options |= {
-        "joint_stiffness": {"j1": p["stiffness"]},
-        "joint_rest": {"j1": p["rest"]},
-    }
+    options |= {"joint_stiffness": {"j1": p["stiffness"]}, "joint_rest": {"j1": p["rest"]}}
     if "damping" in p:
         options["joint_damping"] = dict(zip(("j1", "j2", "j3"), p["damping"]))
     loops = [four_bar_loop(p)] if loops is None else loops
@@ -222,24 +201,11 @@ def slider_crank(p, **options):
         link("slider", p["masses"][2], (0.05, 0.02, 0), (1e-3, 1e-3, 1e-3)),
         joint("j1", "frame", "crank", "continuous"),
         joint("j2", "crank", "rod", "continuous", at=(crank, 0, 0)),
-        joint(
-            "slide",
-            "frame",
-            "slider",
-            "prismatic",
-            at=(0, p["height"], 0),
-            axis=(1, 0, 0),
-            damping=p["damping"],
-        ),
+        joint("slide", "frame", "slider", "prismatic", at=(0, p["height"], 0), axis=(1, 0, 0), damping=p["damping"]),
     )
     loop = mb.Loop("rod", (rod, 0, 0), "slider", (0, 0, 0), name="wrist")
     robot = robot_of(
-        model,
-        loops=[loop],
-        gravity=PLANE,
-        joint_stiffness={"slide": p["stiffness"]},
-        joint_rest={"slide": p["rest"]},
-        **options,
+        model, loops=[loop], gravity=PLANE, joint_stiffness={"slide": p["stiffness"]}, joint_rest={"slide": p["rest"]}, **options
     )
     return Linkage(*robot, dict(zip(("j1", "j2", "slide"), p["guess"])))
 
@@ -259,17 +225,8 @@ def six_bar(p):
         mb.Loop("coupler", (coupler, 0, 0), "rocker", (rocker, 0, 0), name="first"),
         mb.Loop("rod", (rod, 0, 0), "arm", (arm, 0, 0), name="second"),
     ]
-    stiffness, rest = (
-        dict(zip(("j1", "j5"), p["stiffness"])),
-        dict(zip(("j1", "j5"), p["rest"])),
-    )
-    robot = robot_of(
-        urdf(GROUND, *bars, *joints),
-        loops=loops,
-        gravity=PLANE,
-        joint_stiffness=stiffness,
-        joint_rest=rest,
-    )
+    stiffness, rest = (dict(zip(("j1", "j5"), p["stiffness"])), dict(zip(("j1", "j5"), p["rest"])))
+    robot = robot_of(urdf(GROUND, *bars, *joints), loops=loops, gravity=PLANE, joint_stiffness=stiffness, joint_rest=rest)
     return Linkage(*robot, {f"j{i + 1}": x for i, x in enumerate(p["guess"])})
 
 
@@ -302,12 +259,7 @@ def spatial_loop(p):
         joint("j4", "frame", "rocker", at=p["base"], axis=(1, 0, 0)),
     )
     loop = mb.Loop("rod", (rod, 0, 0), "rocker", (0, rocker, 0), name="ball")
-    robot = robot_of(
-        model,
-        loops=[loop],
-        joint_stiffness={"j1": p["stiffness"]},
-        joint_rest={"j1": p["rest"]},
-    )
+    robot = robot_of(model, loops=[loop], joint_stiffness={"j1": p["stiffness"]}, joint_rest={"j1": p["rest"]})
     return Linkage(*robot, dict(zip(("j1", "u1", "u2", "j4"), p["guess"])))
 
 
@@ -334,12 +286,7 @@ def spherical(p, half_turn=False):
         rotation2=(end, 0, np.pi * half_turn),
         name="last",
     )
-    robot = robot_of(
-        model,
-        loops=[loop],
-        joint_stiffness={"j1": p["stiffness"]},
-        joint_rest={"j1": p["rest"]},
-    )
+    robot = robot_of(model, loops=[loop], joint_stiffness={"j1": p["stiffness"]}, joint_rest={"j1": p["rest"]})
     return Linkage(*robot, dict(zip(("j1", "j2", "j3"), p["guess"])))
 
 
@@ -349,26 +296,14 @@ def free_pendulum(p):
         bar("panel", p["mass"], p["length"], p["spin"]),
         joint("j1", "hull", "panel", at=p["hinge"], axis=(0, 1, 0)),
     )
-    robot = robot_of(
-        model,
-        base="free",
-        gravity=(0, 0, 0),
-        joint_stiffness={"j1": p["stiffness"]},
-        joint_rest={"j1": p["angle"]},
-    )
+    robot = robot_of(model, base="free", gravity=(0, 0, 0), joint_stiffness={"j1": p["stiffness"]}, joint_rest={"j1": p["angle"]})
     return Linkage(*robot, {"base": (0.3, -0.2, 1.0, 0.4, -0.7, 2.1), "j1": p["angle"]})
 
 
 def platform(p):
     springs = [
         mb.BodySpring(
-            "body",
-            s["on_body"],
-            "ground",
-            s["on_ground"],
-            stiffness=s["stiffness"],
-            rest_length=s["rest_length"],
-            name=f"leg {i}",
+            "body", s["on_body"], "ground", s["on_ground"], stiffness=s["stiffness"], rest_length=s["rest_length"], name=f"leg {i}"
         )
         for i, s in enumerate(p["springs"])
     ]
@@ -399,15 +334,7 @@ def string(p):
         joint("z", "across", "bead", "prismatic"),
     )
     springs = [
-        mb.BodySpring(
-            "bead",
-            (0, 0, 0),
-            "ground",
-            (x, 0, 0),
-            stiffness=p["stiffness"],
-            rest_length=p["rest_length"],
-            name=name,
-        )
+        mb.BodySpring("bead", (0, 0, 0), "ground", (x, 0, 0), stiffness=p["stiffness"], rest_length=p["rest_length"], name=name)
         for name, x in (("left", -p["half_span"]), ("right", p["half_span"]))
     ]
     return Linkage(*robot_of(model, springs=springs, gravity=p["gravity"]), dict(zip("xyz", p["guess"])))
@@ -415,22 +342,10 @@ def string(p):
 
 def flexible_arm(p):
     columns = zip(
-        p["flexibility"],
-        p["flexible_damping"],
-        p["motor_inertia"],
-        p["gear_ratio"],
-        p["proportional_gain"],
-        p["derivative_gain"],
+        p["flexibility"], p["flexible_damping"], p["motor_inertia"], p["gear_ratio"], p["proportional_gain"], p["derivative_gain"]
     )
     motors = {
-        f"j{i + 1}": mb.FlexibleJoint(
-            k,
-            damping=c,
-            motor_inertia=b,
-            gear_ratio=n,
-            proportional_gain=kp,
-            derivative_gain=kd,
-        )
+        f"j{i + 1}": mb.FlexibleJoint(k, damping=c, motor_inertia=b, gear_ratio=n, proportional_gain=kp, derivative_gain=kd)
         for i, (k, c, b, n, kp, kd) in enumerate(columns)
     }
     return double_pendulum(p, flexible_joints=motors)

@@ -8,7 +8,8 @@ numerically; nothing of mbconstrained/models/robot is used.
         right angles; no logarithm, no convention of a body frame.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
@@ -61,7 +62,7 @@ class Reference:
         root = (pin.JointModelFreeFlyer(),) if self.base == "free" else ()
         self.model = pin.buildModelFromXML(self.text, *root)
         self.model.gravity.linear = np.array(self.gravity, float)
-        self.data = self.model.createData()
+        self.data, self._forces = self.model.createData(), self.model.createData()
         self.start = pin.neutral(self.model)
 
     @property
@@ -106,29 +107,31 @@ class Reference:
         arm = frame.rotation @ np.array(point, float)
         return End(frame.translation + arm, frame.rotation @ rpy(rotation), J[:3] - skew(arm) @ J[3:], J[3:])
 
-    def ends(self, connection) -> tuple[End, End]:
-        """Both ends now; a second point that is not given lies, with the frame's directions, where the first is at the start."""
-        first = self.end(connection.body1, connection.point1, connection.rotation1)
-        if connection.point2 is not None:
-            return first, self.end(connection.body2, connection.point2, connection.rotation2)
-        point, turn = self._at_start(connection)
-        second = self.end(connection.body2, point, (0, 0, 0))
-        second.turn = second.turn @ turn
-        return first, second
-
-    def _at_start(self, connection):
-        other = Reference(self.text, self.base, self.gravity)
+    @cached_property
+    def at_start(self) -> "Reference":
+        """The same robot, placed at the start."""
+        other = replace(self)
         other.place(self.start)
-        first, body = (
-            other.end(connection.body1, connection.point1, connection.rotation1),
-            other.end(connection.body2, (0, 0, 0), (0, 0, 0)),
-        )
-        return body.turn.T @ (first.place - body.place), body.turn.T @ first.turn
+        return other
+
+    def ends(self, connection) -> tuple[End, End]:
+        """Both ends now; a point that is not given lies where the other is at the start, with the directions of the first frame."""
+        (body1, point1), (body2, point2) = (connection.body1, connection.point1), (connection.body2, connection.point2)
+        if point1 is not None and point2 is not None:
+            return self.end(body1, point1, connection.rotation1), self.end(body2, point2, connection.rotation2)
+        first, second = (self.at_start.end(body, (0, 0, 0), (0, 0, 0)) for body in (body1, body2))
+        if point1 is None:
+            point1 = first.turn.T @ (second.place + second.turn @ point2 - first.place)
+        else:
+            point2 = second.turn.T @ (first.place + first.turn @ point1 - second.place)
+        here, there = self.end(body1, point1, connection.rotation1), self.end(body2, point2, (0, 0, 0))
+        there.turn = there.turn @ second.turn.T @ first.turn @ rpy(connection.rotation1)
+        return here, there
 
     def applied(self, q) -> np.ndarray:
         """Weight, joint springs, springs and bushings: the generalized force that they exert at rest."""
         self.place(q)
-        force = -pin.computeGeneralizedGravity(self.model, self.model.createData(), q)
+        force = -pin.computeGeneralizedGravity(self.model, self._forces, q)
         angles = self.angles(q)
         for name, k in self.joint_stiffness.items():
             force[self.coordinates.index(name)] -= k * (angles[name] - self.joint_rest.get(name, 0.0))
@@ -149,9 +152,7 @@ class Reference:
     def rest_length(self, spring) -> float:
         if spring.rest_length is not None:
             return spring.rest_length
-        other = Reference(self.text, self.base, self.gravity)
-        other.place(self.start)
-        first, second = other.ends(spring)
+        first, second = self.at_start.ends(spring)
         return float(np.linalg.norm(second.place - first.place)) - (spring.preload / spring.stiffness if spring.preload else 0.0)
 
     def of_bushing(self, bushing) -> np.ndarray:
@@ -234,7 +235,7 @@ class Reference:
         return -np.array(columns).T
 
     def mass(self, q) -> np.ndarray:
-        return pin.crba(self.model, self.model.createData(), q)
+        return pin.crba(self.model, self._forces, q).copy()
 
     def acceleration(self, q, v, constant) -> np.ndarray:
         """v' with all loops closed; ``constant``: generalized force of the motors that hold the posture."""
@@ -242,7 +243,7 @@ class Reference:
 
     def motion(self, q, v, constant) -> tuple[np.ndarray, np.ndarray]:
         """v' and the multipliers of ``rows``, those of least norm."""
-        bias = pin.nonLinearEffects(self.model, self.data, q, v) - pin.computeGeneralizedGravity(self.model, self.data, q)
+        bias = pin.nonLinearEffects(self.model, self._forces, q, v) - pin.computeGeneralizedGravity(self.model, self._forces, q)
         load = self.applied(q) + constant - bias - self.damping(q) @ v
         M = self.mass(q)
         free = np.linalg.solve(M, load)

@@ -98,23 +98,6 @@ def test_a_state_space_of_a_robot_with_loops_goes_to_control_and_back(level):
     assert np.abs(own[:, None] - poles).min(axis=1) == pytest.approx(np.zeros(len(own)), abs=1e-7 * np.abs(own).max())
 
 
-def test_the_tool_of_an_arm_on_a_shaken_base():
-    """In closed form the mean square of the tool's acceleration is the integral of |H|^2 G."""
-    moving = mb.Robot(
-        "robots/double_pendulum/double_pendulum.urdf",
-        base="moving",
-        joint_stiffness={"shoulder": 900.0, "elbow": 300.0},
-        joint_damping={"shoulder": 6.0, "elbow": 3.0},
-    )
-    arm = moving.linearize(moving.equilibrium({"shoulder": 0.5, "elbow": 0.4}))
-    tool = {"tool": mb.PointMotion("lower", (0, 0, -0.4), along=(1, 0, 0))}
-    G = mb.psd([1.0, 40.0], [0.02, 0.02], of="acceleration")
-    R = arm.random_response({"motion of base x": G}, tool, "acceleration")
-    f = np.linspace(1.0, 40.0, 40001)
-    H = arm.frequency_response(f, ["motion of base x"], tool, quantity="transmissibility").values[0, 0]
-    assert R.covariance.item() == pytest.approx(np.trapezoid(np.abs(H) ** 2 * 0.02, f), rel=1e-6)
-
-
 def several(kind: str) -> tuple[mb.Robot, dict]:
     """A heavy body on a joint with several degrees of freedom, whose springs carry it where the guess has it, and the guess."""
     model, inertia = pin.Model(), pin.Inertia(2.0, np.array([0.1, 0.05, -0.3]), np.diag([0.03, 0.04, 0.02]))

@@ -1,5 +1,7 @@
 """K of random robots, on the motions that the loops allow, against central differences of all forces (reference.py)."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -30,6 +32,7 @@ CASES = {
 SEEDS = range(3)
 
 
+@cache
 def solved(name: str, seed: int):
     """(case, posture, system, q of the referee)."""
     case = random_case(seed, **CASES[name])

@@ -5,20 +5,7 @@ import pytest
 
 import mbconstrained as mb
 from tests.robot import linkages
-from tests.robot.linkages import (
-    GROUND,
-    PLANE,
-    TABLE,
-    allowed,
-    bar,
-    given,
-    joint,
-    known,
-    known_frequencies,
-    linearized,
-    link,
-    urdf,
-)
+from tests.robot.linkages import GROUND, PLANE, TABLE, allowed, bar, given, joint, known, known_frequencies, linearized, link, urdf
 
 G = 9.81
 
@@ -74,11 +61,7 @@ def test_projected_matrices_are_symmetric_and_give_the_frequencies_at_any_level(
     assert np.abs(M - M.T).max() <= 1e-14 * np.abs(M).max()
     squares = np.sort(np.linalg.eigvals(np.linalg.solve(M, K)).real)
     # eigenvalues near zero (rigid modes) carry the rounding errors of the largest one
-    assert near(
-        squares,
-        known_frequencies(name) ** 2,
-        2e-9 if known_frequencies(name).min() > 0 else 1e-12,
-    )
+    assert near(squares, known_frequencies(name) ** 2, 2e-9 if known_frequencies(name).min() > 0 else 1e-12)
 
 
 @pytest.mark.parametrize("name", TABLE)
@@ -110,11 +93,7 @@ def test_reactions_are_the_gradients_of_the_potential(name):
 def test_torques_that_hold_an_arm():
     # two bars of 1 kg and 1 m, stretched out level: m g (1/2 + 3/2) and m g / 2
     model = urdf(
-        GROUND,
-        bar("upper", 1, 1),
-        bar("lower", 1, 1),
-        joint("j1", "frame", "upper"),
-        joint("j2", "upper", "lower", at=(1, 0, 0)),
+        GROUND, bar("upper", 1, 1), bar("lower", 1, 1), joint("j1", "frame", "upper"), joint("j2", "upper", "lower", at=(1, 0, 0))
     )
     posture = mb.Robot(model, gravity=PLANE).equilibrium(hold="all")
     assert posture.torques == pytest.approx({"j1": 2 * G, "j2": G / 2}, rel=1e-12)
@@ -128,9 +107,7 @@ def test_pendulum(kind):
     # w^2 = (m g l + k) / (I + m l^2), swinging about y under weight along -z
     m, l, I, k = 1.7, 0.6, 0.05, 2.5
     model = urdf(
-        GROUND,
-        link("bob", m, (0, 0, -l), (I / 3, I, I / 2)),
-        joint("swing", "frame", "bob", kind, axis=(0, 1, 0), damping=0.2),
+        GROUND, link("bob", m, (0, 0, -l), (I / 3, I, I / 2)), joint("swing", "frame", "bob", kind, axis=(0, 1, 0), damping=0.2)
     )
     system = (robot := mb.Robot(model, joint_stiffness={"swing": k}, joint_rest={"swing": 0.0})).linearize(
         robot.equilibrium({"swing": 0.3})
@@ -187,19 +164,11 @@ def test_parallelogram_with_cranks_of_no_mass():
 
 @pytest.mark.parametrize("crank", [0.4, 0.0])
 def test_parallelogram_in_joint_angles(crank):
-    p = {
-        "masses": [crank, 1.5, crank],
-        "lengths": [0.5, 1.0, 0.5],
-        "end": [1.0, 0.0],
-        "guess": [-1.5, 1.5, 1.5],
-    }
+    p = {"masses": [crank, 1.5, crank], "lengths": [0.5, 1.0, 0.5], "end": [1.0, 0.0], "guess": [-1.5, 1.5, 1.5]}
     p["guess"][2] = -np.pi / 2 + 1.6 - 0.03  # third bar points up from the coupler's end to the ceiling
     robot, _ = linkages.hanging_four_bar(p)
     posture = robot.equilibrium({"j1": -1.5, "j2": 1.5, "j3": 1.5})
-    assert near(
-        frequencies(robot.linearize(posture)) ** 2,
-        [parallelogram_square(crank, 1.5, 0.5)],
-    )
+    assert near(frequencies(robot.linearize(posture)) ** 2, [parallelogram_square(crank, 1.5, 0.5)])
 
 
 @pytest.mark.parametrize("turned", [0.0, 0.8, np.pi])
@@ -250,26 +219,15 @@ def test_spherical_four_bar_with_frames_turned_by_half_a_turn():
 def test_pendulum_pushed_by_a_force_that_keeps_its_direction(force):
     # it hangs along the sum of weight and force: w^2 = sqrt(g^2 + (F/m)^2) / L for a point at the end of a string
     mass, length = 1.3, 0.7
-    model = urdf(
-        GROUND,
-        link("bob", mass, (length, 0, 0)),
-        joint("swing", "frame", "bob", "continuous"),
-    )
+    model = urdf(GROUND, link("bob", mass, (length, 0, 0)), joint("swing", "frame", "bob", "continuous"))
     robot = mb.Robot(model, gravity=PLANE)
-    posture = robot.equilibrium(
-        {"swing": -1.4},
-        forces={mb.PointMotion("bob", (length, 0, 0), along=(3, 0, 0)): force},
-    )
+    posture = robot.equilibrium({"swing": -1.4}, forces={mb.PointMotion("bob", (length, 0, 0), along=(3, 0, 0)): force})
     assert np.tan(posture.joints["swing"]) == pytest.approx(-mass * G / force, rel=1e-10)
     assert near(frequencies(robot.linearize(posture)) ** 2, [np.hypot(G, force / mass) / length])
 
 
 def test_force_at_a_joint():
-    model = urdf(
-        GROUND,
-        link("bob", 1.0, (0.5, 0, 0)),
-        joint("swing", "frame", "bob", "continuous"),
-    )
+    model = urdf(GROUND, link("bob", 1.0, (0.5, 0, 0)), joint("swing", "frame", "bob", "continuous"))
     robot = mb.Robot(model, gravity=PLANE)
     posture = robot.equilibrium({"swing": -1.4}, forces={"swing": 2.0})
     assert np.cos(posture.joints["swing"]) == pytest.approx(2.0 / (0.5 * G), rel=1e-12)  # m g l cos(q) = torque
@@ -313,12 +271,7 @@ def test_bushing_along_the_axes_of_its_frame():
         rotation1=turned,
         rotation2=turned,
     )
-    robot = mb.Robot(
-        urdf(link("body", 2.0, (0, 0, 0), (0.1, 0.2, 0.15))),
-        base="free",
-        springs=[mount],
-        gravity=0,
-    )
+    robot = mb.Robot(urdf(link("body", 2.0, (0, 0, 0), (0.1, 0.2, 0.15))), base="free", springs=[mount], gravity=0)
     system = robot.linearize(robot.equilibrium())
     block = np.kron(np.eye(2), R @ np.diag(k) @ R.T)
     assert near(system.stiffness, block, 1e-12)

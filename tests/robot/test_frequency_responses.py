@@ -1,14 +1,13 @@
-"""Frequency responses and prescribed motions of robots against state spaces of the tests' own, by differences of pinocchio's rnea."""
+"""Frequency responses and prescribed motions of robots against the referee's matrices."""
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from scipy.integrate import solve_ivp
 
 import mbconstrained as mb
 from tests.robot import linkages
 from tests.robot.linkages import joint, link, urdf
-from tests.robot.reference import STEP
+from tests.robot.reference import Reference
 
 ANGLES = {"j1": 0.3, "j2": -0.7, "j3": 0.4}
 FREQUENCIES = np.array([0.05, 0.8, 3.0, 20.0])
@@ -36,36 +35,13 @@ OPTIONS = {
 
 
 class Referee:
-    """M by crba, K by differences of rnea and springs, point Jacobians by differences of places; at given angles."""
+    """M, D and K of ``Reference`` at given angles."""
 
-    def __init__(self, free_base: bool):
-        root = (pin.JointModelFreeFlyer(),) if free_base else ()
-        self.model = pin.buildModelFromXML(arm(), *root)
-        self.data = self.model.createData()
-        self.base = 6 * free_base
-        self.q = pin.neutral(self.model)
-        self.q[self.base + free_base :] = list(ANGLES.values())
-        n = self.model.nv
-        M = pin.crba(self.model, self.data, self.q)
-        self.M = np.triu(M) + np.triu(M, 1).T
-        self.D = np.diag([*np.zeros(self.base), *OPTIONS["joint_damping"].values()])
-        spring = np.diag([*np.zeros(self.base), *OPTIONS["joint_stiffness"].values()])
-        nothing = np.zeros(n)
-        self.K = spring + self.slopes(lambda q: pin.rnea(self.model, self.data, q, nothing, nothing)).T
-        self.weight = pin.rnea(self.model, self.data, self.q, nothing, nothing)
-
-    def slopes(self, function):
-        """Derivatives by the coordinates, a row for each; fourth order."""
-        rows = []
-        for unit in np.eye(self.model.nv):
-            at = [function(pin.integrate(self.model, self.q, k * STEP * unit)) for k in (-2, -1, 1, 2)]
-            rows.append((at[0] - 8 * at[1] + 8 * at[2] - at[3]) / (12 * STEP))
-        return np.array(rows)
-
-    def point(self, q):
-        """The place of the tool."""
-        pin.framesForwardKinematics(self.model, self.data, q)
-        return self.data.oMf[self.model.getFrameId("hand")].act(np.array(TIP))
+    def __init__(self, base: str):
+        self.reference = reference = Reference(arm(), base, **OPTIONS)
+        q = reference.configuration(ANGLES, (0, 0, 0, 0, 0, 0, 1))
+        self.M, self.D, self.K = reference.mass(q), reference.damping(q), reference.stiffness(q, None)
+        self.weight, self.tool = -reference.applied(q), reference.end("hand", TIP, (0, 0, 0))
 
     def dynamic(self, f):
         s = 2j * np.pi * f
@@ -78,15 +54,12 @@ def robot(base="fixed"):
 
 
 def test_compliance_at_the_tool_by_forces_and_moments():
-    referee, (built, posture) = Referee(False), robot()
+    referee, (built, posture) = Referee("fixed"), robot()
     directions = {axis: mb.PointMotion("hand", TIP, along) for axis, along in zip("xyz", np.eye(3))}
     H = built.linearize(posture).frequency_response(
         FREQUENCIES, directions | {"turn": mb.PointMotion("hand", TIP, (0, 1, 0), True)}, directions
     )
-    J = referee.slopes(referee.point).T
-    spin = pin.computeFrameJacobian(
-        referee.model, referee.data, referee.q, referee.model.getFrameId("hand"), pin.LOCAL_WORLD_ALIGNED
-    )[4]
+    J, spin = referee.tool.moves, referee.tool.turns[1]
     for line, f in enumerate(FREQUENCIES):
         expected = J @ np.linalg.solve(referee.dynamic(f), np.vstack([J, spin]).T)
         assert np.abs(H.values[..., line] - expected).max() <= 1e-8 * np.abs(expected).max()
@@ -109,7 +82,7 @@ def test_the_same_directions_by_name_and_as_a_state_space():
 
 def test_a_moving_base_moves_the_joints_and_needs_forces():
     """Rows of the joints M_jj d'' + D d' + K_jj d = -(M_jb b'' + K_jb b); the reaction keeps the ground's directions."""
-    referee, (built, posture) = Referee(True), robot("moving")
+    referee, (built, posture) = Referee("free"), robot("moving")
     system = built.linearize(posture)
     rows = [f"motion of base {axis}" for axis in ("x", "y", "z", "rx", "ry", "rz")]
     H = system.frequency_response(FREQUENCIES, rows, ["j1", "j2", "j3"])
@@ -127,17 +100,17 @@ def test_a_moving_base_moves_the_joints_and_needs_forces():
 
 def test_prescribed_joints_and_base_in_time():
     """A record of the base's velocity and a joint that follows a sine, integrated by DOP853 with the referee's matrices."""
-    referee, (built, posture) = Referee(True), robot("moving")
+    referee, (built, posture) = Referee("free"), robot("moving")
     rate, amplitude = 2.0, 0.01
     system = built.linearize(posture).prescribe({"j2": mb.harmonic([amplitude], angular_frequency=rate)})
     system = system.prescribe({"base z": mb.step([0.05])}, level="velocity")
     assert [row.name for row in system.rows][-2:] == ["motion of j2", "motion of base z"]
-    moved, base, free = referee.base + 1, 2, [6, 8]
+    moved, base, free = 7, 2, [6, 8]
     M, D, K = (matrix[np.ix_(free, free)] for matrix in (referee.M, referee.D, referee.K))
 
     def rates(t, y):
         d, v = y[:2], y[2:]
-        known = np.zeros((3, referee.model.nv))
+        known = np.zeros((3, 9))
         known[:, moved] = (
             amplitude * np.cos(rate * t),
             -amplitude * rate * np.sin(rate * t),
@@ -157,7 +130,7 @@ def test_prescribed_joints_and_base_in_time():
 
 
 def test_a_prescribed_joint_is_an_input_and_its_torque_a_reaction():
-    referee, (built, posture) = Referee(False), robot()
+    referee, (built, posture) = Referee("fixed"), robot()
     system = built.linearize(posture).prescribe("j1")
     H = system.frequency_response(FREQUENCIES, ["motion of j1"], ["j2", "j3"])
     R = system.frequency_response(FREQUENCIES, ["motion of j1"], quantity="reaction")

@@ -10,7 +10,7 @@ import scipy.linalg
 import mbconstrained as mb
 from tests.robot.model_files import Mechanism, SdfWriter
 
-SEEDS = range(200)
+SEEDS = range(60)
 
 
 def frequencies(M, K, rows):

@@ -37,10 +37,7 @@ def standing() -> mb.Robot:
     """A block on a leg of two joints that stands on the ground, free in space."""
     parts = [link("body", 4.0, (0.02, 0, 0.05), (0.05, 0.06, 0.07)), link("thigh", 1.0, (0, 0, -0.1), (0.01, 0.01, 0.001))]
     parts.append(link("shin", 0.5, (0, 0, -0.1), (0.004, 0.004, 0.0005)))
-    joints = [
-        joint("hip", "body", "thigh", axis=(0, 1, 0)),
-        joint("knee", "thigh", "shin", at=(0, 0, -0.2), axis=(0, 1, 0)),
-    ]
+    joints = [joint("hip", "body", "thigh", axis=(0, 1, 0)), joint("knee", "thigh", "shin", at=(0, 0, -0.2), axis=(0, 1, 0))]
     foot = mb.Loop("ground", (0, 0, 0), "shin", (0, 0, -0.2), kind="rigid", name="foot", friction=0.5, rotation1=(0, 0, 0))
     return mb.Robot(
         urdf(*parts, *joints), loops=[foot], base="free", joint_stiffness={"hip": 300.0, "knee": 400.0}, joint_damping={"knee": 0.2}

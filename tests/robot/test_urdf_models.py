@@ -9,7 +9,7 @@ import mbconstrained as mb
 from tests.robot.model_files import Mechanism, UrdfWriter
 from tests.robot.test_sdf_models import order
 
-SEEDS = range(200)
+SEEDS = range(60)
 
 
 def posture_of(truth, rng):

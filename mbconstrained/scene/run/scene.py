@@ -19,7 +19,7 @@ from ...ground.units import unit_in_si
 from ..build.equations import equations_of
 from ..build.model import Equations, named_quantities, output_names, quantities_by_name
 from ..file import SceneFolder, SceneName, at, read_tables, with_robot_file
-from ..quantities.output_units import QUANTITIES, OutputUnits
+from ..quantities.coordinates import QUANTITIES, OutputUnits
 from ..quantities.parameters import Parameters, with_parameters
 from ..quantities.settings import with_settings, with_values
 from ..schema.entry_types import validated

@@ -21,6 +21,7 @@ from .entry_types import (
     Angle,
     AngularVelocity,
     Column,
+    Frequency,
     Number,
     Quantity,
     Ratios,
@@ -28,7 +29,8 @@ from .entry_types import (
     Text,
     Time,
     Vector,
-    quantity_field,
+    Velocity,
+    number_or_text,
 )
 
 ResponseQuantity = Literal[
@@ -47,6 +49,21 @@ ResponsePlot = Literal["bode", "parts", "nyquist"]
 
 #: Further names of outputs, for descriptions.
 NAMES = '"velocity of x", "b - a", "elongation of spring", "force on ground" …'
+
+#: Keys that several analyses have.
+_OUTPUTS = f"Coordinates, springs and dampers (their forces), constraint rows (their reactions), {NAMES}; left out: all "
+OUTPUTS: Any = Field(None, description=f"{_OUTPUTS}coordinates, and the [[output.quantity]] tables.")
+RELATIVE_TO: Any = Field(None, description="A coordinate or prescribed motion, subtracted from the outputs of its unit.")
+MotionQuantity = Literal["displacement", "velocity", "acceleration", "reaction", "force", "torque"]
+QUANTITY: Any = Field(
+    "displacement", description="Quantity of outputs that are named alone; force or torque: of springs and dampers."
+)
+
+
+def check_range(table, unit: str) -> None:
+    """Check that the range of a table ascends."""
+    if table.highest is not None and (table.lowest or 0.0) >= table.highest:
+        raise InputError(f"from is {table.lowest:g} {unit} and to {table.highest:g} {unit}; expected a range that ascends")
 
 
 def _loss_factors(value):
@@ -95,17 +112,12 @@ class FrequencyTable(Table):
         None, description="Coordinates, each a force on it, or names of [[motion]] tables and constraint rows; by default all motions, "
         "or else the loaded coordinates."
     )  # fmt: skip
-    outputs: list[Text] | None = Field(
-        None, description=f"Coordinates, springs and dampers (their forces), constraint rows (their reactions), {NAMES}; left out: all "
-        "coordinates, and the [[output.quantity]] tables."
-    )  # fmt: skip
+    outputs: list[Text] | None = OUTPUTS
     quantity: ResponseQuantity = Field(
         "receptance", description="Kind of response of outputs that are named alone: receptance (displacement / force), … force "
         "transmissibility: what springs, dampers and constraint rows pass to the ground by the force that acts."
     )  # fmt: skip
-    relative_to: Text | None = Field(
-        None, description="A coordinate or prescribed motion, subtracted from the outputs of its unit."
-    )
+    relative_to: Text | None = RELATIVE_TO
     lowest: AnyFrequency | None = Field(
         None, alias="from", ge=0, description="The lowest frequency; by default a decade below the lowest pole."
     )
@@ -137,8 +149,7 @@ class FrequencyTable(Table):
         of_range = [key for name, key in self._range_keys if name in self.model_fields_set]
         if self.frequencies is not None and of_range:
             raise InputError(f"frequencies and {of_range[0]} cannot both be given; leave out one of them")
-        if self.highest is not None and (self.lowest or 0.0) >= self.highest:
-            raise InputError(f"from is {self.lowest:g} Hz and to {self.highest:g} Hz; expected a range that ascends")
+        check_range(self, "Hz")
         if self.spacing == "auto":
             if self.points is not None:
                 raise InputError('points needs spacing = "linear" or "log"; with "auto" the poles decide how many there are')
@@ -163,9 +174,6 @@ class FrequencyTable(Table):
         spaced = np.geomspace if self.spacing == "log" else np.linspace
         return spaced(self.lowest, self.highest, self.points or 401)
 
-
-Speed = quantity_field("m/s")
-Frequency = quantity_field("Hz")
 
 #: The kinds of spectra, one key each.
 KINDS = ("values", "file", "white", "road", "soil")
@@ -193,7 +201,7 @@ class RoadTable(Table):
     """A road of ISO 8608."""
 
     road_class: Literal["A", "B", "C", "D", "E", "F", "G", "H"] = Field(alias="class", description="A (very good) to H.")
-    speed: Speed = Field(gt=0, description='Of the vehicle, e.g. "20 m/s".')  # type: ignore[valid-type]
+    speed: Velocity = Field(gt=0, description='Of the vehicle, e.g. "20 m/s".')
 
 
 class SoilTable(Table):
@@ -202,7 +210,7 @@ class SoilTable(Table):
     intensity: Density = Field(
         gt=0, description="Intensity of the acceleration of the rock, one-sided, in the unit of the density."
     )
-    frequency: Frequency = Field(2.5, gt=0, description="Natural frequency of the soil.")  # type: ignore[valid-type]
+    frequency: Frequency = Field(2.5, gt=0, description="Natural frequency of the soil.")
     damping_ratio: Number = Field(0.6, gt=0, description="Damping ratio of the soil.")
 
 
@@ -294,10 +302,7 @@ class RandomTable(Table):
     """The stationary response to random forces and random motions of supports."""
 
     input: list[RandomInputTable] = Field(min_length=1, description="The random inputs, [[random.input]].")
-    outputs: list[Text] | None = Field(
-        None, description=f"Coordinates, springs and dampers (their forces), constraint rows (their reactions), {NAMES}; left out: all "
-        "that have the quantity, and the [[output.quantity]] tables."
-    )  # fmt: skip
+    outputs: list[Text] | None = Field(None, description=f"{_OUTPUTS}that have the quantity, and the [[output.quantity]] tables.")
     quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force", "elongation"] = Field(
         "displacement", description="Quantity of outputs that are named alone; force and elongation: of springs and dampers."
     )
@@ -339,8 +344,7 @@ class OscillatorsTable(Table):
             raise InputError(f"frequencies and {names.get(min(given), min(given))} cannot both be given; leave out one of them")
         if self.frequencies is not None and not min(self.frequencies) > 0:
             raise InputError("frequencies: found 0 Hz; expected positive natural frequencies")
-        if self.lowest is not None and self.highest is not None and self.lowest >= self.highest:
-            raise InputError(f"from is {self.lowest:g} Hz and to {self.highest:g} Hz; expected a range that ascends")
+        check_range(self, "Hz")
         return self
 
     def lines(self, lowest: float, highest: float) -> np.ndarray:
@@ -401,8 +405,7 @@ class CampbellTable(Table):
 
     @model_validator(mode="after")
     def _ascending(self):
-        if self.lowest is not None and self.highest is not None and self.lowest >= self.highest:
-            raise InputError(f"from is {self.lowest:g} rad/s and to {self.highest:g} rad/s; expected a range that ascends")
+        check_range(self, "rad/s")
         if len(set(self.orders)) < len(self.orders):
             raise InputError("orders: one is given twice; give each once")
         return self
@@ -420,13 +423,8 @@ def _order(value) -> float:
     return order
 
 
-def _amount(value):
-    """A quantity whose unit depends on where it acts."""
-    return value if isinstance(value, str) else quantity(value, "1")
-
-
 SEVERAL_SCHEMA = WithJsonSchema({"anyOf": [*NUMBER_SCHEMA["anyOf"], NUMBERS_SCHEMA]})
-OneOrSeveral = Annotated[Any, BeforeValidator(_one_or_several(_amount)), SEVERAL_SCHEMA]
+OneOrSeveral = Annotated[Any, BeforeValidator(_one_or_several(number_or_text)), SEVERAL_SCHEMA]
 
 
 class OrderExcitationTable(Table):
@@ -484,21 +482,13 @@ class OrdersTable(Table):
     )
     points: int = Field(201, ge=2, le=10_001, description="Number of speeds, both ends included, besides those near resonances.")
     excitation: list[OrderExcitationTable] = Field([], description="The excitations, [[orders.excitation]].")
-    outputs: list[Text] | None = Field(
-        None, description=f"Coordinates, springs and dampers (their forces), constraint rows (their reactions), {NAMES}; left out: all "
-        "coordinates, and the [[output.quantity]] tables."
-    )  # fmt: skip
-    quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force", "torque"] = Field(
-        "displacement", description="Quantity of outputs that are named alone; force or torque: of springs and dampers."
-    )
-    relative_to: Text | None = Field(
-        None, description="A coordinate or prescribed motion, subtracted from the outputs of its unit."
-    )
+    outputs: list[Text] | None = OUTPUTS
+    quantity: MotionQuantity = QUANTITY
+    relative_to: Text | None = RELATIVE_TO
 
     @model_validator(mode="after")
     def _ascending(self):
-        if self.lowest is not None and self.highest is not None and self.lowest >= self.highest:
-            raise InputError(f"from is {self.lowest:g} rad/s and to {self.highest:g} rad/s; expected a range that ascends")
+        check_range(self, "rad/s")
         return self
 
 
@@ -510,13 +500,8 @@ class SteadyTable(Table):
         "the harmonic loads."
     )  # fmt: skip
     harmonics: int = Field(50, ge=1, le=2000, description="Number of harmonics of a record whose amplitudes are listed.")
-    outputs: list[Text] | None = Field(
-        None, description=f"Coordinates, springs and dampers (their forces), constraint rows (their reactions), {NAMES}; left out: all "
-        "coordinates, and the [[output.quantity]] tables."
-    )  # fmt: skip
-    quantity: Literal["displacement", "velocity", "acceleration", "reaction", "force", "torque"] = Field(
-        "displacement", description="Quantity of outputs that are named alone; force or torque: of springs and dampers."
-    )
+    outputs: list[Text] | None = OUTPUTS
+    quantity: MotionQuantity = QUANTITY
 
 
 class PathTable(Table):

@@ -227,9 +227,9 @@ class DampedTable(Table):
     """A mechanical model, which may have damping of the model as a whole."""
 
     rayleigh_damping: RayleighTable | None = Field(None, description="Proportional (Rayleigh) damping, a M + b K.")
-    modal_damping: Annotated[
-        Any, BeforeValidator(ratios), WithJsonSchema({"title": "a ratio, or those of the lowest modes", **RATIOS_SCHEMA})
-    ] = Field(None, description="The damping ratio of all undamped modes, e.g. 0.02, or of the lowest ones, e.g. [0.02, 0.05].")
+    modal_damping: Annotated[Ratios, WithJsonSchema({"title": "a ratio, or those of the lowest modes", **RATIOS_SCHEMA})] = Field(
+        None, description="The damping ratio of all undamped modes, e.g. 0.02, or of the lowest ones, e.g. [0.02, 0.05]."
+    )
 
 
 #: The key of models that may switch.
@@ -258,11 +258,9 @@ Teeth = Annotated[
 ]
 
 
-def _number_or_text(value):
+def number_or_text(value):
     """A quantity whose unit depends on the coordinate it belongs to: checked further once that is known."""
-    if isinstance(value, str):
-        return value
-    return quantity(value, "1")
+    return value if isinstance(value, str) else quantity(value, "1")
 
 
 def _name(value):
@@ -286,7 +284,7 @@ def _text(value):
 
 Quantity = Annotated[
     Any,
-    BeforeValidator(_number_or_text),
+    BeforeValidator(number_or_text),
     WithJsonSchema({"title": 'a number in SI, a text with a unit, or "=" and an expression of parameters', **NUMBER_SCHEMA}),
 ]
 Level = Literal["position", "velocity", "acceleration"]

@@ -113,13 +113,9 @@ class ForceBase(Table):
         return self.coordinate or self.name or f"load on {', '.join(self.places)}"
 
     @model_validator(mode="after")
-    def _not_earlier(self):
+    def _is_later(self):
         if self.delay < 0:
             raise InputError(f"delay: found {self.delay:g} s; expected 0 or a later time")
-        return self
-
-    @model_validator(mode="after")
-    def _moves_along(self):
         if self.distance and self.speed is None:
             raise InputError("distance: it is passed with a speed; give speed, too")
         if self.speed is not None and not self.distance and getattr(self, "kind", "") != "sampled":

@@ -18,8 +18,7 @@ from ...ground.errors import InputError, shown
 from ...ground.quantities import KINDS, Dimension, any_quantity
 from ...ground.tolerances import noise_of
 from ..file import EntryError
-from ..quantities.coordinates import DERIVATIVES
-from ..quantities.output_units import QUANTITIES, OutputUnits, output_units
+from ..quantities.coordinates import DERIVATIVES, QUANTITIES, OutputUnits, output_units
 from .entry_types import (
     MISSING_TIME,
     NUMBER_SCHEMA,
