@@ -157,7 +157,7 @@ def write_page(answer: Response | Modes | Answer | Scene, path, **options) -> Pa
     if isinstance(answer, Response):
         return result_of(answer, **options).write_page(path)
     if isinstance(answer, Modes):
-        from ..analyses.modes import ModalAnalysis
+        from .modes import ModalAnalysis
 
         answer = ModalAnalysis.solve(_scene_of_modes(answer, **options))
     elif options:
