@@ -124,27 +124,6 @@ class _Drawn:
         )
 
 
-def frequency_plots(
-    response: FrequencyResponse, table: FrequencyTable, colors: Sequence[int], units: np.ndarray, factors: np.ndarray
-) -> tuple[Plot, ...]:
-    """The plots of a response that a table selects, amplitude and phase of one unit side by side, with a colour for each output."""
-    if (response.frequencies_hz > 0).sum() < 2:
-        return ()
-    drawn, plots = _Drawn(response, table, colors), []
-    groups: dict[str, list[_Entry]] = {}
-    for i, j in np.ndindex(len(response.outputs), len(response.inputs)):
-        name = f"{response.outputs[i]} by {response.inputs[j]}" if len(response.inputs) > 1 else response.outputs[i]
-        groups.setdefault(str(units[i, j]), []).append(_Entry(i, j, name, float(factors[i, j])))
-    by = f' by "{response.inputs[0]}"' if len(response.inputs) == 1 else ""
-    titled = [(unit, entries, response.harmonic.quantity_of([entry.i for entry in entries])) for unit, entries in groups.items()]
-    for unit, entries, quantity in titled:
-        own = f" ({unit})" if [other for _, _, other in titled].count(quantity) > 1 else ""
-        titles = f"{quantity}{own}{by}", quantity, unit
-        for kind in table.plots:
-            plots += _KINDS[kind](drawn, entries, *titles)
-    return tuple(plots)
-
-
 def _plot(drawn: _Drawn, title: str, unit: str, curves: tuple[Curve, ...], quantity: str, vertical: Scale = "linear") -> Plot:
     axes: dict[str, Any] = {"across_unit": drawn.table.axis, "variable": "frequency", "scales": ("log", vertical)}
     return Plot(title, unit, drawn.axis_factor * drawn.lines, curves, quantity=quantity, **axes)
@@ -171,7 +150,7 @@ def _bode(drawn: _Drawn, entries: list[_Entry], title: str, quantity: str, unit:
         one = np.full(len(drawn.lines), 0.0 if is_decibel else 1.0)
         curves += (Curve("as the support", one, max(curve.color or 0 for curve in curves) + 1),)
     vertical: Scale = "log" if drawn.table.amplitude == "log" and any((curve.values > 0).any() for curve in curves) else "linear"
-    shown = f"dB re 1 {unit}".rstrip() if is_decibel else unit
+    shown = ("dB re 1" if unit == "1" else f"dB re 1 {unit}") if is_decibel else unit
     phases = drawn.curves(present, _phase(drawn, present))
     if not present:
         return []
@@ -553,10 +532,23 @@ class Frequency(Analysis):
             yield f"real {name}", values[i, j].real
             yield f"imag {name}", values[i, j].imag
 
-    def _plots(self) -> tuple[Plot, ...]:
-        names = self.scene.equations.coordinates.names
-        colors = tuple(names.index(name) if name in names else i for i, name in enumerate(self.response.outputs))
-        return frequency_plots(self.response, self.table, colors, *self.shown)
+    def _plots(self) -> Iterator[Plot]:
+        """The plots that the table selects, amplitude and phase of one unit side by side, with a colour for each output."""
+        response, (units, factors), names = self.response, self.shown, self.scene.equations.coordinates.names
+        if (response.frequencies_hz > 0).sum() < 2:
+            return
+        colors = [names.index(name) if name in names else i for i, name in enumerate(response.outputs)]
+        drawn = _Drawn(response, self.table, colors)
+        groups: dict[str, list[_Entry]] = {}
+        for i, j in np.ndindex(units.shape):
+            name = f"{response.outputs[i]} by {response.inputs[j]}" if len(response.inputs) > 1 else response.outputs[i]
+            groups.setdefault(str(units[i, j]), []).append(_Entry(i, j, name, float(factors[i, j])))
+        by = f' by "{response.inputs[0]}"' if len(response.inputs) == 1 else ""
+        quantities = [response.harmonic.quantity_of([entry.i for entry in entries]) for entries in groups.values()]
+        for (unit, entries), quantity in zip(groups.items(), quantities):
+            own = f" ({unit})" if quantities.count(quantity) > 1 else ""
+            for kind in self.table.plots:
+                yield from _KINDS[kind](drawn, entries, f"{quantity}{own}{by}", quantity, unit)
 
     def deflections(self) -> Deflections | None:
         """Shapes of all coordinates at each frequency under a unit of an input; None where the model has no places, or nothing to draw."""

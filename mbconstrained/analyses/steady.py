@@ -287,8 +287,8 @@ class _LinearCycle(_Cycle):
     def __init__(self, scene: Scene, table: SteadyTable):
         super().__init__(scene, table)
         system, force = scene.equations.system, scene.equations.force
-        loads = [*((f"force[{i}]", one) for i, one in enumerate(scene.table.force, 1))]
-        loads += [*((f"motion[{i}]", one) for i, one in enumerate(scene.table.motion, 1))]
+        tables = {"force": scene.table.force, "motion": scene.table.motion}
+        loads = [(f"{key}[{i}]", one) for key, own in tables.items() for i, one in enumerate(own, 1)]
         for place, load in loads:
             if load.kind not in REPEATING:
                 raise InputError(
