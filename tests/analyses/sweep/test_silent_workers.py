@@ -83,33 +83,30 @@ def test_the_process_of_an_endless_sample_ends_with_the_run(tmp_path):
 
 
 @pytest.mark.long
-def test_a_dask_worker_that_is_stopped_is_named_and_left_out_and_other_code_is_refused(study, tmp_path, monkeypatch):
-    """First it is stopped during a run, whose other worker may be done before anybody misses it, then before one."""
+def test_a_stopped_dask_worker_is_named_and_its_chunk_is_done_by_the_other_and_other_code_is_refused(study, tmp_path, monkeypatch):
+    """It is stopped during a run, whose other worker may be done before anybody misses it, and before another run."""
     pytest.importorskip("distributed")
     study.run(store=tmp_path / "expected.zarr")
     monkeypatch.setattr(execution, "SILENCE", 4.0)
-    said = "has not answered for 4 s; others compute its chunk"
+    said, messages = "has not answered for 4 s; others compute its chunk", {"during": [], "before": []}
     with cluster(tmp_path) as workers:
         stopped = workers.workers[0].pid
 
-        def stop(done, count):
-            if done == 1:
-                os.kill(stopped, signal.SIGSTOP)
-
-        for name, progress in (("during", stop), ("before", None)):
-            messages = []
+        def run(name, progress=None):
             try:
-                study.run(store=tmp_path / f"{name}.zarr", dask=workers.address, progress=progress, message=messages.append)
+                study.run(store=tmp_path / name, dask=workers.address, progress=progress, message=messages[name].append)
             finally:
                 os.kill(stopped, signal.SIGCONT)
-            assert bytes_of(tmp_path / f"{name}.zarr") == bytes_of(tmp_path / "expected.zarr")
-            assert (messages == [] and progress) or (len(messages) == 1 and said in messages[0])
-            study.run(dask=workers.address)  # both are there again
-            if progress:
-                os.kill(stopped, signal.SIGSTOP)
+            assert bytes_of(tmp_path / name) == bytes_of(tmp_path / "expected.zarr")
+
+        run("during", lambda done, count: os.kill(stopped, signal.SIGSTOP) if done == 1 else None)
+        study.run(dask=workers.address)  # both are there again
+        os.kill(stopped, signal.SIGSTOP)
+        run("before")
         monkeypatch.setattr(execution, "CODE", "0" * 64)
         with pytest.raises(mb.InputError, match="has other code of the package mbconstrained, perhaps under the same version"):
             study.run(dask=workers.address)
+    assert said in messages["before"][0] and (not messages["during"] or said in messages["during"][0])
 
 
 def test_a_chunk_of_other_code_is_refused_by_the_worker_itself():
