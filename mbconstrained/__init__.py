@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from .control.transfer_function import transfer_function_response as transfer_function_response
     from .exact.enclosure.exact_response import ExactResponse as ExactResponse
     from .exact.enclosure.intervals import Enclosure as Enclosure
-    from .exact.symbolic.response.symbolic_response import SymbolicResponse as SymbolicResponse
-    from .exact.symbolic.response.symbolic_response import solve_symbolically as solve_symbolically
     from .exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix as SymbolicPolynomialMatrix
+    from .exact.symbolic.symbolic_response import SymbolicResponse as SymbolicResponse
+    from .exact.symbolic.symbolic_response import solve_symbolically as solve_symbolically
     from .exchange.matrices import read_matrix as read_matrix
     from .exchange.universal import Geometry as Geometry
     from .frequency.fatigue import CycleCount as CycleCount
@@ -160,7 +160,7 @@ _NAMES = {
     "control.transfer_function": "TransferFunctionResponse transfer_function_response",
     "exact.enclosure.exact_response": "ExactResponse",
     "exact.enclosure.intervals": "Enclosure",
-    "exact.symbolic.response.symbolic_response": "SymbolicResponse solve_symbolically",
+    "exact.symbolic.symbolic_response": "SymbolicResponse solve_symbolically",
     "exact.symbolic.symbolic_matrix": "SymbolicPolynomialMatrix",
     "exchange.matrices": "read_matrix",
     "exchange.universal": "Geometry",

@@ -78,7 +78,7 @@ def _solved(scene: SceneData, numbers: bool, coordinates, progress: Progress) ->
 def _formula(scene: SceneData, numbers: bool, coordinates, progress: Progress) -> ClosedForm:
     from ..exact.closed_form import ClosedForm
     from ..exact.source_code import real_form
-    from ..exact.symbolic.response.symbolic_response import solve_symbolically
+    from ..exact.symbolic.symbolic_response import solve_symbolically
     from ..exact.symbolic_equations import Symbols, without_implied
     from ..scene.build.symbolic_scene import exact_equations
 

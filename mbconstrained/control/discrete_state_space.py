@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from math import comb
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..exact import structure
-from ..exact.enclosure.discretization import DiscretizedSystem, discretized
+from ..exact.enclosure.discretization import DiscretizedSystem, Hold, discretized
 from ..ground.checks import counted, names_of, optional_package, real_array, real_number
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError, SingularPolynomialMatrix
@@ -32,6 +32,7 @@ from .state_equations import (
     roots_of,
     state_values,
     transfer_of,
+    values_with_sizes,
 )
 
 if TYPE_CHECKING:
@@ -134,8 +135,8 @@ class SampledOrigin:
     """The continuous system of a discretized one."""
 
     system: StateEquations  # the continuous system
-    form: SampledEquations  # the discretized equations and the map of its start
-    hold: int | str  # how inputs continue between samples
+    form: DiscretizedSystem  # the discretized equations and the map of its start
+    hold: Hold  # how inputs continue between samples
     is_delayed: bool  # whether an input is
 
 
@@ -188,7 +189,7 @@ class DiscreteStateSpace(Displayed):
 
     @classmethod
     def of_continuous(
-        cls, system: StateEquations, step: float, hold: int | str, delays: Mapping[str, float] | None
+        cls, system: StateEquations, step: float, hold: Hold, delays: Mapping[str, float] | None
     ) -> DiscreteStateSpace:
         """The states and outputs of a continuous system at t = k step under a hold of its input (``StateSpace.discretize``).
 
@@ -199,13 +200,11 @@ class DiscreteStateSpace(Displayed):
         Returns:
             The state space with its ``origin``.
         """
-        form = sampled_equations(system, step, hold, delays)
-        matrices = form.matrices
-        count = len(matrices.A) - len(matrices.delayed)
+        form = discretized_system(system, step, hold, delays)
+        count = len(form.A) - len(form.delayed)
         names = list(system.states) if count == len(system.A) else [f"state {i + 1}" for i in range(count)]
-        names += [f"{system.inputs[j]} {samples} before" for j, samples in matrices.delayed]
-        parts = matrices.A, matrices.B, matrices.C, matrices.D
-        result = cls(*parts, step, names, list(system.inputs), list(system.outputs))
+        names += [f"{system.inputs[j]} {samples} before" for j, samples in form.delayed]
+        result = cls(form.A, form.B, form.C, form.D, step, names, list(system.inputs), list(system.outputs))
         result.notices = (*form.notices, *result.notices)
         result.origin = SampledOrigin(system, form, hold, bool(delays and any(delays.values())))
         return result
@@ -268,7 +267,7 @@ class DiscreteStateSpace(Displayed):
         given, values = self.origin.form, state_values(initial, self.origin.system.states)
         start = np.zeros(len(self.A))
         start[: len(given.start_map)] = given.start_map @ values
-        return start + given.matrices.start_input @ first
+        return start + given.start_input @ first
 
     def frequency_response(self, frequencies_hz, inputs=None, outputs=None) -> DiscreteFrequencyResponse:
         """Return G(e^(i w h)), w = 2 pi f, h the step, at frequencies up to the Nyquist frequency 1/(2 h).
@@ -494,13 +493,10 @@ def _line(A, B, C, D, half_turns: float) -> tuple[np.ndarray, np.ndarray]:
     turn = np.longdouble(half_turns) * np.arctan(np.longdouble(1)) * 4
     pencil = complex(np.cos(turn), np.sin(turn)) * np.eye(len(A)) - A
     try:
-        states = np.linalg.solve(pencil, B.astype(complex))
-        sensitivity = np.abs(np.linalg.inv(pencil)) @ (np.abs(pencil) @ np.abs(states))
+        values, size = values_with_sizes(pencil, B, C, D)
     except np.linalg.LinAlgError:
         infinite = np.full(D.shape, np.inf)
         return infinite.astype(complex), infinite
-    values = C @ states + D
-    size = np.abs(C) @ sensitivity + np.abs(D)
     errors = np.divide(4 * EPS * (len(A) + 1) * size, np.abs(values), out=np.full(D.shape, np.inf), where=values != 0)
     return values, np.where(size == 0, 0.0, errors)
 
@@ -513,16 +509,9 @@ HOLDS = (0, 1, "impulse")
 MOST_DELAYED = 2000
 
 
-@dataclass(frozen=True, eq=False)
-class SampledEquations:
-    """A discretized system, and what connects it with the continuous one."""
-
-    matrices: DiscretizedSystem  # A, B, C, D with the added states
-    start_map: np.ndarray  # the discrete states that belong to the states x(0-) of the continuous system, shape (n, N)
-    notices: tuple[Notice, ...]  # remarks
-
-
-def sampled_equations(system: StateEquations, step, hold=1, delays: Mapping[str, float] | None = None) -> SampledEquations:
+def discretized_system(
+    system: StateEquations, step, hold: Hold = 1, delays: Mapping[str, float] | None = None
+) -> DiscretizedSystem:
     """Discretize E x' = A x + B u, y = C x + D u; where E is singular, its finite Jordan pair and the polynomial part of G(s)."""
     step = Fraction(real_number(step, "step", positive=True))
     if isinstance(hold, bool) or hold not in HOLDS:
@@ -534,19 +523,19 @@ def sampled_equations(system: StateEquations, step, hold=1, delays: Mapping[str,
     if pairs is None or not any(pairs.structure.infinite_divisors):
         _refuse_feedthrough(system, system.D, hold)
         E = None if is_ordinary else system.E
-        return SampledEquations(discretized(system.A, system.B, system.C, system.D, nothing, late, step, hold, E), np.eye(n), ())
+        return discretized(system.A, system.B, system.C, system.D, nothing, late, step, hold, E)
     polynomial = [through(system, order) for order in range(pairs.structure.highest_impulse + 1)] or [nothing]
     for order in range(len(polynomial) - 1, 0, -1):
         _refuse_impulses(system, polynomial[order], order, hold)
     D, slopes = system.D + polynomial[0], polynomial[1] if len(polynomial) > 1 else nothing
     _refuse_feedthrough(system, D, hold)
     finite = pairs.finite
-    matrices = discretized(finite.J, finite.B @ system.B, system.C @ finite.C, D, slopes, late, step, hold)
+    result = discretized(finite.J, finite.B @ system.B, system.C @ finite.C, D, slopes, late, step, hold)
     texts = (
         f'{system.outputs[i]}: the part that follows the derivative of "{system.inputs[j]}" is that just before each sample'
         for i, j in np.argwhere(slopes)
     )
-    return SampledEquations(matrices, finite.B @ system.E, tuple(Notice(NoticeKind.KINK, text) for text in texts))
+    return replace(result, start_map=finite.B @ system.E, notices=tuple(Notice(NoticeKind.KINK, text) for text in texts))
 
 
 def _refuse_impulses(system: StateEquations, factors: np.ndarray, order: int, hold) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -170,18 +170,3 @@ def trimmed(coefficients: Sequence[Fraction]) -> Polynomial:
     """The polynomial without zeros at the highest powers."""
     count = max((k + 1 for k, c in enumerate(coefficients) if c), default=0)
     return tuple(coefficients[:count])
-
-
-def laurent(
-    numerator: Polynomial, denominator: Polynomial, count: int, rounded: Callable = lambda number: number
-) -> list[Fraction]:
-    """The first coefficients of numerator / denominator in descending powers, that of s^(m - n) first.
-
-    >>> [int(c) for c in laurent(ONE, (Fraction(1), Fraction(1)), 4)]  # 1 / (s + 1) = s^-1 - s^-2 + s^-3 - ...
-    [1, -1, 1, -1]
-    """
-    above, below, series = numerator[::-1], denominator[::-1], []
-    for k in range(count):
-        known = sum(below[i] * series[k - i] for i in range(1, min(k, len(below) - 1) + 1))
-        series.append(rounded(((above[k] if k < len(above) else 0) - known) / below[0]))
-    return series

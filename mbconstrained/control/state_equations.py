@@ -238,12 +238,11 @@ class _Channel:
     input: int
 
     def __call__(self, s: complex) -> tuple[complex, float]:
-        """G(s), and the size of its terms, with those of x = (s E - A)^-1 b that cause its rounding errors (Skeel 1979)."""
+        """G(s), and the size of its terms."""
         system = self.system
-        pencil, c, d = s * system.E - system.A, system.C[self.output], system.D[self.output, self.input]
-        states = np.linalg.solve(pencil, system.B[:, self.input])
-        sensitivity = np.abs(np.linalg.inv(pencil)) @ (np.abs(pencil) @ np.abs(states))
-        return c @ states + d, float(np.abs(c) @ sensitivity + abs(d))
+        b, c, d = system.B[:, self.input], system.C[self.output], system.D[self.output, self.input]
+        value, size = values_with_sizes(s * system.E - system.A, b, c, d)
+        return value, float(size)
 
     def polynomial_matrix(self) -> PolynomialMatrix:
         """[[s E - A, -B], [C, D]] of the channel."""
@@ -257,6 +256,13 @@ class _Channel:
             f"from {self.system.inputs[self.input]} to {self.system.outputs[self.output]}: rounding of A, B, C and D hides the "
             "zeros of G(s), which is not zero; choose states in which fewer digits cancel, or give the transfer function"
         )
+
+
+def values_with_sizes(pencil: np.ndarray, B: np.ndarray, C: np.ndarray, D) -> tuple:
+    """C P^-1 B + D, and the sizes of its terms, with those of P^-1 B that cause its rounding errors (Skeel 1979)."""
+    states = np.linalg.solve(pencil, B)
+    sensitivity = np.abs(np.linalg.inv(pencil)) @ (np.abs(pencil) @ np.abs(states))
+    return C @ states + D, np.abs(C) @ sensitivity + np.abs(D)
 
 
 def rational_transfer(fraction: RationalFunction) -> Transfer:

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import cached_property
-from math import ceil, comb, factorial, log, log10
+from functools import cached_property, lru_cache
+from math import ceil, comb, factorial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,10 +22,9 @@ from ..ground.by_name import answering
 from ..ground.checks import real_array, real_number
 from ..ground.errors import InputError, Overflow
 from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import EARLY_ERROR, EPS, PRECISE_DIGITS, PROBE_SIZE, rounding_radius
+from ..ground.tolerances import EARLY_ERROR, EPS, PROBE_SIZE, rounding_radius
 from ..linalg.arrays import block_diag
 from ..linalg.blocks import eigenvalues
-from ..linalg.precise import midpoints, precise, precise_arithmetic
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..polynomial.structure import FiniteZero, polynomial_text
 from ..response.estimate import TRIALS
@@ -36,7 +35,7 @@ from ..response.response_notices import response_notices
 from ..response.solve import solve
 from ..signals.impulsive import ImpulsiveSmooth
 from .matrix_fraction import checked_input, scalar_force, scalar_matrix
-from .rational import ONE, Polynomial, RationalFunction, laurent, rational_function
+from .rational import ONE, Polynomial, RationalFunction, rational_function
 
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
@@ -203,26 +202,24 @@ def _padded(b: np.ndarray, first: int, count: int) -> np.ndarray:
     return np.array([b[i] if 0 <= i < len(b) else 0.0 for i in range(first, first + count)])
 
 
-# A response from rest while it is small: by its exact Taylor series, where its modes cancel beyond the digits of float64.
-#
-# After b(s)/a(s) has begun like t^p it stays far below its modes for a while. A Taylor series loses e^(2 |s| t), s the largest
-# pole; with exact coefficients in the arithmetic of ``linalg.precise`` it can afford to, for a longer time than modes cancel.
+# A response from rest while it is small: by the exact engine, where its modes cancel beyond the digits of float64.
 
 #: The least normal number of float64.
 TINY = float(np.finfo(float).tiny)
 
+#: After b(s)/a(s) has begun like t^p it stays far below its modes for a while: |s| t, s the largest pole, up to which it may.
+REACH = 90.0
+
 #: The errors of the sum of modes are measured at so many times per factor of two, over at most so many factors of two.
 PLACES, OCTAVES = 2, 24
 
-#: The digits that may be lost, those of float64 and two for the roundings of the sum are left; and the |s| t that loses them.
-SPARE_DIGITS = PRECISE_DIGITS + log10(EPS) - 2
-REACH = SPARE_DIGITS * log(10) / 2
 
-#: So many terms for |s| t = 1, at least, make the rest of the series (e / 6)^(6 |s| t), nothing relative to e^(-|s| t).
-TERMS = 6
+@lru_cache(maxsize=64)
+def exact_response(fraction: RationalFunction, gamma: int) -> ExactResponse:
+    """The exact response of b(s)/a(s) to I_gamma, kept for further times."""
+    from ..exact.enclosure.exact_response import exact_fraction_response
 
-#: And so many more for small |s| t, also for each pole and each power of s: repeated poles grow before they decay.
-MORE_TERMS, TERMS_A_POLE = 40, 3
+    return exact_fraction_response(fraction.numerator, fraction.denominator, gamma)
 
 
 @dataclass(frozen=True, repr=False)
@@ -230,35 +227,29 @@ class ExactStart(ResponseFunction):
     """The response of b(s)/a(s) to I_gamma, or a derivative of it, evaluated with as many digits as its smallness requires."""
 
     fraction: RationalFunction  # b(s)/a(s)
-    gamma: int  # of the derivative: y_gamma' = y_(gamma - 1) for t > 0
+    gamma: int
+    order: int = 0  # of the derivative
 
-    def __call__(self, times) -> np.ndarray:
-        """Values, from the exact series where the modes cancel."""
-        values = super().__call__(times)
-        times = np.asarray(times, dtype=float)
-        flat, accurate = np.atleast_1d(times), values.reshape(-1).copy()
-        at = np.flatnonzero((flat > 0) & (flat <= self._reach))
-        if not len(at):
-            return values
-        at = at[self._errors(flat[at]) > EARLY_ERROR * np.abs(accurate[at])]
-        octaves = np.floor(np.log2(flat[at]))
-        for octave in np.unique(octaves):  # few terms are enough for small times
-            same = at[octaves == octave]
-            exact, good = self._exact(flat[same])
-            accurate[same] = np.where(good, exact, accurate[same])
-        return accurate.reshape(values.shape)
+    def _values(self, times) -> np.ndarray:
+        """Values, from the exact engine where the modes cancel."""
+        values = super()._values(times)
+        at = np.flatnonzero((times > 0) & (times <= self._reach))
+        if len(at):
+            at = at[self._errors(times[at]) > EARLY_ERROR * np.abs(values[0, at])]
+            values[:, at] = self._exact(times[at])
+        return values
 
     @property
     def summed_from(self) -> np.ndarray:
-        """First time of evaluation by modes: earlier values come from the exact series."""
+        """First time of evaluation by modes alone."""
         return np.maximum(self.switch, self._reach)
 
     def derivative(self, order: int = 1) -> ExactStart:
         """The classical derivative."""
-        return with_exact_start(super().derivative(order), self.fraction, self.gamma - order)
+        return with_exact_start(super().derivative(order), self.fraction, self.gamma, self.order + order)
 
     def _errors(self, times) -> np.ndarray:
-        """Approximate error without the exact series: the noise of the float64 series, then the measured errors of the modes."""
+        """Approximate errors without the exact engine: the noise of the float64 series, then the measured errors of the modes."""
         by_series = times < self.switch[0]
         noise = self.series.noise_at(np.where(by_series, times, 0.0))[0]
         places, errors = self._measured
@@ -267,81 +258,38 @@ class ExactStart(ResponseFunction):
 
     @cached_property
     def _measured(self) -> tuple[np.ndarray, np.ndarray]:
-        """Times, ascending, and the errors of the sum of modes there: its difference from the exact series."""
+        """Times, ascending, and the errors of the sum of modes there."""
         octaves = np.log2(self._reach / max(self.switch[0], self._reach / 2**OCTAVES))
         places = self._reach * 2.0 ** -(np.arange(ceil(octaves * PLACES), -1, -1) / PLACES)
         with np.errstate(over="ignore", invalid="ignore"):  # what leaves the range is no number that could be compared
-            exact, good = self._exact(places)
-            errors = np.abs(self._values(places)[0] - exact)
-        errors = np.where(good & ~np.isnan(errors), errors, 0.0)
+            errors = np.nan_to_num(np.abs(super()._values(places) - self._exact(places))[0], nan=0.0, posinf=np.inf)
         return np.append(0.0, places), np.append(errors[0], errors)
 
-    def _exact(self, times) -> tuple[np.ndarray, np.ndarray]:
-        """The Taylor sums by Horner's rule, and which of them have enough digits."""
-        count = min(ceil(TERMS * times.max() * self._largest_pole) + self._more_terms, len(self._derivatives))
-        with precise_arithmetic():
-            t, total = precise(times), precise(np.zeros(len(times)))
-            for k in reversed(range(count)):
-                total = midpoints(total * t / (k + 1) + self._derivatives[k])
-        sizes = _exponents_of_ten(total)
-        terms = self._exponents[:count] + np.multiply.outer(np.log10(times), np.arange(count))
-        left = terms.max(axis=1) - sizes <= SPARE_DIGITS
-        ended = terms[:, -self._more_terms // 2 :].max(axis=1) <= sizes + log10(EPS)
-        return total.astype(float), left & ended
+    def _exact(self, times) -> np.ndarray:
+        return exact_response(self.fraction, self.gamma).rounded(times, self.order)[0]
 
     @cached_property
-    def _largest_pole(self) -> float:
-        return max((float(np.abs(eigenvalues(block)).max()) for block in self.blocks), default=0.0)
-
-    @property
     def _reach(self) -> float:
-        """Range of the series in s; zero without poles other than s = 0, whose modes are the series."""
-        return REACH / self._largest_pole if self._largest_pole else 0.0
-
-    @property
-    def _more_terms(self) -> int:
-        return MORE_TERMS + TERMS_A_POLE * (len(self.fraction.numerator) + len(self.fraction.denominator) + abs(self.gamma))
-
-    @cached_property
-    def _derivatives(self) -> list:
-        """y^(k)(0+), the coefficients of s^-(k+1) of b(s) / (a(s) s^gamma), in high precision."""
-        b, a = self.fraction.numerator, self.fraction.denominator
-        first, count = len(b) - len(a) - self.gamma + 1, ceil(TERMS * REACH) + self._more_terms
-        with precise_arithmetic():
-            above, below = (tuple(precise(np.array(p, dtype=object))) for p in (b, a))
-            return [
-                *precise(np.zeros(max(-first, 0))),
-                *laurent(above, below, max(count + first, 0), lambda value: value.mid())[max(first, 0) :],
-            ]
-
-    @cached_property
-    def _exponents(self) -> np.ndarray:
-        """Powers of ten of the terms at t = 1."""
-        factorials = np.cumsum(np.log10(np.maximum(np.arange(len(self._derivatives)), 1)))
-        return _exponents_of_ten(self._derivatives) - factorials
+        """In s; zero without poles other than s = 0, whose modes are powers of t."""
+        largest = max((float(np.abs(eigenvalues(block)).max()) for block in self.blocks), default=0.0)
+        return REACH / largest if largest else 0.0
 
 
-def _exponents_of_ten(values) -> np.ndarray:
-    """Decimal logarithms of numbers of high precision, which may exceed the range of float64."""
-    return np.array([float(abs(value).log()) / log(10) if value.mid() != 0 else -np.inf for value in values])
+def with_exact_start(function: ResponseFunction, fraction: RationalFunction, gamma: int, order: int = 0) -> ExactStart:
+    """A function of modes whose values are exact where they cancel."""
+    return ExactStart(function.coefficients, function.blocks, function.start, function.series, fraction, int(gamma), order)
 
 
-def with_exact_start(function: ResponseFunction, fraction: RationalFunction, gamma: int) -> ExactStart:
-    """A function of modes that begins with its exact series."""
-    return ExactStart(function.coefficients, function.blocks, function.start, function.series, fraction, int(gamma))
-
-
-def exact_start(fraction: RationalFunction, gamma: int, count: int) -> tuple[np.ndarray, tuple[np.ndarray, ...], bool]:
-    """The start of a response: coefficients of s^-(i+1) and of 1, s, s^2, ... of b(s) / (a(s) s^gamma)."""
-    highest = len(fraction.numerator) - len(fraction.denominator) - gamma
-    series = laurent(fraction.numerator, fraction.denominator, max(highest + count + 1, 0)) if fraction.numerator else []
+def exact_start(fraction: RationalFunction, gamma: int) -> tuple[np.ndarray, tuple[np.ndarray, ...], bool]:
+    """Values at 0+ as rows and impulses of a response, and whether float64 has them all."""
+    x = exact_response(fraction, gamma)
+    given = x.start, *x.impulses
     try:
-        terms = {highest - k: float(c) for k, c in enumerate(series) if c}
+        start, *impulses = (part.astype(float) for part in given)
     except OverflowError:
         raise Overflow("the jumps or impulses at t = 0 are beyond the range of float64; choose another unit of time") from None
-    jump = np.array([[terms.get(-1 - i, 0.0)] for i in range(count)]).reshape(count, 1)
-    impulses = tuple(np.array([terms.get(k, 0.0)]) for k in range(max(terms, default=-1) + 1))
-    return jump, impulses, all(abs(c) >= TINY for c in terms.values())
+    in_range = all((np.abs(part) >= TINY)[exact != 0].all() for part, exact in zip((start, *impulses), given))
+    return start, tuple(impulses), in_range
 
 
 #: With more impulses than this in its force a response is computed from its values at 0+: Laurent coefficients take long.
@@ -354,7 +302,7 @@ class TransferFunctionResponse(Response):
 
     The objects of Hauksdottir and Sigurdsson belong to it: ``fundamental_solution`` y_f, ``basic_response`` y_b,gamma,
     ``with_input`` for other gamma, and ``residue_form``, their sums of modes. They are computed when first used; y itself comes from
-    ``mb.solve``, and just after t = 0, where the sums of modes cancel, from its exact Taylor series.
+    ``mb.solve``, and while it is small, where the sums of modes cancel, from the exact engine.
 
     Attributes:
         fraction: b(s)/a(s), exactly.
@@ -470,7 +418,7 @@ class TransferFunctionResponse(Response):
         Raises:
             InputError: the input is none of the I_gamma; add expressions for a sum of them.
         """
-        from ..exact.symbolic.response.inverse_transform import time_expression
+        from ..exact.symbolic.inverse_transform import time_expression
 
         fraction = self.fraction.written_reduced
         return time_expression(fraction.numerator, fraction.denominator, self._gamma("an expression is made for"), t)
@@ -478,11 +426,11 @@ class TransferFunctionResponse(Response):
     @cached_property
     def exact(self) -> ExactResponse:
         """The exact answer for b and a as given, without their common factor."""
-        from ..exact.enclosure.exact_response import exact_fraction_response
-
         fraction, gamma = self.fraction.reduced, self.gamma
         if not isinstance(gamma, ImpulsiveSmooth):
-            fraction, gamma = fraction.without_zero_poles(gamma)
+            return exact_response(*fraction.without_zero_poles(gamma))
+        from ..exact.enclosure.exact_response import exact_fraction_response
+
         return exact_fraction_response(fraction.numerator, fraction.denominator, gamma)
 
     @cached_property
@@ -492,7 +440,7 @@ class TransferFunctionResponse(Response):
 
     @cached_property
     def _moved(self) -> tuple[Response, ...]:
-        """Solutions of the problem with data perturbed by about a rounding error, also with exact series at first."""
+        """Solutions of the problem with data perturbed by about a rounding error, exact where modes cancel, too."""
         if isinstance(self.gamma, ImpulsiveSmooth):
             return moved_responses(self)
         trials = [_moved(self.fraction.reduced, np.random.default_rng(seed)) for seed in range(TRIALS)]
@@ -549,7 +497,7 @@ def _from_exact_start(fraction: RationalFunction, gamma: int) -> Response:
     The values at 0+ are sums over all modes: those of fast modes would hide the digits of slow ones.
     """
     A, force = scalar_matrix(fraction.denominator), scalar_force(fraction.numerator, gamma)
-    jump, impulses, in_range = exact_start(fraction, gamma, A.degree)
+    jump, impulses, in_range = exact_start(fraction, gamma)
     many = len(force.impulses) > MOST_IMPULSES
     x = solve(A, jump, ImpulsiveSmooth(force.smooth)) if many and in_range else solve(A, force=force)
     own = x.solution.function

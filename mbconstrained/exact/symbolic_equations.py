@@ -12,10 +12,10 @@ from sympy.polys.matrices import DomainMatrix
 from ..ground.errors import ContradictoryConstraints, InputError
 from .closed_form import ClosedForm, FormulaParameter
 from .formula_printers import TextPrinter
-from .symbolic.field.fields import exact_expression
-from .symbolic.response.inverse_transform import delta, initial_symbols
-from .symbolic.response.symbolic_response import SymbolicResponse
+from .symbolic.fields import exact_expression
+from .symbolic.inverse_transform import delta, initial_symbols
 from .symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+from .symbolic.symbolic_response import SymbolicResponse
 
 
 @dataclass(frozen=True, eq=False)

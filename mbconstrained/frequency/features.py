@@ -98,7 +98,7 @@ def poles_of(harmonic: Harmonic) -> tuple[Pole, ...]:
     except InputError:  # of neutral type, or too many
         values = harmonic.A.eigenvalues
     residues = np.zeros((1, len(harmonic.outputs), harmonic.inputs.shape[1]))
-    return tuple(Pole(complex(value), residues) for value in values)
+    return tuple(Pole(complex(value), residues, None) for value in values)
 
 
 def frequencies_by_poles(harmonic: Harmonic, with_peaks: bool = True) -> np.ndarray:

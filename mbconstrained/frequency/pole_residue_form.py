@@ -32,10 +32,12 @@ class Pole:
     Attributes:
         value: in 1/s.
         residues: R_0, R_1, ... with the terms R_j / (s - value)^(j + 1), shape (order, p, m).
+        zero: the eigenvalue of A(s) that it is, or whose conjugate; None where residues are unknown.
     """
 
     value: complex
     residues: np.ndarray
+    zero: FiniteZero | None
 
     @property
     def order(self) -> int:
@@ -143,9 +145,9 @@ class PoleResidueForm:
         for zero in self.pairs.finite.zeros:
             one, other = self._residues(zero)
             if len(one):
-                result.append(Pole(zero.value if zero.value.imag else complex(zero.value.real), one))
+                result.append(Pole(zero.value if zero.value.imag else complex(zero.value.real), one, zero))
             if zero.value.imag and len(other):
-                result.append(Pole(zero.value.conjugate(), other))
+                result.append(Pole(zero.value.conjugate(), other, zero))
         return tuple(result)
 
     @cached_property
@@ -170,7 +172,7 @@ class PoleResidueForm:
     def _residues(self, zero: FiniteZero) -> tuple[np.ndarray, np.ndarray]:
         """The coefficients at a zero and at its conjugate, without those that are rounding errors."""
         pair, value = self.pairs.finite, zero.value if zero.value.imag else zero.value.real
-        at, right, J, left = self.subspace(zero, value)
+        at, right, J, left = self.subspaces[zero]
         C = pair.C[:, at]
         C_size = _at_least(C, axis=1)
         C, C_size = C @ right, C_size @ np.abs(right)
@@ -211,19 +213,24 @@ class PoleResidueForm:
         """Whether A(0) is singular to working precision."""
         return any(zero.value == 0 for zero in self.pairs.finite.zeros)
 
-    def subspace(self, zero: FiniteZero, value: complex) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """The states of the blocks that contain an eigenvalue, with its right vectors, matrix and left vectors."""
-        pair, chosen = self.pairs.finite, self._blocks_of(zero)
-        at = np.concatenate([np.arange(*self._slices[i].indices(len(pair.B))) for i in chosen])
-        J = pair.blocks[chosen[0]] if len(chosen) == 1 else block_diag(*(pair.blocks[i] for i in chosen))
-        return at, *invariant_vectors(J, value, zero.multiplicity)
+    @cached_property
+    def subspaces(self) -> dict[FiniteZero, tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
+        """The states of the blocks that contain each eigenvalue, with its right vectors, matrix and left vectors."""
+        blocks, result = self.pairs.finite.blocks, {}
+        for zero in self.pairs.finite.zeros:
+            chosen = np.unique(self._eigenvalues[1][self._nearest(zero)])
+            at = np.concatenate([np.arange(self._slices[i].start, self._slices[i].stop) for i in chosen])
+            J = blocks[chosen[0]] if len(chosen) == 1 else block_diag(*(blocks[i] for i in chosen))
+            result[zero] = at, *invariant_vectors(J, zero.value, zero.multiplicity)
+        return result
 
     def _sensitivity(self, zero: FiniteZero, order: int) -> float:
         """The growth of errors in the vectors of a chain: a power of its distance from the next zero, in the unit of time."""
+        if order == 1:
+            return 1.0
         others = np.delete(np.abs(self._eigenvalues[0] - zero.value), self._nearest(zero))
         with np.errstate(divide="ignore"):
-            ratio = self.pairs.form.companion.scaling.time / others.min(initial=np.inf)
-        return ratio**order if order > 1 else 1.0
+            return (self.pairs.form.companion.scaling.time / others.min(initial=np.inf)) ** order
 
     def _nearest(self, zero: FiniteZero) -> np.ndarray:
         return np.argsort(np.abs(self._eigenvalues[0] - zero.value), kind="stable")[: zero.multiplicity]
@@ -238,9 +245,6 @@ class PoleResidueForm:
         blocks = self.pairs.finite.blocks
         values = np.concatenate([np.linalg.eigvals(block) for block in blocks] or [np.zeros(0)])
         return values, np.repeat(np.arange(len(blocks)), [len(block) for block in blocks])
-
-    def _blocks_of(self, zero: FiniteZero) -> np.ndarray:
-        return np.unique(self._eigenvalues[1][self._nearest(zero)])
 
     # Values as sums.
 

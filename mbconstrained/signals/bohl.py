@@ -58,7 +58,7 @@ class Restarts:
         """The knots as real, the remainders as imaginary parts: sorting and comparing take the remainders second."""
         return self.knots + 1j * self.remainders
 
-    @property
+    @cached_property
     def gaps(self) -> np.ndarray:
         """t_(j+1) - t_j, shape (K - 1,)."""
         return np.diff(self.knots) + np.diff(self.moments.imag)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
 
 import numpy as np
 
@@ -169,7 +170,7 @@ class ImpulsiveSmooth(Public):
             return self.exact_inputs
         return (ExactInput(ExactStates(self.smooth, self.impulses, self.later)),)
 
-    @property
+    @cached_property
     def knots(self) -> np.ndarray:
         """Times in s at which the function may start, stop or change, beginning with 0."""
         knots = self.smooth.restarts.knots

@@ -25,8 +25,8 @@ LINES = {
     "__main__": 8,
     "analyses": 13064,
     "cli": 1076,
-    "control": 2552,
-    "docs": 506,
+    "control": 2480,
+    "docs": 486,
     "exact": 7336,
     "exchange": 1744,
     "frequency": 6260,
@@ -39,7 +39,7 @@ LINES = {
     "response": 8308,
     "robot": 9317,
     "scene": 11375,
-    "signals": 1972,
+    "signals": 1973,
 }
 
 #: So far may a room be below its ceiling before that must be lowered.

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.control.rational import ONE, RationalFunction, laurent, rational_function, trimmed
+from mbconstrained.control.rational import ONE, RationalFunction, rational_function, trimmed
 
 
 @pytest.mark.parametrize(
@@ -121,12 +121,3 @@ def test_a_common_factor_divides_both_and_the_quotients_have_none(p, q, r):
     assert factor[-1] == 1 and len(factor) >= len(p)
     assert [product(factor, each) for each in (reduced.numerator, reduced.denominator)] == [product(p, q), product(p, r)]
     assert reduced.common_factor == ONE
-
-
-@given(polynomials, polynomials)
-def test_a_laurent_series_times_the_denominator_is_the_numerator(b, a):
-    count = len(b) + len(a) + 3
-    series = laurent(b, a, count)
-    for k in range(count):  # the coefficient of s^(m - k)
-        total = sum(a[len(a) - 1 - i] * series[k - i] for i in range(min(k + 1, len(a))))
-        assert total == (b[len(b) - 1 - k] if k < len(b) else 0)

@@ -17,22 +17,7 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from mpmath import (
-    cholesky,
-    cos,
-    eig,
-    eigsy,
-    eye,
-    inverse,
-    lu_solve,
-    matrix,
-    mp,
-    mpf,
-    pi,
-    sin,
-    sqrt,
-    zeros,
-)
+from mpmath import cholesky, cos, diag, eig, eigsy, eye, inverse, lu_solve, matrix, mp, mpf, pi, sin, sqrt, zeros
 
 FILE = Path(__file__).with_name("linkages.json")
 STEP = mpf(10) ** -20
@@ -93,10 +78,7 @@ class Linkage:
     def equilibrium(self):
         z = [mpf(x) for x in self.guess[: self.free]]
         for _ in range(0 if self.held else 60):
-            step = lu_solve(
-                hessian(self.energy, z),
-                matrix([slope(self.energy, z, i) for i in range(len(z))]),
-            )
+            step = lu_solve(hessian(self.energy, z), matrix([slope(self.energy, z, i) for i in range(len(z))]))
             z = [x - s for x, s in zip(z, step)]
             if max(abs(s) for s in step) < mpf(10) ** -33:
                 break
@@ -207,13 +189,7 @@ def planar(mass, inertia, x, y, angle):
 
 def bar(mass, length, x, y, angle):
     """A uniform bar that starts at (x, y)."""
-    return planar(
-        mass,
-        mass * length**2 / 12,
-        x + length / 2 * cos(angle),
-        y + length / 2 * sin(angle),
-        angle,
-    )
+    return planar(mass, mass * length**2 / 12, x + length / 2 * cos(angle), y + length / 2 * sin(angle), angle)
 
 
 def tip(x, y, length, angle):
@@ -233,10 +209,7 @@ def number(value):
 def double_pendulum(p):
     def bodies(q):
         x, y = tip(0, 0, p["lengths"][0], q[0])
-        return [
-            bar(p["masses"][0], p["lengths"][0], mpf(0), mpf(0), q[0]),
-            bar(p["masses"][1], p["lengths"][1], x, y, q[0] + q[1]),
-        ]
+        return [bar(p["masses"][0], p["lengths"][0], mpf(0), mpf(0), q[0]), bar(p["masses"][1], p["lengths"][1], x, y, q[0] + q[1])]
 
     def potential(q):
         return sum(k * (x - r) ** 2 for k, x, r in zip(p["stiffness"], q, p["rest"])) / 2
@@ -255,20 +228,10 @@ def four_bar(p):
 
     def bodies(q):
         (x, y), _, (u, v) = ends(q)
-        found = [
-            bar(p["masses"][0], crank, mpf(0), mpf(0), q[0]),
-            bar(p["masses"][1], coupler, x, y, q[0] + q[1]),
-        ]
+        found = [bar(p["masses"][0], crank, mpf(0), mpf(0), q[0]), bar(p["masses"][1], coupler, x, y, q[0] + q[1])]
         found.append(bar(p["masses"][2], rocker, p["base"], mpf(0), q[2]))
         if "pin_mass" in p:
-            found.append(
-                planar(
-                    p["pin_mass"],
-                    p["pin_inertia"],
-                    *tip(u, v, p["pin_offset"], q[2]),
-                    q[2],
-                )
-            )
+            found.append(planar(p["pin_mass"], p["pin_inertia"], *tip(u, v, p["pin_offset"], q[2]), q[2]))
         return found
 
     def closure(q):
@@ -310,15 +273,8 @@ def slider_crank(p):
 
     def bodies(q):
         x, y = tip(0, 0, crank, q[0])
-        first, second = (
-            bar(p["masses"][0], crank, mpf(0), mpf(0), q[0]),
-            bar(p["masses"][1], rod, x, y, q[0] + q[1]),
-        )
-        return [
-            first,
-            second,
-            planar(p["masses"][2], mpf(1), q[2], p["height"], mpf(0)),
-        ]
+        first, second = (bar(p["masses"][0], crank, mpf(0), mpf(0), q[0]), bar(p["masses"][1], rod, x, y, q[0] + q[1]))
+        return [first, second, planar(p["masses"][2], mpf(1), q[2], p["height"], mpf(0))]
 
     def closure(q):
         x, y = tip(*tip(0, 0, crank, q[0]), rod, q[0] + q[1])
@@ -341,23 +297,14 @@ def six_bar(p):
         b = tip(*a, coupler, angle)
         c = tip(p["base"], 0, rocker, q[2])
         along, across = p["coupler_point"]
-        d = (
-            a[0] + along * cos(angle) - across * sin(angle),
-            a[1] + along * sin(angle) + across * cos(angle),
-        )
+        d = (a[0] + along * cos(angle) - across * sin(angle), a[1] + along * sin(angle) + across * cos(angle))
         e, f = tip(*d, link, angle + q[3]), tip(*p["second_base"], arm, q[4])
         return a, b, c, d, e, f
 
     def bodies(q):
         a, _, _, d, _, _ = ends(q)
         angle = q[0] + q[1]
-        starts = [
-            (mpf(0), mpf(0), q[0]),
-            (*a, angle),
-            (p["base"], mpf(0), q[2]),
-            (*d, angle + q[3]),
-            (*p["second_base"], q[4]),
-        ]
+        starts = [(mpf(0), mpf(0), q[0]), (*a, angle), (p["base"], mpf(0), q[2]), (*d, angle + q[3]), (*p["second_base"], q[4])]
         return [bar(m, length, *start) for m, length, start in zip(p["masses"], p["lengths"], starts)]
 
     def closure(q):
@@ -383,13 +330,7 @@ def strut(p):
     def potential(q):
         return p["spring"] * (length(q) - p["rest_length"]) ** 2 / 2
 
-    return Linkage(
-        ["j1", "j2"],
-        p["guess"],
-        bodies,
-        potential=potential,
-        dampers=((p["damping"], length),),
-    )
+    return Linkage(["j1", "j2"], p["guess"], bodies, potential=potential, dampers=((p["damping"], length),))
 
 
 # ---------------------------------------------------------------- spatial linkages: weight along -z
@@ -402,36 +343,19 @@ def spatial_loop(p):
 
     def turned(q):
         first = rotation("z", q[0])
-        return (
-            first,
-            first * rotation("y", q[1]) * rotation("z", q[2]),
-            rotation("x", q[3]),
-        )
+        return (first, first * rotation("y", q[1]) * rotation("z", q[2]), rotation("x", q[3]))
 
     def bar_of(mass, length, start, R, inertia):
-        axes = matrix(3)
-        axes[0, 0], axes[1, 1], axes[2, 2] = (
-            inertia,
-            mass * length**2 / 12,
-            mass * length**2 / 12,
-        )
+        axes = diag([inertia, *[mass * length**2 / 12] * 2])
         return Body(mass, axes, start + R * matrix([length / 2, 0, 0]), R)
 
     def bodies(q):
         R1, R2, R3 = turned(q)
         first = bar_of(p["masses"][0], crank, matrix([0, 0, 0]), R1, p["spin"])
         second = bar_of(p["masses"][1], rod, R1 * matrix([crank, 0, 0]), R2, p["spin"])
-        axes = matrix(3)
-        axes[0, 0], axes[1, 1], axes[2, 2] = (
-            p["masses"][2] * rocker**2 / 12,
-            p["spin"],
-            p["masses"][2] * rocker**2 / 12,
-        )
-        return [
-            first,
-            second,
-            Body(p["masses"][2], axes, base + R3 * matrix([0, rocker / 2, 0]), R3),
-        ]
+        across = p["masses"][2] * rocker**2 / 12
+        axes = diag([across, p["spin"], across])
+        return [first, second, Body(p["masses"][2], axes, base + R3 * matrix([0, rocker / 2, 0]), R3)]
 
     def closure(q):
         R1, R2, R3 = turned(q)
@@ -440,14 +364,7 @@ def spatial_loop(p):
     def potential(q):
         return p["stiffness"] * (q[0] - p["rest"]) ** 2 / 2
 
-    return Linkage(
-        ["j1", "u1", "u2", "j4"],
-        p["guess"],
-        bodies,
-        closure,
-        potential,
-        gravity=(0, 0, -g),
-    )
+    return Linkage(["j1", "u1", "u2", "j4"], p["guess"], bodies, closure, potential, gravity=(0, 0, -g))
 
 
 def spherical(p):
@@ -466,10 +383,7 @@ def spherical(p):
 
     def closure(q):
         _, second, third = turned(q)
-        end, other = (
-            second * rotation("x", arc2) * matrix([0, 0, 1]),
-            third * rotation("x", arc3) * matrix([0, 0, 1]),
-        )
+        end, other = (second * rotation("x", arc2) * matrix([0, 0, 1]), third * rotation("x", arc3) * matrix([0, 0, 1]))
         gap = end - other
         return [gap[0], gap[1]]
 
@@ -482,15 +396,7 @@ def spherical(p):
 def free_pendulum(p):
     """A body that floats without weight and carries a bar on a hinge with a spring: six rigid modes and one frequency."""
     place, length = matrix(p["hinge"]), p["length"]
-    base = matrix(3)
-    for i in range(3):
-        base[i, i] = p["base_inertia"][i]
-    axes = matrix(3)
-    axes[0, 0], axes[1, 1], axes[2, 2] = (
-        p["spin"],
-        p["mass"] * length**2 / 12,
-        p["mass"] * length**2 / 12,
-    )
+    base, axes = diag(p["base_inertia"]), diag([p["spin"], *[p["mass"] * length**2 / 12] * 2])
 
     def bodies(q):
         R = rotated_by(q[3:6])
@@ -503,21 +409,12 @@ def free_pendulum(p):
         return p["stiffness"] * (q[6] - p["angle"]) ** 2 / 2
 
     names = [f"base {x}" for x in ("x", "y", "z", "rx", "ry", "rz")] + ["j1"]
-    return Linkage(
-        names,
-        [0] * 6 + [p["angle"]],
-        bodies,
-        potential=potential,
-        gravity=(0, 0, 0),
-        held=True,
-    )
+    return Linkage(names, [0] * 6 + [p["angle"]], bodies, potential=potential, gravity=(0, 0, 0), held=True)
 
 
 def platform(p):
     """A free body on line springs to the ground with given rest lengths, under its weight: six frequencies."""
-    axes = matrix(3)
-    for i in range(3):
-        axes[i, i] = p["inertia"][i]
+    axes = diag(p["inertia"])
 
     def bodies(q):
         return [Body(p["mass"], axes, matrix(q[:3]), rotated_by(q[3:6]))]
@@ -536,9 +433,7 @@ def platform(p):
 
 def bushing(p):
     """A free body on one bushing off its centre, sunk by its weight; the bushing's axes are the ground's and stay so."""
-    axes = matrix(3)
-    for i in range(3):
-        axes[i, i] = p["inertia"][i]
+    axes = diag(p["inertia"])
 
     def bodies(q):
         return [Body(p["mass"], axes, matrix(q[:3]), rotated_by(q[3:6]))]
@@ -565,24 +460,14 @@ def taut_string(p):
             total += p["stiffness"] * (length - p["rest_length"]) ** 2 / 2
         return total
 
-    return Linkage(
-        ["x", "y", "z"],
-        p["guess"],
-        bodies,
-        potential=potential,
-        gravity=(0, 0, -p["gravity"]),
-    )
+    return Linkage(["x", "y", "z"], p["guess"], bodies, potential=potential, gravity=(0, 0, -p["gravity"]))
 
 
 def flexible_arm(p):
     """The double pendulum, each joint driven through a spring by a motor with inertia and PD; held where it is by torques."""
     arm = double_pendulum({**p, "stiffness": [0, 0], "rest": [0, 0], "damping": [0, 0]})
     held = [slope(arm.energy_of, p["guess"], i) for i in range(2)]
-    K, B, Kp = (
-        p["flexibility"],
-        [j * n**2 for j, n in zip(p["motor_inertia"], p["gear_ratio"])],
-        p["proportional_gain"],
-    )
+    K, B, Kp = (p["flexibility"], [j * n**2 for j, n in zip(p["motor_inertia"], p["gear_ratio"])], p["proportional_gain"])
     motor = [q + h / k for q, h, k in zip(p["guess"], held, K)]
 
     def bodies(q):
@@ -597,245 +482,38 @@ def flexible_arm(p):
     dampers = [(c, lambda q, i=i: q[i] - q[2 + i]) for i, c in enumerate(p["flexible_damping"])]
     dampers += [(c, lambda q, i=i: q[2 + i]) for i, c in enumerate(p["derivative_gain"])]
     names = ["j1", "j2", "j1 motor", "j2 motor"]
-    return Linkage(
-        names,
-        [*p["guess"], *motor],
-        bodies,
-        potential=potential,
-        dampers=tuple(dampers),
-        held=True,
-    )
+    return Linkage(names, [*p["guess"], *motor], bodies, potential=potential, dampers=tuple(dampers), held=True)
 
 
-# ---------------------------------------------------------------- what is given
+# ---------------------------------------------------------------- the table: numbers that define each linkage, and the results
 
-
-BAR = {
-    "masses": [0.6, 1.1, 0.9],
-    "lengths": [0.5, 0.9, 0.7],
-    "base": 0.8,
-    "stiffness": 25.0,
-    "rest": 1.3,
-    "guess": [1.3, -0.7, 1.5],
+BUILDERS = {
+    "double pendulum": double_pendulum,
+    "four-bar": four_bar,
+    "four-bar with dampers": four_bar,
+    "four-bar with a pin": four_bar,
+    "trapezoid": hanging_four_bar,
+    "skew hanging four-bar": hanging_four_bar,
+    "slider-crank": slider_crank,
+    "six-bar": six_bar,
+    "strut": strut,
+    "spatial loop": spatial_loop,
+    "spherical four-bar": spherical,
+    "pendulum on a floating body": free_pendulum,
+    "platform on springs": platform,
+    "sunk bushing": bushing,
+    "standing bushing": bushing,
+    "taut string": taut_string,
+    "sagging string": taut_string,
+    "flexible arm": flexible_arm,
+    "flexible arm with PD": flexible_arm,
 }
-ARM = {"masses": [1.2, 0.8], "lengths": [0.6, 0.45], "guess": [-1.2, 0.5]}
-ARM |= {
-    "flexibility": [140.0, 60.0],
-    "motor_inertia": [0.002, 0.0005],
-    "gear_ratio": [10.0, 12.0],
-}
-STANCE = [
-    {
-        "on_body": [a * 0.3, b * 0.2, -0.1],
-        "on_ground": [a * 0.45, b * 0.25 + 0.05, -0.7],
-        "stiffness": 900.0 + 100 * a + 50 * b,
-        "rest_length": 0.65,
-    }
-    for a in (-1, 1)
-    for b in (-1, 1)
-] + [
-    {
-        "on_body": [0.3, 0.0, 0.05],
-        "on_ground": [1.0, -0.2, 0.1],
-        "stiffness": 400.0,
-        "rest_length": 0.6,
-    },
-    {
-        "on_body": [0.0, 0.2, 0.0],
-        "on_ground": [-0.3, 0.9, 0.0],
-        "stiffness": 300.0,
-        "rest_length": 0.7,
-    },
-    {
-        "on_body": [-0.3, 0.0, 0.05],
-        "on_ground": [-1.0, -0.3, 0.0],
-        "stiffness": 350.0,
-        "rest_length": 0.65,
-    },
-]
-GIVEN = {
-    "double pendulum": (
-        double_pendulum,
-        {
-            "masses": [1.3, 0.7],
-            "lengths": [0.8, 0.6],
-            "stiffness": [6.0, 4.0],
-            "rest": [0.2, 0.9],
-            "damping": [0.3, 0.1],
-            "guess": [-1.0, 0.4],
-        },
-    ),
-    "four-bar": (four_bar, BAR),
-    "four-bar with dampers": (four_bar, BAR | {"damping": [0.4, 0.15, 0.25]}),
-    "four-bar with a pin": (
-        four_bar,
-        BAR | {"pin_mass": 0.2, "pin_inertia": 0.003, "pin_offset": 0.08},
-    ),
-    "trapezoid": (
-        hanging_four_bar,
-        {
-            "masses": [0.4, 1.5, 0.4],
-            "lengths": [0.7, 0.6, 0.7],
-            "end": [1.2, 0.0],
-            "guess": [-1.1, 1.1, 1.1],
-        },
-    ),
-    "skew hanging four-bar": (
-        hanging_four_bar,
-        {
-            "masses": [0.3, 1.2, 0.8],
-            "lengths": [0.5, 0.8, 0.65],
-            "end": [1.1, 0.25],
-            "guess": [-1.3, 1.3, 1.2],
-        },
-    ),
-    "slider-crank": (
-        slider_crank,
-        {
-            "masses": [0.5, 0.8, 1.4],
-            "lengths": [0.4, 1.0],
-            "height": 0.1,
-            "stiffness": 180.0,
-            "rest": 1.1,
-            "damping": 3.0,
-            "guess": [0.9, -1.1, 1.2],
-        },
-    ),
-    "six-bar": (
-        six_bar,
-        {
-            "masses": [0.5, 1.0, 0.8, 0.6, 0.4],
-            "lengths": [0.5, 0.9, 0.7, 0.8, 0.6],
-            "base": 0.8,
-            "coupler_point": [0.4, 0.35],
-            "second_base": [1.6, 0.3],
-            "stiffness": [30.0, 12.0],
-            "rest": [1.3, 1.8],
-            "guess": [1.3, -0.7, 1.5, -0.4, 1.9],
-        },
-    ),
-    "strut": (
-        strut,
-        {
-            "masses": [1.3, 0.7],
-            "lengths": [0.8, 0.6],
-            "along": 0.5,
-            "anchor": [0.9, 0.6],
-            "spring": 160.0,
-            "rest_length": 1.4,
-            "damping": 2.0,
-            "guess": [-1.4, 1.4],
-        },
-    ),
-    "spatial loop": (
-        spatial_loop,
-        {
-            "masses": [0.7, 0.5, 0.9],
-            "lengths": [0.4, 0.62, 0.5],
-            "spin": 0.004,
-            "base": [0.9, 0.1, -0.2],
-            "stiffness": 15.0,
-            "rest": 0.5,
-            "guess": [0.5, -0.31, -0.12, 0.9],
-        },
-    ),
-    "spherical four-bar": (
-        spherical,
-        {
-            "arcs": [0.7, 1.2, 1.0, 1.3],
-            "masses": [0.5, 0.8, 0.6],
-            "inertias": [0.004, 0.006, 0.005],
-            "centre": [0.1, -0.3, 0.4],
-            "stiffness": 9.0,
-            "rest": 0.6,
-            "guess": [0.6, 0.7, 0.5],
-        },
-    ),
-    "pendulum on a floating body": (
-        free_pendulum,
-        {
-            "base_mass": 5.0,
-            "base_inertia": [0.3, 0.5, 0.4],
-            "mass": 1.2,
-            "length": 1.5,
-            "spin": 0.01,
-            "hinge": [0.2, 0.1, 0.3],
-            "stiffness": 20.0,
-            "angle": 0.4,
-        },
-    ),
-    "platform on springs": (
-        platform,
-        {
-            "mass": 12.0,
-            "inertia": [0.4, 0.7, 0.9],
-            "springs": STANCE,
-            "guess": [0, 0, 0, 0, 0, 0],
-        },
-    ),
-    "sunk bushing": (
-        bushing,
-        {
-            "mass": 4.0,
-            "inertia": [0.2, 0.3, 0.25],
-            "on_body": [0.0, 0.0, 0.3],
-            "stiffness": 500.0,
-            "turning_stiffness": [40.0, 30.0, 20.0],
-        },
-    ),
-    "standing bushing": (
-        bushing,
-        {
-            "mass": 4.0,
-            "inertia": [0.2, 0.3, 0.25],
-            "on_body": [0.0, 0.0, -0.3],
-            "stiffness": 500.0,
-            "turning_stiffness": [40.0, 30.0, 20.0],
-        },
-    ),
-    "taut string": (
-        taut_string,
-        {
-            "mass": 0.5,
-            "half_span": 1.0,
-            "stiffness": 800.0,
-            "rest_length": 0.9,
-            "gravity": 0.0,
-            "guess": [0.0, 0.0, 0.0],
-        },
-    ),
-    "sagging string": (
-        taut_string,
-        {
-            "mass": 5.0,
-            "half_span": 1.0,
-            "stiffness": 800.0,
-            "rest_length": 0.9,
-            "gravity": 9.81,
-            "guess": [0.0, 0.0, -0.15],
-        },
-    ),
-    "flexible arm": (
-        flexible_arm,
-        ARM
-        | {
-            "flexible_damping": [0, 0],
-            "proportional_gain": [0, 0],
-            "derivative_gain": [0, 0],
-        },
-    ),
-    "flexible arm with PD": (
-        flexible_arm,
-        ARM
-        | {
-            "gear_ratio": [1.0, 1.0],
-            "motor_inertia": [0.2, 0.07],
-            "flexible_damping": [0.4, 0.2],
-            "proportional_gain": [50.0, 30.0],
-            "derivative_gain": [5.0, 2.0],
-        },
-    ),
-}
+TABLE = json.loads(FILE.read_text())
+
+
+def linkage(name):
+    """The linkage from the numbers in the table."""
+    return BUILDERS[name](number(TABLE[name]["given"]))
 
 
 def digits(x):
@@ -860,9 +538,9 @@ def known(linkage):
 
 def closed_forms():
     """The generator against formulas that need none of it."""
-    p = number(GIVEN["taut string"][1])
+    p = number(TABLE["taut string"]["given"])
     tension = p["stiffness"] * (p["half_span"] - p["rest_length"])
-    found = known(taut_string(p))["angular_frequencies"]
+    found = known(linkage("taut string"))["angular_frequencies"]
     for value, formula in zip(found, [2 * tension / p["half_span"]] * 2 + [2 * p["stiffness"]]):
         assert abs(mpf(value) ** 2 - formula / p["mass"]) < mpf(10) ** -28
     length, mass, crank = mpf("0.5"), mpf("1.5"), mpf("0.4")
@@ -878,15 +556,10 @@ def closed_forms():
 
 def main():
     closed_forms()
-    table = {}
-    for name, (build, given) in GIVEN.items():
-        table[name] = {"given": given, "known": known(build(number(given)))}
-        print(
-            name,
-            table[name]["known"]["posture"],
-            [x[:12] for x in table[name]["known"]["angular_frequencies"]],
-        )
-    FILE.write_text(json.dumps(table, indent=1) + "\n")
+    for name, entry in TABLE.items():
+        entry["known"] = known(linkage(name))
+        print(name, entry["known"]["posture"], [x[:12] for x in entry["known"]["angular_frequencies"]])
+    FILE.write_text(json.dumps(TABLE, indent=1) + "\n")
 
 
 if __name__ == "__main__":

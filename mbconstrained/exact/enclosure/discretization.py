@@ -16,6 +16,7 @@ import flint
 import numpy as np
 import scipy
 
+from ...ground.notices import Notice
 from ..rational import rational, rational_matrix, working_precision
 
 Hold: TypeAlias = Literal[0, 1, "impulse"]
@@ -36,8 +37,10 @@ class DiscretizedSystem:
     B: np.ndarray
     C: np.ndarray
     D: np.ndarray
+    start_map: np.ndarray  # the first states that belong to the states x(0-) of the continuous system, shape (n, N)
     start_input: np.ndarray  # what u_0 adds to the first states, shape (N, p)
     delayed: tuple[tuple[int, int], ...]  # of each added state the number of its input, and how many samples before
+    notices: tuple[Notice, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -77,19 +80,7 @@ class _Continuous:
 def discretized(
     A, B, C, D, slopes, delays: Sequence[Fraction], step: Fraction, hold: Hold, descriptor: np.ndarray | None = None
 ) -> DiscretizedSystem:
-    """Discretize E x' = A x + B u, y = C x + D u + slopes u' exactly.
-
-    Args:
-        A, B, C, D: shapes (n, n), (n, p), (q, n), (q, p).
-        slopes: factors of u', shape (q, p), for hold 1 alone; u' is that before the sample.
-        delays: of each input in s.
-        step: the time between samples in s.
-        hold: 0 constant, 1 linear, "impulse" for Dirac impulses of size u_k.
-        descriptor: E, regular; None for the identity.
-
-    Returns:
-        The matrices, rounded once.
-    """
+    """E x' = A x + B u, y = C x + D u + slopes u' (the u' before the sample, of a linear hold alone), E regular, rounded once."""
     with working_precision(BITS):
         system = _Continuous(*_in_balls(A, B, descriptor), *map(_balls, (C, D)))
         slopes = _balls(slopes) * (1 / _ball(step))
@@ -155,7 +146,7 @@ def _joined(Phi, C, columns, memories: Sequence[bool], counts: Sequence[int]) ->
         if memory:
             into[place + count, at] = 1.0
             A[:n, place + count], outputs[:, place + count] = before[:, 0], direct_before[:, 0]
-    return DiscretizedSystem(A, B, outputs, D, start_input, tuple(delayed))
+    return DiscretizedSystem(A, B, outputs, D, np.eye(n), start_input, tuple(delayed))
 
 
 def _ball(number: Fraction) -> flint.arb:

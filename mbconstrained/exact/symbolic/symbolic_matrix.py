@@ -19,7 +19,7 @@ from ...ground.errors import InputError, SingularPolynomialMatrix
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...polynomial.structure import singular_sentence
 from ..engine import ExactMatrix, ExactStructure, RootPolynomials
-from .field.fields import (
+from .fields import (
     VARIABLE,
     as_positive,
     common_denominator,

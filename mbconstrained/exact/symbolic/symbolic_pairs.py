@@ -14,7 +14,7 @@ from sympy.polys.matrices import DomainMatrix
 
 from ...ground.errors import InputError
 from ..engine import ExactJordanPairs, ExactMatrix, ExactPair, HypercompanionBlock, JordanChain
-from .field.fields import (
+from .fields import (
     Surd,
     coefficients,
     common_denominator,

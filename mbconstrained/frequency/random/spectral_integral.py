@@ -71,66 +71,53 @@ class SpectralTransfer:
         One step from p with the null vectors x and y of A(p), y^T A'(p) x = 1, is -y^T A(p) x: its error is a product of the errors of both vectors
         where the sum is computed in extended precision.
         """
-        form = self.harmonic.form
-        own = list(form.poles)
-        light = [
-            k
-            for k, pole in enumerate(own)
-            if pole.order == 1 and pole.value and abs(pole.value.real) < LIGHT_DAMPING * abs(pole.value)
-        ]
-        steps, doubts = self._newton_steps([own[k].value for k in light]) if light else ([], [])
-        values = {k: own[k].value + step for k, step in zip(light, steps)}
-        limits = {k: max(UNDAMPED * abs(own[k].value), doubt) for k, doubt in zip(light, doubts)}
-        result = []
-        for k, pole in enumerate(own):
-            value = values.get(k, pole.value)
-            on_axis = not value or (abs(value.real) <= limits[k] if k in values else is_on_axis(pole))
-            sizes = self._sizes(pole)
-            residues = _without_noise(pole.residues, sizes) if on_axis else pole.residues
-            result.append(RefinedPole(complex(0.0 if on_axis else value.real, value.imag), residues, on_axis, sizes))
+        poles = self.harmonic.form.poles
+        light = (one.zero for one in poles if one.order == 1 and one.value and abs(one.value.real) < LIGHT_DAMPING * abs(one.value))
+        steps, sizes, result = self._newton_steps(list(dict.fromkeys(light))), {}, []
+        for pole in poles:
+            value, zero = pole.value, pole.zero
+            if zero not in sizes:
+                sizes[zero] = self._sizes(zero)
+            if pole.order == 1 and zero in steps:
+                step, doubt = steps[zero]
+                value += step if value == zero.value else step.conjugate()
+                on_axis = not value or abs(value.real) <= max(UNDAMPED * abs(pole.value), doubt)
+            else:
+                on_axis = not value or is_on_axis(pole)
+            own = sizes[zero][: pole.order]
+            residues = _without_noise(pole.residues, own) if on_axis else pole.residues
+            result.append(RefinedPole(complex(0.0 if on_axis else value.real, value.imag), residues, zero, on_axis, own))
         return tuple(result)
 
-    @cached_property
-    def _zeros(self) -> dict[complex, FiniteZero]:
-        zeros = {}
-        for zero in self.harmonic.form.pairs.finite.zeros:
-            zeros[zero.value], zeros[zero.value.conjugate()] = zero, zero
-        return zeros
-
-    def _zero_at(self, value: complex) -> FiniteZero:
-        """The eigenvalue of A(s) that equals this pole, or its conjugate."""
-        return self._zeros.get(value) or self._zeros[min(self._zeros, key=lambda one: abs(one - value))]
-
-    def _sizes(self, pole: Pole) -> np.ndarray:
+    def _sizes(self, zero: FiniteZero) -> np.ndarray:
         """Scales of residues, attained by modes whose largest entries are at input and output, shape (order, p, m)."""
         form = self.harmonic.form
         pair, scaling = form.pairs.finite, form.pairs.form.companion.scaling
-        at, right, J, left = form.subspace(self._zero_at(pole.value), pole.value)
+        at, right, J, left = form.subspaces[zero]
         X, Y = np.abs(pair.C[:, at] @ right) / scaling.columns[:, None], np.abs(left @ pair.B[at]) / scaling.rows
-        front, N = np.linalg.matrix_power(J, form.power), J - pole.value * np.eye(len(J))
-        powers = [np.abs(front @ np.linalg.matrix_power(N, j)) for j in range(pole.order)]
+        front, N = np.linalg.matrix_power(J, form.power), J - zero.value * np.eye(len(J))
+        powers = [np.abs(front @ np.linalg.matrix_power(N, j)) for j in range(max(zero.partial_multiplicities, default=1))]
         size = np.array([X.max(axis=0) @ middle @ Y.max(axis=1) for middle in powers])
         limit = np.outer(np.abs(form.outputs) @ scaling.columns, scaling.rows @ np.abs(form.inputs))
         return size[:, None, None] * limit
 
-    def _newton_steps(self, values: list[complex]) -> tuple[list[complex], list[float]]:
+    def _newton_steps(self, zeros: list[FiniteZero]) -> dict[FiniteZero, tuple[complex, float]]:
         """Newton steps -mean(diag Y^T A(p) X) of poles with vectors X and Y, and the effect of rounding errors of A on real parts.
 
         An entry of A_k adds Re(p^k y_i x_j) times its error: those of mass and stiffness nothing to an undamped motion.
         """
+        if not zeros:
+            return {}
         form = self.harmonic.form
         pair, coefficients = form.pairs.finite, self.harmonic.real[0].coefficients
-        columns, rows, at, owner = [], [], [], []
-        upper = {complex(value.real, abs(value.imag)): None for value in values}  # conjugates have conjugate steps
-        for number, value in enumerate(upper):
-            places, right, _, left = form.subspace(self._zero_at(value), value)
-            X, Y = pair.C[:, places] @ right, left @ pair.B[places]
-            for i in range(X.shape[1]):
-                columns.append(X[:, i])
-                rows.append(Y[i])
-                at.append(value)
-                owner.append(number)
-        X, Y, p, of = np.array(columns).T, np.array(rows), np.array(at), np.array(owner)
+        columns, rows, owner = [], [], []
+        for number, zero in enumerate(zeros):
+            places, right, _, left = form.subspaces[zero]
+            columns += list((pair.C[:, places] @ right).T)
+            rows += list(left @ pair.B[places])
+            owner += [number] * zero.multiplicity
+        X, Y, of = np.array(columns).T, np.array(rows), np.array(owner)
+        p = np.array([zero.value for zero in zeros])[of]
         residuals = _bilinear(coefficients, X, Y, p)
         sizes = self.harmonic.sizes if self.harmonic.imaginary is None else None
         doubts = np.zeros(len(p))
@@ -138,12 +125,7 @@ class SpectralTransfer:
             row, column = np.nonzero(A)
             for part in np.array_split(np.arange(len(p)), -(-len(p) * len(row) // MOST_TERMS) or 1):
                 doubts[part] += A[row, column] @ np.abs((p[part] ** k * Y[part].T[row] * X[column][:, part]).real)
-        steps = {value: -residuals[of == number].mean() for number, value in enumerate(upper)}
-        errors = {value: float(EPS * doubts[of == number].max()) for number, value in enumerate(upper)}
-        keys = [complex(value.real, abs(value.imag)) for value in values]
-        return [steps[key] if key == value else steps[key].conjugate() for key, value in zip(keys, values)], [
-            errors[key] for key in keys
-        ]
+        return {zero: (-residuals[of == k].mean(), float(EPS * doubts[of == k].max())) for k, zero in enumerate(zeros)}
 
     @cached_property
     def polynomial(self) -> np.ndarray:
@@ -230,7 +212,7 @@ class DelayedTransfer(SpectralTransfer):
         values = np.where(
             np.abs(values) > EPS**0.5 * np.abs(values).max(initial=0.0), values, 0.0
         )  # a double root 0 has half the digits
-        upper = [RefinedPole(complex(s), ones, bool(abs(s.real) <= UNDAMPED * abs(s)), ones) for s in values]
+        upper = [RefinedPole(complex(s), ones, None, bool(abs(s.real) <= UNDAMPED * abs(s)), ones) for s in values]
         return (*upper, *(replace(pole, value=pole.value.conjugate()) for pole in upper if pole.value.imag))
 
     @property

@@ -11,6 +11,7 @@ the degrees of N and D say so.
 from __future__ import annotations
 
 import itertools
+from functools import cached_property
 
 import flint
 import numpy as np
@@ -124,24 +125,24 @@ class ExactVariance:
 
     def _of_tables(self, group: list[int], numerators, corners) -> flint.arb | None:
         total = flint.arb(0)
-        reduced = [_lowest_terms(N, self.denominator) for N in numerators]
+        fractions = {i: _Fraction(numerators[i], self.denominator) for i in group}
         for low, high in itertools.pairwise(corners):
             middle = (low + high) / 2
-            chosen = {i: piece for i in group if (piece := self.spectra.spectra[i].piece_at(middle)) is not None and reduced[i][0]}
-            for D in (reduced[i][1] for i in chosen):
-                if _has_unstable_zero(D) or _reaches_axis(D, low, high):
-                    return None
+            pieces = {i: self.spectra.spectra[i].piece_at(middle) for i in group if fractions[i].N}
+            chosen = {i: piece for i, piece in pieces.items() if piece is not None}
+            if any(fractions[i].is_unstable or fractions[i].has_pole_between(low, high) for i in chosen):
+                return None
             if chosen:
-                total += self._integral(reduced, chosen, middle, low, high)
+                total += self._integral(fractions, chosen, middle, low, high)
         return total
 
-    def _integral(self, reduced, chosen, middle: float, low: float, high: float) -> flint.arb:
+    def _integral(self, fractions: dict[int, _Fraction], chosen, middle: float, low: float, high: float) -> flint.arb:
         used = list(chosen)
         if not any(self._are_coherent(i, j) for i, j in itertools.combinations(used, 2)):
-            each = [_by_partial_fractions(reduced[i], chosen[i], low, high) for i in used]
+            each = [fractions[i].integral(chosen[i], low, high) for i in used]
             if None not in each:
                 return sum(each, flint.arb(0))
-        pairs = [(flint.acb_poly(N), flint.acb_poly(D)) for N, D in reduced]
+        pairs = {i: (flint.acb_poly(fractions[i].N), flint.acb_poly(fractions[i].D)) for i in used}
         turn = flint.acb(0, 2) * flint.acb.pi()
 
         def integrand(f, analytic):
@@ -306,28 +307,65 @@ def _density(piece, f: flint.acb, analytic: bool, conjugate: bool = False) -> fl
     return number(piece.level) * (1 - part) + number(piece.end) * part
 
 
-def _by_partial_fractions(fraction: tuple[flint.fmpq_poly, flint.fmpq_poly], piece, low: float, high: float) -> flint.arb | None:
-    """The integral of |N / D|^2 G between two frequencies; None for multiple poles, unless they are at zero, rational spectra and steep edges."""
-    N, D = fraction
-    if isinstance(piece, Rational) or abs(getattr(piece, "exponent", 0.0)) > STEEPEST:
-        return None
-    at_zero = next(k for k, coefficient in enumerate(D.coeffs()) if coefficient)
-    D = D // flint.fmpq_poly([0, 1]) ** at_zero
-    opposite, slope = _mirrored(D), D.derivative()
-    if D.gcd(slope).degree() > 0 or D.gcd(opposite).degree() > 0:
-        return None
-    turn, (a, b) = flint.acb(0, 2) * flint.acb.pi(), (flint.arb(rational(end)) for end in (low, high))
-    powers = [(c / turn.imag ** (2 * at_zero), e - 2 * at_zero) for c, e in _powers(piece)]
-    whole, rest = divmod(N * _mirrored(N), D * opposite)
-    total = flint.arb(0)
-    for k, coefficient in enumerate(whole.coeffs()):  # zero for odd k
-        total += (turn**k * coefficient).real * sum((c * _of_power(e + k, a, b) for c, e in powers), flint.arb(0))
-    above, below = flint.acb_poly(rest), flint.acb_poly(slope) * flint.acb_poly(opposite)
-    for factor in _factors(D):
-        for p in enclosed_roots(factor, flint.ctx.prec):
-            residue = above(p) / (below(p) * turn)
-            total += 2 * (residue * sum((c * _of_fraction(e, p / turn, a, b) for c, e in powers), flint.acb(0))).real
-    return total if total.is_finite() else None
+class _Fraction:
+    """N / D in lowest terms, whose poles are enclosed once, at the working precision of the first use."""
+
+    def __init__(self, N: flint.fmpq_poly, D: flint.fmpq_poly):
+        common = N.gcd(D) if N else D
+        self.N, self.D = N // common, D // common
+
+    @cached_property
+    def is_unstable(self) -> bool:
+        """Whether a pole is to the right of the axis; those on the axis and their mirror images are common with D(-s)."""
+        for factor in _factors(self.D):
+            bits, undecided = 64, True
+            while undecided:
+                roots = enclosed_roots(factor, bits)
+                if any(root.real > 0 for root in roots):
+                    return True
+                bits, undecided = 2 * bits, not all(root.real < 0 or root.real == 0 for root in roots)
+        return False
+
+    @cached_property
+    def _on_axis(self) -> list[flint.arb]:
+        """The poles on the axis as frequencies in Hz."""
+        roots = (root for factor in _factors(self.D.gcd(_mirrored(self.D))) for root in enclosed_roots(factor, 256))
+        return [root.imag / (2 * flint.arb.pi()) for root in roots if root.real == 0]
+
+    def has_pole_between(self, low: float, high: float) -> bool:
+        """Whether a pole is on the axis between two frequencies in Hz."""
+        return any(f >= flint.arb(rational(low)) and f <= flint.arb(rational(high)) for f in self._on_axis)
+
+    @cached_property
+    def _expansion(self) -> tuple[int, flint.fmpq_poly, list[tuple[flint.acb, flint.acb]]] | None:
+        """|N / D|^2 in f: the order of a pole at zero, the polynomial part, and poles with residues; None where others are multiple."""
+        at_zero = next(k for k, coefficient in enumerate(self.D.coeffs()) if coefficient)
+        D = self.D // flint.fmpq_poly([0, 1]) ** at_zero
+        opposite, slope = _mirrored(D), D.derivative()
+        if D.gcd(slope).degree() > 0 or D.gcd(opposite).degree() > 0:
+            return None
+        whole, rest = divmod(self.N * _mirrored(self.N), D * opposite)
+        above, below, turn = (
+            flint.acb_poly(rest),
+            flint.acb_poly(slope) * flint.acb_poly(opposite),
+            flint.acb(0, 2) * flint.acb.pi(),
+        )
+        poles = [p for factor in _factors(D) for p in enclosed_roots(factor, flint.ctx.prec)]
+        return at_zero, whole, [(p / turn, above(p) / (below(p) * turn)) for p in poles]
+
+    def integral(self, piece, low: float, high: float) -> flint.arb | None:
+        """The integral of |N / D|^2 G between two frequencies; None for multiple poles off zero, rational spectra and steep edges."""
+        if isinstance(piece, Rational) or abs(getattr(piece, "exponent", 0.0)) > STEEPEST or self._expansion is None:
+            return None
+        (at_zero, whole, poles), turn = self._expansion, flint.acb(0, 2) * flint.acb.pi()
+        a, b = (flint.arb(rational(end)) for end in (low, high))
+        powers = [(c / turn.imag ** (2 * at_zero), e - 2 * at_zero) for c, e in _powers(piece)]
+        total = flint.arb(0)
+        for k, coefficient in enumerate(whole.coeffs()):  # zero for odd k
+            total += (turn**k * coefficient).real * sum((c * _of_power(e + k, a, b) for c, e in powers), flint.arb(0))
+        for pole, residue in poles:
+            total += 2 * (residue * sum((c * _of_fraction(e, pole, a, b) for c, e in powers), flint.acb(0))).real
+        return total if total.is_finite() else None
 
 
 def _powers(piece: PowerLaw | Line) -> list[tuple[flint.arb, flint.fmpq]]:
@@ -358,11 +396,6 @@ def _of_fraction(exponent: flint.fmpq, pole: flint.acb, a: flint.arb, b: flint.a
     return (ends[0] - ends[1]) / ((e + 1) * pole)
 
 
-def _lowest_terms(N: flint.fmpq_poly, D: flint.fmpq_poly) -> tuple[flint.fmpq_poly, flint.fmpq_poly]:
-    common = N.gcd(D) if N else D
-    return N // common, D // common
-
-
 def _mirrored(p: flint.fmpq_poly) -> flint.fmpq_poly:
     return flint.fmpq_poly([(-1) ** k * c for k, c in enumerate(p.coeffs())])
 
@@ -372,38 +405,14 @@ def _factors(p: flint.fmpq_poly) -> list[flint.fmpz_poly]:
     return [factor for factor, _ in flint.fmpz_poly([int(c.p) for c in (p * p.denom()).coeffs()]).factor()[1]]
 
 
-def _has_unstable_zero(D: flint.fmpq_poly) -> bool:
-    """Whether a zero is to the right of the axis; those on the axis and their mirror images are common with D(-s)."""
-    for factor in _factors(D):
-        bits = 64
-        while True:
-            roots = enclosed_roots(factor, bits)
-            if any(root.real > 0 for root in roots):
-                return True
-            if all(root.real < 0 or root.real == 0 for root in roots):
-                break
-            bits *= 2
-    return False
-
-
-def _reaches_axis(D: flint.fmpq_poly, low: float, high: float) -> bool:
-    """Whether a zero is on the axis between two frequencies in Hz."""
-    for factor in _factors(D.gcd(_mirrored(D))):
-        for root in enclosed_roots(factor, 256):
-            if root.real == 0:
-                f = root.imag / (2 * flint.arb.pi())
-                if f >= flint.arb(rational(low)) and f <= flint.arb(rational(high)):
-                    return True
-    return False
-
-
 def _white_variance(N: flint.fmpq_poly, D: flint.fmpq_poly) -> flint.fmpq | None:
     """The integral of |N / D|^2 over -infinity < f < infinity; None where it is infinite."""
-    N, D = _lowest_terms(N, D)
+    fraction = _Fraction(N, D)
+    N, D = fraction.N, fraction.D
     n = D.degree()
     if not N:
         return flint.fmpq(0)
-    if N.degree() >= n or D.gcd(_mirrored(D)).degree() > 0 or _has_unstable_zero(D):
+    if N.degree() >= n or D.gcd(_mirrored(D)).degree() > 0 or fraction.is_unstable:
         return None
     below, square = D.coeffs(), (N * _mirrored(N)).coeffs()
     rows = [[flint.fmpq(0)] * n for _ in range(n)]

@@ -9,9 +9,9 @@ import sympy
 
 from mbconstrained.exact.closed_form import ClosedForm, FormulaParameter
 from mbconstrained.exact.source_code import c_source, python_source
-from mbconstrained.exact.symbolic.field.fields import exact_expression
-from mbconstrained.exact.symbolic.response.symbolic_response import solve_symbolically
+from mbconstrained.exact.symbolic.fields import exact_expression
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+from mbconstrained.exact.symbolic.symbolic_response import solve_symbolically
 
 t = sympy.Symbol("t", real=True)
 m, k, c = sympy.symbols("m k c", positive=True)

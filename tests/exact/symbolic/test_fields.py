@@ -8,7 +8,7 @@ import pytest
 import sympy
 
 import mbconstrained as mb
-from mbconstrained.exact.symbolic.field.fields import element, exact_expression, field_of, sign
+from mbconstrained.exact.symbolic.fields import element, exact_expression, field_of, sign
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 
 k, m = sympy.symbols("k m")

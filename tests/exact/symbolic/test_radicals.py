@@ -6,7 +6,7 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mbconstrained.exact.symbolic.field.fields import (
+from mbconstrained.exact.symbolic.fields import (
     Surd,
     compact_expression,
     element,

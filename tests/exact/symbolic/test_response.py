@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.exact.symbolic.response.inverse_transform import initial_symbols
-from mbconstrained.exact.symbolic.response.symbolic_response import solve_symbolically
+from mbconstrained.exact.symbolic.inverse_transform import initial_symbols
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+from mbconstrained.exact.symbolic.symbolic_response import solve_symbolically
 from tests.exact.symbolic.laplace import at_infinity, inverted
 from tests.exact.symbolic.models import (
     DAMPED,

@@ -25,7 +25,7 @@ FRACTIONS = [
 def test_partial_fractions_are_the_integral(piece, above, below):
     N, D = polynomial(above), polynomial(below)
     with working_precision(300):
-        ball = variance_enclosure._by_partial_fractions((N, D), piece, 0.25, 3.0)
+        ball = variance_enclosure._Fraction(N, D).integral(piece, 0.25, 3.0)
         assert ball.rel_accuracy_bits() > 150
     N, D = flint.acb_poly(N), flint.acb_poly(D)
     with working_precision(128):
@@ -46,7 +46,7 @@ def test_partial_fractions_are_the_integral(piece, above, below):
 
 def test_multiple_poles_are_left_to_quadrature():
     double = polynomial([2.0, 1.0]) ** 2
-    assert variance_enclosure._by_partial_fractions((polynomial([1.0]), double), LINE, 0.25, 3.0) is None
+    assert variance_enclosure._Fraction(polynomial([1.0]), double).integral(LINE, 0.25, 3.0) is None
     system = mb.MechanicalSystem([[1.0]], [[4.0]], [[4.0]])  # critically damped: |H|^2 = 1 / (4 + w^2)^2
     variance = system.random_response({"x1": mb.psd([0.25, 3.0], [0.5, 0.5])}).rms
     a, b = (mp.mpf(2) * mp.pi * f for f in (0.25, 3))

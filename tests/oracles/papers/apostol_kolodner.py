@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import sympy
 
-from mbconstrained.exact.symbolic.field.fields import TIME
+from mbconstrained.exact.symbolic.fields import TIME
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix, checked_matrix
 from mbconstrained.ground.checks import real_array
 from mbconstrained.ground.errors import InputError

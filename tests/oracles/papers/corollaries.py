@@ -10,10 +10,10 @@ from collections.abc import Sequence
 
 import sympy
 
-from mbconstrained.exact.symbolic.field.fields import TIME, check_one_each, checked_time
-from mbconstrained.exact.symbolic.response.symbolic_response import checked_initial
+from mbconstrained.exact.symbolic.fields import TIME, check_one_each, checked_time
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix, checked_matrix
 from mbconstrained.exact.symbolic.symbolic_pairs import Block
+from mbconstrained.exact.symbolic.symbolic_response import checked_initial
 from mbconstrained.ground.errors import InputError
 from tests.oracles.papers.matrix_exponentials import (
     block_functions,

@@ -13,8 +13,8 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import sympy
 
-from mbconstrained.exact.symbolic.field.fields import field_of
-from mbconstrained.exact.symbolic.response.inverse_transform import Quotient, regular_parts
+from mbconstrained.exact.symbolic.fields import field_of
+from mbconstrained.exact.symbolic.inverse_transform import Quotient, regular_parts
 from mbconstrained.exact.symbolic.symbolic_matrix import S
 from mbconstrained.ground.checks import whole_number
 from mbconstrained.ground.errors import InputError

@@ -19,9 +19,9 @@ import sympy
 from sympy.polys.domains import Domain
 from sympy.polys.polyerrors import CoercionFailed
 
-from ....ground.errors import InputError
-from ...engine import series_at_infinity, slopes, taylor
-from ..field.fields import (
+from ...ground.errors import InputError
+from ..engine import series_at_infinity, slopes, taylor
+from .fields import (
     as_positive,
     check_one_each,
     check_positive,
@@ -33,8 +33,8 @@ from ..field.fields import (
     field_of,
     symbols_of,
 )
-from ..symbolic_matrix import S, SymbolicPolynomialMatrix, checked_matrix
-from ..symbolic_pairs import Factors, SymbolicRing, factors_of, modes, must_not_vanish
+from .symbolic_matrix import S, SymbolicPolynomialMatrix, checked_matrix
+from .symbolic_pairs import Factors, SymbolicRing, factors_of, modes, must_not_vanish
 
 #: The functions that a force may contain, for messages.
 EXPECTED = "expected sums and products of constants, t, exp, cos, sin, cosh, sinh, Heaviside(t - t0) and DiracDelta(t - t0, k)"

@@ -10,11 +10,10 @@ from typing import Any
 import sympy
 from sympy.polys.matrices import DomainMatrix
 
-from ....ground.checks import counted, whole_number
-from ....ground.display import Displayed
-from ....ground.errors import InputError
-from ..field.fields import TIME, as_positive, check_one_each, check_start_names, checked_time, exact_expression, generators_of
-from ..symbolic_matrix import SymbolicPolynomialMatrix, checked_matrix
+from ...ground.checks import counted, whole_number
+from ...ground.display import Displayed
+from ...ground.errors import InputError
+from .fields import TIME, as_positive, check_one_each, check_start_names, checked_time, exact_expression, generators_of
 from .inverse_transform import (
     Combination,
     ResponseTransform,
@@ -26,6 +25,7 @@ from .inverse_transform import (
     initial_sources,
     initial_symbols,
 )
+from .symbolic_matrix import SymbolicPolynomialMatrix, checked_matrix
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -19,8 +19,8 @@ import sympy
 from sympy.polys.domains.domain import Domain
 from sympy.polys.polyerrors import CoercionFailed
 
-from ....ground.checks import counted
-from ....ground.errors import InputError
+from ...ground.checks import counted
+from ...ground.errors import InputError
 
 #: Different square roots that one matrix may have: the primitive element of more of them takes long to find.
 MOST_ROOTS = 2

@@ -1,1 +1,0 @@
-"""The field of the entries: rational functions of symbols, their factors, signs, square roots and zeros."""

@@ -1,1 +1,0 @@
-"""Responses with symbols: transforms, modes, impulses, jumps, and the conditions for their absence."""
