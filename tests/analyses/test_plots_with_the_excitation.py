@@ -43,7 +43,8 @@ def test_an_input_of_another_unit_has_its_own_plot():
 def test_a_shock_stands_with_the_accelerations_that_answer_it():
     """The half sine of 50 g and 11 ms, and the largest acceleration of the instrument as the roots of its closed form have it."""
     answer = mb.read_scene(EXAMPLES / "half_sine_drop.toml").shock()
-    plot = next(one for one in answer.plots() if one.title == "acceleration")
+    plots = {one.title: one for one in answer.plots()}
+    plot = plots["acceleration"]
     crate, instrument = plot.curves
     inside = plot.times < 0.011
     assert (crate.name, instrument.name) == ("crate", "instrument")
@@ -52,7 +53,7 @@ def test_a_shock_stands_with_the_accelerations_that_answer_it():
     peak = next(row for row in answer.data["peaks"] if (row["quantity"], row["of"]) == ("acceleration", "instrument"))
     assert instrument.values.max() == pytest.approx(peak["maximum"], rel=1e-3)
     assert plot.times[instrument.values.argmax()] == pytest.approx(peak["maximum_time"], abs=1e-3)
-    assert [one.title for one in answer.plots()].count("acceleration of crate") == 0
+    assert "acceleration of crate" not in plots
 
 
 def test_under_a_moving_support_the_relative_displacement_is_the_first_plot():
