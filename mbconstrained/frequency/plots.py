@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..ground.errors import InputError
+from ..ground.tolerances import EPS
 
 KINDS = ("bode", "nyquist", "parts")
 
@@ -49,7 +50,7 @@ class PlotStyle:
 def principal_phase(H: np.ndarray) -> np.ndarray:
     """The phase in degrees; that of a negative number is -180, as past an undamped resonance."""
     angles = np.degrees(np.angle(H))
-    return np.where(angles > 180.0 - 1e-9, angles - 360.0, angles)
+    return np.where(angles > 180.0 * (1 - EPS**0.5), angles - 360.0, angles)
 
 
 def continuous_phase(H: np.ndarray, frequencies_hz: np.ndarray, dead_time: float) -> np.ndarray:
