@@ -21,7 +21,7 @@ from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Presented, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.files import replacing
-from ..ground.named_arrays import NamedArray, named_array
+from ..ground.named_arrays import named_array
 from ..ground.notices import Notice, NoticeKind
 from ..ground.threads import short_work
 from ..ground.tolerances import (
@@ -181,12 +181,6 @@ class Modes(Presented, Sequence):
         "frequencies": "frequencies_hz",
     }
 
-    def __post_init__(self):
-        named = (
-            m if isinstance(m.shapes, NamedArray) else replace(m, shapes=named_array(m.shapes, self.names)) for m in self.modes
-        )
-        object.__setattr__(self, "modes", tuple(named))
-
     def __len__(self) -> int:
         return len(self.modes)
 
@@ -248,8 +242,14 @@ class Modes(Presented, Sequence):
     @property
     def shapes(self) -> np.ndarray:
         """Shapes of the oscillating modes, shape (n, m); real where all are. A defective eigenvalue repeats its last."""
-        columns = [mode.shapes[:, min(i, mode.shapes.shape[1] - 1)] for mode in self.oscillating for i in range(mode.multiplicity)]
-        return named_array(np.array(columns).T if columns else np.zeros((len(self.names), 0)), self.names)
+        (_, _, shapes), chosen, begin = self._columns, [], 0
+        for mode in self.modes:
+            end = begin + mode.shapes.shape[1]
+            if mode.eigenvalue.imag:
+                chosen += [min(begin + i, end - 1) for i in range(mode.multiplicity)]
+            begin = end
+        columns = shapes[:, chosen]
+        return named_array(columns if columns.imag.any() else columns.real, self.names)
 
     @cached_property
     def shares(self) -> tuple[tuple[EnergyShares, ...], ...]:
@@ -272,11 +272,12 @@ class Modes(Presented, Sequence):
         result, (places, s, u) = np.zeros(len(self.modes)), self._columns
         if self.polynomial_matrix is None or not len(places):
             return result
-        size, left, terms = np.abs(u), np.zeros(u.shape), np.zeros(u.shape)
-        for k, matrix in ((k, kept(matrix)) for k, matrix in enumerate(self.polynomial_matrix.coefficients) if matrix.any()):
-            power = s**k
-            left = left + (power if power.imag.any() else power.real) * product(matrix, u)  # of undamped modes all is real
-            terms += np.abs(power) * product(abs(matrix), size)
+        size, moduli, left, terms = np.abs(u), np.abs(s), 0.0, 0.0
+        for k, matrix in enumerate(self.polynomial_matrix.coefficients):
+            if matrix.any():
+                matrix = kept(matrix)
+                left = left + s**k * product(matrix, u)
+                terms = terms + moduli**k * product(abs(matrix), size)
         left, terms = np.linalg.norm(left, axis=0), np.linalg.norm(terms, axis=0)
         np.maximum.at(result, places, left / np.where(terms > 0, terms, 1.0))
         return result
@@ -384,11 +385,12 @@ def modes_of(system: EquationsOfMotion) -> Modes:
         conservation = conservation_of(system, definite)
     if drift := sum(row.order for row in system.rows):
         resting.append(Mode("drift", 0j, drift, np.zeros((system.size, 0))))
-    modes = [replace(mode, system=system) for mode in resting]
+    names = system.names
+    modes = [replace(mode, shapes=named_array(mode.shapes, names), system=system) for mode in resting]
     for value, multiplicity, shapes, precise in moving:
         value = cleaned(value, multiplicity, conservation, precise)
-        modes.append(Mode(kind_of(value), value, multiplicity, shapes, system))
-    return Modes(tuple(modes), system.names, polynomial_matrix=A, system=system)
+        modes.append(Mode(kind_of(value), value, multiplicity, named_array(shapes, names), system))
+    return Modes(tuple(modes), names, polynomial_matrix=A, system=system)
 
 
 #: With at most so many entries in a row, forms of a matrix are sums over differences of coordinates.
@@ -674,7 +676,8 @@ def modes_with_delays(system: EquationsOfMotion, count: int) -> Modes:
     roots = rightmost_roots(system.undelayed_form().polynomial_matrix, system.delayed_equations(), count)
     order = np.argsort(np.abs(roots.eigenvalues), kind="stable")
     modes = tuple(
-        Mode(kind_of(complex(roots.eigenvalues[k])), complex(roots.eigenvalues[k]), 1, roots.shapes[:, [k]], system) for k in order
+        Mode(kind_of(value), value, 1, named_array(shape[:, None], system.names), system)
+        for value, shape in zip(roots.eigenvalues[order].tolist(), roots.shapes.T[order])
     )
     text = f"delays make infinitely many modes; these are the {len(modes)} rightmost ones"
     return Modes(modes, system.names, system=system, notices=(Notice(NoticeKind.OMITTED, text), *roots.notices))

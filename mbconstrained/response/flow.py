@@ -331,9 +331,10 @@ class Flow:
     def _later_jumps(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """For x, x', ...: the rows that jump with the states of the force, and their jumps, shape (rows, K)."""
         changes, G = self.force.smooth.with_knots(self.knots).restarts.jumps[:, 1:], self.generator
-        own = np.zeros((len(self.start), 0)) if self.impulsive is None else self.impulsive[:, 1:]
-        used = np.append(own.any(axis=1), np.ones(len(changes), dtype=bool))
-        changes = np.concatenate([own if own.size else np.zeros((len(own), changes.shape[1])), changes])[used]
+        used = np.arange(G.shape[0]) >= len(self.start)
+        if self.impulsive is not None:
+            used[: len(self.start)] = self.impulsive[:, 1:].any(axis=1)
+            changes = np.concatenate([self.impulsive[used[: len(self.start)], 1:], changes])
         jumps, matrix, bound = [], self.output, abs(self.output)
         for order in range(len(self.initial)):
             if order:

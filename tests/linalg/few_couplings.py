@@ -1,19 +1,46 @@
-"""Models of few couplings that are no trees: M, C and K of springs, dampers and beam elements."""
+"""Models of few couplings: M, C and K of springs, dampers and beam elements."""
 
 import numpy as np
+
+
+def assembled(pairs, values, count) -> np.ndarray:
+    """The sum of value d d^T, d = 1 at one end and -1 at the other; -1 is the ground."""
+    matrix = np.zeros((count, count))
+    for (one, other), value in zip(pairs, values):
+        pull = np.zeros(count)
+        pull[other] = 1.0
+        if one >= 0:
+            pull[one] = -1.0
+        matrix += value * np.outer(pull, pull)
+    return matrix
 
 
 def of_pairs(pairs, seed, damping=0.05, ground=()):
     """Masses of which these pairs are coupled by springs and dampers, some on the ground."""
     random, count = np.random.default_rng(seed), 1 + max(map(max, pairs))
-    C, K = np.zeros((2, count, count))
-    for one, other in pairs:
-        pull = np.zeros(count)
-        pull[[one, other]] = 1.0, -1.0
-        K += random.uniform(0.5, 2.0) * np.outer(pull, pull)
-        C += damping * random.uniform(0.0, 1.0) * np.outer(pull, pull)
+    stiffness, dampers = random.uniform([0.5, 0.0], [2.0, 1.0], (len(pairs), 2)).T
+    K, C = assembled(pairs, stiffness, count), assembled(pairs, damping * dampers, count)
     K[list(ground), list(ground)] += 1.0
     return np.diag(random.uniform(0.5, 2.0, count)), C, K
+
+
+def tree(parents, stiffness, damping, mass, ground=1.0, ground_damping=0.0):
+    """Coordinates 1, 2, ... each on a spring and a damper to its parent, the first coordinate to the ground."""
+    pairs = [(-1, 0), *((parent, child) for child, parent in enumerate(parents, start=1))]
+    C, K = (assembled(pairs, values, len(mass)) for values in ([ground_damping, *damping], [ground, *stiffness]))
+    return np.diag(mass), C, K
+
+
+def random_tree(seed, count, reach=None):
+    """Parents, constants of springs, dampers and masses, and the source of further numbers."""
+    random = np.random.default_rng(seed)
+    parents = [int(random.integers(max(0, child - (reach or child)), child)) for child in range(1, count)]
+    return parents, random.uniform(0.5, 2.0, (3, count)), random
+
+
+def chain_between_walls(count, damping=0.0):
+    K = 2 * np.eye(count) - np.eye(count, k=1) - np.eye(count, k=-1)
+    return np.eye(count), damping * K, K
 
 
 def ring(count, seed=0, ground=(0,)):

@@ -3,10 +3,14 @@
 import numpy as np
 import pytest
 import scipy.linalg
+from scipy.sparse.linalg import expm_multiply
 
 from mbconstrained.linalg.blocks import block_matrix
+from mbconstrained.linalg.elimination import EACH, front_width
 from mbconstrained.linalg.exponential import block_states
 from mbconstrained.linalg.tree_modes import DENSE, SparseTopology, zeros_near
+
+from .few_couplings import band, beam, chain_between_walls, ladder, random_tree, ring, tree, uniform_ring
 
 #: Coordinates, so that a model is divided at least twice.
 MANY = 150
@@ -15,24 +19,6 @@ MANY = 150
 def quadratic_modes(M, C, K):
     """The modes of the whole model by its topology, whatever its width."""
     return SparseTopology(M, C, K, 1).modes(np.arange(len(K)))
-
-
-def tree(parents, stiffness, damping, mass, ground=1.0, ground_damping=0.0):
-    """M, C and K of coordinates 1, 2, ... each on a spring and a damper to its parent, the first coordinate to the ground."""
-    n = len(mass)
-    C, K = np.zeros((2, n, n))
-    K[0, 0], C[0, 0] = ground, ground_damping
-    for child, (parent, k, c) in enumerate(zip(parents, stiffness, damping), start=1):
-        pull = np.zeros(n)
-        pull[[child, parent]] = 1.0, -1.0
-        K += k * np.outer(pull, pull)
-        C += c * np.outer(pull, pull)
-    return np.diag(mass), C, K
-
-
-def chain_between_walls(count, damping=0.0):
-    K = 2 * np.eye(count) - np.eye(count, k=1) - np.eye(count, k=-1)
-    return np.eye(count), damping * K, K
 
 
 def generator(M, C, K) -> np.ndarray:
@@ -67,15 +53,8 @@ def check(found, M, C, K, accuracy=1e-11):
     start, times = np.random.default_rng(0).normal(size=len(S)), np.array([0.0, 0.3, 2.0])
     output = np.random.default_rng(1).normal(size=(3, len(S)))
     values = found.modal_output(output) @ block_states(found.blocks, found.coordinates(start), times)
-    expected = output @ np.array([scipy.linalg.expm(S * t) @ start for t in times]).T
+    expected = output @ np.array([expm_multiply(S * t, start) for t in times]).T
     assert np.abs(values - expected).max() <= 1e-11 * np.abs(expected).max()
-
-
-def random_tree(seed, count=MANY, reach=None):
-    random = np.random.default_rng(seed)
-    parents = [int(random.integers(max(0, child - (reach or child)), child)) for child in range(1, count)]
-    constants = random.uniform(0.5, 2.0, (3, count))
-    return parents, constants, random
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, DENSE // 2 - 1, DENSE, 3 * DENSE])
@@ -101,7 +80,7 @@ def test_damping_in_proportion_keeps_the_formula_with_pairs_and_real_zeros(dampi
 @pytest.mark.parametrize("damping", [0.0, 0.02, 0.5, 3.0])
 @pytest.mark.parametrize("reach", [1, 3])
 def test_chains_and_trees_with_any_damping(damping, reach):
-    parents, (stiffness, dampers, mass), random = random_tree(1, reach=reach)
+    parents, (stiffness, dampers, mass), random = random_tree(1, MANY, reach)
     model = tree(parents, stiffness, damping * dampers * random.integers(0, 2, MANY), mass)
     check(quadratic_modes(*model), *model)
 
@@ -109,34 +88,41 @@ def test_chains_and_trees_with_any_damping(damping, reach):
 @pytest.mark.parametrize("seed", range(4))
 def test_a_tree_whose_motions_are_hardly_apart_is_refused_or_right(seed):
     """Branches that hang on one mass are alike: their motions against each other have zeros close together."""
-    parents, (stiffness, dampers, mass), _ = random_tree(seed)
+    parents, (stiffness, dampers, mass), _ = random_tree(seed, MANY)
     model = tree(parents, stiffness, 0.05 * dampers, mass)
     found = quadratic_modes(*model)
     if found is not None:
         check(found, *model)
 
 
-@pytest.mark.parametrize("rate", [0.05, 1.0, 20.0])
-def test_massless_joints_with_dampers(rate):
-    """Every tenth coordinate of a chain has no mass: one state less."""
-    order = np.argsort(np.arange(MANY) % 10 == 7, kind="stable")
-    parents, (stiffness, dampers, mass), _ = random_tree(2, reach=1)
-    M, C, K = tree(parents, stiffness, 0.02 * dampers, mass)
-    at = np.flatnonzero(np.arange(MANY) % 10 == 7)
-    C[at, at] += rate
-    C[at, at - 1] -= rate
-    C[at - 1, at] -= rate
-    C[at - 1, at - 1] += rate
-    m = MANY - len(at)
-    M, C, K = M[np.ix_(order, order)][:m, :m], C[np.ix_(order, order)], K[np.ix_(order, order)]
-    found = quadratic_modes(M, C, K)
-    assert len(found.real) >= len(at)
-    check(found, M, C, K)
+def chain_with_dampers(rate):
+    """A chain whose every tenth coordinate has a damper to the one before."""
+    parents, (stiffness, dampers, mass), _ = random_tree(2, MANY, 1)
+    return tree(parents, stiffness, np.where(np.arange(1, MANY) % 10 == 7, rate, 0.0) + 0.02 * dampers[:-1], mass)
+
+
+def ring_with_dampers():
+    """A ring whose every tenth coordinate has a damper to the ground."""
+    M, C, K = ring(260, seed=2)
+    return M, C + 0.3 * np.diag(np.arange(260) % 10 == 7), K
+
+
+@pytest.mark.parametrize(
+    "model", [*map(chain_with_dampers, (0.05, 1.0, 20.0)), ring_with_dampers()], ids=["weak", "like", "strong", "ring"]
+)
+def test_massless_joints_with_dampers(model):
+    """Every tenth coordinate without mass: one state less each."""
+    light = np.arange(len(model[0])) % 10 == 7
+    order, m = np.argsort(light, kind="stable"), np.count_nonzero(~light)
+    M, C, K = (matrix[np.ix_(order, order)] for matrix in model)
+    found = quadratic_modes(M[:m, :m], C, K)
+    assert len(found.real) >= np.count_nonzero(light)
+    check(found, M[:m, :m], C, K)
 
 
 def test_masses_of_very_different_sizes():
     """From 1e-6 to 1e6 kg along a chain: each zero to the digits that balanced equations give."""
-    parents, (stiffness, dampers, _), _ = random_tree(4, reach=1)
+    parents, (stiffness, dampers, _), _ = random_tree(4, MANY, 1)
     mass = np.geomspace(1e-6, 1e6, MANY)
     model = tree(parents, stiffness, 1e-4 * dampers, mass)
     found = quadratic_modes(*model)
@@ -224,3 +210,74 @@ def test_close_zeros_of_a_lightly_damped_chain_of_unlike_springs(count, damping)
     assert len(np.unique(zeros)) == 2 * count
     assert zeros.sum().real == pytest.approx(-np.trace(C), rel=1e-9)
     assert (zeros**2).sum().real == pytest.approx(np.trace(C @ C) - 2 * np.trace(K), rel=1e-11)
+
+
+# Rings, ladders, bands and beams.
+
+BANDS = {
+    "ring": ring(250),
+    "ladder": ladder(250),
+    "band": band(3 * EACH, 3),
+    "beam on a foundation": beam(3 * EACH // 2, foundation=50.0),
+}
+
+
+@pytest.mark.parametrize("model", BANDS.values(), ids=BANDS)
+def test_zeros_and_motions_of_rings_and_bands_are_those_of_the_generator(model):
+    check(quadratic_modes(*model), *model)
+
+
+@pytest.mark.parametrize("damping", [(), (3,)], ids=["none", "one damper"])
+def test_equal_zeros_of_a_uniform_ring_are_refused_or_right(damping):
+    """Waves go round both ways alike: every zero but two is there twice, or near another where one damper tells them apart."""
+    model = uniform_ring(250, damping)
+    found = quadratic_modes(*model)
+    assert damping or found is None
+    if found is not None:
+        check(found, *model)
+
+
+def test_a_uniform_ring_whose_dampers_tell_its_waves_apart():
+    model = uniform_ring(242, (3, 40, 58))
+    check(quadratic_modes(*model), *model)
+
+
+def test_a_uniform_ladder_has_the_frequencies_of_its_formula():
+    """Both rails alike: together they are a chain, against each other a chain on the ground of twice the rungs; leading parts have
+    motions of the whole, whose pivots vanish."""
+    half = 143  # half + 1 has many divisors
+    chain = 2 * np.eye(half) - np.eye(half, k=1) - np.eye(half, k=-1)
+    K = np.kron(chain, np.eye(2)) + np.kron(np.eye(half), 0.3 * np.array([[1.0, -1.0], [-1.0, 1.0]]))
+    found = quadratic_modes(np.eye(2 * half), 0.01 * np.eye(2 * half), K)
+    squares = (2 * np.sin(np.pi * np.arange(1, half + 1) / (2 * (half + 1)))) ** 2
+    squares = np.sort(np.concatenate([squares, squares + 0.6]))
+    assert np.abs(np.sort(np.abs(found.upper) ** 2) / squares - 1).max() <= 1e-12
+    assert np.abs(found.upper.real + 0.005).max() <= 1e-14
+
+
+def test_a_free_ring_is_refused():
+    """It moves off as a whole: a double zero at 0 with one vector."""
+    M, C, K = ring(250, ground=())
+    assert quadratic_modes(M, C, K) is None
+
+
+def test_a_long_beam_is_refused_before_its_zeros_are_looked_for(monkeypatch):
+    model = beam(3 * EACH // 2)
+    monkeypatch.setattr("mbconstrained.linalg.tree_modes._zeros", None)
+    assert front_width(*model) == 3 and quadratic_modes(*model) is None
+
+
+def test_a_beam_of_integers_with_one_damper_keeps_its_modes():
+    """Beside its slow zeros P(s) is K to the last digit, and pivots of integers cancel to exactly 0.
+
+    Modes of beams lose digits with the fourth power of the length: of 120 more bodies those of some processors are refused.
+    """
+    D, one = np.diff(np.eye(2 * EACH), 2, axis=0), np.zeros(2 * EACH)
+    one[len(one) // 2] = 1.0
+    K = D.T @ D
+    K[[0, 1, -1], [0, 1, -1]] += 1.0
+    check(quadratic_modes(np.eye(len(K)), np.diag(one), K), np.eye(len(K)), np.diag(one), K)
+
+
+def test_what_has_too_few_coordinates_for_its_width_is_left_to_others():
+    assert quadratic_modes(*ring(2 * EACH - 2)) is None

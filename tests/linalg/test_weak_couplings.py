@@ -60,7 +60,7 @@ def test_a_part_that_grows_is_excited_through_a_tiny_entry(coupling, back):
     K[n, n - 1], K[n - 1, n] = coupling, back * coupling
     start = np.zeros(4 * n)
     start[:n] = np.random.default_rng(0).normal(size=n)
-    assert errors(generator(K, 0 * K), start, [1.0, 30.0, 60.0], [range(n), range(n, 2 * n), range(2 * n)][1:]) <= 1e-12
+    assert errors(generator(K, 0 * K), start, [1.0, 60.0], [range(n), range(n, 2 * n), range(2 * n)][1:]) <= 1e-12
 
 
 @settings(max_examples=10)
@@ -72,7 +72,7 @@ def test_dense_parts(seed, exponent):
     K = np.block([[first, random.integers(0, 2) * between], [between.T, second]])
     C = np.diag(np.repeat(random.uniform(0.1, 0.5, 2) * [1.0, 0.0], n))
     start = np.concatenate([random.normal(size=n), np.zeros(3 * n)])
-    assert errors(generator(K, C), start, [1.0, 30.0, 100.0], [range(n, 2 * n), range(2 * n)]) <= 1e-11
+    assert errors(generator(K, C), start, [1.0, 100.0], [range(n, 2 * n), range(2 * n)]) <= 1e-11
 
 
 def test_like_parts_coupled_backward_by_a_tiny_entry_stay_together():

@@ -4,6 +4,7 @@ import numpy as np
 
 import mbconstrained as mb
 from mbconstrained.response.response import Response
+from tests.linalg.few_couplings import assembled
 
 
 def edges(kind: str, size: int, random) -> list[tuple[int, int]]:
@@ -15,18 +16,6 @@ def edges(kind: str, size: int, random) -> list[tuple[int, int]]:
     width = int(size**0.5)
     across = [(node - 1, node) for node in range(size) if node % width]
     return [(-1, 0), *across, *((node - width, node) for node in range(width, size))]
-
-
-def assembled(links, values, size: int) -> np.ndarray:
-    """The sum of value d d^T, d = 1 at one end and -1 at the other."""
-    matrix = np.zeros((size, size))
-    for (one, two), value in zip(links, values):
-        direction = np.zeros(size)
-        direction[two] = 1.0
-        if one >= 0:
-            direction[one] = -1.0
-        matrix += value * np.outer(direction, direction)
-    return matrix
 
 
 def plain_system(

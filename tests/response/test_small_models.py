@@ -9,8 +9,9 @@ import mbconstrained as mb
 from mbconstrained.ground.tolerances import DIVISOR_CONDITION
 from mbconstrained.polynomial.reduced_equations import NotReducible
 from mbconstrained.response.methods.reduced_solution import ReducedSolution
+from tests.linalg.few_couplings import assembled
 
-from .plain_models import assembled, general
+from .plain_models import general
 
 TIMES = np.concatenate([[0.0, 1e-9, 1e-3], np.linspace(0.1, 25.0, 40)])
 

@@ -4,8 +4,10 @@ The transfer function is example (47) of Hauksdottir et al., order 8; the values
 """
 
 from fractions import Fraction
+from functools import cache
 from math import factorial
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -40,18 +42,27 @@ def test_impulse_step_ramp_and_parabola_responses_of_order_eight(gamma):
     assert found[0] == pytest.approx(VALUES[gamma][0], rel=1e-7)
 
 
-def exact_output(gamma: int, time: Fraction, order: int = 0) -> float:
-    """y^(order)(t) as the sum of t^p / p! over the Laurent coefficients of b(s) / (a(s) s^gamma), in rational arithmetic."""
-    a, b = ([Fraction(float(Fraction(c))) for c in text.split()] for text in (DENOMINATOR, NUMERATOR))
-    inverse: list[Fraction] = []  # 1 / a(s) = sum of inverse[j] s^(-8 - j)
+@cache
+def laurent_coefficients() -> list[Fraction]:
+    """Those of 1 / a(s) = sum of c_j s^(-8 - j), in rational arithmetic."""
+    a, found = [Fraction(float(Fraction(c))) for c in DENOMINATOR.split()], []
     for j in range(120):
-        inverse.append((j == 0) - sum(a[8 - i] * inverse[j - i] for i in range(1, min(j, 8) + 1)))
-    total = Fraction(0)
-    for j, coefficient in enumerate(inverse):
-        for k, factor in enumerate(b):
-            power = 7 + j - k + gamma - order
-            total += factor * coefficient * time**power / factorial(power) if power >= 0 else 0
-    return float(total)
+        found.append((j == 0) - sum(a[8 - i] * found[j - i] for i in range(1, min(j, 8) + 1)))
+    return found
+
+
+def exact_output(gamma: int, time: float, order: int = 0) -> float:
+    """y^(order)(t) as the sum of t^p / p! over the Laurent coefficients of b(s) / (a(s) s^gamma), in 300 digits."""
+    with mpmath.workdps(300):
+        b = [mpmath.mpf(float(Fraction(c))) for c in NUMERATOR.split()]
+        total = mpmath.mpf(0)
+        for j, coefficient in enumerate(laurent_coefficients()):
+            for k, factor in enumerate(b):
+                power = 7 + j - k + gamma - order
+                if power >= 0:
+                    own = mpmath.mpf(coefficient.numerator) / coefficient.denominator
+                    total += factor * own * mpmath.mpf(time) ** power / factorial(power)
+        return float(total)
 
 
 def started(x: mb.Response):
@@ -59,16 +70,16 @@ def started(x: mb.Response):
     return with_series(x.function, taylor_series(x.pairs.form, x.initial, x.jump, x.force))
 
 
-@pytest.mark.parametrize("time", ["1/1000000", "1/100", "1/10", "1/2", "1", "2", "10"])
 @pytest.mark.parametrize("gamma", VALUES)
-def test_small_outputs_of_order_eight_keep_their_digits(gamma, time):
+def test_small_outputs_of_order_eight_keep_their_digits(gamma):
     """y ~ t^(gamma + 3) / (gamma + 3)!, 1e-39 for I_3 at t = 1e-6; the modes sum up to 1e-13 there."""
     a, b = ([float(Fraction(c)) for c in text.split()] for text in (DENOMINATOR, NUMERATOR))
     force = sum(factor * mb.power([1.0], gamma - k) for k, factor in enumerate(b))
     y = started(mb.solve(mb.PolynomialMatrix(np.array(a)[:, None, None]), force=force))
-    t = Fraction(float(Fraction(time)))
+    times = [1e-6, 0.01, 0.1, 0.5, 1.0, 2.0, 10.0]
     for order in range(3):
-        assert y.derivative(order)(float(t))[0] == pytest.approx(exact_output(gamma, t, order), rel=1e-12)
+        known = [exact_output(gamma, t, order) for t in times]
+        assert [y.derivative(order)(t)[0] for t in times] == pytest.approx(known, rel=1e-12, abs=0.0)
 
 
 def test_the_estimate_knows_about_the_cancellation():

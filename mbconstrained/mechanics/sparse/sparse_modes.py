@@ -12,6 +12,7 @@ import scipy
 
 from ...ground.checks import counted
 from ...ground.errors import IllConditioned
+from ...ground.named_arrays import named_array
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import DEPENDENT_DIRECTION, EPS, NEWTON_STEP, NOISE_SAFETY, RITZ_RESIDUAL, SAME_SHAPE, TRUST_LIMIT
 from ...linalg.arrays import block_diag
@@ -566,7 +567,10 @@ def _damped(pencil: ReducedPencil, undamped: UndampedModes, count: int) -> Modes
 def _modes(pencil, undamped: UndampedModes, values, X, kinds: list[Kind], evidence, orthogonality, notices) -> Modes:
     """The modes on all coordinates from their vectors X on the free ones."""
     vectors = times(pencil.basis, X)
-    modes = (Mode(kind, complex(value), 1, vectors[:, [i]]) for i, (kind, value) in enumerate(zip(kinds, values)))
+    modes = (
+        Mode(kind, value, 1, named_array(shape[:, None], pencil.names))
+        for kind, value, shape in zip(kinds, values.astype(complex).tolist(), vectors.T)
+    )
     return Modes(
         tuple(modes),
         pencil.names,
