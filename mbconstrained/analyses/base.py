@@ -17,7 +17,7 @@ import numpy as np
 
 from ..exchange.trajectories import csv_of, write_arrays
 from ..ground.by_name import answering
-from ..ground.checks import listed, nearest, optional_package
+from ..ground.checks import check_known, listed, nearest, optional_package
 from ..ground.display import WIDTH, Pictured, TextTable, finite_or_none
 from ..ground.errors import InputError
 from ..ground.files import Replacements
@@ -204,8 +204,7 @@ class Answer(Pictured):
         """
         folder, formats = Path(folder), [formats] if isinstance(formats, str) else list(formats)
         for one in formats:
-            if one not in FORMATS:
-                raise InputError(f"formats: found {one!r}{nearest(one, FORMATS)}; expected some of {', '.join(FORMATS)}")
+            check_known(one, FORMATS, "formats")
         if files is None:
             with Replacements(lambda: self.kept) as files:
                 return Answer.write(self, folder, formats, viewer, files)

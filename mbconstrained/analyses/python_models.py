@@ -19,7 +19,7 @@ from ..frequency.plots import principal_phase
 from ..frequency.random.random_response import RandomResponse
 from ..frequency.shock.response_spectrum import PARTS, ShockResponseSpectrum
 from ..ground.by_name import answering
-from ..ground.checks import nearest, real_number, whole_number
+from ..ground.checks import check_known, real_number, whole_number
 from ..ground.display import with_unit
 from ..ground.errors import InputError, MbconstrainedError
 from ..ground.files import path_of
@@ -73,8 +73,7 @@ def result_of(
 ) -> RunAnswer:
     """The result of an equivalent scene."""
     for kind in plots:
-        if kind not in KINDS:
-            raise InputError(f"plots: found {kind!r}{nearest(str(kind), KINDS)}; expected some of {', '.join(KINDS)}")
+        check_known(kind, KINDS, "plots")
     last = _last_time(motion) if end is None else real_number(end, "end", positive=True)
     if isinstance(motion, SwitchedMotion) and last > motion.end:
         raise InputError(f"end: found {last:g} s; the motion is known up to {motion.end:g} s: solve it with a later end")
