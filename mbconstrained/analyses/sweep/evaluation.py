@@ -25,7 +25,7 @@ from ...linalg.precise import is_worthwhile
 from ...mechanics.element_matrix import ElementMatrix
 from ...mechanics.family import BY_POLES, Family, FamilyModes, family, stacked_transfers
 from ...mechanics.stacked_equations import projected
-from ...mechanics.stacked_peaks import LargestResponses, largest_responses
+from ...mechanics.stacked_poles import LargestResponses, largest_responses
 from ...mechanics.system import MechanicalSystem
 from ...models.lumped import coordinate_row, exact_elements, incidence_of
 from ...robot.linearized import LinearizedRobot
