@@ -58,9 +58,14 @@ def command(monkeypatch, capsys, tmp_path):
     return run
 
 
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    """One Chromium for the tests of a file."""
+@pytest.fixture(scope="session")
+def chromium(tmp_path_factory):
     browser = Browser(tmp_path_factory.mktemp("profile"))
     yield browser
     browser.close()
+
+
+@pytest.fixture(scope="module")
+def browser(chromium):
+    """One Chromium for all tests, in each file as it was when it started."""
+    return chromium.reset()

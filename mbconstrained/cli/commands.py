@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..analyses import ANALYSES
-from .analysis import Commands
+from .analysis import Commands, File, Plots
 from .answer import (
     COMMAND_WRONG,
     FINE,
@@ -93,7 +93,7 @@ def _run(
     scene: ScenePath,
     out: Out = "",
     certify: Annotated[bool, typer.Option("--certify", help="Prove digits of the answer by exact arithmetic.")] = False,
-    plots: Annotated[bool, typer.Option("--plots", help="Write the plots as SVG and PNG too.")] = False,
+    plots: Plots = False,
     still: Annotated[str, typer.Option("--still", metavar="TIME", help="Write a picture of the model then too, as PNG.")] = "",
     shared_viewer: SharedViewer = False,
     compress: Compress = False,
@@ -238,7 +238,7 @@ def _new(
 
 @app.command("schema", short_help="Print the JSON Schema of scenes for editors.")
 def _schema(
-    out: Annotated[str, typer.Option("--out", metavar="FILE", help="Write into a file instead of printing.")] = "",
+    out: File = "",
     robot: Annotated[bool, typer.Option("--robot", help="The schema of a robot.toml instead of that of a scene.")] = False,
 ) -> None:
     """Print the JSON Schema of scenes, or of a robot.toml: every key with description and unit, for completion and checks."""

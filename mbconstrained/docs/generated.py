@@ -11,7 +11,7 @@ import inspect
 import json
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -35,18 +35,17 @@ def api() -> str:
     return "\n\n".join(f"## {title}\n\n" + "\n\n".join(map(_directive, group)) for title, group in groups.items())
 
 
+def _table(titles: str, rows: Iterable[tuple[str, ...]]) -> str:
+    """A table with titles such as "name | meaning"."""
+    lines = (" | ".join(("", *row, "")).strip() for row in rows)
+    return "\n".join([f"| {titles} |", "|---" * (titles.count("|") + 1) + "|", *lines])
+
+
 def names() -> str:
     """The public names with the first sentence of each."""
-    rows = (
-        f"| `{name}` | {_cell(_first_sentence(getattr(mb, name)))} |"
-        for name in mb.__all__
-        if not inspect.ismodule(getattr(mb, name))
-    )
-    return "| name | meaning |\n|---|---|\n" + "\n".join(rows)
-
-
-def _first_sentence(value: Any) -> str:
-    return (inspect.getdoc(value) or "").split("\n\n")[0]
+    values = {name: getattr(mb, name) for name in mb.__all__}
+    sentences = {name: inspect.getdoc(value) or "" for name, value in values.items() if not inspect.ismodule(value)}
+    return _table("name | meaning", ((f"`{name}`", _cell(text.split("\n\n")[0])) for name, text in sentences.items()))
 
 
 def methods() -> str:
@@ -54,8 +53,7 @@ def methods() -> str:
     from mbconstrained.analyses import ANALYSES
     from mbconstrained.scene.run.scene import METHOD_NAMES
 
-    rows = (f"| `{METHOD_NAMES.get(name, name)}` | {help} |" for name, (_, help) in ANALYSES.items())
-    return "| method | question |\n|---|---|\n" + "\n".join(rows)
+    return _table("method | question", ((f"`{METHOD_NAMES.get(name, name)}`", help) for name, (_, help) in ANALYSES.items()))
 
 
 def _directive(name: str) -> str:
@@ -66,14 +64,14 @@ def _directive(name: str) -> str:
 
 def notices() -> str:
     """The kinds of notices with their meanings."""
-    return "| kind | meaning |\n|---|---|\n" + "\n".join(f"| {kind} | {kind.meaning} |" for kind in NoticeKind)
+    return _table("kind | meaning", ((str(kind), kind.meaning) for kind in NoticeKind))
 
 
 def exceptions() -> str:
     """The exceptions with the first line of their docstrings."""
     classes = [value for value in vars(errors).values() if inspect.isclass(value) and issubclass(value, Exception)]
-    rows = (f"| `{c.__name__}` | `{c.__bases__[0].__name__}` | {inspect.getdoc(c).splitlines()[0]} |" for c in classes)
-    return "| exception | base | meaning |\n|---|---|---|\n" + "\n".join(rows)
+    rows = ((f"`{c.__name__}`", f"`{c.__bases__[0].__name__}`", inspect.getdoc(c).splitlines()[0]) for c in classes)
+    return _table("exception | base | meaning", rows)
 
 
 #: An option of more commands than this is listed once, at the top.
@@ -91,7 +89,7 @@ def commands() -> str:
     common = [row for row in count if count[row] > FEW_COMMANDS]
     sections = [f"## Arguments and options of most commands\n\n{_option_table(common)}"]
     for name, command in commands.items():
-        also = [row.split(" | ")[0].strip("| ") for row in rows[name] if row in common]
+        also = [row[0] for row in rows[name] if row in common]
         own = [row for row in rows[name] if row not in common]
         parts = [
             f"## {name}",
@@ -103,13 +101,12 @@ def commands() -> str:
     return "\n\n".join(sections)
 
 
-def _option_table(rows: list[str]) -> str:
-    return "| argument or option | meaning |\n|---|---|\n" + "\n".join(rows)
+def _option_table(rows: list[tuple[str, str]]) -> str:
+    return _table("argument or option | meaning", rows)
 
 
-def _option(parameter) -> str:
-    names = ", ".join(f"`{name}`" for name in parameter.opts)
-    return f"| {names} | {_cell(parameter.help)} |"
+def _option(parameter) -> tuple[str, str]:
+    return ", ".join(f"`{name}`" for name in parameter.opts), _cell(parameter.help)
 
 
 def scene() -> str:
@@ -129,23 +126,23 @@ def robot() -> str:
 def _tables(schema: dict) -> Iterator[str]:
     """A section for each table, headed by the place at which it is written."""
     for table, place, repeats in _places(schema):
-        rows = [_key(key, field, key in table.get("required", ())) for key, field in table["properties"].items()]
+        rows = (_key(key, field, key in table.get("required", ())) for key, field in table["properties"].items())
         title = f"`[[{place}]]`" if repeats else f"`[{place}]`" if place else "Top level"
         kind = table["properties"].get("kind", {}).get("const")
         title += f', `kind = "{kind}"`' if kind else ""
-        head = "| key | unit or values | default | meaning |\n|---|---|---|---|\n"
-        yield f"## {title}\n\n{_cell(table.get('description', ''))}\n\n{head}" + "\n".join(rows)
+        keys = _table("key | unit or values | default | meaning", rows)
+        yield f"## {title}\n\n{_cell(table.get('description', ''))}\n\n{keys}"
 
 
 #: The end of a description that the column of units has shorter.
 UNIT_TEXT = re.compile(r"\s*(?:In (?:\S+), or a text with a unit of .*|A plain number\.)$")
 
 
-def _key(key: str, field: dict, required: bool) -> str:
+def _key(key: str, field: dict, required: bool) -> tuple[str, str, str, str]:
     values = field.get("enum") or ([field["const"]] if "const" in field else [])
     unit = ", ".join(f'`"{value}"`' for value in values) or field.get("unit", "")
     default = "required" if required else _default(field.get("default"))
-    return f"| `{key}` | {_cell(unit)} | {default} | {_cell(UNIT_TEXT.sub('', field.get('description', '')))} |"
+    return f"`{key}`", _cell(unit), default, _cell(UNIT_TEXT.sub("", field.get("description", "")))
 
 
 def _default(value: Any) -> str:
@@ -197,12 +194,8 @@ def rooms() -> str:
 
 def _files(room: Path) -> str:
     files = sorted(room.rglob("*.py"), key=lambda file: (len(file.relative_to(room).parts), file))
-    rows = (
-        f"| `{_name(file)}` | {_cell(_module_text(file).split(chr(10) * 2)[0])} |"
-        for file in files
-        if file.parent != room or file.stem != "__init__"
-    )
-    return "| file | contents |\n|---|---|\n" + "\n".join(rows)
+    texts = {_name(file): _module_text(file) for file in files if file.parent != room or file.stem != "__init__"}
+    return _table("file | contents", ((f"`{name}`", _cell(text.split("\n\n")[0])) for name, text in texts.items()))
 
 
 def _name(file: Path) -> str:
@@ -224,20 +217,17 @@ def units() -> str:
     """The accepted units by kind, and the spellings that are refused."""
     from mbconstrained.ground.units import AMBIGUOUS, UNITS
 
-    rows = "\n".join(map(_unit, UNITS))
-    refused = "\n".join(f"| `{name}` | {_cell(text)} |" for name, text in AMBIGUOUS.items())
-    return (
-        f"| measures | symbol | SI prefixes | other spellings | definition |\n|---|---|---|---|---|\n{rows}\n\n"
-        f"## Refused spellings\n\n| spelling | may be read as |\n|---|---|\n{refused}"
-    )
+    known = _table("measures | symbol | SI prefixes | other spellings | definition", map(_unit, UNITS))
+    refused = _table("spelling | may be read as", ((f"`{name}`", _cell(text)) for name, text in AMBIGUOUS.items()))
+    return f"{known}\n\n## Refused spellings\n\n{refused}"
 
 
-def _unit(unit) -> str:
+def _unit(unit) -> tuple[str, ...]:
     symbols, spellings = (
         ", ".join(f"`{name}`" for name in names.split()) for names in (unit.symbols, f"{unit.names} {unit.irregular}")
     )
     definition = "base unit" if unit.definition.startswith("[") else f"`{unit.definition}`"
-    return f"| {unit.of} | {symbols} | {unit.prefixes.replace(' ', ', ')} | {spellings} | {definition} |"
+    return unit.of, symbols, unit.prefixes.replace(" ", ", "), spellings, definition
 
 
 GENERATED: dict[str, Callable[[], str]] = {

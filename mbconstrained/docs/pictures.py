@@ -17,7 +17,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import chdir, redirect_stderr, redirect_stdout
-from doctest import DocTestParser, DocTestRunner
+from doctest import DocTestParser
 from pathlib import Path
 from unittest.mock import patch
 
@@ -93,22 +93,12 @@ def _execute(text: str) -> None:
     """Run the blocks of Python of a page; the same plot is the same file at any time."""
     from ..page.plots import page_style
 
-    examples = DocTestParser().get_doctest(text, {}, "page", None, 0)
+    names: dict[str, object] = {}
     style: dict[str, object] = {"figure.figsize": (7.0, 3.0), "figure.constrained_layout.use": True, "text.parse_math": True}
     undated = patch.dict(os.environ, SOURCE_DATE_EPOCH="0")
     with page_style(**style), undated, redirect_stdout(io.StringIO()):
-        _PageRunner().run(examples)
-
-
-class _PageRunner(DocTestRunner):
-    """Runs the code of a page; what it prints is compared by the tests of the documentation."""
-
-    def report_failure(self, *_) -> None:
-        """Nothing."""
-
-    def report_unexpected_exception(self, out, test, example, exc_info) -> None:
-        """Raise the exception."""
-        raise exc_info[1]
+        for example in DocTestParser().get_examples(text):
+            exec(example.source, names)
 
 
 def _small(content: bytes) -> bytes:

@@ -8,12 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..ground.checks import counted, nearest, real_array, real_number
+from ..ground.checks import check_known, counted, real_array, real_number
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.tolerances import EPS, FREE_PART
 from ..polynomial.polynomial_matrix import PolynomialMatrix
-from ..response.solve import solve
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
 from .harmonic import Harmonic
@@ -21,7 +20,7 @@ from .random.random_response import RandomResponse
 from .random.spectra import KINDS, Spectrum
 from .random.spectral_matrix import spectral_matrix
 from .shock.extrema import fastest_rate
-from .shock.response_spectrum import QUANTITIES, UNITS, Oscillator, ShockRecord, checked_oscillators, record_of_signal, signal_end
+from .shock.response_spectrum import QUANTITIES, UNITS, Oscillator, ShockRecord, checked_oscillators, record_of_signal
 
 #: Cycles of functions in closed form that are smaller than this share of the largest one are rounding errors.
 SMALLEST_CYCLE = 1e4 * EPS
@@ -144,24 +143,22 @@ def turning_points(values: np.ndarray) -> np.ndarray:
 
 def cycles_of(function: BohlFunction, start: float, end: float) -> list[CycleCount]:
     """The cycles of each row of a function of time, from its turning points in closed form."""
-    times, turns = _times(function, start, end), []
-    rough = getattr(function, "rough", function)
-    slopes, bends = rough.derivative(1)(times), rough.derivative(2)(times)
-    for row in range(function.size):
-        (at,) = (slopes[row, :-1] * slopes[row, 1:] < 0).nonzero()
-        turns.append(
-            times[at] + _root(times[at + 1] - times[at], slopes[row, at], slopes[row, at + 1], bends[row, at], bends[row, at + 1])
-        )
-    every = np.unique(np.concatenate([times, *turns]))
-    values = function(every)
-    sizes = np.ptp(values, axis=1)
-    return [_counted(own, size) for own, size in zip(values, sizes)]
+    result = []
+    for values in function(_times_with_turns(function, start, end)):
+        every = rainflow(values)
+        kept = every.ranges > SMALLEST_CYCLE * np.ptp(values)
+        result.append(CycleCount(every.ranges[kept], every.means[kept], every.counts[kept]))
+    return result
 
 
-def _counted(values: np.ndarray, size: float) -> CycleCount:
-    every = rainflow(values)
-    kept = every.ranges > SMALLEST_CYCLE * size
-    return CycleCount(every.ranges[kept], every.means[kept], every.counts[kept])
+def _times_with_turns(function: BohlFunction, start: float, end: float) -> np.ndarray:
+    """Times that resolve a function, and those of the turning points of its rows between them."""
+    times, rough = _times(function, start, end), getattr(function, "rough", function)
+    turns = []
+    for slope, bend in zip(rough.derivative(1)(times), rough.derivative(2)(times)):
+        (at,) = (slope[:-1] * slope[1:] < 0).nonzero()
+        turns.append(times[at] + _root(np.diff(times)[at], slope[at], slope[at + 1], bend[at], bend[at + 1]))
+    return np.unique(np.concatenate([times, *turns]))
 
 
 def _times(function: BohlFunction, start: float, end: float) -> np.ndarray:
@@ -259,10 +256,7 @@ def fatigue_damage_spectrum(
     """
     f, zeta = checked_oscillators(frequencies_hz, damping_ratio, quality_factor)
     k, strength = real_number(exponent, "exponent", positive=True), real_number(strength, "strength", positive=True)
-    if quantity not in QUANTITIES:
-        raise InputError(
-            f"quantity: found {quantity!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(quantity), QUANTITIES)}"
-        )
+    check_known(quantity, QUANTITIES, "quantity")
     if not zeta > 0:
         raise InputError("damping_ratio: found 0; undamped oscillators vibrate without end, expected a positive damping ratio")
     own = [(one, QUANTITIES[quantity](one)) for one in (Oscillator(2 * np.pi * each, zeta) for each in f.tolist())]
@@ -325,16 +319,8 @@ def _under_record(record: ShockRecord, oscillator: Oscillator, output) -> tuple[
 
 
 def _under_signal(signal: ImpulsiveSmooth, oscillator: Oscillator, output) -> tuple[np.ndarray, tuple[float, float]]:
-    w, z, (c0, c1) = oscillator.w, oscillator.zeta, output
-    end = signal_end(signal)
-    x = solve(PolynomialMatrix([[[w**2]], [[2 * z * w]], [[1.0]]]), force=signal)
-    function = x.function.differential(np.array([[c0]]), np.array([[c1]]))
-    times = _times(function, 0.0, end)
-    slopes, bends = function.derivative(1)(times)[0], function.derivative(2)(times)[0]
-    (at,) = (slopes[:-1] * slopes[1:] < 0).nonzero()
-    turns = times[at] + _root(np.diff(times)[at], slopes[at], slopes[at + 1], bends[at], bends[at + 1])
-    last = float(x(np.array([end]))[0, 0]), float(x.derivative(1)(np.array([end]))[0, 0])
-    return function(np.union1d(times, turns))[0], last
+    function, end, last = oscillator.under(signal, output)
+    return function(_times_with_turns(function, 0.0, end))[0], last
 
 
 def _free(oscillator: Oscillator, output, y: float, v: float) -> np.ndarray:

@@ -202,12 +202,12 @@ class _ResponseEntry:
     def sums(self, omega) -> tuple[np.ndarray, np.ndarray]:
         """H and its derivative by s."""
         s = 1j * np.asarray(omega)
-        distance = 1 / (s - self.values) if len(self.terms) else np.zeros((0, len(s)))
-        each = self.residues * distance**self.orders if len(self.terms) else distance
+        distance = 1 / (s - self.values)
+        each = self.residues * distance**self.orders
         D = self.polynomial[:, None] * np.ones(len(s))
         powers = np.arange(len(D))[:, None]
         H = each.sum(axis=0) + (D * s**powers).sum(axis=0)
-        slope = -(self.orders * each * distance).sum(axis=0) if len(self.terms) else np.zeros(len(s))
+        slope = -(self.orders * each * distance).sum(axis=0)
         return H, slope + (powers[1:] * D[1:] * s ** (powers[1:] - 1)).sum(axis=0)
 
     def slope(self, omega) -> np.ndarray:
@@ -287,17 +287,16 @@ def _zeros(harmonic: Harmonic, i: int, j: int) -> list[complex]:
         zeros = PolynomialMatrix(coefficients).jordan_pairs().structure.finite_zeros
     except SingularPolynomialMatrix:  # H = 0
         return []
-    both = [root for zero in zeros for root in (zero.value,)]
-    return sorted(both, key=lambda root: (root.imag, root.real))
+    return sorted((zero.value for zero in zeros), key=lambda root: (root.imag, root.real))
 
 
 def _vanishes(entry: _ResponseEntry, zero: complex) -> bool:
     """Whether the entry itself vanishes: an eigenvalue that it does not contain is a zero of the determinant as well."""
     s = complex(zero)
-    distances = s - entry.values[:, 0] if len(entry.terms) else np.zeros(0)
+    distances = s - entry.values[:, 0]
     if (np.abs(distances) <= ZERO_AGREEMENT * abs(s)).any():
         return False
-    each = entry.residues[:, 0] / distances ** entry.orders[:, 0] if len(entry.terms) else np.zeros(0)
+    each = entry.residues[:, 0] / distances ** entry.orders[:, 0]
     polynomial = entry.polynomial * s ** np.arange(len(entry.polynomial))
     total, size = each.sum() + polynomial.sum(), np.abs(each).sum() + np.abs(polynomial).sum()
     return bool(size > 0 and abs(total) <= ZERO_AGREEMENT * size)

@@ -31,16 +31,6 @@ if TYPE_CHECKING:
     from ..exact.enclosure.intervals import Enclosure
 
 
-def largest_nearby(values: np.ndarray, places: np.ndarray, rank: np.ndarray) -> np.ndarray:
-    """The largest of the values at the four nearest places around each rank; infinite values do not count.
-
-    >>> largest_nearby(np.array([1.0, 2.0, 5.0, 1.0]), np.array([0, 10, 20, 30]), np.array([1, 15]))
-    array([5., 5.])
-    """
-    padded = np.pad(np.where(np.isfinite(values), values, 0.0), 2, mode="edge")
-    return np.max([padded[np.searchsorted(places, rank) + k] for k in range(4)], axis=0)
-
-
 # Frequency response H(i w) = (i w)^p C A(i w)^-1 B with an error estimate of every entry, its poles, residues and polynomial part.
 
 #: Number of lines from which poles and residues of a full A(s) take less time than solutions at all lines.
@@ -322,7 +312,17 @@ class FrequencyResponse(Pictured):
         Returns:
             The path.
         """
-        return write_response(self, Path(path), geometry)
+        path = Path(path)
+        if path.suffix not in (".csv", ".npz", *UNIVERSAL):
+            raise InputError(f'path: found the ending "{path.suffix}"; expected .csv, .npz or .uff')
+        with replacing(path) as temporary:
+            if path.suffix == ".npz":
+                write_arrays(temporary, arrays_of(self), ".npz")
+            elif path.suffix == ".csv":
+                temporary.write_text(_csv_text(self), encoding="utf-8")
+            else:
+                write_frequency_responses(temporary, self, geometry or Geometry(), path.stem)
+        return path
 
 
 def _pole_notice(one: PoleOnLine, response: FrequencyResponse) -> Notice:
@@ -342,12 +342,8 @@ def _pole_notice(one: PoleOnLine, response: FrequencyResponse) -> Notice:
 # Evaluation.
 
 
-def checked_frequencies(value) -> np.ndarray:
-    """Frequencies in Hz, finite and not negative, as an array (F,).
-
-    >>> checked_frequencies([1, 2.5])
-    array([1. , 2.5])
-    """
+def _checked_frequencies(value) -> np.ndarray:
+    """Frequencies in Hz, finite and not negative, as an array (F,)."""
     frequencies = np.atleast_1d(real_array(value, "frequencies_hz"))
     if frequencies.ndim != 1:
         raise InputError(f"frequencies_hz: found an array of shape {frequencies.shape}; expected a list of numbers")
@@ -364,7 +360,7 @@ def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
         frequencies = frequencies_by_poles(harmonic)
         frequencies = frequencies[frequencies < (harmonic.left_out.highest_hz if harmonic.left_out else np.inf)]
     else:
-        frequencies = checked_frequencies(frequencies_hz)
+        frequencies = _checked_frequencies(frequencies_hz)
     harmonic.check(frequencies)
     exact = 8 * np.arctan(np.longdouble(1)) * frequencies  # near a sharp peak a rounded w is another frequency
     omega = exact.astype(float)
@@ -390,9 +386,7 @@ def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
             continue  # rounding errors of the coefficients are in the poles, too, where no estimate has them
         total, size = form.finite_part(s if pole is None else pole.value, pole)
         gaps = np.abs(s - np.array([one.value for one in form.poles if pole is None or one.value != pole.value], dtype=complex))
-        moved = (
-            abs(s) / max(gaps.min(initial=np.inf), EPS * abs(s)) if s else 1.0
-        )  # by an error of the nearest pole the term changes by this factor
+        moved = abs(s) / max(gaps.min(initial=np.inf), EPS * abs(s)) if s else 1.0  # the change by an error of the nearest pole
         own = SUM_SAFETY * NOISE * np.maximum(size / np.maximum(np.abs(total), np.finfo(float).tiny), moved)
         if pole is not None:
             own[pole.residues.any(axis=0)] = np.inf
@@ -434,10 +428,8 @@ def _enclose_doubtful(harmonic: Harmonic, frequencies: np.ndarray, H: np.ndarray
     size, inputs = harmonic.A.size, harmonic.inputs.shape[1]
     most = ENCLOSING // (size**2 * (size + 8 * inputs))
     for line in sorted(doubtful, key=lambda k: -np.nan_to_num(worst[k], nan=np.inf))[:most]:
-        if (
-            not harmonic.delayed and harmonic.form.pole_at(2j * np.pi * frequencies[line]) is not None
-        ):  # a frequency of 16 digits cannot be nearer to it
-            continue
+        if not harmonic.delayed and harmonic.form.pole_at(2j * np.pi * frequencies[line]):
+            continue  # a frequency of 16 digits cannot be nearer to it
         try:
             box = _enclosed(harmonic, float(frequencies[line]), FLOAT64_DIGITS)
         except MbconstrainedError:  # a pole is there, or no enclosure is narrow enough
@@ -450,10 +442,9 @@ def _enclosed(harmonic: Harmonic, frequency_hz: float, digits: int) -> Enclosure
     """Enclosures of real and imaginary parts at a frequency."""
     from ..exact.enclosure.intervals import enclosed_transfer
 
-    A, own = harmonic.A, harmonic
-    return enclosed_transfer(
-        A, own.imaginary, own.inputs, own.outputs, own.power, frequency_hz, digits, own.delayed, own.input_delays
-    )
+    own = harmonic
+    matrices = own.A, own.imaginary, own.inputs, own.outputs, own.power
+    return enclosed_transfer(*matrices, frequency_hz, digits, own.delayed, own.input_delays)
 
 
 #: Rounding errors of residues, where they are not measured.
@@ -474,12 +465,10 @@ def _values(harmonic: Harmonic, omega: np.ndarray) -> tuple[np.ndarray, np.ndarr
     lines = solver.solve(omega[compared])
     difference = np.abs(lines.values - H[..., compared]) / sizes[..., compared]
     rank = np.argsort(order)
-    noise = largest_nearby(np.where(np.isfinite(difference), difference, 0.0).max(axis=(0, 1)), places, rank)
+    noise = _largest_nearby(np.where(np.isfinite(difference), difference, 0.0).max(axis=(0, 1)), places, rank)
     with np.errstate(divide="ignore", invalid="ignore"):
         errors = SUM_SAFETY * np.maximum(noise, NOISE / SUM_SAFETY) * sizes / np.abs(H)
-    reachable = np.maximum(
-        LINE_ACCURACY, largest_nearby(lines.relative.max(axis=(0, 1)), places, rank)
-    )  # what solutions would have
+    reachable = np.maximum(LINE_ACCURACY, _largest_nearby(lines.relative.max(axis=(0, 1)), places, rank))  # that of solutions
     left = np.flatnonzero(~(errors <= reachable).all(axis=(0, 1)))
     if len(left):
         lines = solver.solve(omega[left])
@@ -488,6 +477,12 @@ def _values(harmonic: Harmonic, omega: np.ndarray) -> tuple[np.ndarray, np.ndarr
         H[..., left] = np.where(better, lines.values, H[..., left])
         errors[..., left] = np.where(better, relative, errors[..., left])
     return H, errors
+
+
+def _largest_nearby(values: np.ndarray, places: np.ndarray, rank: np.ndarray) -> np.ndarray:
+    """The largest of the values at the four nearest places around each rank; infinite values do not count."""
+    padded = np.pad(np.where(np.isfinite(values), values, 0.0), 2, mode="edge")
+    return np.max([padded[np.searchsorted(places, rank) + k] for k in range(4)], axis=0)
 
 
 def frequency_response(A: PolynomialMatrix, frequencies_hz, inputs=None, outputs=None, *, delayed=None) -> FrequencyResponse:
@@ -533,9 +528,6 @@ def _selected(chosen, names: Sequence[str], what: str, size: int) -> tuple[np.nd
     return rows, names_of(None, len(rows), f"{what}s", what + " ")
 
 
-# Files with the values: CSV, arrays for NumPy, universal files.
-
-
 def arrays_of(response: FrequencyResponse) -> dict[str, np.ndarray]:
     """Frequencies, values, error estimates, names, units and quantity, by name."""
     texts = {"outputs": np.array(response.outputs), "inputs": np.array(response.inputs), "units": np.array(response.units)}
@@ -543,7 +535,7 @@ def arrays_of(response: FrequencyResponse) -> dict[str, np.ndarray]:
     return {**numbers, **texts, "quantity": np.array(response.quantity)}
 
 
-def csv_text(response: FrequencyResponse) -> str:
+def _csv_text(response: FrequencyResponse) -> str:
     """Real and imaginary parts with names and units, one line for each frequency."""
     columns = {"frequency (Hz)": response.frequencies_hz}
     for i, output in enumerate(response.outputs):
@@ -551,17 +543,3 @@ def csv_text(response: FrequencyResponse) -> str:
             for part in ("real", "imag"):
                 columns[f"{part} {output}/{input} ({response.units[i, j]})"] = getattr(response.values[i, j], part)
     return csv_of(columns)
-
-
-def write_response(response: FrequencyResponse, path: Path, geometry: Geometry | None = None) -> Path:
-    """Write the values in the format of the ending."""
-    if path.suffix not in (".csv", ".npz", *UNIVERSAL):
-        raise InputError(f'path: found the ending "{path.suffix}"; expected .csv, .npz or .uff')
-    with replacing(path) as temporary:
-        if path.suffix == ".npz":
-            write_arrays(temporary, arrays_of(response), ".npz")
-        elif path.suffix == ".csv":
-            temporary.write_text(csv_text(response), encoding="utf-8")
-        else:
-            write_frequency_responses(temporary, response, geometry or Geometry(), path.stem)
-    return path

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -18,6 +19,7 @@ from ..linalg.elimination import as_slice
 from ..linalg.scaling import joint_scaling
 from ..polynomial.delayed_terms import DelayedTerm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..signals.bohl import consecutive
 from .pole_residue_form import ModalSum, PoleResidueForm
 
 # A(i w) X = B for many lines w at once, with an error estimate of every entry of C X.
@@ -133,7 +135,7 @@ class StructuredSolver:
             if factors is None:
                 break
             self._pass(values, errors, solutions, left, nu, factors, accuracy, is_first=not attempt)
-            own = _consecutive(left)
+            own = consecutive(left)
             left = left[(errors[..., own] > accuracy * np.abs(values[..., own])).any(axis=(0, 1))]
         self._pass(values, errors, solutions, left, nu, None, accuracy)
         if solutions is not None:
@@ -165,7 +167,7 @@ class StructuredSolver:
                 error = np.where(np.abs(H) < np.finfo(float).tiny / EPS, np.inf, error)
             if not (finite := np.isfinite(error) & np.isfinite(H)).all():
                 H[~finite], error[~finite] = 0.0, np.inf
-            own = _consecutive(part)
+            own = consecutive(part)
             if not is_first:
                 better = error < errors[..., own]
                 H, error = np.where(better, H, values[..., own]), np.where(better, error, errors[..., own])
@@ -238,32 +240,20 @@ class StructuredSolver:
         if pattern.sum() > FULL * r * r + 4 * r and r > 4:
             return None
         A = self._at(nu)
-        A = np.where(pattern & (A == 0), EPS, A)
-        try:
-            lu = scipy.sparse.linalg.splu(scipy.sparse.csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=THRESHOLD)
-        except RuntimeError:  # exactly singular: another line has an order
-            generic = nu * (1 + THRESHOLD) + THRESHOLD
-            A = self._at(generic)
-            try:
-                lu = scipy.sparse.linalg.splu(scipy.sparse.csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=THRESHOLD)
-            except RuntimeError:
-                return None
+        for matrix in (np.where(pattern & (A == 0), EPS, A), self._at(nu * (1 + THRESHOLD) + THRESHOLD)):
+            with suppress(RuntimeError):  # exactly singular: another line has an order
+                sparse = scipy.sparse.csc_array(matrix)
+                lu = scipy.sparse.linalg.splu(sparse, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=THRESHOLD)
+                break
+        else:
+            return None
         rows, columns = np.argsort(lu.perm_r), np.argsort(lu.perm_c)
         result = _Pattern.of(pattern[np.ix_(rows, columns)], rows, columns)
         return None if result.operations > FULL * r**3 / 3 + 8 * r else result
 
     def _at(self, nu: float) -> np.ndarray:
         """A(i nu), shape (r, r)."""
-        factors = (
-            (1j * nu) ** int(power) * np.exp(-1j * nu * delay) if delay else (1j * nu) ** int(power)
-            for power, delay in zip(self.powers, self.delays)
-        )
-        return sum(matrix * factor for matrix, factor in zip(self.coefficients, factors))
-
-
-def _consecutive(lines: np.ndarray) -> slice | np.ndarray:
-    """Ascending numbers of lines as a slice, which needs no copies, where none is left out."""
-    return slice(lines[0], lines[-1] + 1) if len(lines) and lines[-1] - lines[0] == len(lines) - 1 else lines
+        return _matrices(self.coefficients, self.functions(np.array([nu])))[0]
 
 
 def _sums(coefficients, powers) -> np.ndarray:

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..ground.errors import InputError
+from ..ground.checks import check_known
 
 KINDS = ("bode", "nyquist", "parts")
 
@@ -36,10 +36,8 @@ class PlotStyle:
     dead_time: float = 0.0
 
     def __post_init__(self):
-        if self.amplitude not in ("log", "linear", "dB"):
-            raise InputError(f'amplitude: found {self.amplitude!r}; expected "log", "linear" or "dB"')
-        if self.axis not in AXIS_FACTORS:
-            raise InputError(f"axis: found {self.axis!r}; expected one of {', '.join(AXIS_FACTORS)}")
+        check_known(self.amplitude, ("log", "linear", "dB"), "amplitude")
+        check_known(self.axis, AXIS_FACTORS, "axis")
 
     def shown(self, size):
         """Amplitudes as plotted."""
@@ -48,8 +46,7 @@ class PlotStyle:
 
 def draw(response, kind: str, figure=None, style: PlotStyle = PlotStyle()):
     """A ``FrequencyResponse`` as a matplotlib figure; lines at poles are left out."""
-    if kind not in KINDS:
-        raise InputError(f"kind: found {kind!r}; expected one of {', '.join(KINDS)}")
+    check_known(kind, KINDS, "kind")
     lower = 1 if kind == "nyquist" else 2
     if figure is None:
         from matplotlib.figure import Figure

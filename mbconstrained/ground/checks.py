@@ -36,6 +36,16 @@ def nearest(word: str, known: Iterable[str]) -> str:
     return f'; did you mean "{match}"?' if match else ""
 
 
+def check_known(value, known: Iterable[str], what: str) -> None:
+    """Refuse what is not one of the known words.
+
+    >>> check_known("linear", ("linear", "steps"), "interpolation")
+    """
+    words = list(known)
+    if not (isinstance(value, str) and value in words):
+        raise InputError(f"{what}: found {value!r}; expected one of {', '.join(words)}{nearest(str(value), words)}")
+
+
 def _mistakes(word: str, other: str) -> int:
     """The number of letters that are added, left out, replaced or exchanged with the next one (Damerau 1964), capitals aside."""
     word, other = word.casefold(), other.casefold()

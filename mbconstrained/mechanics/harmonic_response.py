@@ -18,7 +18,7 @@ import numpy as np
 
 from ..frequency.frequency_response import FrequencyResponse, evaluated
 from ..frequency.harmonic import Harmonic
-from ..ground.checks import counted, nearest, real_array, real_number, whole_number
+from ..ground.checks import check_known, counted, nearest, real_array, real_number, whole_number
 from ..ground.coordinate_units import force_unit, rate_unit, ratio_unit
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
@@ -104,10 +104,7 @@ def frequency_response(
 
 def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to=None, count=None) -> Harmonic:
     """The matrices of one response; the arguments are those of ``frequency_response``."""
-    if not isinstance(quantity, str) or quantity not in QUANTITIES:
-        raise InputError(
-            f"quantity: found {quantity!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(quantity), QUANTITIES)}"
-        )
+    check_known(quantity, QUANTITIES, "quantity")
     if system.is_sparse:
         return _of_modes(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count)
     if count is not None:

@@ -10,7 +10,7 @@ import numpy as np
 from ..frequency.fatigue import CycleCount, cycles_of
 from ..frequency.shock.extrema import Extrema, extrema
 from ..frequency.shock.response_spectrum import ShockResponseSpectrum
-from ..ground.checks import counted, nearest, real_array, real_number
+from ..ground.checks import check_known, counted, nearest, real_array, real_number
 from ..ground.coordinate_units import force_unit, rate_unit
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
@@ -212,8 +212,7 @@ def cycles(motion, end: float, of: str = "force", outputs: Sequence[str] | None 
     {'x1': CycleCount(3.5 cycles, ranges up to 2)}
     """
     end = real_number(end, "end", positive=True)
-    if of not in QUANTITIES:
-        raise InputError(f"of: found {of!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(of), QUANTITIES)}")
+    check_known(of, QUANTITIES, "of")
     if outputs is None:
         function, names, units, constant = _functions(motion, of)
     else:
@@ -320,10 +319,7 @@ def modal_combination(
     """Response spectrum analysis: participation factors, effective masses, peaks by SRSS or CQC."""
     together = [row.name for row in system.rows] if base is None else [base] if isinstance(base, str) else list(base)
     loads = loads_of_rows(system, {"base": together})[2]
-    if combination not in COMBINATIONS:
-        raise InputError(
-            f"combination: found {combination!r}; expected one of {', '.join(COMBINATIONS)}{nearest(str(combination), COMBINATIONS)}"
-        )
+    check_known(combination, COMBINATIONS, "combination")
     zeta = real_number(damping_ratio, "damping_ratio", minimum=0.0)
     base_motion = effective_masses(system, ["base"], ["kg"], loads)
     w = 2 * np.pi * base_motion.frequencies_hz

@@ -10,7 +10,7 @@ from ..frequency.harmonic import Harmonic
 from ..frequency.random.random_response import RandomResponse
 from ..frequency.random.spectra import KINDS
 from ..frequency.random.spectral_matrix import SpectralMatrix, spectral_matrix
-from ..ground.checks import nearest
+from ..ground.checks import check_known
 from ..ground.errors import InputError
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .channels import MOTIONS, Channel, OutputNames, channels, chosen_by_name, row_channels, support_of
@@ -34,10 +34,7 @@ def random_response(
 ) -> RandomResponse:
     if system.is_sparse:
         raise InputError("random_response: not available for sparse matrices; give arrays, as mass.toarray()")
-    if quantity not in QUANTITIES:
-        raise InputError(
-            f"quantity: found {quantity!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(quantity), QUANTITIES)}"
-        )
+    check_known(quantity, QUANTITIES, "quantity")
     spectra, names = spectral_matrix(excitation, coherence, delays), OutputNames.of(system)
     inputs, levels = _inputs(system, spectra)
     equations = saddle_point(system, levels, modal_damping, loss_factor)

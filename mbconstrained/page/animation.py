@@ -43,18 +43,13 @@ class Arrow:
 
 @dataclass(frozen=True, eq=False)
 class ForceArrows:
-    """Arrows of one force over time.
-
-    Attributes:
-        name: name of the force.
-        values, rates: at the times of the animation, shape (T,), or (3, T) where its arrows have no direction of their own.
-        arrows: each with its factor: a force that two bodies exert on each other is 1 on one and -1 on the other.
-    """
+    """Arrows of one force over time."""
 
     name: str
+    # at the times of the animation, shape (T,), or (3, T) where its arrows have no direction of their own
     values: np.ndarray
     rates: np.ndarray
-    arrows: tuple[tuple[Arrow, float], ...]
+    arrows: tuple[tuple[Arrow, float], ...]  # each with its factor: 1 on one body and -1 on the other that exerts the force
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -359,33 +354,20 @@ def cycle(shape, phases: int = PHASES) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class ModePicture:
-    """Picture of one mode.
+    """Picture of one mode."""
 
-    Attributes:
-        name: name, such as "mode 3".
-        facts: pairs of a label and a text, such as ("frequency (Hz)", "1.52"); the labels of all modes are the columns of
-            the page's table.
-        shares: for each element its name, its share of the kinetic and of the strain energy; None where it has none.
-        values: the coordinates over one cycle at F equally spaced phases, shape (r, F), the last as the first; None for a
-            mode in which no coordinate moves.
-        paths: by body name the poses over the same cycle (or one pose), of bodies that move on paths.
-        period: period of one cycle in s; None where it does not oscillate.
-        scale: magnification of the values, in addition to that of the drawing; paths are already magnified.
-        note: a sentence, such as the reason why a mode does not move.
-        shape: for each coordinate that moves its name and its amplitude, with its phase where it has one; texts.
-        is_zero: whether its eigenvalue is zero, a rigid-body motion or a drift: the page folds these.
-    """
-
-    name: str
+    name: str  # such as "mode 3"
+    # pairs of a label and a text, such as ("frequency (Hz)", "1.52"); the labels of all modes are the columns of the page's table
     facts: tuple[tuple[str, str], ...] = ()
-    shares: tuple[Share, ...] = ()
+    shares: tuple[Share, ...] = ()  # for each element its name, its share of the kinetic and of the strain energy, or None
+    # over one cycle at F equally spaced phases, shape (r, F), the last as the first; None where no coordinate moves
     values: np.ndarray | None = None
-    paths: Mapping[str, Path] = field(default_factory=dict)
-    period: float | None = None
-    scale: float = 1.0
-    note: str = ""
-    shape: tuple[tuple[str, str], ...] = ()
-    is_zero: bool = False
+    paths: Mapping[str, Path] = field(default_factory=dict)  # by body name its poses over the same cycle, or one pose
+    period: float | None = None  # of one cycle in s; None where it does not oscillate
+    scale: float = 1.0  # magnification of the values, in addition to that of the drawing; paths are already magnified
+    note: str = ""  # a sentence, such as the reason why a mode does not move
+    shape: tuple[tuple[str, str], ...] = ()  # name and amplitude of each coordinate that moves, with its phase where it has one
+    is_zero: bool = False  # whether its eigenvalue is zero, a rigid-body motion or a drift: the page folds these
 
     def frames(self, drawing: Drawing, names: tuple[str, ...]) -> KeyFrames:
         """One cycle of the mode as key frames."""

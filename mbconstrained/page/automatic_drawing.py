@@ -618,14 +618,7 @@ _AROUND = (0.0, math.pi, math.pi / 2, -math.pi / 2)
 
 
 class Train:
-    """The layout of turning bodies that shafts and toothed wheels connect.
-
-    Args:
-        names: the bodies.
-        massless: names of joints without inertia.
-        joints, gears: of the model; those of other bodies are ignored.
-        racked: the bodies with a rack below them.
-    """
+    """The layout of turning bodies that shafts and toothed wheels connect, some with a rack below them."""
 
     def __init__(
         self, names: list[str], massless: frozenset[str], joints: list[DrawnJoint], gears: list[Gear | GearMesh], racked=frozenset()

@@ -293,18 +293,13 @@ def curve_with_gaps(name: str, values: np.ndarray, color: int | None = None, alo
 
 @dataclass(frozen=True)
 class Guide:
-    """A straight line of the picture, of which the part within the axes is drawn.
+    """A straight line of the picture, of which the part within the axes is drawn."""
 
-    Attributes:
-        name: next to the end; an empty string for none.
-        start, end: two of its points.
-        kind: how it is drawn: as a line of the grid, as a line with a meaning of its own, or as a limit.
-    """
-
-    name: str
+    name: str  # next to the end; an empty string for none
+    # two of its points
     start: tuple[float, float]
     end: tuple[float, float]
-    kind: Literal["grid", "line", "limit"] = "grid"
+    kind: Literal["grid", "line", "limit"] = "grid"  # drawn as one of the grid, with a meaning of its own, or as a limit
 
     def ends(self, across: Axis, up: Axis) -> tuple[tuple[float, float], tuple[float, float]] | None:
         """End points of the line in the picture, as fractions of both axes from the left and from below; None where it is outside.
@@ -481,21 +476,14 @@ class Formulas:
 
 @dataclass(frozen=True)
 class PageContent:
-    """The content of one page; parts that are None or empty are absent from the file.
+    """The content of one page; parts that are None or empty are absent from the file."""
 
-    Attributes:
-        title, source: heading of the page and the line under it.
-        animation: a motion over time, shapes in a list, or shapes over the frequency of the plots.
-        frequencies: a narrow table next to the animation, in a narrow window below it.
-        facts: pairs of a label and a text for the end of the page, such as ("Coordinates", "3").
-    """
-
-    title: str
-    source: str = ""
-    animation: Animation | Shapes | Deflections | None = None
+    title: str  # heading of the page
+    source: str = ""  # the line under it
+    animation: Animation | Shapes | Deflections | None = None  # over time, shapes in a list, or over the frequency of the plots
     plots: tuple[Plot, ...] = ()
     tables: tuple[TextTable, ...] = ()
     notices: tuple[Notice, ...] = ()
-    facts: tuple[tuple[str, str], ...] = ()
+    facts: tuple[tuple[str, str], ...] = ()  # pairs of a label and a text for the end of the page, such as ("Coordinates", "3")
     formulas: Formulas | None = None
-    frequencies: TextTable | None = None
+    frequencies: TextTable | None = None  # a narrow table next to the animation, in a narrow window below it

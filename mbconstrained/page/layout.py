@@ -22,19 +22,14 @@ from .drawing import DrawnBody, DrawnLink, LinkKind, Vector, matrix_of, vector_o
 
 @dataclass(frozen=True)
 class DrawnJoint:
-    """A connection that is drawn as one link.
-
-    Attributes:
-        length: natural x_end - x_start, or None.
-        limits: values of x_end - x_start at which it closes, see ``DrawnLink``.
-    """
+    """A connection that is drawn as one link."""
 
     name: str
     kind: LinkKind
     start: str
     end: str
-    length: float | None
-    limits: tuple[float | None, float | None] = (None, None)
+    length: float | None  # natural x_end - x_start, or None
+    limits: tuple[float | None, float | None] = (None, None)  # of x_end - x_start at which it closes, see ``DrawnLink``
 
     @property
     def ends(self) -> frozenset[str]:
@@ -58,11 +53,7 @@ _TURNING: dict[str, LinkKind] = {
 
 
 def joints_of(model: Iterable[Any], turning: Collection[str] = ()) -> list[DrawnJoint]:
-    """The elements that connect two bodies along or about one axis; a relation x_b - x_a = value counts as a rod.
-
-    Args:
-        turning: names of the bodies that turn.
-    """
+    """The elements that connect two bodies along or about one axis, some turning; a relation x_b - x_a = value counts as a rod."""
     joints = []
     for element in model:
         if isinstance(element, SwitchingElement):

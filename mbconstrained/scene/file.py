@@ -193,9 +193,8 @@ class FileKind(NamedTuple):
     large: str
 
 
-SCENE = FileKind(
-    "a scene has at least [model]", "which is no scene; keep large matrices in files (.npz, .mat, .mtx, .csv) next to it"
-)
+_LARGE = "which is no scene; keep large matrices in files (.npz, .mat, .mtx, .csv) next to it"
+SCENE, INCLUDED = FileKind("a scene has at least [model]", _LARGE), FileKind("leave out its name in include", _LARGE)
 
 
 def read_text(path: Path, kind: FileKind = SCENE) -> str:
@@ -333,9 +332,6 @@ ROBOT_KIND = FileKind("a robot.toml has at least urdf", "which is no robot.toml;
 MOST_FILES = 20  # that a scene includes, directly or not
 DEEPEST_INCLUDE = 5
 EXPECTED = 'expected names of scene files, e.g. include = ["materials.toml"]'
-INCLUDED = FileKind(
-    "leave out its name in include", "which is no scene; keep large matrices in files (.npz, .mat, .mtx, .csv) next to it"
-)
 BODIES = (("model", "mass"), ("model", "inertia"), ("model", "node"), ("drawing", "body"))
 MATRICES = ("mass", "damping", "stiffness", "A", "B", "C", "D", "descriptor")
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..ground.checks import nearest
+from ..ground.checks import check_known
 from ..ground.errors import InputError
 
 #: Degrees by name.
@@ -38,9 +38,8 @@ def baseline(times: np.ndarray, values: np.ndarray, degree: str = "linear", fit:
     earthquake ground motion, Bulletin of the Seismological Society of America 51 (1961), for "integral" with a quadratic p; Boore and
     Bommer, Processing of strong-motion accelerograms, Soil Dynamics and Earthquake Engineering 25 (2005), on both.
     """
-    for given, known, what in ((degree, DEGREES, "baseline"), (fit, FITS, "baseline_fit")):
-        if given not in known:
-            raise InputError(f"{what}: found {given!r}; expected one of {', '.join(known)}{nearest(str(given), known)}")
+    check_known(degree, DEGREES, "baseline")
+    check_known(fit, FITS, "baseline_fit")
     duration = float(times[-1] - times[0]) if len(times) else 0.0
     if not duration > 0:
         raise InputError("baseline: found a record without a duration; expected samples at several times")

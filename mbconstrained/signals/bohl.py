@@ -25,11 +25,10 @@ from ..linalg.exponential import AT_ONCE, BlockGroups, Lasting, Oscillations, bl
 # Restarts: states of a piecewise Bohl function at its knots, with one generator J for all pieces.
 
 
-def as_slice(numbers: np.ndarray) -> slice | np.ndarray:
+def consecutive(numbers: np.ndarray) -> slice | np.ndarray:
     """Consecutive whole numbers as a slice, which indexes without a copy; others unchanged."""
-    first, last = int(numbers[0]), int(numbers[-1])
-    follow = last - first == len(numbers) - 1 and (np.diff(numbers) == 1).all()
-    return slice(first, last + 1) if follow else numbers
+    follow = len(numbers) and numbers[-1] - numbers[0] == len(numbers) - 1 and (np.diff(numbers) == 1).all()
+    return slice(int(numbers[0]), int(numbers[-1]) + 1) if follow else numbers
 
 
 #: Gaps between knots that are this many times shorter than the spacing of float64 numbers there keep too few of their digits.
@@ -248,7 +247,7 @@ class BohlFunction(Public):
     def _at_knots(self, piece) -> np.ndarray:
         """C v at knots, where the states restart."""
         coefficients, states = self._used
-        return coefficients @ states[:, as_slice(piece)]
+        return coefficients @ states[:, consecutive(piece)]
 
     @cached_property
     def _used(self) -> tuple[np.ndarray, np.ndarray]:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from ..ground.by_name import answering
-from ..ground.checks import nearest, real_array, real_number, whole_number
+from ..ground.checks import check_known, nearest, real_array, real_number, whole_number
 from ..ground.errors import InputError
 from ..ground.tolerances import noise_of
 from .bohl import BohlFunction, Restarts
@@ -263,8 +263,7 @@ def pulse(vector, *, start: float = 0.0, duration: float, shape: str = "rectangl
     >>> pulse([2.0], duration=0.5, shape="half-sine")([0.125, 0.25]).round(6)
     array([[1.414214, 2.      ]])
     """
-    if shape not in PULSES:
-        raise InputError(f"shape: found {shape!r}; expected one of {', '.join(PULSES)}{nearest(str(shape), PULSES)}")
+    check_known(shape, PULSES, "shape")
     start, duration = real_number(start, "start", minimum=0.0), real_number(duration, "duration", positive=True)
     end = start + duration
     if end == start:

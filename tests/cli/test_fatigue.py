@@ -10,17 +10,9 @@ BOX = """
 title = "A cart that swings"
 [model]
 kind = "lumped"
-[[model.mass]]
-name = "cart"
-mass = 2
-[[model.spring]]
-name = "spring"
-between = ["ground", "cart"]
-stiffness = 8
-[[model.damper]]
-name = "damper"
-between = ["ground", "cart"]
-damping = 0.4
+mass = [{ name = "cart", mass = 2 }]
+spring = [{ name = "spring", between = ["ground", "cart"], stiffness = 8 }]
+damper = [{ name = "damper", between = ["ground", "cart"], damping = 0.4 }]
 [initial]
 displacement = { cart = 0.3 }
 [time]

@@ -118,10 +118,7 @@ values = {}
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        (
-            '["1 N^2/Hz", 3]',
-            "found values in N^2/Hz and numbers without a unit; give all of them with the same unit, or unit alone",
-        ),
+        ('["1 N^2/Hz", 3]', "found values in N^2/Hz and numbers without a unit; give all of them with the same unit"),
         ('["1 N^2/Hz", "3 kN^2/Hz"]', "found values in N^2/Hz and kN^2/Hz"),
         ('["1 N^2/Hz", "3 N^2/Hz"]\nunit = "N^2/Hz"', "found values in N^2/Hz; give all"),
         ('["1 N", "3 N"]', '"N" is no density: it must be a unit squared per Hz'),

@@ -11,15 +11,9 @@ k = "4 N/m"
 m = "1 kg"
 [model]
 kind = "lumped"
-[[model.mass]]
-name = "cart"
-mass = "=m"
-[[model.spring]]
-between = ["ground", "cart"]
-stiffness = "=k"
-[[model.damper]]
-between = ["ground", "cart"]
-damping = "0.2 N s/m"
+mass = [{ name = "cart", mass = "=m" }]
+spring = [{ between = ["ground", "cart"], stiffness = "=k" }]
+damper = [{ between = ["ground", "cart"], damping = "0.2 N s/m" }]
 [time]
 end = "1 s"
 """

@@ -10,6 +10,7 @@ import subprocess
 import tempfile
 import time
 import urllib.request
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -48,8 +49,8 @@ class Browser:
         dialogs: texts of dialogs that it has opened.
     """
 
-    def __init__(self, folder: Path, *flags: str):
-        self.folder, self.flags = folder, flags
+    def __init__(self, folder: Path):
+        self.folder = folder
         self.messages, self.requests, self.dialogs = [], [], []
         self._start()
 
@@ -59,7 +60,7 @@ class Browser:
         self.count, self.loaded, self.ended = 0, False, False
         self.words = profile / "words.txt"
         with self.words.open("wb") as words:
-            command = [CHROMIUM, *FLAGS, *self.flags, f"--user-data-dir={profile}", "about:blank"]
+            command = [CHROMIUM, *FLAGS, f"--user-data-dir={profile}", "about:blank"]
             self.process = subprocess.Popen(command, stdout=words, stderr=words)
         self.loop = asyncio.new_event_loop()
         try:
@@ -168,11 +169,26 @@ class Browser:
         self._go(path.resolve().as_uri() + fragment)
         return self
 
+    def reset(self) -> Browser:
+        """Forgets the window, the settings and what pages have stored."""
+        if not self.ended:
+            self.call("Emulation.clearDeviceMetricsOverride")
+            self.call("Emulation.setEmulatedMedia", media="", features=[])
+            self.call("Storage.clearDataForOrigin", origin="file://", storageTypes="local_storage")
+        return self
+
     def _go(self, address: str) -> None:
         self.loaded = False
         self.call("Page.navigate", url=address)
         while not self.loaded:
             self._receive()
+
+    @contextmanager
+    def beginning_with(self, script: str):
+        """Documents that are opened meanwhile run a script before their own."""
+        added = self.call("Page.addScriptToEvaluateOnNewDocument", source=script)
+        yield
+        self.call("Page.removeScriptToEvaluateOnNewDocument", **added)
 
     def evaluate(self, expression: str):
         """The value of a JavaScript expression, after promises."""
@@ -204,23 +220,24 @@ class Browser:
 
     def click(self, selector: str) -> None:
         """A press of the mouse on the middle of an element."""
-        x, y, width, height = self.box(selector)
-        for kind in ("mousePressed", "mouseReleased"):
-            place = {"x": x + width / 2, "y": y + height / 2}
-            self.call("Input.dispatchMouseEvent", type=kind, button="left", clickCount=1, **place)
+        self.press_at(*self.place(selector, 0.5))
 
-    def box(self, selector: str) -> list[float]:
+    def press_at(self, x: float, y: float, count: int = 1) -> None:
+        """A press of the mouse, the second of a double click where the count is 2."""
+        for kind in ("mousePressed", "mouseReleased"):
+            self.mouse(kind, x, y, button="left", clickCount=count)
+
+    def mouse(self, kind: str, x: float, y: float, **more) -> None:
+        self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
+
+    def box(self, selector: str, number: int = 0) -> list[float]:
         """Left, top, width and height of an element, after it was brought into the window."""
         return self.evaluate(f"""(() => {{
-            const element = document.querySelector({json.dumps(selector)});
+            const element = document.querySelectorAll({json.dumps(selector)})[{number}];
             element.scrollIntoView({{block: "center"}});
             const box = element.getBoundingClientRect();
             return [box.x, box.y, box.width, box.height];
         }})()""")
-
-    def press_space(self) -> None:
-        """The space bar."""
-        self.press(" ")
 
     def press(self, key: str) -> None:
         """A key, by the name that its event has."""
@@ -231,8 +248,12 @@ class Browser:
 
     def point(self, selector: str, across: float, kind: str = "mouseMoved", **more) -> None:
         """The mouse at a part of the width of an element, at half its height."""
-        x, y, width, height = self.box(selector)
-        self.call("Input.dispatchMouseEvent", type=kind, x=x + across * width, y=y + height / 2, **more)
+        self.mouse(kind, *self.place(selector, across), **more)
+
+    def place(self, selector: str, across: float, up: float = 0.5, number: int = 0) -> tuple[float, float]:
+        """A point of an element at shares of its width and height, in the window."""
+        x, y, width, height = self.box(selector, number)
+        return x + across * width, y + (1 - up) * height
 
     def prefers(self, **features: str) -> None:
         """What the system is set to, such as color_scheme="dark"."""

@@ -119,14 +119,9 @@ def test_a_drag_in_a_plot_moves_the_time_and_the_dot_of_a_phase_plane(begun):
 def test_a_click_in_a_phase_plane_goes_to_when_the_motion_was_there(begun):
     begun.point("h1", 0.1)
     begun.evaluate("mbconstrained.seek(20)")
-    box = begun.evaluate("""(() => {
-        document.querySelectorAll("svg.plot")[1].scrollIntoView({block: "center"});
-        const dot = document.querySelectorAll("svg.plot")[1].querySelector("circle").getBoundingClientRect();
-        return [dot.x + dot.width / 2, dot.y + dot.height / 2];
-    })()""")
+    dot = begun.place("svg.plot[data-over=phase] circle", 0.5)
     begun.evaluate("mbconstrained.seek(17)")
-    for kind in ("mousePressed", "mouseReleased"):
-        begun.call("Input.dispatchMouseEvent", type=kind, x=box[0], y=box[1], button="left", clickCount=1)
+    begun.press_at(*dot)
     assert begun.state()["time"] == pytest.approx(20, abs=0.3)
     begun.point("h1", 0.1)
 
@@ -157,13 +152,17 @@ def test_dark_and_light_follow_the_system_and_the_button_and_are_remembered(brow
     assert (browser.evaluate(ground), browser.messages) == (light, [])
 
 
-def test_on_paper_there_are_pictures_and_no_buttons(browser, page):
+def test_on_paper_there_are_pictures_and_whole_tables_and_no_buttons(browser, page):
     browser.open(page, "#t=5")
+    unfolded = "document.querySelector('.folded td').checkVisibility()"
+    assert not browser.evaluate(unfolded)
     printed = browser.evaluate("dispatchEvent(new Event('beforeprint')), document.querySelectorAll('#stage canvas.paper').length")
     browser.call("Emulation.setEmulatedMedia", media="print")
     hidden = "['.controls', '#theme', '#stage .view'].map(s => getComputedStyle(document.querySelector(s)).display)"
     assert (printed, browser.evaluate(hidden)) == (1, ["none"] * 3)
     assert browser.evaluate("getComputedStyle(document.querySelector('canvas.paper')).display") == "block"
+    browser.until(unfolded)
+    assert browser.evaluate("document.querySelector('.folded').getBoundingClientRect().height") > 60
     colors = browser.evaluate("""(() => {
         const flat = document.querySelector("canvas.paper");
         const pixels = flat.getContext("2d").getImageData(0, 0, flat.width, flat.height).data;
@@ -171,6 +170,9 @@ def test_on_paper_there_are_pictures_and_no_buttons(browser, page):
     })()""")
     assert colors > 50  # the model is on it
     browser.call("Emulation.setEmulatedMedia", media="")
+    browser.until(f"!{unfolded}")
+    browser.click(".folded summary")
+    assert browser.evaluate(unfolded)
     assert browser.evaluate("dispatchEvent(new Event('afterprint')), document.querySelectorAll('canvas.paper').length") == 0
 
 

@@ -62,9 +62,8 @@ def test_a_viewer_that_was_left_behind_is_named_and_the_rest_is_shown(browser, t
 
 def test_a_browser_that_cannot_unpack_says_so_and_shows_plots_and_tables(browser, tmp_path):
     page = write_page(tmp_path / "page.html", two_masses_content(), "compressed")
-    old = browser.call("Page.addScriptToEvaluateOnNewDocument", source="delete window.DecompressionStream")
-    browser.open(page).wait(0.1)
-    browser.call("Page.removeScriptToEvaluateOnNewDocument", **old)
+    with browser.beginning_with("delete window.DecompressionStream"):
+        browser.open(page).wait(0.1)
     assert "too old to decompress it" in browser.evaluate("document.querySelector('.missing').innerText")
     assert browser.evaluate("document.querySelectorAll('svg.plot path').length") == 3
     assert browser.messages == []
@@ -99,6 +98,5 @@ def test_two_hundred_bodies_and_two_thousand_frames_play(browser, tmp_path):
     browser.evaluate("mbconstrained.seek(20.007)")
     browser.evaluate("window.drawn = 0; mbconstrained.viewer.render = () => { drawn++ }")  # without what a software renderer takes
     browser.evaluate("mbconstrained.play()")
-    shown = browser.evaluate("new Promise(resolve => setTimeout(() => resolve([drawn, mbconstrained.state().time]), 2000))")
-    assert shown[0] >= 20 and shown[1] > 20.5
+    browser.until("drawn >= 20 && state.time > 20.5")
     assert (browser.messages, browser.state()["errors"]) == ([], [])

@@ -65,11 +65,10 @@ def test_pointing_at_a_frequency_shows_its_shape_and_a_press_keeps_it(browser, p
     browser.open(page)
     browser.point("svg.plot", 0.75)  # three quarters of two decades from 0.1
     assert browser.state()["frequency"] == pytest.approx(10**0.5, rel=0.06)
-    browser.call("Input.dispatchMouseEvent", type="mouseMoved", x=5, y=5)
+    browser.mouse("mouseMoved", 5, 5)
     assert browser.state()["frequency"] == pytest.approx(1.0)
-    for kind in ("mousePressed", "mouseReleased"):
-        browser.point("svg.plot", 0.75, kind, button="left", clickCount=1)
-    browser.call("Input.dispatchMouseEvent", type="mouseMoved", x=5, y=5)
+    browser.press_at(*browser.place("svg.plot", 0.75))
+    browser.mouse("mouseMoved", 5, 5)
     state = browser.state()
     assert state["frequency"] == pytest.approx(10**0.5, rel=0.06) and state["errors"] == []
     browser.click("tr[data-line] td:last-child")

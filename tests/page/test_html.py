@@ -21,40 +21,34 @@ from mbconstrained.page.content import Curve, PageContent, Plot, typeset
 from mbconstrained.page.drawing import Drawing, DrawnBody
 from mbconstrained.page.html import _ANIMATION, _ASSETS, _PLOTS, VIEWER_FILE, page_html, script_json, viewer_script, write_page
 from tests.page.contents import HOSTILE, hostile_content, two_masses_content
+from tests.page.mode_pages import hostile_modes, two_modes
+from tests.page.models import gallery
 
 
 def data_of(page: str) -> dict:
     return json.loads(re.search(r'<script type="application/json" id="motion-data">(.*?)</script>', page, re.S)[1])
 
 
-@pytest.mark.parametrize("seed", ["0", "7"])
-def test_the_same_content_gives_the_same_bytes_in_every_process(seed):
+def several_pages() -> list[str]:
+    contents = [two_masses_content(), two_modes(), *(PageContent(name, animation=each) for name, each in gallery().items())]
+    return list(map(page_html, contents))
+
+
+def test_another_process_gives_the_same_bytes_and_reads_the_viewer_without_an_import():
     code = (
-        "import hashlib\n"
-        "from mbconstrained.page.content import PageContent; from mbconstrained.page.html import page_html\n"
-        "from tests.page.contents import two_masses_content\n"
-        "from tests.page.models import gallery\n"
-        "pages = [page_html(two_masses_content()), *(page_html(PageContent(k, animation=a)) for k, a in gallery().items())]\n"
-        "print(*(hashlib.sha256(page.encode()).hexdigest() for page in pages))\n"
-    )
-    environment = os.environ | {"PYTHONHASHSEED": seed, "TZ": "Asia/Tokyo" if seed == "7" else "UTC"}
-    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
-    from tests.page.models import gallery
-
-    pages = [page_html(two_masses_content()), *(page_html(PageContent(k, animation=a)) for k, a in gallery().items())]
-    assert run.stdout.split() == [hashlib.sha256(page.encode()).hexdigest() for page in pages]
-
-
-def test_meshcat_is_read_but_not_imported():
-    code = (
-        "import sys\n"
+        "import hashlib, sys\n"
         "from mbconstrained.page.html import page_html\n"
         "from tests.page.contents import two_masses_content\n"
         "page_html(two_masses_content())\n"
-        "print(*sorted({'meshcat', 'zmq', 'tornado', 'matplotlib', 'pydantic', 'pinocchio', 'sympy'} & set(sys.modules)))\n"
+        "print(*{'meshcat', 'zmq', 'tornado', 'matplotlib', 'pydantic', 'pinocchio', 'sympy'} & set(sys.modules))\n"
+        "from tests.page.test_html import several_pages\n"
+        "print(*(hashlib.sha256(page.encode()).hexdigest() for page in several_pages()))\n"
     )
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert run.stdout.split() == []
+    environment = os.environ | {"PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo"}
+    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    imported, hashes = run.stdout.splitlines()
+    assert hashes.split() == [hashlib.sha256(page.encode()).hexdigest() for page in several_pages()]
+    assert imported == ""
 
 
 def test_a_missing_viewer_is_one_clear_message(monkeypatch):
@@ -63,8 +57,12 @@ def test_a_missing_viewer_is_one_clear_message(monkeypatch):
         page_html(two_masses_content())
 
 
-def test_only_the_two_scripts_of_the_page_may_run():
-    page = page_html(two_masses_content())
+PAGES = pytest.mark.parametrize("content", [two_masses_content(), two_modes()], ids=["run", "modes"])
+
+
+@PAGES
+def test_only_the_two_scripts_of_the_page_may_run(content):
+    page = page_html(content)
     policy = re.search(r'http-equiv="Content-Security-Policy" content="([^"]*)"', page)[1]
     scripts = re.findall(r"<script>(.*?)</script>", page, re.S)
     hashes = [base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts]
@@ -74,8 +72,9 @@ def test_only_the_two_scripts_of_the_page_may_run():
     assert "unsafe-eval" not in policy and "http" not in policy
 
 
-def test_the_page_names_no_place_to_load_from():
-    page = page_html(two_masses_content()).replace(viewer_script(), "")
+@PAGES
+def test_the_page_names_no_place_to_load_from(content):
+    page = page_html(content).replace(viewer_script(), "")
     assert re.findall(r"<(?:link|img|iframe|object|embed|base|form)\b|\ssrc=|\shref=|url\(|@import", page) == []
 
 
@@ -102,13 +101,17 @@ class Texts(HTMLParser):
         self.texts.append(data)
 
 
-def test_hostile_texts_come_out_as_texts():
-    content = hostile_content()
+@pytest.mark.parametrize(
+    "content, scripts, titles",  # the data of the plots and of the motion, the viewer, the page's own; title, heading and source
+    [(hostile_content(), 4, 3), (hostile_modes(), 3, 2)],
+    ids=["run", "modes"],
+)
+def test_hostile_texts_come_out_as_texts(content, scripts, titles):
     page = Texts(page_html(content))
-    assert page.tags.count("script") == 4  # the data of the plots and of the motion, the viewer, the page's own
+    assert page.tags.count("script") == scripts
     assert not {"img", "b2"} & set(page.tags)
     assert not [name for name in page.attributes if name.startswith("on")]
-    assert page.texts.count(content.title) == 3  # title, heading and source
+    assert page.texts.count(content.title) == titles
     assert page.texts.count(HOSTILE) >= 6
     assert page.texts.count("W" * 10_000) >= 6
 
@@ -147,6 +150,14 @@ def test_beside_its_viewer_a_page_holds_its_own_data_only():
     assert len(page) < 225_000
     assert re.findall(r'<script src="([^"]*)"></script>', page) == [VIEWER_FILE]
     assert "script-src 'sha256-" in page_html(replace(two_masses_content(), animation=None), "separate")
+
+
+def test_a_folded_table_shows_its_title_only():
+    table = TextTable("Plan <1>", ("stage",), (("solve",),), "a note", folded=True)
+    page = page_html(PageContent("t", tables=(table,)))
+    inside = re.search(r"<details><summary><h2>Plan &lt;1&gt;</h2></summary>(.*?)</details>", page, re.DOTALL)[1]
+    assert "<td>solve</td>" in inside and "a note" in inside
+    assert "<details>" not in page_html(PageContent("t", tables=(replace(table, folded=False),)))
 
 
 @pytest.mark.parametrize("last", ["run.js", "modes.js", "frequency.js"])

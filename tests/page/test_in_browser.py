@@ -9,7 +9,7 @@ from mbconstrained.page.animation import Animation
 from mbconstrained.page.content import PageContent
 from mbconstrained.page.drawing import Drawing, DrawnBody, DrawnLink
 from mbconstrained.page.html import write_page
-from tests.page.browser import Browser, needs_chromium
+from tests.page.browser import needs_chromium
 from tests.page.contents import HOSTILE, TIMES, hostile_content, positions, two_masses, two_masses_content, two_masses_drawing
 from tests.page.models import gallery
 
@@ -124,8 +124,7 @@ def test_the_cursor_of_a_plot_follows_and_a_click_on_the_plot_seeks(browser, pag
     browser.open(page, "#t=25")
     place = "(() => { const b = document.querySelector('svg .cursor').getBoundingClientRect(); return b.x + b.width / 2 })()"
     middle = browser.evaluate(place)
-    for kind in ("mousePressed", "mouseReleased"):
-        browser.point("svg.plot", 0.3, kind, button="left", clickCount=1)
+    browser.press_at(*browser.place("svg.plot", 0.3))
     time = browser.state()["time"]
     assert time == pytest.approx(15, abs=0.1)
     left, _, width, _ = browser.box("svg .curves path")
@@ -135,11 +134,9 @@ def test_the_cursor_of_a_plot_follows_and_a_click_on_the_plot_seeks(browser, pag
 
 def test_the_wheel_scrolls_the_page_and_zooms_only_with_the_control_key(browser, page):
     browser.open(page)
-    left, top, width, height = browser.box("#stage")
-    turn = {"type": "mouseWheel", "x": left + width / 2, "y": top + height / 2, "deltaX": 0, "deltaY": 120}
-    zooms = []
+    middle, zooms = browser.place("#stage", 0.5), []
     for modifiers, effect in ((0, "window.scrollY > 0"), (2, "mbconstrained.viewer.camera.zoom < 1")):
-        browser.call("Input.dispatchMouseEvent", **turn, modifiers=modifiers)
+        browser.mouse("mouseWheel", *middle, deltaX=0, deltaY=120, modifiers=modifiers)
         browser.until(effect)
         zooms.append(browser.evaluate("mbconstrained.viewer.camera.zoom"))
     assert zooms[0] == 1 and zooms[1] < 1
@@ -150,10 +147,8 @@ def test_the_wheel_scrolls_the_page_and_zooms_only_with_the_control_key(browser,
 def test_dragging_turns_the_picture_and_not_the_model(browser, page):
     browser.open(page)
     before, nodes = browser.picture("#stage"), browser.state()["nodes"]
-    left, top, width, height = browser.box("#stage")
-    for kind, x in (("mousePressed", 0.3), ("mouseMoved", 0.5), ("mouseReleased", 0.5)):
-        place = {"x": left + x * width, "y": top + height / 2}
-        browser.call("Input.dispatchMouseEvent", type=kind, button="left", clickCount=1, **place)
+    for kind, across in (("mousePressed", 0.3), ("mouseMoved", 0.5), ("mouseReleased", 0.5)):
+        browser.point("#stage", across, kind, button="left", clickCount=1)
     browser.wait(0.2)
     assert browser.picture("#stage") != before
     assert browser.state()["nodes"] == nodes
@@ -268,14 +263,11 @@ def test_a_frame_moves_what_is_there_and_makes_nothing_new(browser, tmp_path):
     assert kept and moved >= 25 and shapes < 1000  # every second mass moves
 
 
-def test_without_webgl_everything_else_is_shown(tmp_path, page):
-    browser = Browser(tmp_path / "profile", "--disable-3d-apis")
-    try:
+def test_without_webgl_everything_else_is_shown(browser, page):
+    with browser.beginning_with("HTMLCanvasElement.prototype.getContext = () => null"):
         state = browser.open(page, "#t=1.25").state()
-        assert state["coordinates"]["x1"] == pytest.approx(two_masses(np.array([1.25]))[0, 0])
-        assert state["errors"][0].startswith("The 3-D view cannot be shown: ")
-        assert browser.evaluate("getComputedStyle(document.querySelector('.missing')).display") == "block"
-        browser.click("#play")
-        assert browser.state()["playing"] is True
-    finally:
-        browser.close()
+    assert state["coordinates"]["x1"] == pytest.approx(two_masses(np.array([1.25]))[0, 0])
+    assert state["errors"][0].startswith("The 3-D view cannot be shown: ")
+    assert browser.evaluate("getComputedStyle(document.querySelector('.missing')).display") == "block"
+    browser.click("#play")
+    assert browser.state()["playing"] is True

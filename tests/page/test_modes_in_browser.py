@@ -27,12 +27,6 @@ def text(browser, selector):
     return browser.evaluate(f"document.querySelector({selector!r}).textContent")
 
 
-def press(browser, key):
-    for kind in ("keyDown", "keyUp"):
-        code = {"ArrowDown": 40, "ArrowUp": 38}[key]
-        browser.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code)
-
-
 def test_it_opens_without_a_complaint_at_the_first_mode_and_waits(browser, page):
     browser.open(page).wait(0.2)
     state = browser.state()
@@ -76,11 +70,11 @@ def test_arrow_keys_go_from_mode_to_mode_and_the_space_bar_pauses(browser, page)
     browser.evaluate("document.querySelector('input[name=mode]:checked').focus()")
     found = []
     for key in ("ArrowDown", "ArrowDown", "ArrowUp"):
-        press(browser, key)
+        browser.press(key)
         found.append(browser.state()["mode"])
     assert found == [2, 3, 2]
     assert browser.state()["playing"] is True
-    browser.press_space()
+    browser.press(" ")
     assert browser.state()["playing"] is False
 
 

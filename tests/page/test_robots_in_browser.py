@@ -202,10 +202,9 @@ def names_shown(browser):
 
 
 def drag(browser, selector, across):
-    x, y, width, height = browser.box(selector)
+    x, y = browser.place(selector, 0.5)
     for kind, shift in (("mousePressed", 0), ("mouseMoved", across / 2), ("mouseMoved", across), ("mouseReleased", across)):
-        place = {"x": x + width / 2 + shift, "y": y + height / 2, "buttons": 0 if kind == "mouseReleased" else 1}
-        browser.call("Input.dispatchMouseEvent", type=kind, button="left", clickCount=1, **place)
+        browser.mouse(kind, x + shift, y, buttons=0 if kind == "mouseReleased" else 1, button="left", clickCount=1)
 
 
 def test_names_of_links_behind_others_are_left_out_until_the_view_is_turned(browser, tmp_path):

@@ -93,51 +93,23 @@ speed = "1500 rpm"
 coupling = "12 kN*m/rad"
 [model]
 kind = "lumped"
-[[model.inertia]]
-name = "damper wheel"
-inertia = "0.8 kg*m^2"
-[[model.inertia]]
-name = "engine"
-inertia = "2.5 kg*m^2"
-[[model.inertia]]
-name = "flywheel"
-inertia = "6 kg*m^2"
-[[model.inertia]]
-name = "pinion"
-inertia = "0.4 kg*m^2"
-[[model.inertia]]
-name = "wheel"
-inertia = "3 kg*m^2"
-[[model.inertia]]
-name = "propeller"
-inertia = "20 kg*m^2"
-[[model.torsion_spring]]
-between = ["damper wheel", "engine"]
-stiffness = "300 kN*m/rad"
-[[model.torsion_damper]]
-between = ["damper wheel", "engine"]
-damping = "200 N*m*s/rad"
-[[model.torsion_spring]]
-between = ["engine", "flywheel"]
-stiffness = "2 MN*m/rad"
-[[model.torsion_spring]]
-name = "coupling"
-between = ["flywheel", "pinion"]
-stiffness = "=coupling"
-[[model.torsion_damper]]
-between = ["flywheel", "pinion"]
-damping = "60 N*m*s/rad"
-[[model.gear]]
-name = "gear"
-between = ["pinion", "wheel"]
-teeth = [21, 63]
-[[model.torsion_spring]]
-name = "shaft"
-between = ["wheel", "propeller"]
-stiffness = "500 kN*m/rad"
-[[model.torsion_damper]]
-between = ["ground", "propeller"]
-damping = "40 N*m*s/rad"
+inertia = [
+  { name = "damper wheel", inertia = "0.8 kg*m^2" }, { name = "engine", inertia = "2.5 kg*m^2" },
+  { name = "flywheel", inertia = "6 kg*m^2" }, { name = "pinion", inertia = "0.4 kg*m^2" },
+  { name = "wheel", inertia = "3 kg*m^2" }, { name = "propeller", inertia = "20 kg*m^2" },
+]
+torsion_spring = [
+  { between = ["damper wheel", "engine"], stiffness = "300 kN*m/rad" },
+  { between = ["engine", "flywheel"], stiffness = "2 MN*m/rad" },
+  { name = "coupling", between = ["flywheel", "pinion"], stiffness = "=coupling" },
+  { name = "shaft", between = ["wheel", "propeller"], stiffness = "500 kN*m/rad" },
+]
+torsion_damper = [
+  { between = ["damper wheel", "engine"], damping = "200 N*m*s/rad" },
+  { between = ["flywheel", "pinion"], damping = "60 N*m*s/rad" },
+  { between = ["ground", "propeller"], damping = "40 N*m*s/rad" },
+]
+gear = [{ name = "gear", between = ["pinion", "wheel"], teeth = [21, 63] }]
 [[force]]
 coordinate = "engine"
 kind = "harmonic"

@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 
 from ...ground.by_name import answering
-from ...ground.checks import counted, nearest, optional_package, real_array, real_number, whole_number
+from ...ground.checks import check_known, counted, optional_package, places_of, real_array, real_number, whole_number
 from ...ground.coordinate_units import density_unit
 from ...ground.display import Pictured, TextTable, notice_table, number_text
 from ...ground.errors import InputError
@@ -78,10 +78,7 @@ def independent_inputs(harmonic: Harmonic, spectra: SpectralMatrix) -> tuple[Har
     """An equivalent process whose inputs are as independent and as white as possible."""
     m = len(spectra.names)
     ratios = np.array([[one.ratio(other) for other in spectra.spectra] for one in spectra.spectra]).reshape(m, m)
-    coupled = spectra.coherence != 0
-    for i, j in spectra.cross:
-        coupled[i, j] = coupled[j, i] = True
-    if (np.isnan(ratios) & coupled).any():
+    if (np.isnan(ratios) & spectra.coupled).any():
         return harmonic, spectra
     if not spectra.longest_delay:
         harmonic, spectra = _combined(harmonic, spectra, ratios)
@@ -290,12 +287,10 @@ def _decays(transfer: SpectralTransfer) -> np.ndarray:
 def _numerical_decays(transfer: SpectralTransfer) -> np.ndarray:
     """The relative degrees of large models, from C J^k B without rounding errors."""
     form = transfer.harmonic.form
-    C, B = np.abs(form.outputs @ form.pairs.finite.C), np.abs(form.pairs.finite.B @ form.inputs)
-    right, right_size = form.pairs.finite.B @ form.inputs, B
-    result = np.full((len(C), B.shape[1]), np.inf)
-    J = form.pairs.finite.J
+    J, C, right = form.pairs.finite.J, form.outputs @ form.pairs.finite.C, form.pairs.finite.B @ form.inputs
+    result, right_size = np.full((len(C), right.shape[1]), np.inf), np.abs(right)
     for index in range(len(J) + 1):
-        values, noise = form.outputs @ form.pairs.finite.C @ right, NOISE_SAFETY * EPS * max(len(J), 1) * C @ right_size
+        values, noise = C @ right, NOISE_SAFETY * EPS * max(len(J), 1) * np.abs(C) @ right_size
         if index >= form.power:
             first = (np.abs(values) > noise) & np.isinf(result)
             result[first] = index + 1 - form.power
@@ -423,17 +418,15 @@ class RandomResponse(Pictured):
         doubtful = (integral.errors[0] > PROVED_ACCURACY * np.abs(values)).any()
         if size > (MOST_PROVED if doubtful else ALWAYS_PROVED) or power % 2 or self.harmonic.imaginary is not None:
             return integral
-        harmonic = replace(self.harmonic, power=self.harmonic.power + power // 2, outputs=self.harmonic.outputs[finite])
-        names = tuple(self.outputs[i] for i in finite)
         from .variance_enclosure import enclosed_variances
 
+        names, outputs = tuple(self.outputs[i] for i in finite), self.harmonic.outputs[finite]
+        harmonic = replace(self.harmonic, power=self.harmonic.power + power // 2, outputs=outputs, output_names=names)
         try:
-            box = enclosed_variances(replace(harmonic, output_names=names), self.spectra, FLOAT64_DIGITS)
+            box = enclosed_variances(harmonic, self.spectra, FLOAT64_DIGITS)
         except InputError:  # delayed or partly coherent noise
             return integral
-        scale = (2 * np.pi) ** -power
-        proved = box.middle * scale
-        own = integral.values.copy()
+        proved, own = box.middle * (2 * np.pi) ** -power, integral.values.copy()
         own[0][np.diag_indices(len(proved))] = proved
         return replace(integral, values=own, errors=(4 * EPS * np.abs(proved))[None])
 
@@ -678,8 +671,7 @@ class RandomResponse(Pictured):
             In 1/s.
         """
         k, strength = real_number(exponent, "exponent", positive=True), real_number(strength, "strength", positive=True)
-        if method not in METHODS:
-            raise InputError(f"method: found {method!r}; expected one of {', '.join(METHODS)}{nearest(str(method), METHODS)}")
+        check_known(method, METHODS, "method")
         moments = {order: self.moment(order) for order in (0, 1, 2, 4)}
         sigma = np.sqrt(moments[0]) / strength
         each = (np.sqrt(2.0) * sigma) ** k * scipy.special.gamma(1 + k / 2)
@@ -714,10 +706,7 @@ class RandomResponse(Pictured):
         Raises:
             InputError: unknown names.
         """
-        unknown = [name for name in names if name not in self.outputs]
-        if unknown:
-            raise InputError(f"outputs: there is no {unknown[0]!r}{nearest(str(unknown[0]), self.outputs)}")
-        own, at = self.harmonic, [self.outputs.index(name) for name in names]
+        own, at = self.harmonic, places_of(names, self.outputs, "output")
         return replace(self, harmonic=replace(own, outputs=own.outputs[at], output_names=names, units=own.units[at]))
 
     def covariance_over_time(self, times, initial_covariance=None, modulation=None) -> np.ndarray:

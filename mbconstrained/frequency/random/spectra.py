@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...ground.by_name import answering
-from ...ground.checks import nearest, real_array, real_number
+from ...ground.checks import check_known, real_array, real_number
 from ...ground.display import Displayed, number_text
 from ...ground.errors import InputError
 from ...ground.tolerances import SPECTRAL_ACCURACY
@@ -263,12 +263,8 @@ def psd(frequencies_hz, values, of: str = "force", unit: str | None = None, inte
     4.0
     """
     f = real_array(frequencies_hz, "frequencies_hz", shape=(None,))
-    if of not in KINDS:
-        raise InputError(f"of: found {of!r}; expected one of {', '.join(KINDS)}{nearest(str(of), KINDS)}")
-    if interpolation not in INTERPOLATIONS:
-        raise InputError(
-            f"interpolation: found {interpolation!r}; expected one of {', '.join(INTERPOLATIONS)}{nearest(str(interpolation), INTERPOLATIONS)}"
-        )
+    check_known(of, KINDS, "of")
+    check_known(interpolation, INTERPOLATIONS, "interpolation")
     is_cross = np.iscomplexobj(np.asarray(values))
     G = np.asarray(values, dtype=complex) if is_cross else real_array(values, "values", shape=(None,))
     count = len(f) - (interpolation == "steps")
@@ -318,8 +314,7 @@ def white_noise(intensity: float, of: str = "force", unit: str | None = None) ->
     >>> white_noise(2.0)
     Spectrum(of force, white noise)
     """
-    if of not in KINDS:
-        raise InputError(f"of: found {of!r}; expected one of {', '.join(KINDS)}{nearest(str(of), KINDS)}")
+    check_known(of, KINDS, "of")
     level = real_number(intensity, "intensity", minimum=0.0) * _factor(unit, of)
     return Spectrum((PowerLaw(0.0, np.inf, level),) if level else (), of, f"white noise{_conversion(unit, of)}")
 
@@ -400,15 +395,11 @@ def dryden(rms: float, speed: float, length: float, component: str = "longitudin
         real_number(rms, "rms", minimum=0.0),
         real_number(length, "length", positive=True) / real_number(speed, "speed", positive=True),
     )
+    check_known(component, ("longitudinal", "lateral", "vertical"), "component")
     if component == "longitudinal":
         above, below, intensity = [1.0], [T, 1.0], 4 * sigma**2 * T
-    elif component in ("lateral", "vertical"):
-        above, below, intensity = [np.sqrt(3.0) * T, 1.0], [T**2, 2 * T, 1.0], 2 * sigma**2 * T
     else:
-        expected = ("longitudinal", "lateral", "vertical")
-        raise InputError(
-            f"component: found {component!r}; expected one of {', '.join(expected)}{nearest(str(component), expected)}"
-        )
+        above, below, intensity = [np.sqrt(3.0) * T, 1.0], [T**2, 2 * T, 1.0], 2 * sigma**2 * T
     return Spectrum(rational_spectrum(intensity, above, below, "velocity").pieces, "velocity", f"Dryden, {component}")
 
 

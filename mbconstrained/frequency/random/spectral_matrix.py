@@ -40,8 +40,7 @@ class SpectralMatrix:
     @property
     def corners(self) -> np.ndarray:
         """Corner frequencies of all entries in Hz, ascending; the last may be infinite."""
-        own = [corner for spectrum in (*self.spectra, *self.cross.values()) for corner in spectrum.corners]
-        return np.unique(own)
+        return np.unique([corner for spectrum in (*self.spectra, *self.cross.values()) for corner in spectrum.corners])
 
     @property
     def longest_delay(self) -> float:
@@ -49,14 +48,19 @@ class SpectralMatrix:
         return max(self.shifts, default=0.0)
 
     @property
+    def coupled(self) -> np.ndarray:
+        """Which inputs are coherent or have a cross spectrum, shape (m, m)."""
+        coupled = self.coherence != 0
+        for i, j in self.cross:
+            coupled[i, j] = coupled[j, i] = True
+        return coupled
+
+    @property
     def groups(self) -> list[list[int]]:
         """The indices of inputs that depend on each other, directly or indirectly."""
         from scipy.sparse.csgraph import connected_components
 
-        coupled = self.coherence != 0
-        for i, j in self.cross:
-            coupled[i, j] = coupled[j, i] = True
-        count, label = connected_components(coupled, directed=False)
+        count, label = connected_components(self.coupled, directed=False)
         return [np.flatnonzero(label == number).tolist() for number in range(count)]
 
     def of_inputs(self, chosen: list[int]) -> SpectralMatrix:

@@ -13,13 +13,14 @@ import numpy as np
 import scipy
 
 from ...ground.by_name import answering
-from ...ground.checks import counted, nearest, optional_package, real_array, real_number
+from ...ground.checks import check_known, counted, optional_package, real_array, real_number
 from ...ground.display import Pictured
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS, STEP_AGREEMENT
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...response.solve import solve
+from ...signals.bohl import BohlFunction
 from ...signals.impulsive import ExactRecord, ImpulsiveSmooth
 from .extrema import extrema, falling_root
 
@@ -200,6 +201,13 @@ class Oscillator:
         result[:, 0, 2] = (mixed - (e2 - 1) / l2) / l1
         result[:, 0, 3] = (1 / (l1 * l2) + more - ((e2 - 1) / l2 - h) / l2) / l1
         return result
+
+    def under(self, signal: ImpulsiveSmooth, output) -> tuple[BohlFunction, float, tuple[float, float]]:
+        """c_0 y + c_1 y' under a signal that is zero after its last knot, that time, and y and y' then."""
+        end, (c0, c1) = signal_end(signal), output
+        y = solve(PolynomialMatrix([[[self.w**2]], [[2 * self.zeta * self.w]], [[1.0]]]), force=signal)
+        last = float(y(end)[0]), float(y.derivative(1)(end)[0])
+        return y.function.differential(np.array([[c0]]), np.array([[c1]])), end, last
 
     def states(self, record: ShockRecord) -> tuple[np.ndarray, np.ndarray]:
         """y and y' at the samples, from rest before the first."""
@@ -612,12 +620,8 @@ def shock_response_spectrum(
     1.768457653994
     """
     f, zeta = checked_oscillators(frequencies_hz, damping_ratio, quality_factor)
-    if quantity not in QUANTITIES:
-        raise InputError(
-            f"quantity: found {quantity!r}; expected one of {', '.join(QUANTITIES)}{nearest(str(quantity), QUANTITIES)}"
-        )
-    if interpolation not in INTERPOLATIONS:
-        raise InputError(f"interpolation: found {interpolation!r}; expected one of {', '.join(INTERPOLATIONS)}")
+    check_known(quantity, QUANTITIES, "quantity")
+    check_known(interpolation, INTERPOLATIONS, "interpolation")
     samples, notices = record_of_signal(signal), []
     if samples is not None:
         times, values = samples
@@ -691,11 +695,7 @@ def signal_end(signal: ImpulsiveSmooth) -> float:
 
 def _closed_form_peaks(signal: ImpulsiveSmooth, oscillator: Oscillator, output) -> tuple[float, float, float, float]:
     """Peaks during and after a signal that is zero after its last knot."""
-    end = signal_end(signal)
-    w, z = oscillator.w, oscillator.zeta
-    x = solve(PolynomialMatrix([[[w**2]], [[2 * z * w]], [[1.0]]]), force=signal)
-    c0, c1 = output
-    peaks = extrema(x.function.differential(np.array([[c0]]), np.array([[c1]])), 0.0, end)
-    last = float(x(np.array([end]))[0, 0]), float(x.derivative(1)(np.array([end]))[0, 0])
+    function, end, last = oscillator.under(signal, output)
+    peaks = extrema(function, 0.0, end)
     high, low = oscillator.residual(*last, output)
     return max(float(peaks.maximum[0]), 0.0), min(float(peaks.minimum[0]), 0.0), float(high), float(low)

@@ -50,15 +50,19 @@ class Axis {
   zoom(factor, share) {
     const size = this.view[1] - this.view[0];
     const next = Math.min(1, Math.max(smallestPart, size / factor));
-    const low = Math.min(1 - next, Math.max(0, this.view[0] + share * (size - next)));
-    this.view = [low, low + next];
+    this.show(this.view[0] + share * (size - next), next);
   }
 
   // Moves the part that is shown by a share of it.
   pan(share) {
     const size = this.view[1] - this.view[0];
-    const low = Math.min(1 - size, Math.max(0, this.view[0] + share * size));
-    this.view = [low, low + size];
+    this.show(this.view[0] + share * size, size);
+  }
+
+  // Shows a part of a size, as near to a low end as the whole allows.
+  show(low, size) {
+    const start = Math.min(1 - size, Math.max(0, low));
+    this.view = [start, start + size];
   }
 
   // Values and texts of the ticks.
@@ -88,7 +92,7 @@ class Axis {
   }
 
   text(value, digits) {
-    const number = (value / 10 ** this.exponent).toFixed(digits).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
+    const number = fixed(value / 10 ** this.exponent, digits);
     return numberWithUnit(this.exponent ? `${number}·10${superscript(this.exponent)}` : number, this.unit);
   }
 }
@@ -110,10 +114,7 @@ function multiples(low, high, step) {
 function linearTicks(low, high, exponent) {
   const step = stepOf(high - low);
   const digits = Math.min(100, Math.max(0, exponent - Math.floor(Math.log10(step) + noiseSpan)));
-  return multiples(low, high, step).map((tick) => {
-    const text = (tick / 10 ** exponent).toFixed(digits).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
-    return [tick, text];
-  });
+  return multiples(low, high, step).map((tick) => [tick, fixed(tick / 10 ** exponent, digits)]);
 }
 
 function logTicks(low, high) {

@@ -4,7 +4,7 @@ const periods = unpack(data.periods, Float64Array);
 const shapeSets = data.inputs.map(() => null); // unpacked when first shown
 
 const page = {
-  rate: 1 / data.cycle, // the player's time is the phase, from 0 to 1
+  ...cycles,
   line: data.first.line,
   input: data.first.input,
 
@@ -15,12 +15,6 @@ const page = {
       cycle: data.cycle,
       magnification: data.figure.magnification,
     };
-  },
-
-  shown() {},
-
-  after(time) {
-    return time % 1;
   },
 
   // Such as #f=2.5&input=1&t=0.25
@@ -58,12 +52,8 @@ class Deflection extends Motion {
 
 // Of the line that is nearest on a logarithmic axis.
 function nearestLine(frequency) {
-  let [low, high] = [0, lines.length - 1];
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (lines[middle] <= frequency) low = middle;
-    else high = middle;
-  }
+  const low = lastBefore(lines, frequency, lines.length - 1);
+  const high = Math.min(low + 1, lines.length - 1);
   return frequency * frequency > lines[low] * lines[high] ? high : low;
 }
 
@@ -96,18 +86,15 @@ function select(line) {
   control("line").setAttribute("aria-valuetext", frequencyText(line));
   if (control("input")) control("input").value = page.input;
   document.querySelectorAll("tr[data-line]").forEach((row) => {
-    const isHere = Number(row.dataset.line) === line && Number(row.dataset.input) === page.input;
-    row.classList.toggle("selected", isHere);
-    row.querySelector("input").checked = isHere;
+    markRow(row, Number(row.dataset.line) === line && Number(row.dataset.input) === page.input);
   });
   display(line);
   showInPlots(lines[line]);
 }
 
-// The shape moves, unless the system is set to reduced motion.
 function selectAndPlay(line) {
   select(line);
-  if (!player.playing && !window.matchMedia("(prefers-reduced-motion: reduce)").matches) play();
+  playChosen();
 }
 
 control("line").addEventListener("input", (event) => selectAndPlay(Number(event.target.value)));
@@ -119,16 +106,10 @@ if (control("input")) {
   });
 }
 document.querySelectorAll("tr[data-line]").forEach((row) => {
-  const choose = () => {
+  listenToRow(row, () => {
     page.input = Number(row.dataset.input);
     selectAndPlay(Number(row.dataset.line));
     row.querySelector("input").checked = true;
-  };
-  row.querySelector("input").addEventListener("change", choose);
-  row.addEventListener("click", (event) => {
-    if (event.target.closest("label")) return; // the label activates the button itself
-    row.querySelector("input").focus();
-    choose();
   });
 });
 

@@ -107,6 +107,8 @@ class Spring {
   }
 }
 
+const glass = { transparent: true, opacity: 0.38, side: THREE && THREE.DoubleSide, depthWrite: false };
+
 class Damper {
   // The cylinder is as long as the stroke needs, and no longer than the shortest length of the damper allows.
   constructor(reach) {
@@ -114,7 +116,6 @@ class Damper {
     this.lead = Math.min(0.15, 0.15 * reach.shortest);
     this.cylinder = Math.min(Math.max(1.15 * stroke, 0.42 * reach.mean), 0.78 * reach.shortest);
     this.rod = (reach.longest + reach.shortest) / 2 - this.lead - this.cylinder / 2;
-    const glass = { transparent: true, opacity: 0.38, side: THREE.DoubleSide, depthWrite: false };
     this.parts = {
       lead: bar(0.03, ink),
       cap: bar(0.135, ink),
@@ -248,7 +249,6 @@ class TorsionSpring {
 class TorsionDamper {
   constructor(reach) {
     this.coaxial = reach.coaxial;
-    const glass = { transparent: true, opacity: 0.38, side: THREE.DoubleSide, depthWrite: false };
     this.drum = bar(0.2, "#a9bccb", { open: true, material: glass });
     this.vane = solid(new THREE.BoxGeometry(0.22, 0.34, 0.06), "#c8553d");
     this.shaft = bar(0.035, ink);

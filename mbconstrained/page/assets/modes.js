@@ -1,17 +1,11 @@
 // The page of mode shapes: one cycle of the selected mode.
 const page = {
-  rate: 1 / data.cycle, // the player's time is the phase, from 0 to 1
+  ...cycles,
   mode: data.first,
 
   state() {
     const { name } = data.modes[page.mode];
     return { mode: page.mode + 1, name: name, cycle: data.cycle, magnification: data.figure.magnification };
-  },
-
-  shown() {},
-
-  after(time) {
-    return time % 1;
   },
 
   // Such as #mode=2&t=0.25
@@ -42,8 +36,7 @@ function select(mode) {
   for (const id of ["play", "time"]) control(id).disabled = isStill;
   for (const row of rowsOfModes) {
     const isHere = Number(row.dataset.mode) === mode;
-    row.classList.toggle("selected", isHere);
-    row.querySelector("input").checked = isHere;
+    markRow(row, isHere);
     if (isHere && row.closest("details")) row.closest("details").open = true;
   }
   document.querySelectorAll(".details section").forEach((section, i) => (section.hidden = i !== mode));
@@ -70,23 +63,14 @@ function pace() {
   return frames.times.count === 1 ? "" : paceText(period);
 }
 
-// The selected mode moves, unless the system is set to reduced motion.
 function selectAndPlay(mode) {
   select(mode);
-  if (!window.matchMedia("(prefers-reduced-motion: reduce)").matches) play();
+  playChosen();
 }
 
 control("speed").addEventListener("change", showNote);
 if (control("choice")) control("choice").addEventListener("input", (event) => selectAndPlay(Number(event.target.value)));
-for (const row of rowsOfModes) {
-  const [button, i] = [row.querySelector("input"), Number(row.dataset.mode)];
-  button.addEventListener("change", () => selectAndPlay(i));
-  row.addEventListener("click", (event) => {
-    if (event.target.closest("label")) return; // the label activates the button itself
-    button.focus();
-    selectAndPlay(i);
-  });
-}
+for (const row of rowsOfModes) listenToRow(row, () => selectAndPlay(Number(row.dataset.mode)));
 
 open(motionOf(data.first));
 select(page.mode);

@@ -52,14 +52,7 @@ class Motion {
 
   // Index of the last key frame that is not after the time, at most the last but one.
   keyBefore(time) {
-    let low = 0;
-    let high = this.times.length - 1;
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (this.times[middle] <= time) low = middle;
-      else high = middle;
-    }
-    return low;
+    return lastBefore(this.times, time, this.times.length - 1);
   }
 
   // Cubic Hermite interpolation.

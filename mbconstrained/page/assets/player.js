@@ -63,9 +63,9 @@ function seek(time) {
 }
 
 function play() {
+  if (!player.playing) player.last = performance.now();
   player.playing = player.motion.end > player.motion.start;
   if (player.playing && player.time >= player.motion.end) show(player.motion.start);
-  player.last = performance.now();
   publish();
 }
 
@@ -94,7 +94,31 @@ function frame(now) {
   }
 }
 
-// How much slower or faster than true a cycle is shown, of pages that show cycles.
+// What pages that show cycles share; the player's time is their phase, from 0 to 1.
+const cycles = { rate: 1 / data.cycle, shown() {}, after: (time) => time % 1 };
+
+// What is chosen moves, unless the system is set to reduced motion.
+function playChosen() {
+  if (!window.matchMedia("(prefers-reduced-motion: reduce)").matches) play();
+}
+
+function markRow(row, isChosen) {
+  row.classList.toggle("selected", isChosen);
+  row.querySelector("input").checked = isChosen;
+}
+
+// A row of a list is chosen by its button, or by a press anywhere in it.
+function listenToRow(row, choose) {
+  const button = row.querySelector("input");
+  button.addEventListener("change", choose);
+  row.addEventListener("click", (event) => {
+    if (event.target.closest("label")) return; // the label activates the button itself
+    button.focus();
+    choose();
+  });
+}
+
+// How much slower or faster than true a cycle is shown.
 function paceText(period) {
   const shown = data.cycle / Number(control("speed").value);
   const rounded = (number) => Number(number.toPrecision(3));

@@ -496,12 +496,7 @@ class PlottedFigure {
 
   // Saves the curves and marks that are drawn, in the part that is shown, as a table.
   save() {
-    const link = document.createElement("a");
-    const name = `${document.title} ${this.figure.querySelector("h2").textContent}`.replace(/[^\p{L}\p{N}]+/gu, "_").slice(0, 100);
-    link.href = URL.createObjectURL(new Blob([tableText(this.table())], { type: "text/csv" }));
-    link.download = `${name}.csv`;
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    saveFile([tableText(this.table())], "text/csv", `${document.title} ${this.figure.querySelector("h2").textContent}`, "csv");
   }
 
   // Columns: the variable, every shown curve with its marks, and what the marks stand for.
@@ -654,7 +649,7 @@ function showInPlots(time) {
 function phaseAt(time) {
   if (time === null || !plots.phases) return null;
   const { begins, names } = plots.phases;
-  return names[Math.max(0, begins.findLastIndex((begin) => begin <= time))];
+  return names[lastBefore(begins, time)];
 }
 
 const plotData = JSON.parse(document.getElementById("plot-data").textContent);

@@ -75,13 +75,7 @@ class Panels {
 
   // The panel of a time; at an edge the later one.
   panel(time) {
-    let [low, high] = [0, this.count];
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (this.edges[middle] <= time) low = middle;
-      else high = middle;
-    }
-    return low;
+    return lastBefore(this.edges, time, this.count);
   }
 
   step(row, panel) {

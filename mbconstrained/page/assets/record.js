@@ -68,12 +68,7 @@ async function takePictures(button, times, take) {
 }
 
 function save(parts, type, ending) {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob(parts, { type: type }));
-  link.download = `${document.title.replace(/[^\p{L}\p{N}]+/gu, "_").slice(0, 60) || "motion"}.${ending}`;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 60000);
-  announce(`saved ${link.download}`);
+  announce(`saved ${saveFile(parts, type, document.title, ending)}`);
 }
 
 const recordings = { frames: saveFrames, gif: saveGif, record: filmFormat && startFilm };

@@ -203,7 +203,7 @@ const engagementColors = ["#a9b4bf", "#f0c808", "#e8590c"];
 // The engagement of a link at a time.
 function engagementAt(states, time) {
   states.times = states.times || unpack(states.begins, Float64Array);
-  return states.levels[Math.max(0, states.times.findLastIndex((begin) => begin <= time))];
+  return states.levels[lastBefore(states.times, time)];
 }
 
 // Shows an engagement of a link that has another, or any.

@@ -17,7 +17,7 @@ from ...ground.tolerances import EPS, ROUNDED_FREE, noise_of, rounding_radius
 from ...linalg.arrays import Matrix, full, of_like_kind
 from ...linalg.exponential import BlockGroups, block_states
 from ...linalg.recursion import ModalBasis, advance, powers, scanned, shared_gaps, values_of_steps
-from ...signals.bohl import BohlFunction, as_slice
+from ...signals.bohl import BohlFunction, consecutive
 from ..choose import MODES, POWERS, STEPS, Evaluations, Method, Request, evaluation_method, is_by_series
 from ..events import Event
 from ..flow import FEWEST_KNOTS, Flow
@@ -294,7 +294,7 @@ class RecordFlow:
         """Chunks of ascending indices; a slice where they are consecutive."""
         width = max(1, TABLE // max(self.flow.generator.shape[0], 1))
         for begin in range(0, len(places), width):
-            yield as_slice(places[begin : begin + width])
+            yield consecutive(places[begin : begin + width])
 
 
 def record_of(flow: Flow) -> RecordFlow | None:
@@ -320,7 +320,7 @@ class EvenRecord(RecordFlow):
         if self._every is None:
             groups, which = np.unique(piece // GROUP, return_inverse=True)
             return self._within(groups)[piece % GROUP, which]
-        return self._every[as_slice(piece)]
+        return self._every[consecutive(piece)]
 
     @cached_property
     def _every(self) -> np.ndarray | None:

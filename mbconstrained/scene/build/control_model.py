@@ -36,7 +36,6 @@ from .model import Decision, Equations, ModelTables
 if TYPE_CHECKING:
     from ...control.state_space import StateSpaceResponse
     from ...mechanics.normal_form import NormalForm
-    from ...mechanics.system import MechanicalSystem
 
 #: Zeros are looked for in systems of so many states, and so many pairs of inputs and outputs, at most.
 MOST_STATES, MOST_PAIRS = 40, 16
@@ -287,7 +286,7 @@ def transfer_function(table, folder: SceneFolder, file_name: str) -> ControlEqua
     )
 
 
-def state_space_scene(table, folder: SceneFolder, file_name: str) -> ControlScene:
+def _state_space_scene(table, folder: SceneFolder, file_name: str) -> ControlScene:
     """Read a scene of kind "state-space", without transformation."""
     model, matrices = table.model, {}
     for key in MATRICES:
@@ -299,7 +298,7 @@ def state_space_scene(table, folder: SceneFolder, file_name: str) -> ControlScen
         units = {name: unit for name, unit in model.units.items() if name not in displacements}
         system = StateSpace(**matrices, states=model.states, inputs=model.inputs, outputs=model.outputs, units=units)
         names = (*system.states, *system.inputs, *system.outputs, *displacements)
-        delays = dict(zip(system.inputs, delays_of_inputs(system, {name: float(one) for name, one in model.delays.items()})))
+        delays = zip(system.inputs, delays_of_inputs(system, {name: float(one) for name, one in model.delays.items()}))
         if repeated := next((name for name in names if names.count(name) > 1), None):
             raise InputError(f'the name "{repeated}" is used twice; states, inputs, outputs and coordinates must differ in name')
     inputs, outputs = (_named(names, system.units) for names in (system.inputs, system.outputs))
@@ -309,14 +308,12 @@ def state_space_scene(table, folder: SceneFolder, file_name: str) -> ControlScen
     if table.initial.rows and not model.normal_form:
         with at(file_name, "initial"):
             raise InputError("a state space starts from its states; write state = { x1 = 0.1 } or state = [0.1, 0]")
-    late = {name: delay for name, delay in delays.items() if delay}
+    late = {name: delay for name, delay in delays if delay}
     return ControlScene(inputs, outputs, None, system, zero(len(inputs.names)) if u is None else u, start, delays=late)
 
 
-def mechanical_scene(
-    control: ControlScene, table, file_name: str, lap: Callable[[str], object]
-) -> tuple[ControlScene, MechanicalSystem, Coordinates, np.ndarray]:
-    """A state space in its mechanical normal form."""
+def _of_normal_form(control: ControlScene, table, file_name: str, lap: Callable[[str], object]) -> ControlEquations:
+    """The equations of the mechanical normal form of a state space."""
     from ...mechanics.normal_form import mechanical_normal_form
 
     space, model, initial = control.system, table.model, table.initial
@@ -347,7 +344,8 @@ def mechanical_scene(
         start = form.state(*values)
     else:
         values = np.array(form.displacement_velocity(start))
-    return replace(control, form=form, start=start), system, coordinates, values
+    own, force = replace(control, form=form, start=start), form.force(control.late_input)
+    return ControlEquations(coordinates, system.polynomial_matrix(), values, force, system, control=own)
 
 
 def _displacement_names(model, states: int) -> tuple[str, ...]:
@@ -374,11 +372,9 @@ def _named(names, units) -> Coordinates:
 
 def state_space(table, folder: SceneFolder, file_name: str, lap: Callable[[str], object]) -> ControlEquations:
     """The equations of a scene of kind "state-space", of its normal form where that is requested."""
-    control, ends = state_space_scene(table, folder, file_name), shaped_inputs(table.force, file_name)
+    control, ends = _state_space_scene(table, folder, file_name), shaped_inputs(table.force, file_name)
     if table.model.normal_form:
-        control, system, coordinates, initial = mechanical_scene(control, table, file_name, lap)
-        force = control.form.force(control.late_input)
-        return ControlEquations(coordinates, system.polynomial_matrix(), initial, force, system, control=control, ends=ends)
+        return replace(_of_normal_form(control, table, file_name, lap), ends=ends)
     space = control.system
     A, initial = space.polynomial_matrix_with_outputs(), space.start_with_outputs(control.start)
     coordinates = Coordinates(A.coordinates, tuple(space.units[name] for name in A.coordinates))

@@ -350,17 +350,11 @@ def entries_of(source, folder: SceneFolder) -> np.ndarray:
     return matrix
 
 
-#: Entries of a [[force]] or [[motion]] that say how its file is read.
-OF_FILE = (
-    "column", "time", "time_unit", "step", "header", "array", "decimal", "factor", "speed", "start", "end", "baseline", "baseline_fit"
-)  # fmt: skip
-
-
 def record_of(source, unit: str | None, folder: SceneFolder) -> Record:
     """A record in a file."""
-    given = {key: getattr(source, key) for key in OF_FILE if getattr(source, key) is not None}
-    offset = force_value(source.offset, unit, what="offset")
-    return record_in_si(folder.data_file(source.file), unit=source.unit, expected=unit, offset=offset, **given)
+    given = {key: getattr(source, key) for key in (*source.OF_FILE, "speed") if getattr(source, key) is not None}
+    given["offset"] = force_value(source.offset, unit, what="offset")
+    return record_in_si(folder.data_file(source.file), expected=unit, **given)
 
 
 def curve_of(source, folder: SceneFolder) -> tuple[np.ndarray, np.ndarray, str | None]:

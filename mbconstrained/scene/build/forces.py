@@ -62,14 +62,16 @@ def loads_of(
 
 def _places(table, coordinates: Coordinates, robot: LinearizedRobot | None) -> dict[str, tuple[np.ndarray, str]]:
     """The generalized forces of a unit force at each place of a [[force]] table, and the unit of the displacement along it."""
-    inputs, places = robot.inputs if robot else {}, {}
-    for name in table.places:
-        if name in inputs:
-            places[name] = inputs[name], robot.input_units[name]
-        else:
-            index = coordinates.number(name, *inputs)
-            places[name] = np.eye(len(coordinates.names))[index], coordinates.units[index]
-    return places
+    directions = (robot.inputs, robot.input_units) if robot else ({}, {})
+    return {name: _direction(name, coordinates, *directions) for name in table.places}
+
+
+def _direction(name: str, coordinates: Coordinates, rows: Mapping, units: Mapping) -> tuple[np.ndarray, str]:
+    """The row over the coordinates and the unit of a named input or output of a robot, or of a coordinate."""
+    if name in rows:
+        return rows[name], units[name]
+    index = coordinates.number(name, *rows)
+    return np.eye(len(coordinates.names))[index], coordinates.units[index]
 
 
 def _common_unit(places: Mapping[str, tuple[np.ndarray, str]]) -> str:
@@ -121,16 +123,12 @@ def prescribed_motions(
     shapers: Shapers = NONE_SHAPED,
 ) -> list[Constraint]:
     """The constraint rows of all [[motion]] tables."""
-    outputs = robot.outputs if robot else {}
+    directions = (robot.outputs, robot.output_units) if robot else ({}, {})
     constraints = []
     for number, table in enumerate(tables, 1):
         with at(file_name, f"motion[{number}]"):
             for row, (name, factor) in table.rows.items():
-                if name in outputs:
-                    coefficients, unit = outputs[name], robot.output_units[name]
-                else:
-                    index = coordinates.number(name, *outputs)
-                    coefficients, unit = np.eye(len(coordinates.names))[index], coordinates.units[index]
+                coefficients, unit = _direction(name, coordinates, *directions)
                 signal = float(factor) * _motion_signal(table, unit, folder, shapers.get(number))
                 constraints.append(Constraint(coefficients, level=table.level, value=signal, names=row, unit=unit))
     return constraints

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...ground.by_name import answering
-from ...ground.checks import nearest
+from ...ground.checks import listed, nearest
 from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError, named, shown
 from ...ground.files import path_of
@@ -28,6 +28,9 @@ INERTIA = {"rad": "kg*m^2", "m": "kg"}
 PLACE = {"rad": "rad", "m": "m"}
 BASE = "base"
 POSE_UNITS = ("m", "m", "m", "rad", "rad", "rad")
+
+#: Joints or bodies that a message lists.
+MOST_NAMES = 12
 
 
 COORDINATE_UNITS = {
@@ -55,14 +58,16 @@ class UrdfNames:
     def joint_unit(self, name: str) -> str:
         """The unit of a joint."""
         if name not in self.units:
-            raise InputError(f"there is no joint {shown(name)}{nearest(name, self.units)}; the joints are {_some(self.units)}")
+            raise InputError(
+                f"there is no joint {shown(name)}{nearest(name, self.units)}; the joints are {listed([*self.units], MOST_NAMES)}"
+            )
         return self.units[name]
 
     def check_body(self, name: str, *others: str) -> None:
         """Refuse a name that is neither that of a link nor one of the others."""
         if name not in (*self.links, *others):
             known = (*others, *self.links)
-            raise InputError(f"there is no body {shown(name)}{nearest(name, known)}; the bodies are {_some(known)}")
+            raise InputError(f"there is no body {shown(name)}{nearest(name, known)}; the bodies are {listed(known, MOST_NAMES)}")
 
 
 def names_of_urdf(path: Path, base: str = "fixed", package_dirs: Sequence[Path] = ()) -> UrdfNames:
@@ -92,11 +97,6 @@ def names_of_urdf(path: Path, base: str = "fixed", package_dirs: Sequence[Path] 
     several = {name: own for name, own in coordinates.items() if own}
     states = {} if model is None else source.named_states(Tangent(model, free_base or has_free_joint))
     return UrdfNames(path, tuple(links), known, mimics_of(root), tuple(meshes), several, states, has_free_joint)
-
-
-def _some(names) -> str:
-    names = list(names)
-    return ", ".join(names[:12]) + (f" and {len(names) - 12} more" if len(names) > 12 else "")
 
 
 def joint_values(values: Mapping, names: UrdfNames, units: Mapping[str, str]) -> dict[str, float]:

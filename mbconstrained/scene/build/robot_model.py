@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...ground.checks import listed
 from ...ground.coordinate_units import GROUND, force_unit
 from ...ground.display import TextTable, number_text, with_unit
 from ...ground.errors import InputError, shown
@@ -395,8 +396,8 @@ def _open_shares(result: Any) -> str:
     names = implied_rows(posture.balance, posture.independent_rows)
     if not names:
         return ""
-    named = f"{', '.join(names[:3])}{f' and {len(names) - 3} more' if len(names) > 3 else ''}"
-    return f" It is open how connections share the changes of forces: here {named} {'has' if len(names) == 1 else 'have'} no part in them."
+    has = "has" if len(names) == 1 else "have"
+    return f" It is open how connections share the changes of forces: here {listed(names)} {has} no part in them."
 
 
 def _forces_notices(result: Any) -> tuple[Notice, ...]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 from pydantic import BaseModel
 
-from ...ground.checks import counted
+from ...ground.checks import counted, listed
 from ...ground.display import Pictured
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
@@ -199,9 +199,8 @@ def _assumed_lengths(model) -> Iterator[Notice]:
             continue
         without = [spring.name or f"{key}[{number}]" for number, spring in springs if entry not in spring.model_fields_set]
         if without:
-            more = f" and {len(without) - MOST_NAMED} more" if len(without) > MOST_NAMED else ""
             text = f"no {entry} is given, while others have one: 0 {unit} is taken"
-            yield Notice(NoticeKind.OMITTED, f"{', '.join(without[:MOST_NAMED])}{more}: {text}")
+            yield Notice(NoticeKind.OMITTED, f"{listed(without, MOST_NAMED)}: {text}")
 
 
 def _matrix_notices(table, system: MechanicalSystem | None) -> Iterator[Notice]:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, create_model, model_validator
 from pydantic.fields import FieldInfo
@@ -241,6 +241,11 @@ Along = Annotated[
 class SampledTable(ForceBase):
     """A record: linear between its samples, zero before the first and after the last."""
 
+    OF_FILE: ClassVar = (  # the keys that say how a file is read
+        "column", "time", "step", "unit", "time_unit", "factor", "offset", "header", "array", "decimal", "start", "end", "baseline",
+        "baseline_fit",
+    )  # fmt: skip
+
     kind: Literal["sampled"] = Field(description="A record of times and values, in the scene or in a file.")
     times: list[Time] | None = Field(None, description="Times of the samples, ascending; one that stands there twice is a jump.")
     distances: list[Length] | None = Field(None, description="Instead of times distances x of the samples, with a speed.")
@@ -287,9 +292,7 @@ class SampledTable(ForceBase):
             raise InputError('give times and values, or file, e.g. file = "record.csv"')
         if self.file is not None and (times is not None or self.values is not None):
             raise InputError("give either times and values or file, not both")
-        of_file = ("column", "time", "step", "unit", "time_unit", "factor", "offset", "header", "array", "decimal", "start", "end")
-        of_file += ("baseline", "baseline_fit")
-        if self.file is None and (given := [key for key in of_file if key in self.model_fields_set]):
+        if self.file is None and (given := [key for key in self.OF_FILE if key in self.model_fields_set]):
             raise InputError(f"{', '.join(given)}: for a file only; leave out what is not for times and values")
         if self.file is None and len(times) != len(self.values):
             raise InputError(f"found {len(times)} times and {len(self.values)} values; expected as many of both")

@@ -9,14 +9,16 @@ _POWER = {ord(sign): digit for sign, digit in _SIGNS.items()}
 
 def pointed(browser, number: int, across: float, up: float) -> None:
     """The mouse in a plot, at shares of its axes."""
-    x, y, width, height = browser.evaluate(f"""(() => {{
-        const svg = document.querySelectorAll("svg.plot")[{number}];
-        svg.scrollIntoView({{block: "center"}});
-        const box = svg.getBoundingClientRect();
-        return [box.x, box.y, box.width, box.height];
-    }})()""")
-    browser.call("Input.dispatchMouseEvent", type="mouseMoved", x=x + across * width, y=y + (1 - up) * height)
+    browser.mouse("mouseMoved", *browser.place("svg.plot", across, up, number))
     browser.wait(0.02)
+
+
+def wheel(browser, number: int, across: float, up: float, delta: float) -> tuple[float, float]:
+    """A turn of the wheel in a plot, and where it was."""
+    place = browser.place("svg.plot", across, up, number)
+    browser.mouse("mouseWheel", *place, deltaX=0, deltaY=delta)
+    browser.wait(0.1)
+    return place
 
 
 def tables(browser) -> list[str]:

@@ -7,8 +7,7 @@ from mbconstrained.analyses.sweep.plots import row_plot
 from mbconstrained.page.content import Cells, Curve, Marks, PageContent, Plot
 from mbconstrained.page.html import write_page
 from tests.page.browser import needs_chromium
-from tests.page.plots.in_browser import pointed, tables
-from tests.page.plots.test_zoom_in_browser import wheel
+from tests.page.plots.in_browser import pointed, tables, wheel
 
 pytestmark = needs_chromium
 
@@ -93,9 +92,8 @@ def test_what_is_drawn_is_saved_as_a_table(opened):
 
 
 def test_a_finger_leaves_what_it_has_pointed_at(opened):
-    box = opened.box("svg.plot")
-    place = [{"x": box[0] + 0.25 * box[2], "y": box[1] + 0.25 * box[3]}]
-    opened.call("Input.dispatchTouchEvent", type="touchStart", touchPoints=place)
+    x, y = opened.place("svg.plot", 0.25, 0.75)
+    opened.call("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y}])
     opened.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
     opened.wait(0.05)
     assert opened.evaluate("document.querySelector('.reading:not([hidden])')?.textContent") == "c"

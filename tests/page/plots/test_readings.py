@@ -145,10 +145,9 @@ def test_the_script_shows_what_the_data_determine(browser, tmp_path):
     page = write_page(tmp_path / "page.html", PageContent("t", plots=plots))
     browser.size(1100, 900)
     browser.open(page)
-    box = browser.box("svg.plot")
     sets, places = functions_of_page(page.read_text()), places_of_page(page.read_text())
     for across in np.random.default_rng(4).uniform(0.02, 0.98, 12):
-        browser.call("Input.dispatchMouseEvent", type="mouseMoved", x=box[0] + across * box[2], y=box[1] + box[3] / 2)
+        browser.point("svg.plot", across)
         told, texts = browser.evaluate(f"[document.querySelector('.pointer-time').textContent, {TEXTS}]")
         time = float(told.removesuffix(" s"))  # the readings are those of the time that is shown
         for row, per_curve in zip(texts, places):

@@ -152,10 +152,9 @@ def test_the_script_steps_through_a_record(browser, tmp_path):
     page = result.write_page(tmp_path / "page.html")
     browser.size(1100, 900)
     browser.open(page)
-    box = browser.box("svg.plot")
     plots = plots_of(result)
     for across in (0.9, 0.1, 0.55):  # backwards, too
-        browser.call("Input.dispatchMouseEvent", type="mouseMoved", x=box[0] + across * box[2], y=box[1] + box[3] / 2)
+        browser.point("svg.plot", across)
         shown, texts = browser.evaluate(
             "[document.querySelector('.pointer-time').textContent,"
             " [...document.querySelector('.plot-figure').querySelectorAll('.value')].map(v => v.textContent)]"

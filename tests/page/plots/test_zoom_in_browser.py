@@ -6,6 +6,7 @@ import pytest
 from mbconstrained.page.content import Curve, Guide, Marks, PageContent, Plot, TimeFunctions, axis_of, curve_with_gaps
 from mbconstrained.page.html import write_page
 from tests.page.browser import needs_chromium
+from tests.page.plots.in_browser import pointed, wheel
 
 pytestmark = needs_chromium
 
@@ -30,19 +31,6 @@ def opened(browser, tmp_path_factory):
     return browser.open(write_page(tmp_path_factory.mktemp("zoom") / "page.html", content))
 
 
-def wheel(browser, number, across, up, delta):
-    box = browser.evaluate(f"""(() => {{
-        const svg = document.querySelectorAll("svg.plot")[{number}];
-        svg.scrollIntoView({{block: "center"}});
-        const box = svg.getBoundingClientRect();
-        return [box.x, box.y, box.width, box.height];
-    }})()""")
-    place = {"x": box[0] + across * box[2], "y": box[1] + (1 - up) * box[3]}
-    browser.call("Input.dispatchMouseEvent", type="mouseWheel", deltaX=0, deltaY=delta, **place)
-    browser.wait(0.1)
-    return place
-
-
 def ends(labels):
     """The lowest and highest label along the horizontal axis, whose labels come first and ascend."""
     numbers = [float(text.replace("−", "-")) for text in labels]
@@ -53,20 +41,17 @@ def ends(labels):
 def test_the_wheel_zooms_at_the_pointer_a_drag_moves_and_a_double_click_shows_the_whole(opened):
     whole = opened.evaluate(LABELS.format(0))
     for _ in range(4):
-        place = wheel(opened, 0, 0.5, 0.5, -200)
+        x, y = wheel(opened, 0, 0.5, 0.5, -200)
     low, high = ends(opened.evaluate(LABELS.format(0)))
     assert 3.5 < low < 5 < high < 6.5 and "−1.0" not in opened.evaluate(LABELS.format(0))
     drawn = opened.evaluate("document.querySelector('svg.plot .curves path').getAttribute('d').split('L').length")
     assert drawn > 300  # the part itself, not the points of the whole that lie in it
     for kind, right in (("mousePressed", 0), ("mouseMoved", -150), ("mouseReleased", -150)):
-        opened.call(
-            "Input.dispatchMouseEvent", type=kind, x=place["x"] + right, y=place["y"], button="left", buttons=1, clickCount=1
-        )
+        opened.mouse(kind, x + right, y, button="left", buttons=1, clickCount=1)
     opened.wait(0.1)
     assert ends(opened.evaluate(LABELS.format(0)))[0] > low
     for count in (1, 2):
-        for kind in ("mousePressed", "mouseReleased"):
-            opened.call("Input.dispatchMouseEvent", type=kind, **place, button="left", clickCount=count)
+        opened.press_at(x, y, count)
     opened.wait(0.1)
     assert opened.evaluate(LABELS.format(0)) == whole
     assert opened.messages == []
@@ -74,15 +59,10 @@ def test_the_wheel_zooms_at_the_pointer_a_drag_moves_and_a_double_click_shows_th
 
 def test_two_fingers_zoom_about_their_middle_and_move_the_part(opened):
     whole = opened.evaluate(LABELS.format(0))
-    box = opened.evaluate("""(() => {
-        const svg = document.querySelector("svg.plot");
-        svg.scrollIntoView({block: "center"});
-        const box = svg.getBoundingClientRect();
-        return [box.x, box.y, box.width, box.height];
-    })()""")
 
     def fingers(kind, *shares):
-        points = [{"x": box[0] + share * box[2], "y": box[1] + box[3] / 2, "id": number} for number, share in enumerate(shares)]
+        places = [opened.place("svg.plot", share) for share in shares]
+        points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(places)]
         opened.call("Input.dispatchTouchEvent", type=kind, touchPoints=points)
 
     opened.call("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=2)
@@ -192,14 +172,7 @@ def test_a_curve_has_no_value_in_its_gap(diagrams):
 
 def test_a_point_of_a_complex_plane_has_the_value_of_the_parameter(diagrams):
     for up, branch in ((0.75, 0), (0.25, 1)):  # s = -5 +- 5i on axes from -10 to 0 and to 10
-        box = diagrams.evaluate("""(() => {
-            const svg = document.querySelectorAll("svg.plot")[1];
-            svg.scrollIntoView({block: "center"});
-            const box = svg.getBoundingClientRect();
-            return [box.x, box.y, box.width, box.height];
-        })()""")
-        diagrams.call("Input.dispatchMouseEvent", type="mouseMoved", x=box[0] + 0.5 * box[2], y=box[1] + (1 - up) * box[3])
-        diagrams.wait(0.1)
+        pointed(diagrams, 1, 0.5, up)
         text = diagrams.evaluate("document.querySelectorAll('svg.plot')[1].querySelector('.pointer-time').textContent")
         name, number, unit = text.replace(":", "").split(" ", 2)
         assert (name, unit) == ("c", "N s/m") and abs(float(number) - 5) < 0.1

@@ -1,5 +1,7 @@
 """initial.follow: what is not given comes from the constraint rows, and what is given stays."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -61,20 +63,16 @@ def test_units_do_not_matter(tmp_path, scale):
 @pytest.mark.parametrize(
     ("rows", "text", "message"),
     [
-        (
-            CHAIN,
-            "displacement = { d = 1 }",
-            r'initial\.displacement: the constraint rows leave "a", "b", "c" open; give one of them a value',
-        ),
-        (row("a = 1, b = 1, c = 1", value=1), "", r'leave "a", "b", "c" open; give 2 of them a value'),
-        (CHAIN, "displacement = { a = 6, b = 1 }", r'initial\.displacement: the given values contradict the constraint row "'),
-        (CHAIN, "displacement = { a = 1 }\nvelocity = { a = 1, b = 1 }", r"initial\.velocity: the given values contradict"),
-        ("", "displacement = { a = 1 }", r"initial\.follow: there are no constraint rows"),
-        (CHAIN, "displacement = [1, 1, 1, 1]", r"initial: follow needs values by name"),
+        (CHAIN, "displacement = { d = 1 }", 'initial.displacement: the constraint rows leave "a", "b", "c" open; give one of them'),
+        (row("a = 1, b = 1, c = 1", value=1), "", 'leave "a", "b", "c" open; give 2 of them a value'),
+        (CHAIN, "displacement = { a = 6, b = 1 }", 'initial.displacement: the given values contradict the constraint row "'),
+        (CHAIN, "displacement = { a = 1 }\nvelocity = { a = 1, b = 1 }", "initial.velocity: the given values contradict"),
+        ("", "displacement = { a = 1 }", "initial.follow: there are no constraint rows"),
+        (CHAIN, "displacement = [1, 1, 1, 1]", "initial: follow needs values by name"),
     ],
 )
 def test_message(tmp_path, rows, text, message):
-    with pytest.raises(SceneError, match=message):
+    with pytest.raises(SceneError, match=re.escape(message)):
         scene_of(tmp_path, THREE.replace("ROWS", rows).replace("START", text))
 
 

@@ -1,5 +1,6 @@
 """Scenes whose equations leave a coordinate free or are redundant: check and run report it, [[motion]] chooses."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -48,33 +49,18 @@ def test_consistent_rows_run_with_a_notice(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "old, new, error, text",
+    "old, new, text",
     [
-        (
-            'coordinate = "gripper"',
-            'coordinate = "griper"',
-            mb.SceneError,
-            r'motion\[1\]: there is no coordinate "griper"; did you mean',
-        ),
-        (
-            'kind = "sampled"',
-            'level = "velocity"\nkind = "sampled"',
-            mb.SceneError,
-            'chosen once, at the level "position"; found velocity',
-        ),
-        (MOTION, MOTION + MOTION, mb.SceneError, r"motion\[2\]: .*found a second one"),
-        (MOTION, MOTION + MOTION.replace("gripper", "arm"), mb.SceneError, "motion: free: .*1 coordinate may be chosen"),
-        (
-            "[output]",
-            '[frequency]\nfrom = "1 Hz"\nto = "5 Hz"\n[output]',
-            mb.SceneError,
-            "frequency: the equations are no regular system",
-        ),
-        ('end = "6 s"', 'end = "6 s"\nstep_domain = "discrete"\nstep = "1 s"', mb.SceneError, "time"),
+        ('coordinate = "gripper"', 'coordinate = "griper"', 'motion[1]: there is no coordinate "griper"; did you'),
+        ('kind = "sampled"', 'level = "velocity"\nkind = "sampled"', 'chosen once, at the level "position"; found'),
+        (MOTION, MOTION + MOTION, "found a second one"),
+        (MOTION, MOTION + MOTION.replace("gripper", "arm"), "1 coordinate may be chosen"),
+        ("[output]", '[frequency]\nfrom = "1 Hz"\nto = "5 Hz"\n[output]', "frequency: the equations are no regular"),
+        ('end = "6 s"', 'end = "6 s"\nstep_domain = "discrete"\nstep = "1 s"', "in discrete time coefficients must"),
     ],
 )
-def test_what_does_not_fit_is_refused(tmp_path, old, new, error, text):
-    with pytest.raises(error, match=text):
+def test_what_does_not_fit_is_refused(tmp_path, old, new, text):
+    with pytest.raises(mb.SceneError, match=re.escape(text)):
         read(tmp_path, EXAMPLE.replace(old, new))
 
 

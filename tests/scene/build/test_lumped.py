@@ -10,75 +10,21 @@ EVERYTHING = """
 [model]
 kind = "lumped"
 gravity = "-9.81 m/s^2"
-
-[[model.node]]
-name = "joint"
-[[model.mass]]
-name = "cart"
-mass = "10 kg"
-position = "1 m"
-[[model.mass]]
-name = "hook"
-mass = "5 kg"
-[[model.mass]]
-name = "rod"
-mass = "1 kg"
-[[model.inertia]]
-name = "motor"
-inertia = "0.1 kg*m^2"
-[[model.inertia]]
-name = "wheel"
-inertia = 0.4
-[[model.inertia]]
-name = "drum"
-inertia = 0.3
-[[model.node]]
-name = "pinion"
-rotational = true
-
-[[model.spring]]
-name = "front"
-between = ["ground", "cart"]
-stiffness = "3 N/mm"
-rest_length = "20 cm"
-[[model.damper]]
-between = ["ground", "cart"]
-damping = 4
-[[model.torsion_spring]]
-between = ["motor", "pinion"]
-stiffness = "40 N*m/rad"
-rest_angle = "10 deg"
-[[model.torsion_damper]]
-between = ["motor", "pinion"]
-damping = 0.5
-[[model.rigid_tie]]
-between = ["joint", "cart"]
-distance = "0.5 m"
-[[model.rigid_tie]]
-name = "coupling"
-between = ["wheel", "drum"]
-distance = "90 deg"
-[[model.lever]]
-between = ["cart", "rod"]
-arms = ["0.1 m", "0.3 m"]
-[[model.gear]]
-between = ["pinion", "wheel"]
-teeth = [20, 60]
-internal = true
-[[model.rack]]
-gear = "drum"
-rack = "hook"
-radius = "50 mm"
-[[model.pulley]]
-between = ["cart", "hook"]
-over = "rod"
-length = "2 m"
-[[model.constraint]]
-name = "held"
-rows = { motor = 1, wheel = -2 }
-level = "velocity"
-value = "3 rad/s"
-
+node = [{ name = "joint" }, { name = "pinion", rotational = true }]
+mass = [{ name = "cart", mass = "10 kg", position = "1 m" }, { name = "hook", mass = "5 kg" }, { name = "rod", mass = "1 kg" }]
+inertia = [{ name = "motor", inertia = "0.1 kg*m^2" }, { name = "wheel", inertia = 0.4 }, { name = "drum", inertia = 0.3 }]
+spring = [{ name = "front", between = ["ground", "cart"], stiffness = "3 N/mm", rest_length = "20 cm" }]
+damper = [{ between = ["ground", "cart"], damping = 4 }]
+torsion_spring = [{ between = ["motor", "pinion"], stiffness = "40 N*m/rad", rest_angle = "10 deg" }]
+torsion_damper = [{ between = ["motor", "pinion"], damping = 0.5 }]
+rigid_tie = [
+  { between = ["joint", "cart"], distance = "0.5 m" }, { name = "coupling", between = ["wheel", "drum"], distance = "90 deg" },
+]
+lever = [{ between = ["cart", "rod"], arms = ["0.1 m", "0.3 m"] }]
+gear = [{ between = ["pinion", "wheel"], teeth = [20, 60], internal = true }]
+rack = [{ gear = "drum", rack = "hook", radius = "50 mm" }]
+pulley = [{ between = ["cart", "hook"], over = "rod", length = "2 m" }]
+constraint = [{ name = "held", rows = { motor = 1, wheel = -2 }, level = "velocity", value = "3 rad/s" }]
 [time]
 end = 1
 """

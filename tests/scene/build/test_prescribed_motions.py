@@ -10,19 +10,10 @@ from tests.scene.scenes import scene_of
 CAR = """
 [model]
 kind = "lumped"
-[[model.node]]
-name = "left"
-[[model.node]]
-name = "right"
-[[model.mass]]
-name = "car"
-mass = "2 kg"
-[[model.spring]]
-between = ["left", "car"]
-stiffness = "8 N/m"
-[[model.damper]]
-between = ["right", "car"]
-damping = "0.5 N*s/m"
+node = [{ name = "left" }, { name = "right" }]
+mass = [{ name = "car", mass = "2 kg" }]
+spring = [{ between = ["left", "car"], stiffness = "8 N/m" }]
+damper = [{ between = ["right", "car"], damping = "0.5 N*s/m" }]
 [time]
 end = "4 s"
 points = 9

@@ -9,17 +9,10 @@ from mbconstrained.ground.errors import SceneError
 BOX = """
 [model]
 kind = "lumped"
-[[model.node]]
-name = "table"
-[[model.mass]]
-name = "box"
-mass = "4 kg"
-[[model.spring]]
-between = ["table", "box"]
-stiffness = "142 N/mm"
-[[model.damper]]
-between = ["table", "box"]
-damping = "75 N s/m"
+node = [{ name = "table" }]
+mass = [{ name = "box", mass = "4 kg" }]
+spring = [{ between = ["table", "box"], stiffness = "142 N/mm" }]
+damper = [{ between = ["table", "box"], damping = "75 N s/m" }]
 [[motion]]
 name = "shaker"
 coordinate = "table"

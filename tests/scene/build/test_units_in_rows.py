@@ -33,19 +33,8 @@ z1 = 20
 
 [model]
 kind = "lumped"
-
-[[model.inertia]]
-name = "a"
-inertia = 1
-
-[[model.inertia]]
-name = "b"
-inertia = 1
-
-[[model.gear]]
-between = ["a", "b"]
-teeth = ["=z1", 60]
-
+inertia = [{ name = "a", inertia = 1 }, { name = "b", inertia = 1 }]
+gear = [{ between = ["a", "b"], teeth = ["=z1", 60] }]
 [time]
 end = 1
 """

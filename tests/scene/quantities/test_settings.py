@@ -41,10 +41,7 @@ def test_what_is_set_is_taken_and_told(scene, settings, stiffness, told):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        (
-            {"kk": 3},
-            '^--set: kk: there is no such parameter; did you mean "k"?; there are k, x0; give one of [parameters], or a place',
-        ),
+        ({"kk": 3}, '^--set: kk: there is no such parameter; did you mean "k"?; there are k, x0; give one of [parameters], or a'),
         ({"k": "3 kg"}, '^--set: k: found "3 kg", a mass; expected a stiffness, as "8 N/m" in the file'),
         ({"k": "3 fox"}, '--set: k: found "3 fox", but there is no unit "fox"'),
         ({"k": "1,5 N/m"}, 'decimals have a point: "1.5 N/m"'),

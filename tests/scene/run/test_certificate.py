@@ -1,8 +1,6 @@
 """Proved digits: asked for by the scene or by the command line, on the page, in JSON and in the plan; wrong answers are found."""
 
 import json
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -119,20 +117,11 @@ def test_digits_are_relative_to_the_curve_or_where_it_is_rounding_to_the_others(
 
 
 @pytest.mark.long
-def test_from_the_command_line(tmp_path):
-    command = [
-        sys.executable,
-        "-m",
-        "mbconstrained",
-        "run",
-        str(EXAMPLES / "two_masses.toml"),
-        "--certify",
-        "--out",
-        str(tmp_path),
-    ]
-    text = subprocess.run([*command, "--verbose"], capture_output=True, text=True, check=True).stdout
+def test_from_the_command_line(command):
+    arguments = ("run", EXAMPLES / "two_masses.toml", "--certify", "--out", "out")
+    text = command(*arguments, "--verbose")[1]
     assert "Proved digits" in text and "at 101 of 1001 times" in " ".join(text.split())
-    assert "Proved digits" in (tmp_path / "two_masses.html").read_text(encoding="utf-8")
-    data = json.loads(subprocess.run([*command, "--json"], capture_output=True, text=True, check=True).stdout)
+    assert "Proved digits" in Path("out/two_masses.html").read_text(encoding="utf-8")
+    data = json.loads(command(*arguments, "--json")[1])
     assert [curve["name"] for curve in data["certificate"]["curves"]] == ["x1", "q1", "q2"]
     assert all(curve["error_bound"] < 1e-12 for curve in data["certificate"]["curves"])

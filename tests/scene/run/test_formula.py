@@ -89,22 +89,10 @@ F = "3 N"
 [model]
 kind = "lumped"
 gravity = "=g"
-[[model.mass]]
-name = "a"
-mass = "=m"
-[[model.mass]]
-name = "b"
-mass = 1.5
-[[model.spring]]
-between = ["ground", "a"]
-stiffness = "=4*m"
-rest_length = 0.25
-[[model.damper]]
-between = ["ground", "b"]
-damping = 0.5
-[[model.TIE]]
-between = ["a", "b"]
-ARGUMENTS
+mass = [{ name = "a", mass = "=m" }, { name = "b", mass = 1.5 }]
+spring = [{ between = ["ground", "a"], stiffness = "=4*m", rest_length = 0.25 }]
+damper = [{ between = ["ground", "b"], damping = 0.5 }]
+TIE = [{ between = ["a", "b"], ARGUMENTS }]
 [initial]
 displacement = { a = 1.0 }
 follow = true
@@ -158,30 +146,12 @@ J = "0.2 kg*m^2"
 r = 2
 [model]
 kind = "lumped"
-[[model.inertia]]
-name = "one"
-inertia = "=J"
-[[model.inertia]]
-name = "two"
-inertia = "=3*J"
-[[model.mass]]
-name = "slide"
-mass = 4
-[[model.torsion_spring]]
-between = ["ground", "one"]
-stiffness = "5 N*m/rad"
-rest_angle = "10 deg"
-[[model.gear]]
-between = ["one", "two"]
-radii = ["=r", 3]
-[[model.rack]]
-gear = "two"
-rack = "slide"
-radius = "=r/10"
-[[model.constraint]]
-rows = { one = 3, slide = "=r" }
-level = "velocity"
-value = 0
+inertia = [{ name = "one", inertia = "=J" }, { name = "two", inertia = "=3*J" }]
+mass = [{ name = "slide", mass = 4 }]
+torsion_spring = [{ between = ["ground", "one"], stiffness = "5 N*m/rad", rest_angle = "10 deg" }]
+gear = [{ between = ["one", "two"], radii = ["=r", 3] }]
+rack = [{ gear = "two", rack = "slide", radius = "=r/10" }]
+constraint = [{ rows = { one = 3, slide = "=r" }, level = "velocity", value = 0 }]
 [initial]
 displacement = { one = 0.5 }
 [time]
@@ -190,7 +160,7 @@ end = 3
 
 
 def test_shafts_gears_and_racks(tmp_path):
-    free = SHAFTS.replace('[[model.constraint]]\nrows = { one = 3, slide = "=r" }\nlevel = "velocity"\nvalue = 0\n', "")
+    free = SHAFTS.replace('constraint = [{ rows = { one = 3, slide = "=r" }, level = "velocity", value = 0 }]\n', "")
     assert agrees(scene_of(tmp_path, free))
     dependent = SHAFTS.replace('{ one = 3, slide = "=r" }', '{ one = "=r", two = 3 }')
     assert agrees(scene_of(tmp_path, dependent))

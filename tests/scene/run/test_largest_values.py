@@ -36,13 +36,13 @@ def test_sweeps_and_runs_have_the_largest_values_of_the_closed_form(driveline):
     ]
     study = scene.sweep({"coupling": mb.linspace("12 kN*m/rad", "14 kN*m/rad", 3)}, keep=keep).run()
     assert [study.values(name)[0] for name in keep[:3]] == pytest.approx(list(LARGEST.values()), rel=1e-8)
-    data = {(one["name"], one["of"]): one for one in scene.run().to_dict()["largest"]}
+    answer = json.loads(json.dumps(scene.run().to_dict(), allow_nan=False))
+    data = {(one["name"], one["of"]): one for one in answer["largest"]}
     for name, kept in zip(names, keep):
         assert data[name, "angular velocity"]["largest"] == pytest.approx(study.values(kept)[0], rel=1e-11)
     assert data["coupling", "torque"]["largest"] == pytest.approx(study.values("largest coupling")[0], rel=1e-11)
     assert data["gear", "reaction"]["largest"] == pytest.approx(study.values("largest reaction of gear")[0], rel=1e-11)
     assert study.values("peak velocity of engine").tolist() == study.values(keep[0]).tolist()
-    json.dumps(scene.run().to_dict(), allow_nan=False)
 
 
 def test_the_absorber_at_low_damping():
@@ -94,15 +94,14 @@ def test_drawn_curves_have_no_beats(driveline, points):
 
 
 @needs_chromium
-@pytest.mark.parametrize("width", [1280, 390])
-def test_what_a_browser_shows_has_no_beats(driveline, browser, tmp_path, width):
+def test_what_a_browser_shows_has_no_beats(driveline, browser, tmp_path):
     """The path of the torque in the page: each of its humps in the second half is as high as the others, on desktop and phone."""
     page = driveline(DRIVELINE.replace('end = "2 s"', 'end = "2 s"\npoints = 401')).run().write_page(tmp_path / "page.html")
-    browser.size(width, 900, mobile=width < 500)
-    opened = browser.open(page)
-    path = opened.evaluate("[...document.querySelectorAll('svg.plot .curves path')].at(-1).getAttribute('d')")
-    start, steps = re.fullmatch(r"M(\d+ \d+)l(.*)", path).groups()
-    numbers = np.array(re.findall(r"-?\d+", f"{start} {steps}"), int).reshape(-1, 2).cumsum(axis=0)
-    x, y = numbers[:, 0], 5000 - numbers[:, 1]
-    humps = [y[(x >= edge) & (x < edge + 80)].max() for edge in range(5040, 9900, 80)]
-    assert np.ptp(humps) <= 0.01 * max(humps)
+    for width in (1280, 390):
+        browser.size(width, 900, mobile=width < 500)
+        path = browser.open(page).evaluate("[...document.querySelectorAll('svg.plot .curves path')].at(-1).getAttribute('d')")
+        start, steps = re.fullmatch(r"M(\d+ \d+)l(.*)", path).groups()
+        numbers = np.array(re.findall(r"-?\d+", f"{start} {steps}"), int).reshape(-1, 2).cumsum(axis=0)
+        x, y = numbers[:, 0], 5000 - numbers[:, 1]
+        humps = [y[(x >= edge) & (x < edge + 80)].max() for edge in range(5040, 9900, 80)]
+        assert np.ptp(humps) <= 0.01 * max(humps)

@@ -1,7 +1,6 @@
 """What is written: CSV, npz, page; and what is not lost when something goes wrong."""
 
 import csv
-import json
 import re
 import zipfile
 
@@ -72,17 +71,12 @@ def test_reactions_are_written_where_asked_for(tmp_path):
         assert found["constraints"].tolist() == ["tie"]
 
 
-def test_the_same_scene_gives_the_same_bytes_but_for_what_stages_took(tmp_path):
+def test_the_same_scene_gives_the_same_bytes(tmp_path):
     for folder in ("one", "two"):
         read_scene(EXAMPLES / "two_masses.toml").run(tmp_path / folder)
     for ending in ("csv", "npz"):
         one, two = (tmp_path / folder / f"two_masses.{ending}" for folder in ("one", "two"))
         assert one.read_bytes() == two.read_bytes(), ending
-    one, two = (
-        (tmp_path / folder / "two_masses.html").read_text(encoding="utf-8").partition("<h2>Plan: ") for folder in ("one", "two")
-    )
-    assert one[:2] == two[:2] and one[1]
-    assert one[2].partition("</table>")[1:] == two[2].partition("</table>")[1:]
     with zipfile.ZipFile(tmp_path / "one" / "two_masses.npz") as archive:
         assert {info.date_time for info in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
 
@@ -127,14 +121,6 @@ def test_an_answer_beyond_the_range_of_numbers_leaves_earlier_output(tmp_path):
     with pytest.raises(MbconstrainedError, match="beyond the range of float64"):
         scene_of(tmp_path, growing.replace("points = 5", "")).run(tmp_path / "out")
     assert {path: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
-
-
-@pytest.mark.parametrize("name", sorted(path.stem for path in EXAMPLES.glob("*.toml")))
-def test_every_example_can_be_told_as_data(name):
-    result = read_scene(EXAMPLES / f"{name}.toml").run()
-    data = json.loads(json.dumps(result.to_dict(), allow_nan=False))
-    assert data["trusted"] is True
-    assert sum(len(data.get(key, ())) for key in ("coordinates", "eigenvalues", "evidence", "plan")) > 10
 
 
 OUTPUT = '\n[output]\nunits = "{}"\nplots = ["displacement", "velocity", "energy", "phase"]\nanimation = false\n'

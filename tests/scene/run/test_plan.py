@@ -1,15 +1,10 @@
 """The plan: what is listed as taken runs, what is left out does not."""
 
-import os
-import subprocess
-import sys
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from mbconstrained.analyses.run import RunAnswer
-from mbconstrained.mechanics.motion import Motion
 from mbconstrained.mechanics.system import MechanicalSystem
 from mbconstrained.scene.run.scene import read_scene
 from tests.scene.scenes import EXAMPLES, MATRICES, OSCILLATOR, scene_of
@@ -76,26 +71,6 @@ def test_infinite_pair_only_where_it_matters(tmp_path, level, extra, taken):
     assert stages(constrained(tmp_path, level, extra))["infinite pair"] is taken
 
 
-def test_what_is_left_out_is_not_called(tmp_path, monkeypatch):
-    def forbidden(*_, **__):
-        raise AssertionError("called although left out")
-
-    for owner, name in (
-        (RunAnswer, "infinite_pair"),
-        (RunAnswer, "animation"),
-        (RunAnswer, "write_page"),
-        (RunAnswer, "write_npz"),
-        (Motion, "reaction"),
-        (Motion, "energy"),
-        (Motion, "velocity"),
-    ):
-        monkeypatch.setattr(owner, name, property(forbidden))
-    scene = constrained(tmp_path, "acceleration", "[output]\npage = false\nnpz = false")
-    result = scene.run(tmp_path / "out")
-    assert result.summary() and result.to_dict()
-    assert [path.name for path in result.files] == ["scene.csv"]
-
-
 def test_what_is_taken_is_called(tmp_path, monkeypatch):
     called = []
     original = MechanicalSystem.modes
@@ -117,39 +92,6 @@ PREPARED = (
     "constrained form",
     "proof (python-flint)",  # part of the error estimate
 )
-
-AUDIT = """
-import sys
-from mbconstrained import read_scene
-scene = read_scene({path!r})
-plan = scene.plan()
-result = scene.run({folder!r})
-result.summary(), result.to_dict()
-print(*(name for name in sys.modules if name.split(".")[0] in
-    ("pinocchio", "sympy", "meshcat", "matplotlib", "pandas", "typer", "rich", "IPython")
-    or name.startswith("mbconstrained.page")))
-"""
-
-
-def imported(path, folder) -> list[str]:
-    code = AUDIT.format(path=str(path), folder=str(folder))
-    environment = {**os.environ, "PYTHONPATH": str(EXAMPLES.parent)}
-    found = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env=environment)
-    return found.stdout.split()
-
-
-@pytest.mark.long
-def test_a_lumped_scene_imports_no_robot_viewer_symbols_or_plots(tmp_path):
-    names = imported(EXAMPLES / "critically_damped.toml", tmp_path)
-    assert "mbconstrained.page.html" in names  # the page was made
-    assert all(name.startswith("mbconstrained.page") for name in names)
-
-
-@pytest.mark.long
-def test_without_a_page_and_units_neither_is_imported(tmp_path):
-    path = tmp_path / "plain.toml"
-    path.write_text(MATRICES + "[output]\npage = false\n")
-    assert imported(path, tmp_path) == []
 
 
 def test_planning_solves_nothing(monkeypatch):

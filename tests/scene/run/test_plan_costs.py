@@ -65,14 +65,15 @@ def test_a_run_tells_totals_in_one_line_and_as_data(tmp_path):
     assert result.plan.page_table().rows
 
 
-@pytest.mark.parametrize("name", ["two_masses", "four_bar"])
-def test_pages_of_the_same_scene_have_the_same_bytes(tmp_path, name):
+def test_pages_of_the_same_scene_have_the_same_bytes(tmp_path):
     """In processes whose sets have different orders, whatever time their stages took."""
-    script = f"import mbconstrained as mb; mb.read_scene({str(EXAMPLES / name)!r} + '.toml').run({{!r}})"
+    script = (
+        f"import mbconstrained as mb; mb.read_scene({str(EXAMPLES / 'four_bar.toml')!r}, {{{{'time.points': 21}}}}).run({{!r}})"
+    )
     digests = set()
     for seed in "12":
         folder = tmp_path / seed
         environment = {**os.environ, "PYTHONHASHSEED": seed}
         subprocess.run([sys.executable, "-c", script.format(str(folder))], env=environment, check=True, capture_output=True)
-        digests.add(hashlib.sha256((folder / f"{name}.html").read_bytes()).hexdigest())
+        digests.add(hashlib.sha256((folder / "four_bar.time.points=21.html").read_bytes()).hexdigest())
     assert len(digests) == 1

@@ -37,12 +37,17 @@ units = "mm"
 SPEED = np.sqrt(2 * 9.81 * 1.01)
 
 
-@pytest.fixture
-def drop(tmp_path):
-    return scene_of(tmp_path, DROP).run(tmp_path)
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("drop")
 
 
-def test_the_run_of_a_scene_is_the_motion_of_its_switched_system(tmp_path, drop):
+@pytest.fixture(scope="module")
+def drop(folder):
+    return scene_of(folder, DROP).run(folder)
+
+
+def test_the_run_of_a_scene_is_the_motion_of_its_switched_system(drop):
     model = mb.LumpedModel()
     model.mass("ball", 2.0)
     model.gravity(-9.81)
@@ -72,14 +77,22 @@ def test_at_rest_the_contact_carries_the_weight(drop):
     assert not rows.values[0, drop.times < last.time].any()
 
 
-def test_events_are_printed_in_the_units_of_the_output_and_stored_whole(drop, tmp_path):
+def test_events_are_printed_in_the_units_of_the_output_and_stored_whole(drop, folder):
     table = next(table for table in drop.tables if table.title == "Events")
     assert len(table.rows) == len(drop.motion.events)
     assert drop.largest[0].value == 1.0 and "1000 mm" in drop.summary()
-    with np.load(tmp_path / "scene.npz") as arrays:
+    with np.load(folder / "scene.npz") as arrays:
         assert arrays["event_times"].tolist() == [event.time for event in drop.motion.events]
         assert arrays["phases"].tolist() == ["open", "closed"]
     assert json.loads(json.dumps(drop.to_dict()))["trusted"]
+
+
+def test_run_shows_the_first_events_on_one_screen_and_check_is_silent(command, tmp_path):
+    scene_of(tmp_path, DROP + "page = false\n")
+    code, text, _ = command("run", "scene.toml")
+    assert code == 0 and "Events" in text and "floor impact" in text and len(text.splitlines()) <= 24
+    code, text, _ = command("check", "scene.toml")
+    assert code == 0 and text.startswith("scene.toml is fine: scene") and "note" not in text
 
 
 def test_nothing_is_reported_twice(drop):

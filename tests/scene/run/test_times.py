@@ -51,33 +51,20 @@ def test_a_force_after_the_end_is_reported(tmp_path):
     assert not scene_of(tmp_path, OSCILLATOR + force.format("2 s")).notices
 
 
+MASS, STIFFNESS = "mass = [[1, 0], [0, 1]]", "stiffness = [[1, 0], [0, 4]]"
+
+
 @pytest.mark.parametrize(
-    ("change", "kind", "text"),
+    ("old", "new", "kind", "text"),
     [
-        (
-            ("mass = [[1, 0], [0, 1]]", "mass = [[1, 0.5], [0, 1]]"),
-            NoticeKind.UNSYMMETRIC,
-            "the mass matrix is not symmetric: entry [1][2] is 0.5",
-        ),
-        (
-            ("[0, 4]]", "[3, 4]]"),
-            NoticeKind.UNSYMMETRIC,
-            "the stiffness matrix is not symmetric: entry [1][2] is 0, entry [2][1] is 3",
-        ),
-        (
-            ("mass = [[1, 0], [0, 1]]", "mass = [[1, 2], [2, 1]]"),
-            NoticeKind.UNSTABLE,
-            "the mass matrix is not positive semidefinite",
-        ),
-        (
-            ("mass = [[1, 0], [0, 1]]", "mass = [[1, 0], [0, -1]]"),
-            NoticeKind.UNSTABLE,
-            "the mass matrix is not positive semidefinite",
-        ),
+        (MASS, "mass = [[1, 0.5], [0, 1]]", NoticeKind.UNSYMMETRIC, "the mass matrix is not symmetric: entry [1][2] is 0.5"),
+        (STIFFNESS, "stiffness = [[1, 0], [3, 4]]", NoticeKind.UNSYMMETRIC, "entry [1][2] is 0, entry [2][1] is 3"),
+        (MASS, "mass = [[1, 2], [2, 1]]", NoticeKind.UNSTABLE, "the mass matrix is not positive semidefinite"),
+        (MASS, "mass = [[1, 0], [0, -1]]", NoticeKind.UNSTABLE, "the mass matrix is not positive semidefinite"),
     ],
 )
-def test_matrices_that_no_machine_has_are_reported(tmp_path, change, kind, text):
-    notices = scene_of(tmp_path, MATRICES.replace(*change)).notices
+def test_matrices_that_no_machine_has_are_reported(tmp_path, old, new, kind, text):
+    notices = scene_of(tmp_path, MATRICES.replace(old, new)).notices
     assert any(notice.kind == kind and text in notice.text for notice in notices)
 
 

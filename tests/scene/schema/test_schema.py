@@ -11,7 +11,6 @@ import pytest
 from jsonschema import Draft202012Validator
 from pydantic import ValidationError
 
-from mbconstrained import cli
 from mbconstrained.cli import new
 from mbconstrained.ground.errors import InputError, SceneError
 from mbconstrained.scene.run.scene import read_scene
@@ -19,9 +18,12 @@ from mbconstrained.scene.schema.entry_types import KINDS_OF_ENTRIES, Table
 from mbconstrained.scene.schema.scene_schema import SceneFile, robot_schema, scene_schema
 from tests.scene.scenes import EXAMPLES, OSCILLATOR, scene_of
 
-SCHEMA = SceneFile.model_json_schema()
 TEMPLATES = Path(new.__file__).parent / "templates"
 SCENES = sorted([*EXAMPLES.glob("*.toml"), *(path for path in TEMPLATES.glob("*.toml") if not path.name.endswith(".robot.toml"))])
+
+
+SCHEMA = SceneFile.model_json_schema()
+CHECK = Draft202012Validator(scene_schema())
 
 
 def tables_are_closed_and_described(schema):
@@ -52,9 +54,6 @@ def test_kinds_in_messages_are_those_of_the_schema():
         assert [f'"{kind}"' in KINDS_OF_ENTRIES[key] for kind in tagged] == [True] * len(tagged)
 
 
-CHECK = Draft202012Validator(scene_schema())
-
-
 def data_of(path: Path) -> dict:
     return tomllib.loads(path.read_text(encoding="utf-8"))
 
@@ -73,8 +72,8 @@ def test_the_schema_of_a_robot_toml_is_complete_and_every_robot_fits_it():
 
 
 def test_the_schema_is_one_and_every_key_has_title_description_and_unit():
-    Draft202012Validator.check_schema(scene_schema())
-    tables = {"the file": scene_schema(), **scene_schema()["$defs"]}
+    Draft202012Validator.check_schema(CHECK.schema)
+    tables = {"the file": CHECK.schema, **CHECK.schema["$defs"]}
     entries = {f"{name}.{key}": entry for name, table in tables.items() for key, entry in table["properties"].items()}
     assert [name for name, entry in entries.items() if not (entry.get("title") and entry.get("description"))] == []
     for name, unit in (
@@ -109,12 +108,10 @@ def test_mistakes_are_marked_while_one_writes(old, new):
     assert not CHECK.is_valid(tomllib.loads(OSCILLATOR.replace(old, new, 1)))
 
 
-@pytest.mark.parametrize(("arguments", "schema"), [([], scene_schema), (["--robot"], robot_schema)])
-def test_the_command_prints_it(capsys, monkeypatch, arguments, schema):
-    monkeypatch.setattr("sys.argv", ["mbconstrained", "schema", *arguments])
-    with pytest.raises(SystemExit) as left:
-        cli.main()
-    assert not left.value.code and json.loads(capsys.readouterr().out) == schema()
+@pytest.mark.parametrize(("arguments", "schema"), [([], CHECK.schema), (["--robot"], robot_schema())])
+def test_the_command_prints_it(command, arguments, schema):
+    code, out, _ = command("schema", *arguments)
+    assert code == 0 and json.loads(out) == schema
 
 
 VALUES = ("0", "-1", "1.5", '"x"', '""', "[]", "{}", "true", "nan", "inf", "1979-05-27")
