@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..ground.checks import OF_FUNCTION, nearest, real_number
+from ..ground.coordinate_units import force_unit
 from ..ground.errors import InputError
 from ..ground.notices import Notice
 from ..ground.tolerances import CONE_TOLERANCE, NOISE_SAFETY
@@ -208,7 +209,7 @@ def robot_parameters(posture: Posture, linearize: Linearize) -> Iterator[Paramet
 def _joints(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
     robot, size = posture.robot, len(posture.robot.coordinates) + len(posture.robot.flexible_joints)
     for place, (name, unit) in enumerate(zip(robot.coordinates, robot.units)):
-        of_force = "N m" if unit == "rad" else "N"
+        of_force = force_unit(unit)
         value, only = float(robot.joint_stiffness[place]), np.eye(len(robot.coordinates))[place]
         if value:
             build = partial(_with_joint_stiffness, posture, linearize, only, value)
@@ -225,11 +226,10 @@ def _flexible_joints(robot: RobotModel) -> Iterator[Parameter]:
         stretch = np.zeros(count + len(robot.flexible_joints))
         stretch[[robot.coordinates.index(name), count + number]] = -1.0, 1.0
         unit = robot.units[robot.coordinates.index(name)]
-        of_force = "N m" if unit == "rad" else "N"
-        for key, over in (("stiffness", unit), ("damping", f"s/{unit}")):
+        for key, over in (("stiffness", "/"), ("damping", " s/")):
             if value := getattr(joint, key):
                 slopes: dict[str, Any] = {key: np.outer(stretch, stretch)}
-                yield Parameter(f"{name}.{key}", value, **slopes, unit=f"{of_force}/{over}".replace("/s/", " s/"))
+                yield Parameter(f"{name}.{key}", value, **slopes, unit=f"{force_unit(unit)}{over}{unit}")
 
 
 def _connections(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
@@ -535,13 +535,15 @@ class LinearizedRobot(MechanicalSystem):
         ['hinge stop impact']
         """
         from ..mechanics.switched.switched_system import SwitchedSystem
-        from .switching import robot_switches
+        from .switching import load_of, robot_switches
 
-        own = robot_switches(self.posture, self.size, parts)
-        loops = [item.connection for item in self.posture.loops if item.connection.name in own.loops]
-        common = copy(self.without_rows(name for loop in loops for name in loop.row_names))
-        common.static_force, common.switched_loops, common.grips = self.static_force - own.load, own.loops, own.grips
-        return SwitchedSystem.of_switches(common, own.switches)
+        switches, grips = robot_switches(self.posture, self.size, parts)
+        loops = tuple(part.opened for part in parts if part.opened is not None)
+        rows = (row for item in self.posture.loops if item.connection.name in loops for row in item.connection.row_names)
+        common = copy(self.without_rows(rows))
+        common.static_force = self.static_force - load_of(self.posture, self.size, loops)
+        common.switched_loops, common.grips = loops, grips
+        return SwitchedSystem.of_switches(common, switches)
 
     def without_rows(self, names: Iterable[str]) -> LinearizedRobot:
         """Return the robot without some of its constraint rows, such as those of a moving base that another motion replaces.
@@ -725,24 +727,19 @@ class LinearizedRobot(MechanicalSystem):
         return row
 
     def _directions(self, what: str, values) -> tuple[dict[str, np.ndarray], dict[str, str]]:
-        """Inputs or outputs by name over the coordinates, with their units."""
-        directions, row = {}, self._input if what == "input" else self._row
-        for name, value in _by_name(values, f"{what}s").items():
+        """Inputs or outputs by name over the coordinates, with their units; the torque of a flexible joint is that of its motor."""
+        if not isinstance(values, Mapping):
+            raise InputError(f"{what}s: found {type(values).__name__}; expected joints or mb.PointMotion by names of your own")
+        directions, units = {}, {}
+        for name, value in values.items():
+            label = f'{what} "{name}"'
             if what == "input" and name in self.names:
-                raise InputError(
-                    f'input "{name}": this is the name of a coordinate, on which forces can act anyway; choose another'
-                )
-            directions[str(name)] = row(value, f'{what} "{name}"')
-        return directions, {str(name): self._unit(value) for name, value in values.items()}
-
-    def _input(self, value, what: str) -> np.ndarray:
-        motor = f"{value} motor"
-        return self._row(motor if motor in self.names else value, what)
-
-    def _unit(self, value) -> str:
-        if isinstance(value, PointMotion):
-            return "rad" if value.turn else "m"
-        return self.units[value]
+                raise InputError(f"{label}: this is the name of a coordinate, on which forces can act anyway; choose another")
+            if what == "input" and (motor := f"{value} motor") in self.names:
+                value = motor
+            directions[str(name)] = self._row(value, label)
+            units[str(name)] = ("rad" if value.turn else "m") if isinstance(value, PointMotion) else self.units[value]
+        return directions, units
 
     def _energy_parts(self) -> EnergyParts:
         robot, count = self.posture.robot, len(self._flexible)
@@ -790,9 +787,3 @@ def _by_distinct_names(parts: list[tuple[str, np.ndarray]]) -> dict[str, np.ndar
 def _chosen(channels):
     """The names of a mapping, and the other names of channels."""
     return list(channels) if isinstance(channels, Mapping) else channels
-
-
-def _by_name(values, what: str) -> Mapping:
-    if not isinstance(values, Mapping):
-        raise InputError(f"{what}: found {type(values).__name__}; expected joints or mb.PointMotion by names of your own")
-    return values

@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from ..ground.checks import listed, nearest
+from ..ground.coordinate_units import force_unit
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
@@ -502,7 +503,7 @@ def _check(state: Equilibrium, search: Search) -> None:
     if not state.residual <= BALANCED:
         left = np.where(search.free, state.balance.force - state.balance.jacobian.T @ state.multipliers, 0.0)
         worst = int(np.abs(left * search.load.lengths).argmax())  # in comparable units
-        force = f"{abs(left[worst]):.4g} {'N m' if search.load.units[worst] == 'rad' else 'N'} on {search.names[worst]}"
+        force = f"{abs(left[worst]):.4g} {force_unit(search.load.units[worst])} on {search.names[worst]}"
         advice = singular or "; give another guess, springs, loops, forces, or joints to hold"
         raise InputError(
             f"equilibrium: there is none near the guess: {force} stay without balance, {state.residual:.2g} of the largest force, and "

@@ -117,35 +117,6 @@ def test_a_head_that_is_a_point_on_three_axes_is_trusted():
     assert not [notice.text for notice in motion.notices if notice.doubtful]
 
 
-ARMS = {
-    "panda": ("panda_description/urdf/panda.urdf", 9),
-    "ur5": ("ur_description/urdf/ur5_robot.urdf", 6),
-    "talos arm": ("talos_data/robots/talos_left_arm.urdf", 7),
-}
-
-
-@pytest.mark.parametrize("arm", ARMS)
-def test_arms_with_fixed_joints(arm):
-    path, size = ARMS[arm]
-    text = example_robot_data.file(path).read_text()
-    text = re.sub(r"<mimic[^>]*(/>|>\s*</mimic>)", "", text)  # of these pinocchio's derivatives know nothing
-    robot, reference = mb.Robot(text), Reference(text)
-    assert len(robot.joints) == size
-    rng = np.random.default_rng(3)
-    lower, upper = np.maximum(reference.model.lowerPositionLimit, -2), np.minimum(reference.model.upperPositionLimit, 2)
-    q = lower + (upper - lower) * rng.uniform(0.2, 0.8, len(lower))
-    guess = reference.angles(q)
-    posture = robot.equilibrium(guess, hold="all")
-    system = robot.linearize(posture)
-    places = order(robot, reference)
-    expected = reference.stiffness(q, np.zeros(0))[np.ix_(places, places)]
-    assert np.abs(system.stiffness - expected).max() <= 1e-9 * np.abs(expected).max()
-    assert np.abs(system.mass - reference.mass(q)[np.ix_(places, places)]).max() <= 1e-12 * np.abs(system.mass).max()
-    assert [posture.torques[name] for name in robot.coordinates] == pytest.approx(
-        -reference.applied(q)[places], rel=1e-10, abs=1e-10
-    )
-
-
 #: Of one link, without moving joints on a fixed base, or no URDF at all.
 NO_TREES = {"ur3.urdf", "quadrotor_base.urdf", "iris_simple.urdf"}
 

@@ -14,7 +14,7 @@ from ...ground.tolerances import noise_of
 from ...linalg.precise import is_worthwhile
 from ...mechanics.family import BY_POLES, Family, family, stacked_transfers
 from ...mechanics.stacked_equations import projected
-from ...mechanics.stacked_peaks import LargestResponses, largest_responses
+from ...mechanics.stacked_poles import LargestResponses, largest_responses
 from ...models.lumped import coordinate_row, exact_elements, incidence_of
 from ...scene.run.scene import Scene
 from ..frequency import Frequency
