@@ -12,7 +12,7 @@ import numpy as np
 
 from ..frequency.frequency_response import FrequencyResponse
 from ..frequency.random.random_response import RandomResponse
-from ..frequency.shock.response_spectrum import PARTS, ShockResponseSpectrum
+from ..frequency.shock_spectrum import PARTS, ShockResponseSpectrum
 from ..ground.display import with_unit
 from ..ground.errors import MbconstrainedError
 from ..mechanics.equations import EquationsOfMotion

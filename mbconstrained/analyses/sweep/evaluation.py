@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ...frequency.shock.extrema import Extrema, RootMeanSquares
+from ...frequency.extrema import Extrema, RootMeanSquares
 from ...ground.errors import InputError, MbconstrainedError
 from ...ground.threads import SMALL, one_thread
 from ...ground.tolerances import PROVED_ACCURACY, noise_of

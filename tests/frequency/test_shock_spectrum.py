@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.frequency.shock import response_spectrum
-from mbconstrained.frequency.shock.response_spectrum import Oscillator, ShockRecord
+from mbconstrained.frequency import shock_spectrum
+from mbconstrained.frequency.shock_spectrum import Oscillator, ShockRecord
 
 QUANTITIES = ("absolute acceleration", "relative displacement", "relative velocity")
 PARTS = ("primary_positive", "primary_negative", "residual_positive", "residual_negative")
@@ -288,7 +288,7 @@ def test_many_oscillators_have_the_peaks_of_each(monkeypatch, is_even, damping_r
     for quantity in QUANTITIES:
         each = [mb.shock_response_spectrum(record, [one], damping_ratio, quantity) for one in f]
         for together in (1, 1 << 17):
-            monkeypatch.setattr(response_spectrum, "ALL_TOGETHER", together)
+            monkeypatch.setattr(shock_spectrum, "ALL_TOGETHER", together)
             whole = mb.shock_response_spectrum(record, f, damping_ratio, quantity)
             for part in PARTS:
                 own = np.array([getattr(one, part)[0] for one in each])
