@@ -12,6 +12,7 @@ from mbconstrained.page.content import RecordResponse, TimeFunctions
 from mbconstrained.page.plots import PlotFunctions
 from mbconstrained.page.readings import record_steps
 from tests.page.browser import needs_chromium
+from tests.page.plots.in_browser import number_of
 from tests.page.plots.pages import certain, functions_of_data
 
 
@@ -119,8 +120,5 @@ def test_the_script_steps_through_a_record(browser, tmp_path):
         time = float(shown.removesuffix(" s"))
         for curve, text in zip(plots[0].curves, texts):
             source, row = curve.function
-            number, _, power = text.removesuffix(" m").replace("−", "-").partition("·10")
-            digits = "".join("-0123456789"["⁻⁰¹²³⁴⁵⁶⁷⁸⁹".index(sign)] for sign in power)
-            value = float(number) * 10.0 ** int(digits or 0)
-            assert value == pytest.approx(source.at(np.array([time]))[row, 0], rel=5.1e-3, abs=1e-12)
+            assert number_of(text) == pytest.approx(source.at(np.array([time]))[row, 0], rel=5.1e-3, abs=1e-12)
     assert browser.messages == []
